@@ -12,21 +12,21 @@ subpackages.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from calib.program import VERSION
+from calib.base.program import VERSION
 
 if TYPE_CHECKING:
-    from calib.checks.check import check
-    from calib.demo.samples import sample_logs
+    from calib.car.model import default_model
+    from calib.car.vehicle_file import read_vehicle
     from calib.diagnosis.diagnose import diagnose
     from calib.estimation.estimator import estimate
+    from calib.estimation.validate import validate
     from calib.exports.export import export
     from calib.fitting.fit import fit
+    from calib.help.samples import sample_logs
     from calib.logs.read import read_log
-    from calib.physics.model import default_model
-    from calib.physics.vehicle_file import read_vehicle
-    from calib.simulation.simulate import simulate
+    from calib.model.simulate import simulate
+    from calib.run.check import check
     from calib.store.store import Store
-    from calib.validation.validate import validate
 
 __version__ = VERSION
 
@@ -47,17 +47,17 @@ __all__ = [
 
 _HOMES = {
     "Store": "calib.store.store",
-    "check": "calib.checks.check",
-    "default_model": "calib.physics.model",
+    "check": "calib.run.check",
+    "default_model": "calib.car.model",
     "diagnose": "calib.diagnosis.diagnose",
     "estimate": "calib.estimation.estimator",
     "export": "calib.exports.export",
     "fit": "calib.fitting.fit",
     "read_log": "calib.logs.read",
-    "read_vehicle": "calib.physics.vehicle_file",
-    "sample_logs": "calib.demo.samples",
-    "simulate": "calib.simulation.simulate",
-    "validate": "calib.validation.validate",
+    "read_vehicle": "calib.car.vehicle_file",
+    "sample_logs": "calib.help.samples",
+    "simulate": "calib.model.simulate",
+    "validate": "calib.estimation.validate",
 }
 """The module of each name. It is imported when the name is first used: ``import calib`` is
 fast."""

@@ -14,10 +14,10 @@ from cli.outputs import writing
 from cli.stop import stoppable
 
 if TYPE_CHECKING:
-    from calib.fleet.job import Job
-    from calib.fleet.pace import Pace
-    from calib.fleet.pool import Executor
-    from calib.fleet.run import Batch
+    from calib.line.fleet.job import Job
+    from calib.line.fleet.pace import Pace
+    from calib.line.fleet.pool import Executor
+    from calib.line.fleet.run import Batch
 
 EPILOG = example(
     "brake-cal batch check sample_logs/sedan --out checked",
@@ -56,7 +56,7 @@ def batch(
         raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
     job = options.job(command, out)
     _check_logs(logs, job, out)
-    from calib.fleet.run import run_batch
+    from calib.line.fleet.run import run_batch
 
     with stoppable("stopped; the same command continues where it was"):
         executor = _executor(workers, scheduler)
@@ -75,7 +75,7 @@ def batch(
 
 def _check_logs(logs: list[str], job: "Job", out: Path) -> None:
     """Raise an error for names without a log, before any worker is started."""
-    from calib.fleet.find import find_logs
+    from calib.line.fleet.find import find_logs
 
     for argument in logs:
         next(find_logs([argument], job.command, out))
@@ -83,17 +83,17 @@ def _check_logs(logs: list[str], job: "Job", out: Path) -> None:
 
 def _executor(workers: int | None, scheduler: str | None) -> "Executor":
     if scheduler is not None:
-        from calib.fleet.cluster import Cluster
+        from calib.line.fleet.cluster import Cluster
 
         return Cluster(scheduler)
-    from calib.fleet.pool import Pool
-    from calib.processes import cores
+    from calib.base.processes import cores
+    from calib.line.fleet.pool import Pool
 
     return Pool(workers or cores())
 
 
 def _tell(done: "Batch", json: bool) -> None:
-    from calib.fleet.pace import words
+    from calib.line.fleet.pace import words
 
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
     say(words(done.pace))
@@ -106,7 +106,7 @@ def _tell(done: "Batch", json: bool) -> None:
 @contextmanager
 def _progress() -> "Iterator[Callable[[Pace], None]]":
     """Show rate and remaining time in a bar, on a terminal only."""
-    from calib.fleet.pace import words
+    from calib.line.fleet.pace import words
 
     if is_watched():
         with progress_bar("", None, time_left=False) as bar:

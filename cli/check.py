@@ -16,9 +16,9 @@ from cli.options import Json, Map, example
 if TYPE_CHECKING:
     from rich.panel import Panel
 
-    from calib.checks.check import Findings
-    from calib.errors import InputError
+    from calib.base.errors import InputError
     from calib.logs.channel_map import ChannelMap
+    from calib.run.check import Findings
 
 EPILOG = example("brake-cal check sample_logs/sedan/*.csv")
 
@@ -33,8 +33,8 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
     One line for each; -v shows what the log contains as well. Exit code 1 if a log is usable for
     nothing, 3 if one cannot be read.
     """
-    from calib.checks.check import to_dict
-    from calib.checks.words import line
+    from calib.run.check import to_dict
+    from calib.run.check_words import line
     from cli.console import complain, emit, emit_json, say
 
     found, errors = _look(logs, channel_map_of(channel_map))
@@ -62,11 +62,11 @@ def _look(
     logs: list[Path], mapping: "ChannelMap | None"
 ) -> "tuple[list[Findings], list[tuple[Path, InputError]]]":
     """Check every log; one that cannot be read does not stop the check of the others."""
-    from calib.checks.check import check as look_at
-    from calib.checks.computed_channels import computed_channels
-    from calib.errors import InputError
+    from calib.base.errors import InputError
     from calib.logs.formats import RECORDINGS, ending_of
     from calib.logs.read import read_opened
+    from calib.run.check import check as look_at
+    from calib.run.computed_channels import computed_channels
 
     found, errors = [], []
     for path, name in _watched(logs, named(logs)):
@@ -97,7 +97,7 @@ def _watched(logs: list[Path], names: list[Path]) -> "Iterator[tuple[Path, Path]
 def _panel(findings: "Findings") -> "Panel":
     from rich.panel import Panel
 
-    from calib.checks.check import facts
+    from calib.run.check import facts
     from cli.terminal import safe_text
 
     grid = facts_grid()

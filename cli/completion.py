@@ -73,7 +73,7 @@ def _store(context: typer.Context) -> Path:
 
 def _of_settings() -> Path | None:
     """The store of the settings file, read without a check of the rest; None without one."""
-    from calib.documents.settings import VARIABLE, find_settings
+    from calib.base.settings import VARIABLE, find_settings
 
     named = os.environ.get(VARIABLE)
     try:

@@ -14,7 +14,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import PurePath
 from typing import IO, TYPE_CHECKING, Any
 
-from calib.printable import printable
+from calib.base.printable import printable
 from cli.loudness import this_run
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from cli.outputs import ready_folder
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.demo.demo import SectionFive, SectionFour, Story
+    from calib.help.demo import SectionFive, SectionFour, Story
 
 EPILOG = example("brake-cal demo", "brake-cal demo --out somewhere")
 FOLDER = Path("brake-cal-demo")
@@ -27,8 +27,8 @@ def demo(
     diagnoses a car with a hidden effect: the gap, the effect, the gap with it. All files go into
     one folder: the sample logs, the store, results and figures.
     """
-    from calib.demo.demo import hidden_story, run, section_five, section_four
     from calib.diagnosis.written.document import to_dict
+    from calib.help.demo import hidden_story, run, section_five, section_four
 
     ready_folder(out)
     out.mkdir(parents=True, exist_ok=True)

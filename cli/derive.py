@@ -35,7 +35,7 @@ def derive(
     It names its parent, and every cell that was set is marked. D, f1 and f2 of a row are tied,
     level and ratio of the pads are, too: what moves along is told.
     """
-    from calib.revisions.derive import derive as corrected
+    from calib.store.derive import derive as corrected
 
     kept = calib.Store(store)
     parent = kept.load(table)

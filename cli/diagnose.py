@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from calib.base.plain import counted
 from calib.diagnosis.gates import GATES
-from calib.messages.plain import counted
 from cli.console import emit, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, with_own_effects
 from cli.logs import named, read
@@ -64,12 +64,12 @@ def diagnose(
     is a copy, swapped wheel speeds, a pressure of another run. Exit code 0, or 130 if stopped by
     Ctrl-C or SIGTERM.
     """
+    from calib.base.processes import cores, side_by_side
+    from calib.car.vehicle_file import read_vehicle
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.written.document import text_of, to_dict
     from calib.diagnosis.written.folder import files_of, write_folder
-    from calib.physics.vehicle_file import read_vehicle
-    from calib.processes import cores, side_by_side
-    from calib.reports.diagnosis import report_html
+    from calib.show.diagnosis_page import report_html
 
     kept = holdout or []
     stems = stems_of(named([*logs, *kept])[len(logs) :], HOLDOUT)

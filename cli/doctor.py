@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from calib.program import PROGRAM, VERSION
+from calib.base.program import PROGRAM, VERSION
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import Json, example
 from cli.project import STORE, find_project
 
 if TYPE_CHECKING:
-    from calib.qualification.doctor import Finding
+    from calib.help.doctor import Finding
 
 EPILOG = example("brake-cal doctor", "brake-cal doctor --json")
 WRONG = 1
@@ -34,7 +34,7 @@ def doctor(
     font of the pictures, cores, memory, the store, the settings and the terminal. It writes nothing
     and uses no network. Exit code 0 if it can work, 1 if something that it needs is wrong.
     """
-    from calib.qualification import doctor as library
+    from calib.help import doctor as library
 
     settings, usual = _settings()
     found = [*library.examine(store or usual or STORE), settings, *_terminal()]
@@ -61,8 +61,8 @@ def _report(found: "list[Finding]", wrong: "list[Finding]") -> None:
 
 def _settings() -> "tuple[Finding, Path | None]":
     """The settings file, and the store that it names."""
-    from calib.errors import SettingsError
-    from calib.qualification.doctor import FINE, WRONG, Finding
+    from calib.base.errors import SettingsError
+    from calib.help.doctor import FINE, WRONG, Finding
 
     try:
         project = find_project()
@@ -73,7 +73,7 @@ def _settings() -> "tuple[Finding, Path | None]":
 
 
 def _terminal() -> "Iterator[Finding]":
-    from calib.qualification.doctor import FINE, NOTE, Finding
+    from calib.help.doctor import FINE, NOTE, Finding
 
     width, kind = shutil.get_terminal_size().columns, "terminal" if sys.stdout.isatty() else "pipe"
     encoding = sys.stdout.encoding or "unknown"

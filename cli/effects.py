@@ -12,7 +12,7 @@ from cli.options import Json, OwnEffects, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.physics.effects.effect import Card, Parameter
+    from calib.car.effects.effect import Card, Parameter
 
 EPILOG = example(
     "brake-cal effects",
@@ -27,7 +27,7 @@ def effects(
         typer.Argument(
             metavar="NAME",
             help="One effect; if not given, all.",
-            autocompletion=names_of("calib.physics.effects.catalogue", "CATALOGUE"),
+            autocompletion=names_of("calib.car.effects.catalogue", "CATALOGUE"),
         ),
     ] = None,
     effect: OwnEffects = None,
@@ -38,12 +38,12 @@ def effects(
     With a NAME its card is printed. With --effect the file is checked, and its effect is among
     them.
     """
-    from calib.physics.effects.catalogue import CATALOGUE
-    from calib.physics.own_effects.read import read_own_effects
+    from calib.car.effects.catalogue import CATALOGUE
+    from calib.car.own_effects.read import read_own_effects
 
     known = {**CATALOGUE, **{one.name: one.effect for one in read_own_effects(effect or [])}}
     if name is not None and name not in known:
-        from calib.documents.toml import did_you_mean
+        from calib.base.toml import did_you_mean
 
         hint = did_you_mean(name, known) or "'brake-cal effects' lists the known ones"
         raise typer.BadParameter(f"unknown effect {name!r}; {hint}", param_hint="NAME")
@@ -78,7 +78,7 @@ def _card(card: "Card") -> str:
 
 
 def _range(p: "Parameter") -> str:
-    from calib.units import behind
+    from calib.base.units import behind
 
     unit = behind(p.unit)
     typical = f"{p.typical:g} +- {p.spread:g}{unit}"

@@ -77,7 +77,7 @@ def export_table(
     form = _known(form, out)
     _check_usage(form, out, bits, elf)
     public = signing.public()
-    from calib.errors import ExchangeError
+    from calib.base.errors import ExchangeError
 
     opened = calib.Store(store)
     stored = opened.load(table) if unreleased else opened.released(table)
@@ -99,7 +99,7 @@ def export_table(
 
 def _known(form: str | None, out: Path) -> str:
     """The format that was named, or that of the ending of the file."""
-    from calib.errors import ExchangeError
+    from calib.base.errors import ExchangeError
     from calib.exports.export import format_named, format_of
 
     try:

@@ -1,8 +1,8 @@
-"""Errors as JSON, see `calib.documents.schema`."""
+"""Errors as JSON, see `calib.base.schema`."""
 
 from typing import Any
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
 
 USAGE = "usage"
 """Kind of an error in the command line itself."""

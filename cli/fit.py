@@ -24,8 +24,8 @@ from cli.outputs import refuse_report, today, write_report
 from cli.project import STORE
 
 if TYPE_CHECKING:
+    from calib.car.mass import MassUsed
     from calib.logs.log import Log
-    from calib.physics.mass import MassUsed
     from calib.store.version import Stored
 
 EPILOG = example(
@@ -56,11 +56,11 @@ def fit(
     vehicle file or of --model are removed from the logs first. The table goes into the store as a
     new version; the same logs give the same version again.
     """
+    from calib.car.mass import mass_used
+    from calib.car.model import with_model
+    from calib.car.model_file import read_model
+    from calib.car.vehicle_file import read_vehicle
     from calib.fitting.fit import fit as fit_table
-    from calib.physics.mass import mass_used
-    from calib.physics.model import with_model
-    from calib.physics.model_file import read_model
-    from calib.physics.vehicle_file import read_vehicle
 
     refuse_stdin(logs)
     refuse_report(report, logs, [vehicle, model, channel_map])
@@ -93,8 +93,8 @@ def fit(
 def _page(
     stored: "Stored", runs: "list[Log]", mass: "MassUsed", files: dict[str, Path | None]
 ) -> str:
-    from calib.reports.fit import report_html
-    from calib.reports.origin import origin_of
+    from calib.show.fit import report_html
+    from calib.show.origin import origin_of
 
     braked = {log.digest for log in stored.table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
@@ -102,7 +102,7 @@ def _page(
 
 
 def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
-    from calib.messages.warning import to_dict
+    from calib.base.warning import to_dict
     from calib.store.answer import answer
     from calib.table.budget import summary
     from calib.table.pads_budget import pads_budget

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from calib.messages.plain import counted
+from calib.base.plain import counted
 from cli.completion import names_of
 from cli.console import emit, emit_json, json_text, progress, say
 from cli.group import command_group
@@ -13,8 +13,8 @@ from cli.options import Json, example, out_folder
 from cli.outputs import ready_folder, writing
 
 if TYPE_CHECKING:
-    from calib.fleet.summary import Summary
-    from calib.reports.html import Picture
+    from calib.line.fleet.summary import Summary
+    from calib.show.html import Picture
 
 DOCUMENT, REPORT = "fleet.json", "report.html"
 SHOWN = 10
@@ -45,16 +45,16 @@ def report(
             "--figure",
             metavar="NAME",
             help="Only this metric; repeatable.",
-            autocompletion=names_of("calib.validation.metrics", "METRICS"),
+            autocompletion=names_of("calib.estimation.metrics", "METRICS"),
         ),
     ] = None,
     out: Annotated[Path | None, out_folder("Write report.html, fleet.json, PNGs here.")] = None,
     json: Json = False,
 ) -> None:
     """Show distributions, outliers and drift of a batch of logs."""
-    from calib.fleet.results import open_fleet
-    from calib.fleet.summary import summarise
-    from calib.reports.fleet import document
+    from calib.line.fleet.results import open_fleet
+    from calib.line.fleet.summary import summarise
+    from calib.show.fleet_page import document
 
     ready_folder(out, (DOCUMENT, REPORT))
     opened = open_fleet(results, order)
@@ -82,8 +82,8 @@ def index(
     loads itself again every 10 s. Each run is a folder below
     DIR, as `station --out` writes it. `watch --index DIR` keeps both up to date.
     """
-    from calib.station.index import INDEX, LIVE
-    from calib.station.index_page import write_index
+    from calib.line.station.index import INDEX, LIVE
+    from calib.show.station_index import write_index
 
     with writing(folder, "DIR"):
         number = write_index(folder)
@@ -95,11 +95,11 @@ def index(
 
 def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw all files first, then write them."""
-    from calib.files.publish import publish, workshop
-    from calib.files.write import write_whole
-    from calib.plots.fleet import picture_name
-    from calib.printable import printable
-    from calib.reports.fleet import document, report_html
+    from calib.base.printable import printable
+    from calib.base.publish import publish, workshop
+    from calib.base.write import write_whole
+    from calib.show.fleet_figure import picture_name
+    from calib.show.fleet_page import document, report_html
 
     drawings = _pictures(found)
     title = printable(f"{results.absolute().parent.name}/{results.name}")
@@ -118,7 +118,7 @@ def _earlier(out: Path) -> set[str]:
     """Pictures of an earlier report here."""
     import json
 
-    from calib.plots.fleet import picture_name
+    from calib.show.fleet_figure import picture_name
 
     try:
         figures = json.loads((out / DOCUMENT).read_text(encoding="utf-8"))["figures"]
@@ -129,9 +129,9 @@ def _earlier(out: Path) -> set[str]:
 
 def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
     """For each metric its PNG file, and its picture in the page."""
-    from calib.plots.fleet import sheet
-    from calib.plots.sheet import render
-    from calib.reports.html import drawn
+    from calib.show.fleet_figure import sheet
+    from calib.show.html import drawn
+    from calib.show.sheet import render
 
     looks = [look for look in found.looks if look.values.size]
     pictures = {}
@@ -145,8 +145,8 @@ def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
 
 
 def _report(found: "Summary") -> None:
-    from calib.messages.plain import plain
-    from calib.reports.fleet import described, headline, reach, reason
+    from calib.base.plain import plain
+    from calib.show.fleet_page import described, headline, reach, reason
 
     emit(headline(found))
     emit(", ".join(f"{count} {name}" for name, count in found.status.items()))

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
+    from calib.car.vehicle import Vehicle
+    from calib.estimation.limits import Limit
     from calib.logs.channel_map import ChannelMap
-    from calib.physics.vehicle import Vehicle
     from calib.store.version import Stored
-    from calib.validation.limits import Limit
 
 
 def require_day(written: str | None, option: str) -> None:
@@ -36,15 +36,15 @@ def channel_map_of(path: Path | None) -> "ChannelMap | None":
 
 def vehicle_of(path: Path | None) -> "Vehicle | None":
     """The vehicle of an optional ``--vehicle``."""
-    from calib.physics.vehicle_file import read_vehicle
+    from calib.car.vehicle_file import read_vehicle
 
     return read_vehicle(path) if path else None
 
 
 def with_own_effects(car: "Vehicle", files: list[Path] | None) -> "Vehicle":
     """The car with the effects of ``--effect``, whose files are executed."""
-    from calib.physics.own_effects.own_effect import with_own
-    from calib.physics.own_effects.read import read_own_effects
+    from calib.car.own_effects.own_effect import with_own
+    from calib.car.own_effects.read import read_own_effects
 
     return with_own(car, read_own_effects(files)) if files else car
 
@@ -63,7 +63,7 @@ def tables_of(store: Path, references: Sequence[str]) -> "tuple[Stored, ...]":
 def golden_of(store: Path, reference: str) -> "Stored":
     """The table by which others are measured: released, or a draft that is named by its version."""
     import calib
-    from calib.errors import StoreError
+    from calib.base.errors import StoreError
     from cli.console import say
 
     found = calib.Store(store).released(reference)
@@ -106,8 +106,8 @@ def tell_newest(store: Path, stored: "Stored") -> None:
 
 def quantity_of(written: str, si: str, option: str) -> float:
     """A quantity of an option in SI, written as in a vehicle file; else a usage error."""
-    from calib.documents.toml import quantity
-    from calib.errors import InputError
+    from calib.base.errors import InputError
+    from calib.base.toml import quantity
 
     try:
         return quantity(written, si, None, InputError)
@@ -134,7 +134,7 @@ def mass_of(written: str | None) -> float | None:
     """The mass [kg] of an optional ``--mass``, within what a vehicle file may say."""
     if written is None:
         return None
-    from calib.physics.mass import LEAST, MOST
+    from calib.car.mass import LEAST, MOST
 
     mass = quantity_of(written, "kg", "--mass")
     if not LEAST <= mass <= MOST:
@@ -146,9 +146,9 @@ def mass_of(written: str | None) -> float | None:
 
 def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
     """The limits of a file for single stops; the default limits without a file."""
-    from calib.errors import LimitsError
-    from calib.validation.limits import DEFAULTS
-    from calib.validation.metrics import METRICS
+    from calib.base.errors import LimitsError
+    from calib.estimation.limits import DEFAULTS
+    from calib.estimation.metrics import METRICS
 
     if path is None:
         return DEFAULTS
@@ -162,22 +162,22 @@ def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
 
 def limits_of_car(path: Path | None) -> "tuple[Limit, ...]":
     """The limits of a file for a car and its stops; the default limits without a file."""
-    from calib.station.advice import LIMITS
+    from calib.line.station.advice import LIMITS
 
     return _limits(path) if path else LIMITS
 
 
 def _limits(path: Path) -> "tuple[Limit, ...]":
-    from calib.station.metrics import METRICS as OF_CAR
-    from calib.validation.limits_file import read_limits
-    from calib.validation.metrics import METRICS as OF_STOPS
+    from calib.estimation.limits_file import read_limits
+    from calib.estimation.metrics import METRICS as OF_STOPS
+    from calib.line.station.metrics import METRICS as OF_CAR
 
     return read_limits(path, {*OF_STOPS, *OF_CAR})
 
 
 def unknown_format(form: str, name: str, known: Collection[str], option: str) -> typer.BadParameter:
     """The error for an unknown export format; ``name`` is ``form`` in the case of ``known``."""
-    from calib.documents.toml import did_you_mean
+    from calib.base.toml import did_you_mean
 
     near = did_you_mean(name, known)
     what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "

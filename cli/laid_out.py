@@ -6,7 +6,7 @@ from rich.console import Console, ConsoleOptions, RenderResult
 from rich.markdown import CodeBlock, Markdown
 from rich.text import Text
 
-from calib.printable import printable
+from calib.base.printable import printable
 
 
 class WholeLines(CodeBlock):

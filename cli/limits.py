@@ -25,8 +25,8 @@ def init(
     Each with its meaning, unit, default and reason. With --json also as one JSON document on
     stdout.
     """
-    from calib.station.advice import ADVICE
-    from calib.station.limits_file import limits_file
+    from calib.line.station.advice import ADVICE
+    from calib.line.station.limits_file import limits_file
 
     text = limits_file()
     if out is not None:
@@ -38,7 +38,7 @@ def init(
 
 
 def _write(text: str, out: Path, force: bool) -> None:
-    from calib.files.write import write_whole
+    from calib.base.write import write_whole
 
     refuse_folder(out)
     refuse_foreign(out, lambda data: data == text.encode(), "the file as it is written", force)

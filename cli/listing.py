@@ -26,7 +26,7 @@ def list_tables(
         typer.Option(
             metavar="S",
             help="draft, released, rejected or withdrawn.",
-            autocompletion=names_of("calib.signing.signature", "STATES"),
+            autocompletion=names_of("calib.store.minisign", "STATES"),
         ),
     ] = None,
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None,
@@ -77,8 +77,8 @@ def _rows(store: Path) -> "list[ListedVersion]":
 
 
 def _check(state: str | None, since: str | None) -> None:
-    from calib.documents.toml import did_you_mean
-    from calib.signing.signature import STATES
+    from calib.base.toml import did_you_mean
+    from calib.store.minisign import STATES
 
     if state is not None and state not in STATES:
         near = did_you_mean(state, STATES)
@@ -90,7 +90,7 @@ def _check(state: str | None, since: str | None) -> None:
 
 
 def _none(serial: str, every: "list[ListedVersion]") -> str:
-    from calib.documents.toml import did_you_mean
+    from calib.base.toml import did_you_mean
 
     known = sorted({text for row in every for text in (row.serial, row.vin) if text})
     near = did_you_mean(serial, known)

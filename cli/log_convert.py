@@ -103,7 +103,7 @@ def _checked_names(out: Path, logs: list[Path], to: str) -> list[str]:
 
 def write(log: "WholeLog", out: Path, force: bool) -> None:
     """Write a log in the format of the ending, unless another file would be lost."""
-    from calib.files.write import write_whole
+    from calib.base.write import write_whole
 
     content = _content(log, out, force)
     with writing(out):
@@ -122,8 +122,8 @@ def _into(
     out: Path, logs: dict[str, Path], whole: "Callable[[Path], WholeLog]", force: bool
 ) -> "list[tuple[WholeLog, Path]]":
     """All logs into a folder by the names of their files, or none."""
-    from calib.files.publish import publish, workshop
-    from calib.files.write import write_whole
+    from calib.base.publish import publish, workshop
+    from calib.base.write import write_whole
 
     made = []
     plural = "s" * (len(logs) > 1)

@@ -20,8 +20,8 @@ from cli.outputs import (
 )
 
 if TYPE_CHECKING:
-    from calib.checks.events import RunEvent
     from calib.logs.whole import Inventory, WholeLog
+    from calib.run.events import RunEvent
 
 EPILOG = example(
     "brake-cal log view sample_logs/sedan/ramp_wet_asphalt.csv",
@@ -52,8 +52,8 @@ def view(
     _check_out(out, logs, channel_map, force)
     mapping = channel_map_of(channel_map)
     found = []
-    from calib.checks.events import run_events
     from calib.logs.whole import channels_log, inventory
+    from calib.run.events import run_events
 
     for path in logs:
         whole = read_whole(path, mapping)
@@ -72,7 +72,7 @@ def view(
 def _check_out(out: Path | None, logs: list[Path], channel_map: Path | None, force: bool) -> None:
     if out is None:
         return
-    from calib.plots.sheet import ENDINGS
+    from calib.show.sheet import ENDINGS
 
     refuse_ending(out, (*ENDINGS, *PAGES))
     if len(logs) > 1:
@@ -86,7 +86,7 @@ def _is_page(out: Path) -> bool:
 
 
 def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
-    from calib.documents.toml import did_you_mean
+    from calib.base.toml import did_you_mean
 
     have = [column.name for column in log.columns]
     for name in names:
@@ -99,10 +99,10 @@ def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
 def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
-    from calib.files.write import write_whole
-    from calib.plots.log import MOST, figure, panels_of
-    from calib.plots.sheet import render
-    from calib.reports.log import log_html
+    from calib.base.write import write_whole
+    from calib.show.log_figure import MOST, figure, panels_of
+    from calib.show.log_page import log_html
+    from calib.show.sheet import render
 
     count = len(panels_of(log))
     if not 0 < count <= MOST:
@@ -120,7 +120,7 @@ def _draw(
 def _report(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]"
 ) -> None:
-    from calib.reports.log import HEADS, cells, event_cells
+    from calib.show.log_page import HEADS, cells, event_cells
 
     time = log.time
     emit(f"{log.source}: {time.size} rows, {time[0]:g} to {time[-1]:g} s")

@@ -91,8 +91,8 @@ def tell(log: "Log") -> None:
 
 def _stdin() -> bytes:
     """The bytes on stdin. Raises LogError where they are no table, or more than a log may have."""
-    from calib.errors import LogError
-    from calib.files.bounded import LOG
+    from calib.base.bounded import LOG
+    from calib.base.errors import LogError
     from calib.logs.formats import kind_of
 
     if sys.stdin.isatty():

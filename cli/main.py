@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from calib.errors import BrakeCalError
-from calib.program import PROGRAM
+from calib.base.errors import BrakeCalError
+from calib.base.program import PROGRAM
 from cli import (
     batch,
     check,

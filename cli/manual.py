@@ -12,14 +12,14 @@ from cli.options import Json, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.manual.page import Page
+    from calib.help.page import Page
 
 EPILOG = example("brake-cal manual", "brake-cal manual ramp")
 
 
 def _names() -> list[str]:
     """Every PAGE."""
-    from calib.manual.page import contents
+    from calib.help.page import contents
 
     return [page.name for page in contents()]
 
@@ -46,7 +46,7 @@ def manual(
 
 
 def _list(json: bool) -> None:
-    from calib.manual.page import contents
+    from calib.help.page import contents
 
     if json:
         emit_json({"schema": 1, "pages": contents()})
@@ -64,8 +64,8 @@ def _grid(pages: "tuple[Page, ...]") -> "Grid":
 
 
 def _found(asked: str) -> "Page":
-    from calib.documents.toml import did_you_mean
-    from calib.manual.page import find, plain_name
+    from calib.base.toml import did_you_mean
+    from calib.help.page import find, plain_name
 
     pages = find(asked)
     if len(pages) == 1:
@@ -79,7 +79,7 @@ def _found(asked: str) -> "Page":
 
 def _about(word: str) -> str:
     """Pages that have the word in the line on what they are about; "" if none has it."""
-    from calib.manual.page import contents
+    from calib.help.page import contents
 
     names = [p.name for p in contents() if word.lower() in f"{p.title} {p.about}".lower()]
     return f"look into {' or '.join(names)}" if names else ""
@@ -89,7 +89,7 @@ def _show(page: "Page", json: bool) -> None:
     if json:
         emit_json({"schema": 1, "page": page, "text": page.text})
     elif sys.stdout.isatty():
-        from calib.manual.page import for_terminal
+        from calib.help.page import for_terminal
         from cli.laid_out import LaidOut
 
         emit(LaidOut(for_terminal(page.text), hyperlinks=False), whole=True)

@@ -89,7 +89,7 @@ def suggest(
             complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
         raise typer.Exit(UNCERTAIN)
     if out is not None:
-        from calib.files.write import write_whole
+        from calib.base.write import write_whole
 
         with writing(out):
             write_whole(out, toml.encode())

@@ -39,7 +39,7 @@ def merge(
     With the spread between them. Random effects: the spread between cars by REML, the interval of
     the mean after Hartung and Knapp. Its bands are those of one more car of the model.
     """
-    from calib.revisions.merge import merge as mean_of
+    from calib.store.merge import merge as mean_of
 
     _check_name(name)
     kept = calib.Store(store)
@@ -57,7 +57,7 @@ def merge(
 
 def mean_grid(table: "Table") -> "Grid":
     """The figures of a mean table."""
-    from calib.revisions.figures import mean_figures
+    from calib.store.figures import mean_figures
 
     rows = grid("of the mean", "value", "95 % of the mean", "sigma between cars", fold=True)
     for one in mean_figures(table):
@@ -78,7 +78,7 @@ def _check_name(name: str) -> None:
 
 
 def _document(stored: "Stored") -> dict[str, object]:
-    from calib.revisions.figures import mean_figures
+    from calib.store.figures import mean_figures
 
     table = stored.table
     eta = table.difference.eta

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 def origin_facts(table: "Table") -> list[tuple[str, str]]:
     """Name and value of what a table was made of, how its cars differ, what was set by hand."""
-    from calib.revisions.figures import mean_figures
+    from calib.store.figures import mean_figures
 
     return [
         *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),

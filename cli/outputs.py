@@ -13,7 +13,7 @@ from pathlib import Path
 
 import typer
 
-from calib.errors import AnswerError
+from calib.base.errors import AnswerError
 from cli.console import say
 
 OUT = "--out"
@@ -28,7 +28,7 @@ def ready_folder(out: Path | None, names: Iterable[str] = ()) -> None:
 
     ``names`` of files that will be written there: a folder in the place of one is refused, too.
     """
-    from calib.files.publish import refuse_obstacles, settle
+    from calib.base.publish import refuse_obstacles, settle
 
     if out is None:
         return
@@ -63,7 +63,7 @@ def refuse_ending(out: Path, endings: Sequence[str], option: str = OUT) -> None:
 
 def refuse_no_picture(out: Path, force: bool, option: str = OUT) -> None:
     """Refuse what is no place for a picture: another ending, a folder, a foreign file."""
-    from calib.plots.sheet import ENDINGS, is_picture
+    from calib.show.sheet import ENDINGS, is_picture
 
     refuse_ending(out, ENDINGS, option)
     refuse_folder(out, option)
@@ -78,7 +78,7 @@ def refuse_no_page(out: Path, force: bool | None, option: str = OUT) -> None:
 
 
 def _is_page(data: bytes) -> bool:
-    from calib.reports.html import is_page
+    from calib.show.html import is_page
 
     return is_page(data)
 
@@ -106,7 +106,7 @@ def refuse_foreign(
     ``what`` says what would be replaced without --force; ``force`` is None where there is no such
     option.
     """
-    from calib.files.bounded import LOG, read_bounded
+    from calib.base.bounded import LOG, read_bounded
 
     if force:
         return
@@ -151,7 +151,7 @@ def refuse_report(
 
 def write_report(report: Path, page: str) -> None:
     """Write a page and say so."""
-    from calib.files.write import write_whole
+    from calib.base.write import write_whole
 
     with writing(report, REPORT):
         write_whole(report, page.encode())

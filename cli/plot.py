@@ -24,8 +24,8 @@ from cli.project import STORE, from_settings
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from calib.plots.choose import PlotInput
-    from calib.plots.sheet import Sheet
+    from calib.show.choose import PlotInput
+    from calib.show.sheet import Sheet
 
 EPILOG = example(
     "brake-cal plot sedan-2up",
@@ -80,7 +80,7 @@ def plot(
         refuse_no_picture(out, force)
     from dataclasses import replace
 
-    from calib.plots.sheet import save
+    from calib.show.sheet import save
     from cli.console import emit, emit_json, progress, say
 
     given = _read(what, store, vehicle, channel_map)
@@ -109,8 +109,8 @@ def _read(
     """Read all inputs; a name that is no log and no result is a table."""
     from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
-    from calib.plots.choose import PlotInput
-    from calib.plots.result import is_result, read_result
+    from calib.show.choose import PlotInput
+    from calib.show.result import is_result, read_result
     from calib.store.folders import RECORD
 
     files = [Path(w) for w in what]
@@ -149,7 +149,7 @@ def _check_usage(tables: int, logs: int, results: int, vehicle: bool) -> None:
 
 def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str, Figure]]]":
     """Every sheet with its figures by name; the page itself has the name ''."""
-    from calib.plots.choose import sheets
+    from calib.show.choose import sheets
 
     drawn = []
     for sheet in sheets(given):

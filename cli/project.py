@@ -15,7 +15,7 @@ import typer
 from cli.console import say
 
 if TYPE_CHECKING:
-    from calib.documents.settings import Settings
+    from calib.base.settings import Settings
 
 KEY = "cli.project"
 
@@ -39,8 +39,8 @@ class Project:
 
 def find_project() -> Project:
     """Find and read the settings file. Raises SettingsError if it is not valid."""
-    from calib.documents.settings import VARIABLE, Settings, find_settings, folders_to_search
-    from calib.documents.settings_file import read_settings
+    from calib.base.settings import VARIABLE, Settings, find_settings, folders_to_search
+    from calib.base.settings_file import read_settings
 
     named = os.environ.get(VARIABLE)
     if named is not None:
@@ -78,7 +78,7 @@ def from_settings(
 
     Parameters
     ----------
-    name : field of `calib.documents.settings.Settings`.
+    name : field of `calib.base.settings.Settings`.
     needed : what is missing where neither gives a value, a usage error; "" if it may be missing.
     when : whether the setting applies, from the arguments of the command that were given.
     """

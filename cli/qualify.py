@@ -24,9 +24,9 @@ def qualify(
     Writes the environment and the checks with their results. Exit code 0 if all checks hold. Takes
     about 5 s of computing.
     """
-    from calib.qualification.checks import SUITE
-    from calib.qualification.qualify import qualify as made
-    from calib.qualification.qualify import report_html, to_dict
+    from calib.help.checks import SUITE
+    from calib.help.qualify import qualify as made
+    from calib.help.qualify import report_html, to_dict
 
     ready_folder(out, (DOCUMENT, REPORT))
     with progress(f"making {len(SUITE)} checks on the sample logs", len(SUITE)) as done:
@@ -43,8 +43,8 @@ def qualify(
 
 
 def _write(out: Path, document: dict[str, Any], page: str) -> None:
-    from calib.files.publish import publish, workshop
-    from calib.files.write import write_whole
+    from calib.base.publish import publish, workshop
+    from calib.base.write import write_whole
 
     with writing(out), workshop(out) as work:
         write_whole(work / REPORT, page.encode())

@@ -17,10 +17,10 @@ from cli.project import from_settings
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.gauge.plan import Place
-    from calib.gauge.study import GaugeReading, GaugeResult, GaugeStudy
+    from calib.car.vehicle import Vehicle
+    from calib.line.gauge.plan import Place
+    from calib.line.gauge.study import GaugeReading, GaugeResult, GaugeStudy
     from calib.logs.channel_map import ChannelMap
-    from calib.physics.vehicle import Vehicle
     from calib.table.table import LogReference
 
 EPILOG = example(
@@ -55,7 +55,7 @@ def repeatability(
         typer.Option(
             metavar="LAYOUT",
             help="Folders name car, car/station or station/car.",
-            autocompletion=names_of("calib.gauge.plan", "LAYOUTS"),
+            autocompletion=names_of("calib.line.gauge.plan", "LAYOUTS"),
         ),
     ] = None,
     quantity: Annotated[
@@ -63,7 +63,7 @@ def repeatability(
         typer.Option(
             metavar="NAME",
             help="Judge only this metric; repeatable.",
-            autocompletion=names_of("calib.gauge.study", "METRICS"),
+            autocompletion=names_of("calib.line.gauge.study", "METRICS"),
         ),
     ] = None,
     eta: Annotated[
@@ -83,8 +83,8 @@ def repeatability(
     up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
     is then given of that too.
     """
-    from calib.gauge.limits_file import read_gauge_limits
-    from calib.gauge.study import METRICS, study
+    from calib.line.gauge.limits_file import read_gauge_limits
+    from calib.line.gauge.study import METRICS, study
 
     _check_names(quantity or [], list(METRICS))
     ready_folder(out, (DOCUMENT, PICTURE))
@@ -105,7 +105,7 @@ def repeatability(
 
 
 def _check_names(wanted: list[str], known: list[str]) -> None:
-    from calib.documents.toml import did_you_mean
+    from calib.base.toml import did_you_mean
 
     for name in wanted:
         if name not in known:
@@ -116,7 +116,7 @@ def _check_names(wanted: list[str], known: list[str]) -> None:
 def _places(
     logs: list[Path], plan: Path | None, road: str | None, folders: str | None
 ) -> "tuple[Place, ...]":
-    from calib.gauge.plan import (
+    from calib.line.gauge.plan import (
         LAYOUTS,
         certain_layout,
         chosen,
@@ -154,7 +154,7 @@ def _readings(
     names: list[str],
 ) -> "tuple[GaugeReading, ...]":
     from calib.fitting.fit import fit
-    from calib.gauge.study import GaugeReading, metrics_of, refuse_repeated
+    from calib.line.gauge.study import GaugeReading, metrics_of, refuse_repeated
 
     cars = _vehicles(places, vehicle)
     readings: list[GaugeReading] = []
@@ -175,7 +175,7 @@ def _readings(
 
 
 def _vehicles(places: "tuple[Place, ...]", vehicle: Path | None) -> "dict[Path | None, Vehicle]":
-    from calib.physics.vehicle_file import read_vehicle
+    from calib.car.vehicle_file import read_vehicle
 
     files = {place.vehicle or vehicle for place in places}
     if None in files:
@@ -235,10 +235,10 @@ def _entry(result: "GaugeResult") -> dict[str, object]:
 
 
 def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
-    from calib.files.publish import publish, workshop
-    from calib.files.write import write_whole
-    from calib.plots.repeatability import sheet
-    from calib.plots.sheet import render
+    from calib.base.publish import publish, workshop
+    from calib.base.write import write_whole
+    from calib.show.repeatability import sheet
+    from calib.show.sheet import render
 
     contents = {
         DOCUMENT: json_text(document).encode(),
@@ -252,7 +252,7 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
 
 
 def _report(found: "GaugeStudy") -> None:
-    from calib.gauge.words import conclusion
+    from calib.line.gauge.words import conclusion
 
     emit(_grid(found))
     for result in found.results:

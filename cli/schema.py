@@ -9,14 +9,14 @@ from cli.console import emit, emit_json
 from cli.options import Json, example
 
 if TYPE_CHECKING:
-    from calib.documents.schema import Section
+    from calib.base.schema import Section
 
 EPILOG = example("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
 
 
 def _names() -> list[str]:
     """Every NAME."""
-    from calib.manual.documents import documents
+    from calib.help.documents import documents
 
     return [*SCHEMAS, *documents()]
 
@@ -39,25 +39,25 @@ def schema(
     are checked by the program only. Of a document that --json prints or a command writes it gives
     the keys of the first level.
     """
-    from calib.manual.documents import documents
+    from calib.help.documents import documents
 
     if name is None:
         _list(json)
     elif name in SCHEMAS:
-        from calib.documents.schema import json_schema
+        from calib.base.schema import json_schema
 
         emit_json(json_schema(SCHEMAS[name][1]()))
     elif name in documents():
         emit_json(documents()[name].schema)
     else:
-        from calib.documents.toml import did_you_mean
+        from calib.base.toml import did_you_mean
 
         hint = did_you_mean(name, _names()) or "'brake-cal schema' lists the known ones"
         raise typer.BadParameter(f"unknown file {name!r}; {hint}", param_hint="NAME")
 
 
 def _list(json: bool) -> None:
-    from calib.manual.documents import documents
+    from calib.help.documents import documents
 
     files = {name: about for name, (about, _) in SCHEMAS.items()}
     written = {name: one.title for name, one in documents().items()}
@@ -69,22 +69,22 @@ def _list(json: bool) -> None:
 
 
 def _vehicle() -> "type[Section]":
-    from calib.physics.vehicle_file import VehicleFile
+    from calib.car.vehicle_file import VehicleFile
 
     return VehicleFile
 
 
 def _model() -> "type[Section]":
-    from calib.physics.model_file import ModelFile
+    from calib.car.model_file import ModelFile
 
     return ModelFile
 
 
 def _limits() -> "type[Section]":
-    from calib.gauge.study import known_limits
-    from calib.station.metrics import METRICS as OF_CAR
-    from calib.validation.limits_file import limits_schema
-    from calib.validation.metrics import METRICS as OF_STOPS
+    from calib.estimation.limits_file import limits_schema
+    from calib.estimation.metrics import METRICS as OF_STOPS
+    from calib.line.gauge.study import known_limits
+    from calib.line.station.metrics import METRICS as OF_CAR
 
     return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
 
@@ -108,19 +108,19 @@ def _summary() -> "type[Section]":
 
 
 def _vehicle_facts() -> "type[Section]":
-    from calib.vehicles.facts_file import VehicleFactsFile
+    from calib.car.facts_file import VehicleFactsFile
 
     return VehicleFactsFile
 
 
 def _error() -> "type[Section]":
-    from calib.documents.schema import ErrorFile
+    from calib.base.schema import ErrorFile
 
     return ErrorFile
 
 
 def _settings() -> "type[Section]":
-    from calib.documents.settings_file import SettingsFile
+    from calib.base.settings_file import SettingsFile
 
     return SettingsFile
 

@@ -93,7 +93,7 @@ def _words(value: object) -> str:
 
 
 def _nowhere(found: "Project") -> str:
-    from calib.documents.settings import NAME, VARIABLE
+    from calib.base.settings import NAME, VARIABLE
 
     if found.named:
         return f"no settings file: {VARIABLE} is empty"

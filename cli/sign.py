@@ -34,8 +34,8 @@ def sign(
     and the newest line of the journal. It holds until the state changes; then sign again. A
     password is asked for without echo; where stdin is no terminal, it is a line of stdin.
     """
-    from calib.signing.keys import read_secret_key
     from calib.store import trust
+    from calib.store.minisign_keys import read_secret_key
 
     refuse_bare(table)
     opened = calib.Store(store)

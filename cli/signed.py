@@ -9,7 +9,7 @@ from cli.console import say
 from cli.project import from_settings
 
 if TYPE_CHECKING:
-    from calib.signing import keys
+    from calib.store import minisign_keys as keys
     from calib.store.version import Stored
 
 
@@ -40,7 +40,7 @@ class Signing:
 
         Raises BadParameter for one option without the other.
         """
-        from calib.signing.keys import read_public_key
+        from calib.store.minisign_keys import read_public_key
 
         require, key = self.require, self.key
         if key and not require:

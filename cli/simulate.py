@@ -22,8 +22,8 @@ from cli.outputs import (
 from cli.project import from_settings
 
 if TYPE_CHECKING:
+    from calib.car.model import Model
     from calib.logs.log import Log
-    from calib.physics.model import Model
 
 EPILOG = example(
     "brake-cal simulate --manoeuvre ramp --vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
@@ -56,7 +56,7 @@ def simulate(
         typer.Option(
             metavar="NAME",
             help="ramp, stop, coast, step, wave or staircase.",
-            autocompletion=names_of("calib.simulation.manoeuvre", "NAMES"),
+            autocompletion=names_of("calib.model.manoeuvre", "NAMES"),
         ),
     ] = None,
     speed: Annotated[
@@ -98,10 +98,10 @@ def simulate(
     refuse_foreign(out, lambda data: b"true_" in data, "a simulated log", force)
     if channel_map is not None and log is None:
         raise typer.BadParameter("only with a LOG; a manoeuvre has none", param_hint="--map")
-    from calib.physics.model import default_model
-    from calib.physics.model_file import read_model
-    from calib.physics.vehicle_file import read_vehicle
-    from calib.simulation.sensor_noise import add_noise
+    from calib.car.model import default_model
+    from calib.car.model_file import read_model
+    from calib.car.vehicle_file import read_vehicle
+    from calib.model.sensor_noise import add_noise
 
     car = with_own_effects(read_vehicle(vehicle), effect)
     driven = read_model(model, car) if model else default_model(car)
@@ -126,7 +126,7 @@ def simulate(
 def _check_usage(
     log: Path | None, manoeuvre: str | None, driving: Mapping[str, object], out: Path
 ) -> None:
-    from calib.simulation.manoeuvre import NAMES
+    from calib.model.manoeuvre import NAMES
 
     if (log is None) == (manoeuvre is None):
         raise typer.BadParameter("give either a LOG or --manoeuvre", param_hint="LOG")
@@ -144,7 +144,7 @@ def _check_usage(
 
 
 def _replay(model: "Model", path: Path, channel_map: Path | None) -> "Log":
-    from calib.simulation.replay import replay
+    from calib.model.replay import replay
 
     say(f"replaying the pressure of {named([path])[0]} with {model.vehicle.name}")
     return replay(model, read(path, channel_map, require=("time", "p_mc")))
@@ -162,9 +162,9 @@ class BrakingOptions:
 
 
 def _drive(model: "Model", name: str, how: BrakingOptions) -> "Log":
-    from calib.errors import ModelError
-    from calib.simulation.manoeuvre import manoeuvre
-    from calib.simulation.simulate import simulate
+    from calib.base.errors import ModelError
+    from calib.model.manoeuvre import manoeuvre
+    from calib.model.simulate import simulate
 
     v0 = quantity_of(how.speed or SPEED, "m/s", "--speed")
     time = None if how.duration is None else quantity_of(how.duration, "s", "--duration")
@@ -180,8 +180,8 @@ def _pressure(model: "Model", how: BrakingOptions) -> float | None:
     """The pressure [Pa] that was asked for, or the one that makes the deceleration."""
     if how.deceleration is None:
         return None if how.pressure is None else quantity_of(how.pressure, "Pa", "--pressure")
-    from calib.errors import ModelError
-    from calib.physics.bias import pressure_at
+    from calib.base.errors import ModelError
+    from calib.car.bias import pressure_at
 
     if how.pressure is not None:
         raise typer.BadParameter("not together with --pressure", param_hint="--deceleration")

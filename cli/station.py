@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
-from calib.messages.plain import counted
+from calib.base.plain import counted
 from cli.completion import names_of, table_names
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
@@ -42,8 +42,8 @@ from cli.signed import Signing, check_signed
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.station.identity import Identity
-    from calib.station.station import StationOutcome
+    from calib.line.station.identity import Identity
+    from calib.line.station.station import StationOutcome
     from calib.store.version import Stored
 
 EPILOG = example(
@@ -90,7 +90,7 @@ class IdentityOptions:
 
     def identity(self) -> "Identity":
         """The identity of the run; refuses an identifier that is not valid."""
-        from calib.station.identity import Identity
+        from calib.line.station.identity import Identity
 
         identity = Identity(self.serial, self.vin, self.name, self.rxswin)
         flaw = identity.flaw()
@@ -182,14 +182,14 @@ def station(
     nothing, and writes refused.json alone, which says why on the index of the line. The same
     command gives the same bytes and no new version.
     """
-    from calib.checks.gates import refuse_copies
-    from calib.files.publish import workshop
-    from calib.physics.vehicle_file import read_vehicle
-    from calib.station.folder import publish_run
-    from calib.station.metrics import Car
-    from calib.station.station import outcome, table_of, validated
-    from calib.station.write import store_and_write
-    from calib.validation.validate import require_same_vehicle
+    from calib.base.publish import workshop
+    from calib.car.vehicle_file import read_vehicle
+    from calib.estimation.validate import require_same_vehicle
+    from calib.line.station.folder import publish_run
+    from calib.line.station.metrics import Car
+    from calib.line.station.station import outcome, table_of, validated
+    from calib.run.gates import refuse_copies
+    from calib.show.station_files import store_and_write
 
     ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []
     refuse_stdin([*ramps, *coasts, *holdouts])
@@ -248,9 +248,9 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
 
     Not of a mistake in what was typed, nor of a store that is damaged: they say nothing of a car.
     """
-    from calib.errors import InputError
-    from calib.station.folder import REFUSED
-    from calib.station.refused import write_refusal
+    from calib.base.errors import InputError
+    from calib.line.station.folder import REFUSED
+    from calib.line.station.refused import write_refusal
 
     try:
         yield
@@ -263,14 +263,14 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
 
 def _limits_file(path: Path | None) -> str:
     """Name and digest of the limits, as the report tells them; empty for those of the program."""
-    from calib.files.digest import file_digest
+    from calib.base.digest import file_digest
 
     return f"{path.name}, SHA-256 {file_digest(path)[:16]}" if path else ""
 
 
 def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
     """Every file that will be written; refuses two files of the same name."""
-    from calib.station.folder import FIXED, REFUSED, export_name
+    from calib.line.station.folder import FIXED, REFUSED, export_name
 
     stems = stems_of(holdouts, "HOLDOUT", "hold-outs")
     if "table" in stems:
@@ -283,7 +283,7 @@ def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
 def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
     """Say that the exports with addresses have none: the station knows no linked program."""
     from calib.exports.export import ADDRESSED, NOWHERE
-    from calib.station.folder import export_name
+    from calib.line.station.folder import export_name
 
     for form in forms:
         if form in ADDRESSED and stored.state.released:
@@ -291,8 +291,8 @@ def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
 
 
 def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None:
-    from calib.station.advice import action
-    from calib.station.words import HEADINGS, sentence, summary
+    from calib.line.station.advice import action
+    from calib.line.station.words import HEADINGS, sentence, summary
     from calib.store.state import DRAFT
 
     emit(_grid(found))
@@ -310,7 +310,7 @@ def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None
 
 
 def _grid(found: "StationOutcome") -> "Grid":
-    from calib.station.words import bounds, value_of
+    from calib.line.station.words import bounds, value_of
 
     heads = ("scope", "figure", "value", "no warning", "limit", "verdict")
     table = grid(*heads, right=("value",))

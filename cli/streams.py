@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from calib.errors import AnswerError
+from calib.base.errors import AnswerError
 
 OUT, ERR = 1, 2
 """File descriptors of stdout and stderr."""

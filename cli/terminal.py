@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from calib.printable import printable
+from calib.base.printable import printable
 
 KEPT = "\n\t"
 """Control characters of our own layout."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
-from calib.errors import LogError
+from calib.base.errors import LogError
 from cli.completion import table_names
 from cli.console import complain, emit, emit_json, progress, say, warn
 from cli.grid import grid
@@ -41,11 +41,11 @@ from cli.signed import Signing, check_signed
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.car.vehicle import Vehicle
+    from calib.estimation.validate import Validation
     from calib.logs.log import Log
-    from calib.physics.vehicle import Vehicle
     from calib.store.version import Stored
     from calib.table.table import Table
-    from calib.validation.validate import Validation
 
 EPILOG = example(
     "brake-cal validate sedan-2up sample_logs/sedan/basalt_wet_pads.csv --out results",
@@ -89,13 +89,13 @@ def validate(
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.
     """
-    from calib.checks.gates import refuse_copy
-    from calib.validation.validate import (
+    from calib.estimation.validate import (
         all_warnings,
         require_same_vehicle,
         to_dict,
         validate_one,
     )
+    from calib.run.gates import refuse_copy
 
     named(logs)
     _check_out(logs, out)
@@ -162,15 +162,15 @@ def _with_known(table: "Table", path: Path) -> "Table":
     """The table with the effects of a model added to its own; its pads stay the table's."""
     from dataclasses import replace
 
-    from calib.physics.model import with_effects
-    from calib.physics.model_file import read_model
+    from calib.car.model import with_effects
+    from calib.car.model_file import read_model
 
     model = read_model(path, table.vehicle)
     return replace(table, vehicle=with_effects(table.vehicle, model))
 
 
 def _check_out(logs: list[Path], out: Path | None) -> None:
-    from calib.validation.results import SUMMARY
+    from calib.estimation.results import SUMMARY
 
     if out is None:
         return
@@ -180,7 +180,7 @@ def _check_out(logs: list[Path], out: Path | None) -> None:
 
 
 def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:
-    from calib.validation.results import write_results
+    from calib.estimation.results import write_results
 
     with writing(out):
         paths = write_results(results, summary, out)
@@ -196,9 +196,9 @@ def _page(
     results: "list[Validation]",
     files: dict[str, Path | None],
 ) -> str:
-    from calib.plots.trace import from_validation
-    from calib.reports.origin import origin_of
-    from calib.reports.validation import report_html
+    from calib.show.origin import origin_of
+    from calib.show.trace import from_validation
+    from calib.show.validation import report_html
 
     traces = [
         from_validation(used, stored.id, run, result, car)
@@ -208,8 +208,8 @@ def _page(
 
 
 def _report(stored: "Stored", results: "list[Validation]") -> None:
+    from calib.estimation import words
     from calib.table.budget import advice_lines
-    from calib.validation import words
 
     for result in results:
         for line in words.lines(result):
@@ -241,7 +241,7 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
 
 
 def _grid(results: "list[Validation]") -> "Grid":
-    from calib.validation.words import word
+    from calib.estimation.words import word
 
     numbers = ("front pads", "rear pads", "valid", "torque error")
     table = grid("log", *numbers, "verdict", right=numbers)

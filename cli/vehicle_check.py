@@ -9,8 +9,8 @@ from cli.console import complain, emit, emit_json, warn
 from cli.options import Json, example
 
 if TYPE_CHECKING:
-    from calib.errors import InputError
-    from calib.messages.warning import PlausibilityWarning
+    from calib.base.errors import InputError
+    from calib.base.warning import PlausibilityWarning
 
 EPILOG = example("brake-cal vehicle check sample_logs/sedan/vehicle.toml")
 IMPLAUSIBLE, UNREADABLE = 1, 3
@@ -29,7 +29,7 @@ def check(files: Files, json: Json = False) -> None:
     outside its usual range, 3 if a file cannot be used. A mistake within what cars differ by, such
     as a mass that is 10 % wrong, is not seen.
     """
-    from calib.messages.warning import to_dict
+    from calib.base.warning import to_dict
 
     found, errors = _look(files)
     if json:
@@ -56,9 +56,9 @@ def check(files: Files, json: Json = False) -> None:
 
 def _look(files: list[Path]) -> "tuple[list[Judged], list[tuple[Path, InputError]]]":
     """Name and warnings of each file; one that cannot be used does not stop the others."""
-    from calib.errors import InputError
-    from calib.physics.vehicle_file import read_vehicle
-    from calib.vehicles.plausible import plausible, to_confirm
+    from calib.base.errors import InputError
+    from calib.car.plausible import plausible, to_confirm
+    from calib.car.vehicle_file import read_vehicle
 
     found, errors = [], []
     for path in files:

@@ -12,7 +12,7 @@ from cli.options import Force, Json, example
 from cli.outputs import refuse_folder, refuse_foreign, writing
 
 if TYPE_CHECKING:
-    from calib.vehicles.keys import VehicleKey
+    from calib.car.keys import VehicleKey
 
 EPILOG = example("brake-cal vehicle init my_car.toml --from sedan")
 SEDAN = "sedan"
@@ -37,11 +37,11 @@ def init(
     for each value; Enter takes the one in brackets, that of the reference car. A number without a
     unit has the unit of the question. Ctrl+C ends it without a file.
     """
-    from calib.files.write import write_whole
-    from calib.physics.vehicle_file import read_vehicle
-    from calib.vehicles.keys import REFERENCE
-    from calib.vehicles.plausible import plausible
-    from calib.vehicles.template import vehicle_text
+    from calib.base.write import write_whole
+    from calib.car.keys import REFERENCE
+    from calib.car.plausible import plausible
+    from calib.car.template import vehicle_text
+    from calib.car.vehicle_file import read_vehicle
 
     _check_usage(file, start, force)
     text = vehicle_text(_asked() if start is None else REFERENCE)
@@ -51,15 +51,15 @@ def init(
     warnings = plausible(read_vehicle(file))  # two answers may contradict each other
     warn(warnings)
     if json:
-        from calib.messages.warning import to_dict
+        from calib.base.warning import to_dict
 
         emit_json({"schema": 1, "out": file, "warnings": [to_dict(one) for one in warnings]})
     say(f"next: edit it, then `brake-cal vehicle check {file}`")
 
 
 def _check_usage(file: Path, start: str | None, force: bool) -> None:
-    from calib.vehicles.keys import REFERENCE
-    from calib.vehicles.template import vehicle_text
+    from calib.car.keys import REFERENCE
+    from calib.car.template import vehicle_text
 
     refuse_folder(file, FILE)
     unedited = vehicle_text(REFERENCE).encode()
@@ -80,7 +80,7 @@ def can_ask() -> bool:
 
 def _asked() -> Mapping[str, str]:
     """The value of every key, as it will stand in the file."""
-    from calib.vehicles.keys import KEYS
+    from calib.car.keys import KEYS
 
     say("Enter takes the value in brackets, that of the reference car; Ctrl+C ends without a file")
     values: dict[str, str] = {}
@@ -97,8 +97,8 @@ def _asked() -> Mapping[str, str]:
 
 def _one(key: "VehicleKey", before: Mapping[str, str]) -> str:
     """One answer; what cannot be used is asked again."""
-    from calib.errors import VehicleError
-    from calib.vehicles.template import answered, default_of
+    from calib.base.errors import VehicleError
+    from calib.car.template import answered, default_of
 
     label = f"{key.name} in {key.unit}" if key.unit not in ("", "1") else key.name
     while True:

@@ -13,8 +13,8 @@ from cli.outputs import refuse_no_picture, refuse_overwriting, writing
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.physics.vehicle import Vehicle
-    from calib.vehicles.follows import VehicleFacts
+    from calib.car.follows import VehicleFacts
+    from calib.car.vehicle import Vehicle
 
 EPILOG = example(
     "brake-cal vehicle show sample_logs/sedan/vehicle.toml",
@@ -41,10 +41,10 @@ def show(
     if picture is not None:
         refuse_no_picture(picture, force, PLOT)
         refuse_overwriting([picture], [], [file], PLOT)
-    from calib.physics.vehicle_file import read_vehicle
-    from calib.vehicles.facts_file import facts_document
-    from calib.vehicles.follows import what_follows
-    from calib.vehicles.plausible import plausible
+    from calib.car.facts_file import facts_document
+    from calib.car.follows import what_follows
+    from calib.car.plausible import plausible
+    from calib.car.vehicle_file import read_vehicle
 
     vehicle = read_vehicle(file)
     warn(plausible(vehicle))
@@ -61,8 +61,8 @@ def show(
 
 
 def _draw(vehicle: "Vehicle", picture: Path) -> None:
-    from calib.plots.sheet import save
-    from calib.plots.vehicle import sheet
+    from calib.show.sheet import save
+    from calib.show.vehicle import sheet
 
     with writing(picture, PLOT):
         save({picture: [sheet(vehicle).overview()]})

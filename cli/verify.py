@@ -69,7 +69,7 @@ def verify(
 def _trusted(
     store: "calib.Store", key: str, name: str | None
 ) -> "tuple[tuple[StoreVerdict, ...], dict[str, str], str]":
-    from calib.signing.keys import read_public_key
+    from calib.store.minisign_keys import read_public_key
     from calib.store.trust import verify_signed
 
     found = verify_signed(store, read_public_key(key), name)

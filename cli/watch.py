@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calib.fleet.command import Command
+from calib.line.fleet.command import Command
 from cli.console import complain, emit_line, json_line, say
 from cli.jobs import Commands, Fresh, JobOptions, Out
 from cli.options import Workers, example, grouped
 from cli.outputs import writing
 
 if TYPE_CHECKING:
-    from calib.fleet.row import Row
+    from calib.line.fleet.row import Row
 
 EPILOG = example("brake-cal watch check sample_logs/sedan --out watched")
 
@@ -58,9 +58,9 @@ def watch(
     if command is Command.DIAGNOSE:
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
     job = options.job(command, out)
-    from calib.fleet.pool import Pool
-    from calib.fleet.watch import watch as watch_folder
-    from calib.processes import cores
+    from calib.base.processes import cores
+    from calib.line.fleet.pool import Pool
+    from calib.line.fleet.watch import watch as watch_folder
 
     pool = Pool(workers or cores())
     show = _teller(command, json)
@@ -93,7 +93,7 @@ def _indexer(runs: Path | None) -> Callable[[], None]:
     """
     if runs is None:
         return lambda: None
-    from calib.station.index_page import write_index
+    from calib.show.station_index import write_index
 
     troubled = False
 
@@ -135,7 +135,7 @@ def _stopped() -> Iterator[Event]:
 
 def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
     """The function that prints a row: its status and error, and the pads where it has them."""
-    from calib.fleet.columns import COLUMNS
+    from calib.line.fleet.columns import COLUMNS
 
     names = [column.name for column in COLUMNS[command]]
 

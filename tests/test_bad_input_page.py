@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.names import CHANNELS as QUANTITIES
+from calib.base.names import CHANNELS as QUANTITIES
 from tests.support.bad_input import (
     BEGIN,
     CHANNEL_FAULTS,

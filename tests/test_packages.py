@@ -14,4 +14,4 @@ def test_every_package_of_the_checkout_is_installed():
         for top in ("calib", "cli")
         for init in (ROOT / top).rglob("__init__.py")
     }
-    assert {name for name in listed if name != "calib.demo.sample_logs"} == there
+    assert {name for name in listed if name != "calib.help.sample_logs"} == there

@@ -10,7 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.gates import refuse_copies
+from calib.base.errors import ModelError
+from calib.base.processes import Mapped, one_blas_thread
+from calib.base.units import behind
+from calib.base.warning import PlausibilityWarning
+from calib.car.effects.effect import acts_on_wheels, slows
+from calib.car.effects.effects import Effects
+from calib.car.model import Model
+from calib.car.own_effects.own_effect import definition
+from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.agreement import half_widths
 from calib.diagnosis.explanation.base import BASE, Ground
 from calib.diagnosis.explanation.candidate import Candidate
@@ -47,18 +55,10 @@ from calib.diagnosis.search.search import unresolved
 from calib.diagnosis.undecided.confusion import Confusion, confusion_of
 from calib.diagnosis.undecided.doubts import base_half_widths
 from calib.diagnosis.undecided.drives import ShowingDrive, drives
-from calib.errors import ModelError
 from calib.logs.log import Log
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.effects.effect import acts_on_wheels, slows
-from calib.physics.effects.effects import Effects
-from calib.physics.model import Model
-from calib.physics.own_effects.own_effect import definition
-from calib.physics.vehicle import Vehicle
 from calib.plausibility.speed import require_measured_speed
-from calib.processes import Mapped, one_blas_thread
-from calib.signals.held import without_holds
-from calib.units import behind
+from calib.run.gates import refuse_copies
+from calib.run.held import without_holds
 
 Array = NDArray[np.float64]
 
@@ -174,13 +174,13 @@ def diagnose(
     Parameters
     ----------
     vehicle : the car as its datasheet has it; it may have effects that the catalogue lacks, see
-        `calib.physics.own_effects.own_effect.with_own`.
+        `calib.car.own_effects.own_effect.with_own`.
     calibration : two or more logs of different manoeuvres, in which the effect is searched.
     holdout : one or more logs, on which the effect must close the gap.
     tell : called at each step with the stage in words, the steps of it that are done, and their
         number.
-    mapped : carries out independent pieces of work, see `calib.processes.side_by_side`. Effects of
-        one's own, which other processes do not know, are tried in this one.
+    mapped : carries out independent pieces of work, see `calib.base.processes.side_by_side`.
+        Effects of one's own, which other processes do not know, are tried in this one.
 
     Returns
     -------

@@ -1,1 +1,1 @@
-"""The estimator of pad friction and brake torque, and the methods beside it."""
+"""Validation of the estimator on hold-out logs: metrics, limits, results."""

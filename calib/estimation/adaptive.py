@@ -15,9 +15,9 @@ so LAPACK solves it in one call.
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import InputError
+from calib.base.errors import InputError
+from calib.car.vehicle import Axle
 from calib.estimation.priors import Priors
-from calib.physics.vehicle import Axle
 
 Array = NDArray[np.float64]
 

@@ -17,12 +17,12 @@ table and a run of the same raw wheel speeds would share the mismatch of the rad
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.forces import axle_loads
+from calib.car.vehicle import Axle, Vehicle
 from calib.estimation import adaptive
 from calib.estimation.lookup import paper
 from calib.estimation.priors import Priors
-from calib.physics.forces import axle_loads
-from calib.physics.vehicle import Axle, Vehicle
-from calib.signals.axle_signals import Signals
+from calib.run.axle_signals import Signals
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

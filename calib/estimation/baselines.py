@@ -18,17 +18,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import InputError
+from calib.base.errors import InputError
+from calib.car.effects.effects import Effects
+from calib.car.vehicle import Axle, Vehicle
 from calib.estimation import adaptive
 from calib.estimation.as_written import as_written
 from calib.estimation.lookup import LOOKUPS, LookupReading, smoothed
 from calib.estimation.priors import Priors
 from calib.estimation.temperature import temperature
 from calib.logs.log import Log
-from calib.physics.effects.effects import Effects
-from calib.physics.vehicle import Axle, Vehicle
-from calib.signals.axle_signals import Signals
-from calib.signals.brake_balance import BrakeBalance
+from calib.run.axle_signals import Signals
+from calib.run.brake_balance import BrakeBalance
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

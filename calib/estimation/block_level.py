@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.priors import Priors
-from calib.signals.blocks import Blocks
-from calib.signals.filters import low_pass
+from calib.run.blocks import Blocks
+from calib.run.filters import low_pass
 
 Array = NDArray[np.float64]
 

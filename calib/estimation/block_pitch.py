@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.pitch_coupling import pitch_deficit
+from calib.car.vehicle import Vehicle
 from calib.estimation.priors import Priors
-from calib.physics.effects.pitch_coupling import pitch_deficit
-from calib.physics.vehicle import Vehicle
-from calib.signals.blocks import Blocks
+from calib.run.blocks import Blocks
 
 Array = NDArray[np.float64]
 

@@ -2,10 +2,10 @@
 
     ln mu = ln level + lever ratio             independent, as the interval has them
     variance = absolute^2 + (lever sigma)^2    `calib.estimation.pads`
-               + motor + load + late           `calib.validation.motor`, `.load`, `.delay`
+               + motor + load + late           `calib.estimation.motor`, `.load`, `.delay`
 
 ``lever`` is the share of the other axle in the brake force. Level and ratio are each weighed
-between "as on the ramp" and "free" (`calib.statistics.mixture_posterior`). With the weight w of the
+between "as on the ramp" and "free" (`calib.base.mixture_posterior`). With the weight w of the
 first, what was measured counts by w kept^2 + 1 - w, where kept is the share of a departure that the
 first leaves; what is open of the ramp counts by w for the level. What the weighing itself leaves
 open, and how exactly pads keep their friction, is the part "unlike_pads".
@@ -19,12 +19,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.balance import brake_forces
 from calib.estimation.estimator import Basis, Estimate, split_of
 from calib.estimation.pad_ratio import RatioStep
 from calib.estimation.plan import Plan
 from calib.estimation.split_budget import ratio_parts
 from calib.estimation.weighed_level import WeighedLevel
-from calib.physics.balance import brake_forces
 from calib.table.budget import PARTS, AxleBudget, Parts, axle_budget
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
 
     Of each axle the sample whose interval is the median one of those that tell, see
     `Estimate.telling`. Where there are valid ones it stands for the stop, and its sum is the
-    interval that `calib.validation.metrics` gives. The sum of the parts is the variance of that
+    interval that `calib.estimation.metrics` gives. The sum of the parts is the variance of that
     interval to rounding (1e-9 relative).
     """
     e, telling = estimate, estimate.telling
@@ -126,7 +126,7 @@ def _weighed(
 
     ``variance`` of the ``departure``; ``alike`` how exactly alike pads keep it. Returns the factor
     on the variance of what was measured, the part that alike pads may move, and the spread between
-    the two hypotheses: together the variance of `calib.statistics.mixture_posterior`.
+    the two hypotheses: together the variance of `calib.base.mixture_posterior`.
     """
     kept = alike**2 / (variance + alike**2)
     counted = weight * kept**2 + 1.0 - weight

@@ -16,6 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.balance import brake_forces
+from calib.car.braking import BITE
+from calib.car.forces import mean_slip
+from calib.car.vehicle import Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.block_level import block_level
@@ -33,21 +37,17 @@ from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
 from calib.estimation.weighed_level import WeighedLevel, weigh_level
 from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
-from calib.fitting.known_effects import remove_known_effects
-from calib.fitting.sensors import judge_accelerometer
 from calib.logs.log import Log
-from calib.physics.balance import brake_forces
-from calib.physics.braking import BITE
-from calib.physics.forces import mean_slip
-from calib.physics.vehicle import Vehicle
-from calib.signals.accelerometer import Accelerometer
-from calib.signals.axle_signals import Signals, eta_of, signals
-from calib.signals.block_balance import block_balance
-from calib.signals.blocks import Blocks, blocks
-from calib.signals.brake_balance import BrakeBalance, brake_balance
-from calib.signals.brake_response import BrakeResponse, brake_response
-from calib.signals.filters import block_mean, block_slope
-from calib.signals.lateral import lateral
+from calib.model.known_effects import remove_known_effects
+from calib.model.sensors import judge_accelerometer
+from calib.run.accelerometer import Accelerometer
+from calib.run.axle_signals import Signals, eta_of, signals
+from calib.run.block_balance import block_balance
+from calib.run.blocks import Blocks, blocks
+from calib.run.brake_balance import BrakeBalance, brake_balance
+from calib.run.brake_response import BrakeResponse, brake_response
+from calib.run.filters import block_mean, block_slope
+from calib.run.lateral import lateral
 from calib.table.pads_budget import front_share
 from calib.table.table import Table
 
@@ -225,7 +225,7 @@ def estimate(
     Parameters
     ----------
     table : what the car was calibrated to. Its known effects are taken out of the log first, see
-        `calib.fitting.known_effects`; a known pitch mode goes into the split filter, which carries
+        `calib.model.known_effects`; a known pitch mode goes into the split filter, which carries
         the load that it delays.
     log : the run, with an unbraked lead-in in which eta is zeroed.
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of

@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.car.forces import mean_slip
+from calib.car.vehicle import Vehicle
 from calib.estimation.estimator import Basis, Estimate, split_of
 from calib.estimation.filter_input import SplitInput
-from calib.physics.forces import mean_slip
-from calib.physics.vehicle import Vehicle
-from calib.signals.blocks import Blocks
+from calib.run.blocks import Blocks
 
 SETTLED = -15.0
 """Log odds of an exchange at which the axles are right, whatever comes later: with exchanged ones

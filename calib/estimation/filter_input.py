@@ -7,16 +7,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import G
+from calib.car.braking import MOVING
+from calib.car.vehicle import Vehicle
 from calib.estimation.block_level import pressure_moves
 from calib.estimation.measurement import Given
 from calib.estimation.priors import Priors
 from calib.estimation.states import AT, state_list
-from calib.names import G
-from calib.physics.braking import MOVING
-from calib.physics.vehicle import Vehicle
-from calib.signals.blocks import Blocks
-from calib.signals.filters import low_pass
-from calib.signals.noise import SensorNoise
+from calib.run.blocks import Blocks
+from calib.run.filters import low_pass
+from calib.run.noise import SensorNoise
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import WHEELS
+from calib.car.braking import MOVING
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.logs.log import Log
-from calib.names import WHEELS
-from calib.physics.braking import MOVING
-from calib.signals.axle_signals import Signals
-from calib.signals.filters import since, without_single
+from calib.run.axle_signals import Signals
+from calib.run.filters import since, without_single
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from calib.estimation.block_level import level_error
 from calib.estimation.plan import Plan
-from calib.signals.axle_signals import Signals
-from calib.signals.blocks import Blocks
-from calib.signals.brake_balance import brake_balance
-from calib.signals.filters import block_mean, trailing_mean
+from calib.run.axle_signals import Signals
+from calib.run.blocks import Blocks
+from calib.run.brake_balance import brake_balance
+from calib.run.filters import block_mean, trailing_mean
 
 Array = NDArray[np.float64]
 

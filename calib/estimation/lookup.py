@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.forces import axle_loads, split
 from calib.estimation.priors import Priors
-from calib.fitting.parameters import parameters_of, tyres_of
-from calib.physics.forces import axle_loads, split
-from calib.signals.axle_signals import Signals
-from calib.signals.filters import low_pass
+from calib.model.parameters import parameters_of, tyres_of
+from calib.run.axle_signals import Signals
+from calib.run.filters import low_pass
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

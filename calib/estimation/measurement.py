@@ -8,7 +8,7 @@
                              u = F e^w, T = tau + dtau, + in front
     near its peak            no tyre follows a cubic: its slip errs by e (u/F_e)^12, of the axle
                              that is nearer to it, and by e at most; e, F_e as for a ramp
-                             (`calib.fitting.ramp`)
+                             (`calib.model.ramp`)
     delay                    lambda = lambda_0 - delta d lambda_0/dF dF/dt,  dF_f/dt = phi B'/L_f
     radius under load        1 - lambda' = (1 - lambda) e^(r (L/L_0 - 1)),  L_0 at rest
     sensed, (22)             eta = (1 + eta0) (1 - lambda'_r)/(1 - lambda'_f)
@@ -112,7 +112,7 @@ def slips(
     load: Pair,
     rises: Rises,
 ) -> Pair:
-    """Slips [1] that the wheel speeds show: `calib.physics.tyre.AxleTyres`.
+    """Slips [1] that the wheel speeds show: `calib.car.tyre.AxleTyres`.
 
     ``rises`` rates of the normalised ``forces`` [1/s].
     """
@@ -131,7 +131,7 @@ def slip(
     load: Expression,
     rise: Expression | float,
 ) -> Expression:
-    """Slip [1] that carries a normalised force: the compliance of `calib.physics.tyre`.
+    """Slip [1] that carries a normalised force: the compliance of `calib.car.tyre`.
 
     As late as ``slip_delay`` says where the force rises by ``rise`` [1/s].
     """

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import Z95
+from calib.car.balance import brake_forces
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.lookup import smoothed
 from calib.estimation.pad_ratio import PadRatio
 from calib.estimation.plan import Plan
 from calib.estimation.weighed_level import WeighedLevel
-from calib.physics.balance import brake_forces
-from calib.signals.axle_signals import Signals
-from calib.signals.blocks import Blocks
-from calib.signals.brake_balance import BrakeBalance
-from calib.statistics.intervals import Z95
+from calib.run.axle_signals import Signals
+from calib.run.blocks import Blocks
+from calib.run.brake_balance import BrakeBalance
 
 Array = NDArray[np.float64]
 

@@ -4,18 +4,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.car.balance import brake_forces
+from calib.car.effects import pitch_coupling
+from calib.car.effects.combined import as_driven
+from calib.car.effects.effects import Effects
+from calib.car.mass import weighed
+from calib.car.vehicle import Vehicle
 from calib.estimation.gates import Gates
 from calib.estimation.priors import Priors
-from calib.fitting.resistance import DRAG, ROLLING, Resistance
 from calib.logs.log import Log
-from calib.physics.balance import brake_forces
-from calib.physics.effects import pitch_coupling
-from calib.physics.effects.combined import as_driven
-from calib.physics.effects.effects import Effects
-from calib.physics.mass import weighed
-from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Signals
-from calib.signals.noise import SensorNoise, lead_in_noise, worst_noise
+from calib.model.resistance import DRAG, ROLLING, Resistance
+from calib.run.axle_signals import Signals
+from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
 from calib.table.budget import Parts
 from calib.table.pads_budget import level_of
 from calib.table.table import Table
@@ -112,7 +112,7 @@ def as_used(table: Table, vehicle: Vehicle | None, mass: float | None = None) ->
 def with_effects(table: Table, vehicle: Vehicle | None, mass: float | None = None) -> Vehicle:
     """The table's car with its known effects and those of ``vehicle``, which go before.
 
-    With a stated ``mass`` [kg] it is as heavy as that, see `calib.physics.mass.weighed`.
+    With a stated ``mass`` [kg] it is as heavy as that, see `calib.car.mass.weighed`.
     """
     own = vehicle.effects if vehicle else Effects()
     return weighed(replace(table.vehicle, effects=table.vehicle.effects.with_(own)), mass)

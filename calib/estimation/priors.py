@@ -6,9 +6,9 @@ Studies that try them: tests/studies/coverage.py (filter), tests/estimation/test
 
 from dataclasses import dataclass
 
-from calib.physics.effects.pitch_coupling import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
-from calib.signals.brake_response import SPREAD, USUAL
-from calib.signals.zero import WALK
+from calib.car.effects.pitch_coupling import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
+from calib.run.brake_response import SPREAD, USUAL
+from calib.run.zero import WALK
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Priors:
 
     # Brakes and tyres that act late.
     delay: float = USUAL
-    """Mean of slip_delay [s]: that of brakes and filters, `calib.signals.brake_response`."""
+    """Mean of slip_delay [s]: that of brakes and filters, `calib.run.brake_response`."""
     delay_sigma: float = SPREAD
     """Sigma of it [s], there. It holds tyres as well: one that builds up its force over sigma, 0.1
     to 0.6 m, slips early by sigma/v, 25 ms with 0.5 m at 20 m/s (Pacejka, Tyre and Vehicle
@@ -99,7 +99,7 @@ class Priors:
     zero: float = 0.01
     """Sigma of eta_zero and slip_zero: radii agree within 1 %."""
     drift_zero: float = WALK
-    """Random walk of both until the bite [1/sqrt(s)], `calib.signals.zero`."""
+    """Random walk of both until the bite [1/sqrt(s)], `calib.run.zero`."""
     sync: float = 0.02
     """Misalignment of pressure and wheels [s] while the pressure moves: one frame of a slow bus."""
     model: float = 0.02

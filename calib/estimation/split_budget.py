@@ -34,9 +34,9 @@ from calib.estimation.states import (
     state_list,
     today_as_then,
 )
-from calib.fitting.covariance_parts import PART as OF_RAMP
-from calib.fitting.parameters import PRIORS
-from calib.signals.blocks import Blocks
+from calib.model.covariance_parts import PART as OF_RAMP
+from calib.model.parameters import PRIORS
+from calib.run.blocks import Blocks
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

@@ -24,6 +24,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.vehicle import Vehicle
 from calib.estimation.filter_input import (
     Measured,
     SplitInput,
@@ -50,11 +51,10 @@ from calib.estimation.states import (
     first_state,
     open_surface,
 )
-from calib.fitting.ramp import form_error
-from calib.fitting.settings import SETTINGS
-from calib.physics.vehicle import Vehicle
-from calib.signals.blocks import Blocks
-from calib.signals.noise import SensorNoise
+from calib.model.ramp import form_error
+from calib.model.settings import SETTINGS
+from calib.run.blocks import Blocks
+from calib.run.noise import SensorNoise
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.priors import Priors
-from calib.fitting.parameters import PRIORS
+from calib.model.parameters import PRIORS
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ class States(NamedTuple, Generic[T]):
     eta_zero: T  # zero of eta: radii of this day
     slip_zero: T  # zero of the mean slip, likewise
     clock_offset: T  # clock offset between v and the wheels
-    load_exponent: T  # the table's tyre, `calib.physics.tyre`
+    load_exponent: T  # the table's tyre, `calib.car.tyre`
     log_compliance: T
     curvature_2: T
     curvature_3: T

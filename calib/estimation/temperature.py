@@ -11,15 +11,15 @@ pads it says what nominal pads would do, as the paper says of [17].
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import InputError
+from calib.base.errors import InputError
+from calib.car.disc_temperature import AIR, DISCS, START, disc_temperature
+from calib.car.effects import pad_thermal_fade
+from calib.car.effects.effects import Effects
+from calib.car.forces import brake_torque
+from calib.car.history import at_rest
+from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
-from calib.physics.disc_temperature import AIR, DISCS, START, disc_temperature
-from calib.physics.effects import pad_thermal_fade
-from calib.physics.effects.effects import Effects
-from calib.physics.forces import brake_torque
-from calib.physics.history import at_rest
-from calib.physics.vehicle import Axle, Vehicle
-from calib.signals.axle_signals import Signals
+from calib.run.axle_signals import Signals
 
 Array = NDArray[np.float64]
 Pair = tuple[Array, Array]

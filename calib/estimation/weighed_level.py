@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.mixture_posterior import mixture_posterior
 from calib.estimation.pad_level import PadLevel
 from calib.estimation.plan import Plan
-from calib.statistics.mixture_posterior import mixture_posterior
 
 Array = NDArray[np.float64]
 

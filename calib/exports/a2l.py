@@ -18,12 +18,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
+from calib.base.intervals import Z95
 from calib.exports.addresses import Addresses
 from calib.exports.dataset import Axis, Curve, Dataset, Scalar, label, printable
 from calib.exports.dcm import FUNCTION
 from calib.exports.fixed_point import Fixed, fixed_objects, numbers_in_words
-from calib.statistics.intervals import Z95
 from calib.table.table import Array
 
 DIGITS = 7

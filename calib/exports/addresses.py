@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import ProgramError
+from calib.base.errors import ProgramError
 from calib.exports.dataset import Dataset
 from calib.exports.fixed_point import fixed_objects
 

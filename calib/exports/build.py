@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
+from calib.car.vehicle import Axle
 from calib.exports.breakpoints import FEWEST, Indices, misfit, place
 from calib.exports.dataset import BY_A_PERSON, Axis, Curve, Dataset, Scalar, label, prefix
-from calib.physics.vehicle import Axle
 from calib.store.quality import PRELIMINARY, UNPROVED, Quality
 from calib.store.version import Stored
 from calib.table.effect_figures import effect_figures

@@ -16,7 +16,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 from xml.parsers import expat
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.dataset import (
     BY_A_PERSON,
     Axis,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.breakpoints import Misfit
 from calib.store.quality import Quality
 from calib.store.state import VersionState

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.dataset import (
     Axis,
     Content,

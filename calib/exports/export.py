@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
-from calib.documents.toml import did_you_mean
-from calib.errors import ExchangeError, StoreError
+from calib.base.errors import ExchangeError, StoreError
+from calib.base.toml import did_you_mean
+from calib.base.write import write_whole
 from calib.exports.a2l import write_a2l
 from calib.exports.addresses import Addresses, find_addresses
 from calib.exports.build import build
@@ -16,7 +17,6 @@ from calib.exports.cdfx import write_cdfx
 from calib.exports.dataset import Dataset
 from calib.exports.dcm import write_dcm
 from calib.exports.plain import write_csv, write_inca_csv, write_json, write_parquet
-from calib.files.write import write_whole
 from calib.store.quality import UNPROVED, Quality
 from calib.store.version import Stored
 

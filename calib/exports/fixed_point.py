@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.breakpoints import Misfit, misfit
 from calib.exports.dataset import Axis, Curve, Dataset
 from calib.table.table import Array

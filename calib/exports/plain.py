@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
+from calib.base.intervals import Z95
 from calib.exports.build import UNIT
 from calib.exports.dataset import Axis, Curve, Dataset, Scalar, printable
 from calib.exports.dcm import FUNCTION
-from calib.statistics.intervals import Z95
 from calib.store.version import Stored
 
 SCHEMA = 1
@@ -74,7 +74,7 @@ def _points(c: Curve, x: list[float]) -> Iterator[Row]:
 
 
 BARE = "-"
-"""The unit of a bare number; `calib.units` knows it, too."""
+"""The unit of a bare number; `calib.base.units` knows it, too."""
 
 
 def write_csv(data: Dataset) -> bytes:

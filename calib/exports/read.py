@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.errors import DamagedTable, ExchangeError, TableNotFound
+from calib.base.bounded import CALIBRATION, bytes_of
+from calib.base.errors import DamagedTable, ExchangeError, TableNotFound
 from calib.exports.build import build
 from calib.exports.cdfx import read_cdfx
 from calib.exports.dataset import Content, Returned, prefix
 from calib.exports.dcm import read_dcm
-from calib.files.bounded import CALIBRATION, bytes_of
 from calib.store.folders import names_in
 from calib.store.store import Store
 from calib.store.version import Stored

@@ -14,11 +14,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified, identify
-from calib.fitting.ramp import RampRun, nominal_forces
-from calib.fitting.resistance import Resistance
-from calib.fitting.settings import SETTINGS
-from calib.physics.vehicle import Vehicle
+from calib.model.ramp import RampRun, nominal_forces
+from calib.model.resistance import Resistance
+from calib.model.settings import SETTINGS
 
 
 def identify_below_the_peak(

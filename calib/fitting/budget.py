@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
 from calib.fitting.one_axle_ramps import with_both_axles
 from calib.fitting.pad_level import level_sigmas
-from calib.fitting.parameters import AT
-from calib.fitting.ramp import RampRun
-from calib.fitting.resistance import Resistance
-from calib.physics.vehicle import Vehicle
+from calib.model.parameters import AT
+from calib.model.ramp import RampRun
+from calib.model.resistance import Resistance
 from calib.table.budget import Parts, TableBudget
 from calib.table.pads_budget import axle_budgets
 from calib.table.table import Calibration

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
-from calib.physics.vehicle import Vehicle
 from calib.table.budget import Parts
 from calib.table.pads_budget import front_share
 from calib.table.table import Calibration, Value

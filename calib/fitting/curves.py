@@ -17,15 +17,15 @@ follow from the posterior by the delta method.
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import Z95
+from calib.car.forces import paper_curves
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
 from calib.fitting.one_axle_ramps import with_both_axles
-from calib.fitting.parameters import RampParameters, tyres_of
 from calib.fitting.path import Path, delta_sigma, path
-from calib.fitting.ramp import RampRun
-from calib.fitting.settings import SETTINGS
-from calib.physics.forces import paper_curves
-from calib.physics.vehicle import Vehicle
-from calib.statistics.intervals import Z95
+from calib.model.parameters import RampParameters, tyres_of
+from calib.model.ramp import RampRun
+from calib.model.settings import SETTINGS
 from calib.table.table import (
     EXTRAPOLATED,
     INTERPOLATED,

@@ -14,9 +14,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.ramp import RampRun, nominal_forces
-from calib.fitting.settings import SETTINGS
-from calib.physics.vehicle import Vehicle
+from calib.car.vehicle import Vehicle
+from calib.model.ramp import RampRun, nominal_forces
+from calib.model.settings import SETTINGS
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -7,33 +7,33 @@ from dataclasses import asdict
 
 import numpy as np
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.car.forces import front_biased_up_to
+from calib.car.mass import mass_used, weighed
+from calib.car.vehicle import Vehicle
 from calib.fitting import curves
 from calib.fitting.below_the_peak import identify_below_the_peak
 from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.disturbances import without_disturbances
-from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.metrics import metrics
 from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
 from calib.fitting.provenance import provenance
-from calib.fitting.ramp import prepare
 from calib.fitting.rear_valve import rear_valve_warnings
 from calib.fitting.remarks import remarks, stated, taken_out
-from calib.fitting.resistance import RESISTANCE
-from calib.fitting.resistance import identify as identify_resistance
-from calib.fitting.sensors import of_whole_run, put_right
-from calib.fitting.sort_logs import sort_logs
 from calib.fitting.warnings import file_warnings, log_warnings
 from calib.logs.log import Log
-from calib.physics.forces import front_biased_up_to
-from calib.physics.mass import mass_used, weighed
-from calib.physics.vehicle import Vehicle
+from calib.model.known_effects import remove_known_effects
+from calib.model.ramp import prepare
+from calib.model.resistance import RESISTANCE
+from calib.model.resistance import identify as identify_resistance
+from calib.model.sensors import of_whole_run, put_right
+from calib.model.sort_logs import sort_logs
 from calib.plausibility.pads import calibration_warnings, require_possible_pads
 from calib.plausibility.speed import require_measured_speed
 from calib.plausibility.vehicle_file import require_file_of_run
-from calib.signals.noise import worst_noise
+from calib.run.noise import worst_noise
 from calib.table.invariants import require_finite
 from calib.table.table import Table
 
@@ -44,7 +44,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     Parameters
     ----------
     vehicle : names the table. The effects that it knows are taken out of the logs first, see
-        `calib.fitting.known_effects`.
+        `calib.model.known_effects`.
     logs : one ramp or more; logs without braking serve as coast logs, and ramps on which one axle
         brakes alone by its wheel pressures tell tyres and pads of the axles apart.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the

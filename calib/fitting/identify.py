@@ -1,8 +1,8 @@
 """One tyre curve and the pad ratio from ramps, by least squares in what is measured.
 
-Unknown: the parameters of `calib.fitting.parameters`, and per run the zeros of eta and slip, how
+Unknown: the parameters of `calib.model.parameters`, and per run the zeros of eta and slip, how
 the ratio of the pads changes along it, or, where one axle brakes alone, how its tyres depart; what
-they predict: `calib.fitting.ramp`. All noise is
+they predict: `calib.model.ramp`. All noise is
 in the wheel speeds and v; the force side is smooth. From eta alone compliance and pad ratio are one
 number: the prior keeps them apart and the covariance says so. A ramp with one axle only, whose
 share is known, parts them.
@@ -14,10 +14,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.covariance_parts import Parts, information_parts
+from calib.car.vehicle import Vehicle
 from calib.fitting.pad_level import level_residuals, level_spread
-from calib.fitting.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
-from calib.fitting.ramp import (
+from calib.fitting.weigh_ratio import weigh_ratio
+from calib.model.covariance_parts import Parts, information_parts
+from calib.model.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
+from calib.model.ramp import (
     AS_OTHERS,
     OfRun,
     RampRun,
@@ -26,11 +28,9 @@ from calib.fitting.ramp import (
     sigma_eta,
     sigma_slip,
 )
-from calib.fitting.resistance import Resistance
-from calib.fitting.settings import SETTINGS
-from calib.fitting.weigh_ratio import weigh_ratio
-from calib.physics.vehicle import Vehicle
-from calib.signals.noise import SensorNoise, long_run_density
+from calib.model.resistance import Resistance
+from calib.model.settings import SETTINGS
+from calib.run.noise import SensorNoise, long_run_density
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from calib.car.forces import front_biased_up_to
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
 from calib.fitting.path import Peak
-from calib.fitting.ramp import RampRun
-from calib.fitting.settings import SETTINGS
-from calib.physics.forces import front_biased_up_to
-from calib.physics.vehicle import Vehicle
+from calib.model.ramp import RampRun
+from calib.model.settings import SETTINGS
 
 
 def metrics(

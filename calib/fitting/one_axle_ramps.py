@@ -7,11 +7,11 @@ pads' ratio.
 
 from collections.abc import Iterator
 
+from calib.base.names import AXLE_NAMES
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified, identify_once
-from calib.fitting.ramp import RampRun
-from calib.fitting.resistance import Resistance
-from calib.names import AXLE_NAMES
-from calib.physics.vehicle import Vehicle
+from calib.model.ramp import RampRun
+from calib.model.resistance import Resistance
 
 
 def with_both_axles(runs: list[RampRun]) -> list[RampRun]:

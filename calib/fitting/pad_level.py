@@ -8,10 +8,10 @@ nothing of it, for their levels move with it alike.
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.ramp import RampRun, nominal_forces, pad_scale
-from calib.fitting.resistance import Resistance
-from calib.fitting.settings import SETTINGS
-from calib.physics.vehicle import Vehicle
+from calib.car.vehicle import Vehicle
+from calib.model.ramp import RampRun, nominal_forces, pad_scale
+from calib.model.resistance import Resistance
+from calib.model.settings import SETTINGS
 
 Array = NDArray[np.float64]
 

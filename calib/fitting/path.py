@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import G
+from calib.base.warning import PlausibilityWarning
+from calib.car.balance import brake_forces
+from calib.car.forces import axle_loads, speed_ratio
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
-from calib.fitting.parameters import RampParameters, tyres_of
-from calib.fitting.settings import SETTINGS
-from calib.messages.warning import PlausibilityWarning
-from calib.names import G
-from calib.physics.balance import brake_forces
-from calib.physics.forces import axle_loads, speed_ratio
-from calib.physics.vehicle import Vehicle
+from calib.model.parameters import RampParameters, tyres_of
+from calib.model.settings import SETTINGS
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from calib.checks.fingerprint import fingerprint_of
-from calib.fitting.settings import SETTINGS
-from calib.fitting.sort_logs import Prepared
+from calib.base.program import PROGRAM
+from calib.car.braking import BITE
 from calib.logs.log import Log
-from calib.physics.braking import BITE
-from calib.program import PROGRAM
-from calib.signals.blocks import BLOCK
+from calib.model.settings import SETTINGS
+from calib.model.sort_logs import Prepared
+from calib.run.blocks import BLOCK
+from calib.run.fingerprint import fingerprint_of
 from calib.table.table import LogReference, Provenance
 
 

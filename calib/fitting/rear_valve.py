@@ -15,15 +15,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.units import from_si
+from calib.base.warning import PlausibilityWarning
+from calib.car.effects import rear_proportioning
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified, misfits
-from calib.fitting.parameters import PRIORS
-from calib.fitting.ramp import RampRun
-from calib.fitting.resistance import Resistance
-from calib.fitting.settings import SETTINGS
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.effects import rear_proportioning
-from calib.physics.vehicle import Vehicle
-from calib.units import from_si
+from calib.model.parameters import PRIORS
+from calib.model.ramp import RampRun
+from calib.model.resistance import Resistance
+from calib.model.settings import SETTINGS
 
 VALVE = rear_proportioning.EFFECT.card.name
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 
+from calib.base.intervals import Z95
+from calib.car.mass import MassUsed
+from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
 from calib.fitting.metrics import outliers
 from calib.fitting.path import Peak
-from calib.fitting.ramp import RampRun
-from calib.fitting.resistance import Resistance
-from calib.physics.mass import MassUsed
-from calib.physics.vehicle import Vehicle
-from calib.statistics.intervals import Z95
+from calib.model.ramp import RampRun
+from calib.model.resistance import Resistance
 
 
 def remarks(

@@ -2,19 +2,19 @@
 
 from collections.abc import Iterator
 
-from calib.fitting.resistance import ROLLING, Resistance
-from calib.fitting.resistance import identify as identify_resistance
-from calib.fitting.sensors import judge_accelerometer
-from calib.fitting.sort_logs import Prepared
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.vehicle import Vehicle
+from calib.base.warning import PlausibilityWarning
+from calib.car.plausible import plausible
+from calib.car.vehicle import Vehicle
+from calib.model.resistance import ROLLING, Resistance
+from calib.model.resistance import identify as identify_resistance
+from calib.model.sensors import judge_accelerometer
+from calib.model.sort_logs import Prepared
 from calib.plausibility.bend import bend_warnings
 from calib.plausibility.resistance import resistance_warnings
 from calib.plausibility.run import run_warnings
-from calib.signals.axle_signals import signals
-from calib.signals.brake_balance import brake_balance
-from calib.signals.brake_response import brake_response
-from calib.vehicles.plausible import plausible
+from calib.run.axle_signals import signals
+from calib.run.brake_balance import brake_balance
+from calib.run.brake_response import brake_response
 
 
 def log_warnings(

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.covariance_parts import Parts, posterior_parts, scatter_parts
-from calib.fitting.parameters import AT, PRIORS
-from calib.fitting.settings import SETTINGS
-from calib.statistics.hypotheses import weigh_hypotheses
+from calib.base.hypotheses import weigh_hypotheses
+from calib.model.covariance_parts import Parts, posterior_parts, scatter_parts
+from calib.model.parameters import AT, PRIORS
+from calib.model.settings import SETTINGS
 
 Array = NDArray[np.float64]
 

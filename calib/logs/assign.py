@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.documents.toml import nearest
-from calib.errors import ChannelMapError, LogError
+from calib.base.errors import ChannelMapError, LogError
+from calib.base.names import CHANNELS, TRUTH_UNITS
+from calib.base.toml import nearest
+from calib.base.units import UnknownUnit, si_of, unit_of
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.log import Origin
 from calib.logs.resample import Wanted
 from calib.logs.source import Array, ChannelTrace, Column, address_of, called
-from calib.names import CHANNELS, TRUTH_UNITS
-from calib.units import UnknownUnit, si_of, unit_of
 
 TRUTH = "true_"
 MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map suggest` proposes one"

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from calib.base.units import to_si
 from calib.logs.source import Array
 from calib.logs.text.dialect import LOOKED, TextFormat
-from calib.units import to_si
 
 
 @dataclass(frozen=True)

@@ -38,13 +38,13 @@ from pydantic import (
     model_validator,
 )
 
-from calib.documents.schema import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
-from calib.documents.schema_errors import shown, wrong
-from calib.errors import ChannelMapError
+from calib.base.errors import ChannelMapError
+from calib.base.names import CHANNELS
+from calib.base.schema import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
+from calib.base.schema_errors import shown, wrong
+from calib.base.units import UnknownUnit, spellings, unit_of
 from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
-from calib.names import CHANNELS
-from calib.units import UnknownUnit, spellings, unit_of
 
 
 def _source(name: object) -> str:

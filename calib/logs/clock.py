@@ -10,7 +10,7 @@ result    4294.960  4294.965  4294.970  ...    its period is added after the wra
 
 import numpy as np
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.source import Array
 
 GAP = 3.5

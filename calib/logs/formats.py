@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from calib.errors import LogError
-from calib.files.bounded import LOG, POINTER, bytes_of
+from calib.base.bounded import LOG, POINTER, bytes_of
+from calib.base.errors import LogError
+from calib.base.printable import printable
 from calib.logs.bus.blf import open_blf
 from calib.logs.bus.text_logs import open_asc, open_candump, open_trc
 from calib.logs.channel_map import Databases
@@ -21,7 +22,6 @@ from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
 from calib.logs.text.encoding import gunzip
 from calib.logs.text.vbo import open_vbo
-from calib.printable import printable
 
 MDF = (".mf4", ".mdf", ".dat")
 

@@ -16,14 +16,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.moving_average import noise_of
+from calib.base.names import CHANNELS, WHEELS
+from calib.base.units import from_si
 from calib.logs.clock import is_ascending
 from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
 from calib.logs.source import Array
 from calib.logs.verify import ENDS
-from calib.names import CHANNELS, WHEELS
-from calib.statistics.moving_average import noise_of
-from calib.units import from_si
 
 Mask = NDArray[np.bool_]
 
@@ -142,7 +142,7 @@ def without_impossible(channels: Mapping[str, Array], where: str) -> Drivable:
 def _impossible(time: Array, x: Array, possible: Possible) -> Mask:
     """Mask (n,) of the samples of a channel that no car drives."""
     mask = np.isfinite(x) & (np.abs(x) > possible.end)
-    if np.count_nonzero(mask) > FEW * x.size:  # the unit: `calib.checks` says so
+    if np.count_nonzero(mask) > FEW * x.size:  # the unit: `calib.run` says so
         return np.zeros(x.size, np.bool_)
     known = np.flatnonzero(np.isfinite(x) & ~mask)
     steps = np.diff(time[known])

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.frames import Frames, Known, joined, once
 from calib.logs.bus.recording import described, require_dbc, require_known, trace

@@ -13,7 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.source import damaged
 
 COUNTS, LAST_LENGTH, VLSD_SIZES = 1, 4, 32

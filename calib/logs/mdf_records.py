@@ -15,8 +15,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from calib.errors import LogError
-from calib.files.bounded import RECORDING
+from calib.base.bounded import RECORDING
+from calib.base.errors import LogError
 from calib.logs.mdf_blocks import (
     COUNTS,
     HEAD,

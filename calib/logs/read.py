@@ -5,8 +5,9 @@ import stat
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from calib.errors import ChannelMapError, LogError
-from calib.files.bounded import LOG, RECORDING, open_bounded, read_bounded
+from calib.base.bounded import LOG, RECORDING, open_bounded, read_bounded
+from calib.base.errors import ChannelMapError, LogError
+from calib.base.names import CHANNELS
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.channel_map import ChannelMap, Databases
 from calib.logs.clock import is_ascending, on_line
@@ -18,7 +19,6 @@ from calib.logs.resample import on_one_clock
 from calib.logs.source import ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
 from calib.logs.verify import check_clock, complete_channels, refuse_absurd, without_open_ends
-from calib.names import CHANNELS
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels that fit and validation need."""
@@ -103,7 +103,7 @@ def read_log(
 
     Raises LogError for a file that is not a valid log, see `calib.logs.verify` and
     `calib.logs.assign`; ChannelMapError for a map that does not fit. The manoeuvre is not judged
-    here, see `calib.checks.check`.
+    here, see `calib.run.check`.
 
     >>> import calib
     >>> log = calib.read_log(calib.sample_logs() / "sedan" / "coast.csv")

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import CHANNELS
 from calib.logs.clock import on_line, running, step_of
 from calib.logs.gaps import ChannelHole, Filled, fill, in_words
 from calib.logs.source import Array, ChannelTrace
-from calib.names import CHANNELS
 
 FASTEST = 1050.0
 """A sample rate above this [Hz] is not used as the clock if there is a slower one."""

@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import CHANNELS
+from calib.base.units import to_si
 from calib.logs.assign import MAP_IT, Assigned, assign
 from calib.logs.channel_map import ChannelMap
 from calib.logs.clock import GAP, step_of
@@ -29,8 +31,6 @@ from calib.logs.read import (
 from calib.logs.resample import Wanted, at_times, on_one_clock
 from calib.logs.source import ChannelTrace, Column, ColumnSource
 from calib.logs.verify import check_increasing
-from calib.names import CHANNELS
-from calib.units import to_si
 
 TIME = "time"
 

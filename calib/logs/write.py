@@ -13,16 +13,16 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.files.write import write_whole
+from calib.base.names import CHANNELS, TRUTH_UNITS
+from calib.base.printable import one_line
+from calib.base.units import from_si
+from calib.base.write import write_whole
 from calib.logs.assign import TRUTH
 from calib.logs.log import Array, Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.source import need
 from calib.logs.text.cells import column_from_cell
 from calib.logs.whole import TIME, WholeColumn, WholeLog
-from calib.names import CHANNELS, TRUTH_UNITS
-from calib.printable import one_line
-from calib.units import from_si
 
 # Decimals of the CSV file, in canonical units: each step is below a tenth of a usual sensor's
 # resolution, so that rounding adds no noise.

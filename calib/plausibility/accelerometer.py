@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator
 
-from calib.messages.warning import PlausibilityWarning
-from calib.names import G
+from calib.base.intervals import Z95
+from calib.base.names import G
+from calib.base.warning import PlausibilityWarning
 from calib.plausibility.limits import PLAUSIBLE
-from calib.signals.accelerometer import Accelerometer
-from calib.statistics.intervals import Z95
+from calib.run.accelerometer import Accelerometer
 
 SLOPE, LIKELY = 0.01, 0.5
 """Disagreement by turns of a_x and v [g] from which a slope that changes is named: on level roads

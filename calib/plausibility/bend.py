@@ -5,12 +5,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.warning import PlausibilityWarning
+from calib.car.braking import MOVING
 from calib.logs.log import Log
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.braking import MOVING
 from calib.plausibility.limits import PLAUSIBLE
-from calib.signals.axle_signals import Signals
-from calib.signals.lateral import lateral, sides
+from calib.run.axle_signals import Signals
+from calib.run.lateral import lateral, sides
 
 
 def bend_warnings(

@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.vehicle import Vehicle
+from calib.base.half_normal import likelihood_ratio, mean_square
+from calib.base.warning import PlausibilityWarning
+from calib.car.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
-from calib.signals.axle_signals import Signals
-from calib.signals.brake_response import FORCE as FORCE_BEFORE
-from calib.signals.brake_response import USUAL, BrakeResponse
-from calib.statistics.half_normal import likelihood_ratio, mean_square
+from calib.run.axle_signals import Signals
+from calib.run.brake_response import FORCE as FORCE_BEFORE
+from calib.run.brake_response import USUAL, BrakeResponse
 
 LASTING, FOLLOWING = 0.4, 0.2
 """Share of the motors that brake until the car stands, and of those that follow the pedal as far as

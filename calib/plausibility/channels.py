@@ -6,16 +6,16 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.copies import alike, as_sent, is_noise, rough
-from calib.checks.limits import LIMITS
-from calib.checks.warnings import impossible_samples
+from calib.base.names import WHEELS
+from calib.base.warning import PlausibilityWarning
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.messages.warning import PlausibilityWarning
-from calib.names import WHEELS
-from calib.physics.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
-from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii, wheels_held
-from calib.signals.speed_delay import USUAL, SpeedDelay
+from calib.run.axle_signals import HELD, Signals, held_time, rolling_radii, wheels_held
+from calib.run.copies import alike, as_sent, is_noise, rough
+from calib.run.limits import LIMITS
+from calib.run.speed_delay import USUAL, SpeedDelay
+from calib.run.warnings import impossible_samples
 
 Array = NDArray[np.float64]
 

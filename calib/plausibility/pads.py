@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator
 
-from calib.errors import LogError
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.vehicle import Vehicle
+from calib.base.errors import LogError
+from calib.base.intervals import Z95
+from calib.base.warning import PlausibilityWarning
+from calib.car.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
-from calib.statistics.intervals import Z95
 from calib.table.table import Calibration, TyrePosterior
 
 LEVEL_CAUSES = (

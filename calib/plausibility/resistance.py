@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from calib.messages.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning
 from calib.plausibility.limits import PLAUSIBLE
 
 

@@ -1,15 +1,15 @@
 """All that one run says against its sensors, from fit and estimate alike."""
 
+from calib.base.warning import PlausibilityWarning
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.vehicle import Vehicle
 from calib.plausibility.accelerometer import accelerometer_warnings
 from calib.plausibility.brakes import pressure_warnings, response_warnings
 from calib.plausibility.channels import channel_warnings
 from calib.plausibility.wheel_signals import wheel_signal_warnings
-from calib.signals.accelerometer import Accelerometer
-from calib.signals.axle_signals import Signals
-from calib.signals.brake_response import BrakeResponse
+from calib.run.accelerometer import Accelerometer
+from calib.run.axle_signals import Signals
+from calib.run.brake_response import BrakeResponse
 
 
 def run_warnings(

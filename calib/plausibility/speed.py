@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-from calib.errors import LogError
-from calib.messages.warning import PlausibilityWarning
+from calib.base.errors import LogError
+from calib.base.warning import PlausibilityWarning
 from calib.plausibility.accelerometer import V_SCALE
 from calib.plausibility.wheel_signals import V_OF_WHEELS
 

@@ -20,14 +20,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import VehicleError
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.vehicle import Axle, Vehicle
+from calib.base.errors import VehicleError
+from calib.base.intervals import Z95
+from calib.base.warning import PlausibilityWarning
+from calib.car.keys import CHASSIS, FRONT, KEYS, REAR, VehicleKey
+from calib.car.plausible import written_value
+from calib.car.vehicle import Axle, Vehicle
 from calib.plausibility.limits import PLAUSIBLE
-from calib.statistics.intervals import Z95
 from calib.table.table import Calibration
-from calib.vehicles.keys import CHASSIS, FRONT, KEYS, REAR, VehicleKey
-from calib.vehicles.plausible import written_value
 
 Array = NDArray[np.float64]
 

@@ -8,17 +8,17 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import QUARTILE
+from calib.base.names import WHEELS
+from calib.base.warning import PlausibilityWarning
+from calib.car.braking import BITE, MOVING
+from calib.car.forces import axle_loads
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.messages.warning import PlausibilityWarning
-from calib.names import WHEELS
-from calib.physics.braking import BITE, MOVING
-from calib.physics.forces import axle_loads
-from calib.physics.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
-from calib.signals.axle_signals import Signals, rolling_radii
-from calib.signals.blocks import BLOCK
-from calib.signals.filters import block_mean
-from calib.statistics.intervals import QUARTILE
+from calib.run.axle_signals import Signals, rolling_radii
+from calib.run.blocks import BLOCK
+from calib.run.filters import block_mean
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ import shutil
 from contextlib import suppress
 from pathlib import Path
 
-from calib.files.bounded import JOURNAL as JOURNAL_FILE
-from calib.files.bounded import read_bounded
-from calib.files.write import sync, write_whole
+from calib.base.bounded import JOURNAL as JOURNAL_FILE
+from calib.base.bounded import read_bounded
+from calib.base.write import sync, write_whole
 from calib.store.folders import NEW, SIGNATURE, folder_of, unplaced
 from calib.store.journal import HEAD, JOURNAL, Journal, damaged, parse
 from calib.store.version import write_curves, write_record

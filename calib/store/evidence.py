@@ -3,8 +3,8 @@
 import hashlib
 from pathlib import Path
 
-from calib.errors import ExchangeError
-from calib.files.bounded import VALIDATION, read_bounded
+from calib.base.bounded import VALIDATION, read_bounded
+from calib.base.errors import ExchangeError
 from calib.store.quality import read_quality
 from calib.store.state import Evidence
 from calib.store.version import Stored
@@ -35,7 +35,7 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
     """The verdict of a `station.json` on this version; None where the file is none."""
-    from calib.documents.schema import validated_json
+    from calib.base.schema import validated_json
     from calib.store.evidence_file import StationFile
 
     try:

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from calib.documents.schema import FileSchema, Section
+from calib.base.schema import FileSchema, Section
 
 
 class JudgedTable(Section):

@@ -10,7 +10,7 @@ import os
 import re
 from pathlib import Path
 
-from calib.errors import StoreError, TableNotFound
+from calib.base.errors import StoreError, TableNotFound
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 FOLDER = re.compile(r"v(\d{4,6})")

@@ -18,9 +18,9 @@ from datetime import UTC, datetime
 from functools import cached_property
 from typing import Any
 
-from calib.errors import DamagedTable
-from calib.files.digest import canonical_json
-from calib.signing.signature import STATES
+from calib.base.digest import canonical_json
+from calib.base.errors import DamagedTable
+from calib.store.minisign import STATES
 from calib.store.state import CHANGES, Evidence, StateDecision, VersionState
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"

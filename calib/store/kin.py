@@ -1,6 +1,6 @@
 """Versions that were made of the same ramp as another one, and may not be used."""
 
-from calib.errors import StoreError
+from calib.base.errors import StoreError
 from calib.store.store import Store
 from calib.store.version import Stored
 

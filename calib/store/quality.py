@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.errors import ExchangeError
-from calib.files.bounded import VALIDATION, read_bounded
-from calib.printable import printable
+from calib.base.bounded import VALIDATION, read_bounded
+from calib.base.errors import ExchangeError
+from calib.base.printable import printable
 
 if TYPE_CHECKING:
     from calib.store.summary_file import SummaryFile
@@ -58,7 +58,7 @@ def _called(summary: "SummaryFile") -> str:
 
 
 def _summary(path: Path) -> "SummaryFile":
-    from calib.documents.schema import validated_json
+    from calib.base.schema import validated_json
     from calib.store.summary_file import SummaryFile
 
     try:

@@ -5,12 +5,12 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from calib.documents.schema import FileSchema, Section, validated_json
-from calib.errors import StoreError
-from calib.files.digest import canonical_json
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.effects.effects import DefinedIn, Effects, EmpiricalTerm
-from calib.physics.vehicle import Axle, Vehicle
+from calib.base.digest import canonical_json
+from calib.base.errors import StoreError
+from calib.base.schema import FileSchema, Section, validated_json
+from calib.base.warning import PlausibilityWarning
+from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
+from calib.car.vehicle import Axle, Vehicle
 from calib.store.curve_file import Array
 from calib.table.budget import TableBudget
 from calib.table.by_hand import SetByHand

@@ -12,9 +12,9 @@ import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from calib.errors import SignatureRefused
-from calib.files.bounded import TABLE, read_bounded
-from calib.files.write import write_whole
+from calib.base.bounded import TABLE, read_bounded
+from calib.base.errors import SignatureRefused
+from calib.base.write import write_whole
 from calib.store.journal import Journal
 from calib.store.lock import locked
 
@@ -115,7 +115,7 @@ def _path() -> Path:
 
 
 def _sights(data: bytes, path: Path) -> tuple[Sight, ...]:
-    from calib.documents.schema import validated_json
+    from calib.base.schema import validated_json
     from calib.store.seen_file import SeenFile
 
     try:

@@ -15,11 +15,11 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-from calib.errors import DamagedTable, SignatureRefused
-from calib.files.bounded import TABLE, read_bounded
-from calib.signing.keys import PublicKey, SecretKey
-from calib.signing.lines import read_small
-from calib.signing.signature import (
+from calib.base.bounded import TABLE, read_bounded
+from calib.base.errors import DamagedTable, SignatureRefused
+from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
+from calib.store.journal import SIGNED, Entry
+from calib.store.minisign import (
     Signature,
     Statement,
     parse_signature,
@@ -27,8 +27,8 @@ from calib.signing.signature import (
     sign,
     verify,
 )
-from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
-from calib.store.journal import SIGNED, Entry
+from calib.store.minisign_keys import PublicKey, SecretKey
+from calib.store.minisign_lines import read_small
 from calib.store.snapshot import Snapshot
 from calib.store.version import Stored
 

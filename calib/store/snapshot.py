@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 
-from calib.errors import DamagedTable, StoreError, TableNotFound
+from calib.base.errors import DamagedTable, StoreError, TableNotFound
 from calib.store.folders import (
     LOGS_LAST,
     checked_name,

@@ -11,8 +11,8 @@ released only on new evidence. A withdrawn version stays withdrawn.
 import getpass
 from dataclasses import dataclass
 
-from calib.errors import StoreError
-from calib.signing.signature import STATES
+from calib.base.errors import StoreError
+from calib.store.minisign import STATES
 
 DRAFT, RELEASED, REJECTED, WITHDRAWN = STATES
 

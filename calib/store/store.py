@@ -9,9 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from calib.errors import StoreError
-from calib.program import PROGRAM
-from calib.signing.keys import SecretKey
+from calib.base.errors import StoreError
+from calib.base.program import PROGRAM
 from calib.store.commit import (
     commit,
     commit_signature,
@@ -24,6 +23,7 @@ from calib.store.commit import (
 from calib.store.folders import checked_name, names_in, path_of, placed_in, unplaced, versions_in
 from calib.store.journal import ADOPTED, CHANGED, FIRST, JOURNAL, SIGNED, STORED, Journal
 from calib.store.lock import locked
+from calib.store.minisign_keys import SecretKey
 from calib.store.signature import Signed, anchored, signed
 from calib.store.snapshot import Snapshot, StoreEntry
 from calib.store.state import StateDecision, next_state

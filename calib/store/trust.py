@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from calib.errors import DamagedTable, SignatureRefused, StoreError
-from calib.signing.keys import PublicKey, SecretKey
+from calib.base.errors import DamagedTable, SignatureRefused, StoreError
 from calib.store.folders import NEW, folder_of
+from calib.store.minisign_keys import PublicKey, SecretKey
 from calib.store.seen import SeenJournals, recall
 from calib.store.signature import Signed, anchored, held, was_signed
 from calib.store.snapshot import Snapshot

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from calib.errors import DamagedTable, StoreError
-from calib.files.bounded import TABLE, read_bounded
-from calib.files.digest import content_digest
-from calib.files.write import sync
+from calib.base.bounded import TABLE, read_bounded
+from calib.base.digest import content_digest
+from calib.base.errors import DamagedTable, StoreError
+from calib.base.write import sync
 from calib.store.curve_file import Array, curve_bytes, read_curve
 from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL, without_duplicates
@@ -29,7 +29,7 @@ from calib.store.state import UNKNOWN, VersionState
 from calib.table.table import Table
 
 if TYPE_CHECKING:
-    from calib.documents.schema import Section
+    from calib.base.schema import Section
 
     S = TypeVar("S", bound=Section)
 
@@ -143,7 +143,7 @@ def _document(
 
 
 def _checked(data: bytes, schema: "type[S]", path: Path) -> "S":
-    from calib.documents.schema import validated_json
+    from calib.base.schema import validated_json
 
     try:
         return validated_json(data, schema, None, DamagedTable)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.limits import LIMITS
+from calib.base.names import G
 from calib.logs.channel_map import Mapping
-from calib.names import G
-from calib.signals.filters import centred_mean
+from calib.run.filters import centred_mean
+from calib.run.limits import LIMITS
 from calib.suggest.physics import LATE, ColumnClock, correlation, lead, slope
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
 from calib.suggest.series import Series, finest

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.limits import LIMITS
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
+from calib.run.limits import LIMITS
 from calib.suggest.physics import ColumnClock
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
 from calib.suggest.series import Series

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.signals.filters import centred_mean, runs
+from calib.run.filters import centred_mean, runs
 
 Array = NDArray[np.float64]
 

@@ -39,7 +39,7 @@ class Suggestion:
     Attributes
     ----------
     log : path of the log.
-    proposals : what is proposed, in the order of `calib.names.CHANNELS`.
+    proposals : what is proposed, in the order of `calib.base.names.CHANNELS`.
     doubts : questions to the user; a map is written only if there are none.
     missing : required channels that this log does not have, with the reason.
     left : columns that are not used, with the reason.

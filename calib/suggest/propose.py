@@ -11,11 +11,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.computed_channels import factor_between, is_other_quantity
+from calib.base.names import CHANNELS, WHEELS
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.source import ColumnSource
-from calib.names import CHANNELS, WHEELS
+from calib.run.computed_channels import factor_between, is_other_quantity
 from calib.suggest.body import FoundChannel, find_acceleration, find_pressure, find_speed
 from calib.suggest.clock import find_clock, rising
 from calib.suggest.physics import ColumnClock, moving, rate_of

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import CHANNELS
+from calib.base.units import UnknownUnit, is_unit, si_of, to_si
 from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.source import Column, ColumnSource, address_of
-from calib.names import CHANNELS
-from calib.units import UnknownUnit, is_unit, si_of, to_si
 
 Array = NDArray[np.float64]
 

@@ -3,15 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import InputError
+from calib.base.errors import InputError
+from calib.base.names import CHANNELS
+from calib.base.units import UnknownUnit, from_si, is_unit, unit_of
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
-from calib.names import CHANNELS
 from calib.suggest.proposal import SURE, Proposal
 from calib.suggest.series import Series
 from calib.suggest.wheels import rim_mapping, rim_reason
-from calib.units import UnknownUnit, from_si, is_unit, unit_of
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
 from calib.logs.channel_map import ChannelMap
 from calib.logs.read import read_log
 from calib.suggest.proposal import LIKELY, Doubt, Suggestion

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import WHEELS
+from calib.base.units import is_unit, to_si
 from calib.logs.channel_map import Mapping
-from calib.names import WHEELS
 from calib.suggest.physics import together
 from calib.suggest.proposal import SURE, Doubt, Proposal
 from calib.suggest.series import Series
 from calib.suggest.words import loose_corner
-from calib.units import is_unit, to_si
 
 Array = NDArray[np.float64]
 

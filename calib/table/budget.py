@@ -21,7 +21,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from calib.statistics.intervals import Z95
+from calib.base.intervals import Z95
 
 Parts = Mapping[str, float]
 """Variance of the logarithm of a pad friction [1] by the name of its cause."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class SetByHand:
     """``key`` that was set from ``old`` to ``new``, the ``reason``, and ``by`` whom; "" if unsaid.
 
-    Keys are those of `calib.revisions.keys`.
+    Keys are those of `calib.store.merged_keys`.
     """
 
     key: str

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.statistics.intervals import Z95
+from calib.base.intervals import Z95
 from calib.table.table import Table, Value
 
 Array = NDArray[np.float64]

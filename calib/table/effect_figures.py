@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from calib.physics.effects.effect import Parameter
-from calib.physics.own_effects.own_effect import every_effect
+from calib.car.effects.effect import Parameter
+from calib.car.own_effects.own_effect import every_effect
 from calib.table.table import Table, Value
 
 

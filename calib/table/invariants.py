@@ -11,9 +11,9 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import not_finite
-from calib.files.digest import canonical_json
-from calib.physics.forces import axle_loads
+from calib.base.digest import canonical_json
+from calib.base.errors import not_finite
+from calib.car.forces import axle_loads
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 Array = NDArray[np.float64]

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.physics.balance import brake_forces
-from calib.physics.vehicle import Vehicle
+from calib.car.balance import brake_forces
+from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from calib.physics.balance import brake_forces
-from calib.physics.vehicle import Vehicle
+from calib.car.balance import brake_forces
+from calib.car.vehicle import Vehicle
 from calib.table.budget import AxleBudget, Parts, axle_budget
 from calib.table.table import Calibration, Table
 

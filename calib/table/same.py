@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.files.digest import canonical_json
+from calib.base.digest import canonical_json
 from calib.table.table import Table
 
 TOLERANCE = 1e-5

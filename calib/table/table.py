@@ -17,16 +17,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.fingerprint import Fingerprint
-from calib.checks.same_run import same_as
-from calib.files.digest import content_digest
+from calib.base.digest import content_digest
+from calib.base.intervals import Z95
+from calib.base.warning import PlausibilityWarning
+from calib.car.effects.effects import Effects
+from calib.car.tyre import PARAMETERS as TYRE
+from calib.car.tyre import Tyre
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.effects.effects import Effects
-from calib.physics.tyre import PARAMETERS as TYRE
-from calib.physics.tyre import Tyre
-from calib.physics.vehicle import Vehicle
-from calib.statistics.intervals import Z95
+from calib.run.fingerprint import Fingerprint
+from calib.run.same_run import same_as
 from calib.table.budget import TableBudget
 from calib.table.by_hand import SetByHand
 from calib.table.spread import FleetScatter
@@ -150,7 +150,7 @@ class Calibration:
 class TyrePosterior:
     """Posterior of tyre and pads from the ramps, as a Gaussian over named parameters.
 
-    ``names`` those of `calib.fitting.parameters.RampParameters`; ``mean`` (k,), ``covariance``
+    ``names`` those of `calib.model.parameters.RampParameters`; ``mean`` (k,), ``covariance``
     (k, k). ``scatter`` (k, k) is the part of it by which real pads, tyres and radii are less alike
     than the mean takes them: no ramp can tell, and a stop that seems to tells of its own road. The
     record of an older table does not have it.
@@ -218,8 +218,8 @@ class Provenance:
     """Parents of a table: logs, settings, program version.
 
     ``identity`` of the car at a station: serial number, VIN and the like, see
-    `calib.station.identity`. ``parents`` versions that it was merged from or derived from, see
-    `calib.revisions`. The record of a table without them does not have the key.
+    `calib.line.station.identity`. ``parents`` versions that it was merged from or derived from, see
+    `calib.store`. The record of a table without them does not have the key.
     """
 
     logs: tuple[LogReference, ...]

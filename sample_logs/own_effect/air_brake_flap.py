@@ -5,7 +5,7 @@ See calib/manual/vehicle_file.md. Everything is in SI.
 
 import numpy as np
 
-from calib.physics.effects.effect import Card, Effect, Parameter
+from calib.car.effects.effect import Card, Effect, Parameter
 
 AIR = 1.2  # density [kg/m^3]
 OPENS = 5e5  # master cylinder pressure at which the flap is half up [Pa]

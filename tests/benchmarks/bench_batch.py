@@ -21,21 +21,21 @@ import pandas as pd
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
+from calib.base.names import G  # noqa: E402
+from calib.car.vehicle_file import read_vehicle  # noqa: E402
 from calib.estimation import adaptive, estimator  # noqa: E402
+from calib.estimation.limits import DEFAULTS  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
 from calib.estimation.weighed_level import weigh_level  # noqa: E402
-from calib.fleet.job import Job  # noqa: E402
-from calib.fleet.pool import Pool  # noqa: E402
-from calib.fleet.run import run_batch  # noqa: E402
-from calib.fleet.work import WorkItem, run_items  # noqa: E402
+from calib.line.fleet.job import Job  # noqa: E402
+from calib.line.fleet.pool import Pool  # noqa: E402
+from calib.line.fleet.run import run_batch  # noqa: E402
+from calib.line.fleet.work import WorkItem, run_items  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
-from calib.names import G  # noqa: E402
-from calib.physics.vehicle_file import read_vehicle  # noqa: E402
-from calib.signals.axle_signals import signals  # noqa: E402
-from calib.signals.blocks import blocks  # noqa: E402
-from calib.signals.brake_balance import brake_balance  # noqa: E402
+from calib.run.axle_signals import signals  # noqa: E402
+from calib.run.blocks import blocks  # noqa: E402
+from calib.run.brake_balance import brake_balance  # noqa: E402
 from calib.table.table import Table  # noqa: E402
-from calib.validation.limits import DEFAULTS  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402
 from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402
 

@@ -17,15 +17,15 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
+from calib.car.vehicle_file import read_vehicle  # noqa: E402
 from calib.estimation import adaptive, baselines, estimator  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
 from calib.estimation.weighed_level import weigh_level  # noqa: E402
 from calib.fitting.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
-from calib.physics.vehicle_file import read_vehicle  # noqa: E402
-from calib.signals.axle_signals import signals  # noqa: E402
-from calib.signals.blocks import blocks  # noqa: E402
-from calib.signals.brake_balance import brake_balance  # noqa: E402
+from calib.run.axle_signals import signals  # noqa: E402
+from calib.run.blocks import blocks  # noqa: E402
+from calib.run.brake_balance import brake_balance  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402
 
 SAMPLES = ROOT / "sample_logs"

@@ -32,16 +32,16 @@ import matplotlib.figure, matplotlib.backends.backend_svg
 mark("imports: matplotlib")
 import cli.main
 from calib.logs.read import read_log
-from calib.station.advice import LIMITS
-from calib.station.metrics import Car
-from calib.files.publish import workshop
-from calib.station.folder import publish_run
-from calib.station.identity import Identity
-from calib.station.report import report_html
-from calib.station.station import outcome, table_of, validated
-from calib.station.write import write_all
+from calib.line.station.advice import LIMITS
+from calib.line.station.metrics import Car
+from calib.base.publish import workshop
+from calib.line.station.folder import publish_run
+from calib.line.station.identity import Identity
+from calib.show.station_page import report_html
+from calib.line.station.station import outcome, table_of, validated
+from calib.show.station_files import write_all
 from calib.store.store import Store
-from calib.physics.vehicle_file import read_vehicle
+from calib.car.vehicle_file import read_vehicle
 mark("imports: brake-cal")
 car = read_vehicle(sedan / "vehicle.toml")
 logs = [read_log(sedan / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast")]

@@ -1,7 +1,7 @@
 """Bad input at the command line: one message that names the file, exit code 3, nothing written.
 
 What each reader and check says in detail is tried beside them (tests/logs,
-tests/checks/test_check.py). Here each way to spoil an input goes through `fit` and `validate` as a
+tests/run/test_check.py). Here each way to spoil an input goes through `fit` and `validate` as a
 user would type them.
 """
 

@@ -6,9 +6,9 @@ import re
 import pyarrow.parquet as pq
 import pytest
 
-from calib.fleet.columns import COLUMNS, HEAD
+from calib.estimation.metrics import METRICS
+from calib.line.fleet.columns import COLUMNS, HEAD
 from calib.store.store import Store
-from calib.validation.metrics import METRICS
 from tests.support.fleet_logs import many
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop
 from tests.support.terminal import on_a_terminal

@@ -7,7 +7,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from calib.errors import ChannelMapError
+from calib.base.errors import ChannelMapError
 from calib.logs.write import write_csv
 from cli.check import check
 from tests.support.made_runs import changed, made_run

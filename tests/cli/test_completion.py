@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from calib.manual.documents import documents
-from calib.physics.effects.catalogue import CATALOGUE
+from calib.car.effects.catalogue import CATALOGUE
+from calib.help.documents import documents
 from cli.schema import SCHEMAS
 from tests.test_layers import HEAVY
 

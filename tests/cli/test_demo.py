@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 import typer.main
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 from cli.main import app
 from tests.support.manual import run
 

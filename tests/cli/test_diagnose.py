@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 from cli.diagnose import HOLDOUT
 from tests.support.terminal import on_a_terminal
 

@@ -5,7 +5,7 @@ import shlex
 
 import pytest
 
-from calib.physics.effects.catalogue import CATALOGUE
+from calib.car.effects.catalogue import CATALOGUE
 from cli.effects import EPILOG
 
 

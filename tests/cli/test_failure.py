@@ -5,8 +5,8 @@ import json
 import jsonschema
 import pytest
 
-from calib.documents.schema import ErrorFile, json_schema
-from calib.errors import BrakeCalError, InputError, StoreError
+from calib.base.errors import BrakeCalError, InputError, StoreError
+from calib.base.schema import ErrorFile, json_schema
 from calib.store.store import Store
 
 SEVERAL = InputError("2 errors", where="car.toml", lines=("mass: missing", "h: is text"))

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 from calib.logs.write import write_csv
 from calib.store.store import Store
 from calib.table.budget import summary

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 from calib.store.store import Store
 
 SEDAN = sample_logs() / "sedan"

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 from tests.support.terminal import on_a_terminal
 
 SEDAN = sample_logs() / "sedan"

@@ -5,7 +5,7 @@ import pytest
 import typer.main
 
 from calib import __version__
-from calib.errors import BrakeCalError, InputError, StoreError
+from calib.base.errors import BrakeCalError, InputError, StoreError
 from calib.store.store import Store
 from cli.main import app
 

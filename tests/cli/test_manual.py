@@ -5,7 +5,7 @@ from io import StringIO
 
 from rich.console import Console
 
-from calib.manual.page import contents
+from calib.help.page import contents
 from cli.group import GONE, PAGES
 from cli.laid_out import LaidOut
 

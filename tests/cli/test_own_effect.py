@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 from tests.support.own_effects import EXAMPLE, retarder
 
 MANUAL = Path(__file__).parents[2] / "calib" / "manual"

@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
+from calib.car.vehicle_file import read_vehicle
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
-from calib.physics.vehicle_file import read_vehicle
 from calib.store.store import Store
 from tests.support.tables import made_table
 
@@ -195,12 +195,12 @@ def test_the_verdict_is_by_the_limits_given(plot, tmp_path):
 
 
 def test_an_out_that_cannot_be_written_has_a_code_of_its_own(plot, monkeypatch):
-    import calib.plots.sheet
+    import calib.show.sheet
 
     def full(path, content):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(calib.plots.sheet, "write_whole", full)
+    monkeypatch.setattr(calib.show.sheet, "write_whole", full)
     ran = plot("sedan@1")
     assert ran.code == 5
     assert "No space left on device" in ran.err

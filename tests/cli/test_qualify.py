@@ -2,15 +2,15 @@ import json
 
 import pytest
 
-from calib.physics import forces
-from calib.qualification import checks
+from calib.car import forces
+from calib.help import checks
 
 SHORT = checks.SUITE[:6]
 
 
 @pytest.fixture(autouse=True)
 def short(monkeypatch):
-    """Closed forms only; `tests/qualification/test_checks.py` makes all checks."""
+    """Closed forms only; `tests/help/test_checks.py` makes all checks."""
     monkeypatch.setattr(checks, "SUITE", SHORT)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from calib.manual.documents import documents
+from calib.help.documents import documents
 from cli.schema import SCHEMAS
 
 ROOT = Path(__file__).parents[2]

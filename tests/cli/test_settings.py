@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.documents.settings import NAME, VARIABLE
+from calib.base.settings import NAME, VARIABLE
 from calib.store.store import Store
 from tests.support.tables import made_table
 

@@ -9,7 +9,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
 from calib.logs.read import read_log
 from cli.simulate import EPILOG, simulate
 

@@ -63,7 +63,7 @@ def test_streams_that_the_shell_has_closed():
 
 @full
 def test_a_result_on_a_full_disk(tmp_path):
-    from calib.errors import AnswerError
+    from calib.base.errors import AnswerError
 
     with pytest.raises(AnswerError), writing(tmp_path / "a.txt"), open("/dev/full", "wb") as disk:
         disk.write(b"a")

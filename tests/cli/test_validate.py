@@ -7,10 +7,10 @@ from dataclasses import replace
 import pyarrow.parquet as pq
 import pytest
 
+from calib.car.vehicle_file import write_vehicle
+from calib.estimation.metrics import METRICS
 from calib.logs.write import write_csv, write_parquet
-from calib.physics.vehicle_file import write_vehicle
 from calib.store.store import Store
-from calib.validation.metrics import METRICS
 from cli.validate import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, with_pads
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from calib.physics.vehicle_file import read_vehicle
+from calib.car.vehicle_file import read_vehicle
 from cli import vehicle_init
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"

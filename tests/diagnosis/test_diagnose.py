@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from calib.base.errors import LogError
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
@@ -16,7 +17,6 @@ from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.decide import decide
 from calib.diagnosis.written.document import to_dict
-from calib.errors import LogError
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.hidden.score import COUNTERPARTS

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.explanation.vector import unpack
-from calib.physics.effects.effects import Effects
 from tests.support.hidden.cases import draw
 
 DRAG = "aerodynamic_drag"

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from calib.checks.check import problems_for
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.explanation.channels import CHANNELS, FLOOR, noise_of
 from calib.diagnosis.written.document import to_dict
 from calib.diagnosis.written.words import noise
 from calib.logs.log import Log
+from calib.run.check import problems_for
 from tests.support.plant import Plant, as_log, drive
 from tests.support.reference_car import CAR, IDEAL, REAL
 

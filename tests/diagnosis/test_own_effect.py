@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from calib.car.own_effects.own_effect import OwnEffect, with_own
+from calib.car.own_effects.read import read_own_effect
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.written.document import to_dict
-from calib.physics.own_effects.own_effect import OwnEffect, with_own
-from calib.physics.own_effects.read import read_own_effect
-from calib.reports.diagnosis import report_html
-from calib.simulation.sensor_noise import add_noise
+from calib.model.sensor_noise import add_noise
+from calib.show.diagnosis_page import report_html
 from tests.support.hidden.cases import CARS, NOISE, run
 from tests.support.hidden.plant import Car
 from tests.support.hidden.settings import Hidden

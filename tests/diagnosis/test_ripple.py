@@ -12,7 +12,7 @@ from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.gap import gap_of
 from calib.diagnosis.proof.hold_outs import hold_outs_of
 from calib.logs.log import Log
-from calib.simulation.sensor_noise import add_noise
+from calib.model.sensor_noise import add_noise
 from tests.support.hidden.cases import CARS, NOISE, SURFACES
 from tests.support.hidden.hydraulics import STEP, lines
 from tests.support.hidden.plant import Car, Start, drive

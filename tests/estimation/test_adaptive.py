@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.errors import InputError
+from calib.base.errors import InputError
+from calib.car import forces
 from calib.estimation import adaptive
-from calib.physics import forces
 from tests.support.tables import VEHICLE
 
 DT = 0.005

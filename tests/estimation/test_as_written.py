@@ -10,7 +10,7 @@ from calib.estimation.as_written import as_written
 from calib.estimation.estimator import estimate
 from calib.estimation.priors import Priors
 from calib.fitting.fit import fit
-from calib.signals.axle_signals import Signals
+from calib.run.axle_signals import Signals
 from tests.support.reference_car import CAR, IDEAL, REAL, ramp, stop, with_pads
 from tests.support.tables import VEHICLE, C, K, made_table
 

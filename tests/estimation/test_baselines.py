@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from calib.estimation.estimator import estimate
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import to_dict, validate_one
 from calib.fitting.fit import fit
-from calib.validation.limits import DEFAULTS
-from calib.validation.validate import to_dict, validate_one
 from tests.support.reference_car import CAR, IDEAL, REAL, noisy, ramp, stop, with_pads
 from tests.support.tables import stored_as
 

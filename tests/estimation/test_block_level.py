@@ -9,8 +9,8 @@ import pytest
 from calib.estimation.block_level import block_level
 from calib.estimation.estimator import estimate
 from calib.estimation.priors import Priors
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
 from tests.support.reference_car import CAR, REAL, noisy, stop, without
 
 PRIORS = Priors()

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.pitch_coupling import pitch_deficit
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.priors import Priors
-from calib.physics.effects.pitch_coupling import pitch_deficit
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.filters import block_mean
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.filters import block_mean
 from tests.support.reference_car import CAR, WET, stop
 
 

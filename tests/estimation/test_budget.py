@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.intervals import Z95
 from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import WIDE
 from calib.estimation.priors import Priors
 from calib.fitting.fit import fit
-from calib.statistics.intervals import Z95
 from tests.support.reference_car import CAR, IDEAL, REAL, WET, noisy, ramp, stop, without
 
 UNWEIGHED = replace(CAR, mass_tolerance=0.03)

@@ -6,18 +6,18 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from calib.base.names import WHEELS, G
+from calib.car.balance import brake_forces
+from calib.car.effects.effects import Effects
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import LOCKS, Gates
 from calib.estimation.plan import calibrated, known_resistance, merged_noise
 from calib.estimation.priors import Priors
+from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from calib.names import WHEELS, G
-from calib.physics.balance import brake_forces
-from calib.physics.effects.effects import Effects
-from calib.signals.noise import SensorNoise
-from calib.simulation.sensor_noise import LEVELS, add_noise
+from calib.model.sensor_noise import LEVELS, add_noise
+from calib.run.noise import SensorNoise
 from calib.table.table import TyrePosterior
-from calib.validation.validate import validate
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.bias import pressure_per_g
 from calib.estimation.estimator import estimate
 from calib.estimation.exchanged import exchanged
+from calib.estimation.settings import SETTINGS
+from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from calib.physics.bias import pressure_per_g
-from calib.validation.settings import SETTINGS
-from calib.validation.validate import validate
 from tests.support.balanced import balanced
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, swapped, without
 

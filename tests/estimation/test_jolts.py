@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.names import G
 from calib.estimation.estimator import estimate
-from calib.names import G
 from tests.support.reference_car import REAL, noisy, stop
 
 

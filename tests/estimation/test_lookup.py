@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calib.car.forces import axle_loads, speed_ratio, split
+from calib.car.tyre import PARAMETERS, Tyre
 from calib.estimation.lookup import LOOKUPS, tyre
-from calib.physics.forces import axle_loads, speed_ratio, split
-from calib.physics.tyre import PARAMETERS, Tyre
 from calib.table.table import TyrePosterior
 from tests.support.tables import VEHICLE, C, K, made_table
 

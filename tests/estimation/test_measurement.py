@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calib.base.names import G
 from calib.estimation.measurement import Given, axle_loads_now, braked, coasting, measurement
 from calib.estimation.states import COUNT, States
-from calib.names import G
 
 L_F, L_R, H = 1.1556, 1.6494, 0.615
 WEIGHT = 1744.0 * G

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.names import G
+from calib.car.effects.effects import Effects
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates
 from calib.estimation.plan import Plan
@@ -13,11 +15,9 @@ from calib.estimation.priors import Priors
 from calib.estimation.split_budget import PAIR, first_parts, ratio_parts
 from calib.estimation.split_filter import filter_pad_ratio
 from calib.estimation.states import first_state
-from calib.fitting.resistance import Resistance
-from calib.names import G
-from calib.physics.effects.effects import Effects
-from calib.signals.blocks import Blocks
-from calib.signals.noise import SensorNoise
+from calib.model.resistance import Resistance
+from calib.run.blocks import Blocks
+from calib.run.noise import SensorNoise
 from calib.table.budget import TableBudget
 from calib.table.table import TyrePosterior
 from tests.support.reference_car import CAR

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.intervals import Z95
+from calib.base.mixture_posterior import mixture_posterior
+from calib.base.names import G
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
-from calib.names import G
-from calib.signals.blocks import Blocks
-from calib.signals.noise import SensorNoise
-from calib.statistics.intervals import Z95
-from calib.statistics.mixture_posterior import mixture_posterior
+from calib.run.blocks import Blocks
+from calib.run.noise import SensorNoise
 from calib.table.table import TyrePosterior
 from tests.support.reference_car import CAR
 from tests.support.textbook_filter import textbook

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.intervals import Z95
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
-from calib.statistics.intervals import Z95
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, with_pads
 
 LOADED = replace(REAL, mass_scale=1.2)

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.errors import InputError
+from calib.base.errors import InputError
+from calib.car.disc_temperature import DISCS, START
+from calib.car.effects.effects import Effects
 from calib.estimation.temperature import temperature, temperatures
-from calib.physics.disc_temperature import DISCS, START
-from calib.physics.effects.effects import Effects
-from calib.signals.axle_signals import signals
+from calib.run.axle_signals import signals
 from tests.support.reference_car import CAR, IDEAL, noisy, stop
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.fitting.identify import identify_once
-from calib.fitting.ramp import prepare
-from calib.physics.effects.effects import Effects
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.noise import sensor_noise
+from calib.model.ramp import prepare
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, rolled, stop, with_pads
 
 ROLLING = 300.0

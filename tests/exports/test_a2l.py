@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.a2l import write_a2l
 from calib.exports.addresses import Addresses, find_addresses
 from calib.exports.build import build

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from calib.errors import ProgramError
+from calib.base.errors import ProgramError
 from calib.exports.a2l import write_a2l
 from calib.exports.addresses import LARGEST_FILE, find_addresses
 from calib.exports.build import build

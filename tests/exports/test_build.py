@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.estimation.lookup import difference, paper
 from calib.exports.build import build
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.exports.build import build
 from calib.exports.c_header import write_c_header
 from calib.exports.dataset import LONGEST
-from calib.physics.effects.effects import Effects
 from tests.support.tables import made_table
 
 COMPILER = shutil.which("gcc") or shutil.which("cc") or shutil.which("clang")

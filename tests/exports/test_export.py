@@ -3,7 +3,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.export import export
 
 

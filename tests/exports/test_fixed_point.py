@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.breakpoints import Misfit
 from calib.exports.build import build
 from calib.exports.dataset import Axis

@@ -7,7 +7,7 @@ from operator import methodcaller
 import numpy as np
 import pytest
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.exports.build import build
 from calib.exports.cdfx import write_cdfx
 from calib.exports.dcm import write_dcm

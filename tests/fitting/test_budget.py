@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.fitting.budget import level_parts
 from calib.fitting.fit import fit
 from calib.fitting.identify import identify
-from calib.fitting.ramp import prepare
-from calib.fitting.resistance import Resistance
-from calib.physics.effects.effects import Effects
-from calib.signals.accelerometer import Accelerometer
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.noise import sensor_noise
+from calib.model.ramp import prepare
+from calib.model.resistance import Resistance
+from calib.run.accelerometer import Accelerometer
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
 from calib.table.pads_budget import pads_budget
 from tests.support.reference_car import CAR, REAL, noisy, ramp, without
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calib.base.names import G
 from calib.fitting.fit import fit
 from calib.fitting.identify import Identified
-from calib.fitting.parameters import COUNT, PRIORS, RampParameters
 from calib.fitting.path import delta_sigma, find_peak, path
-from calib.names import G
+from calib.model.parameters import COUNT, PRIORS, RampParameters
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, TyrePosterior
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (

@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
+from calib.car.vehicle import Axle
 from calib.fitting.fit import fit
-from calib.fitting.parameters import PRIORS
-from calib.fitting.ramp import prepare, sigma_eta
-from calib.physics.effects.effects import Effects
-from calib.physics.vehicle import Axle
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.noise import sensor_noise
+from calib.model.parameters import PRIORS
+from calib.model.ramp import prepare, sigma_eta
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
 from tests.studies.clean_cars import logs, plant
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
 from tests.support.reference_car import CAR, noisy

@@ -10,26 +10,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.checks.gates import eta_rise
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.car import forces
+from calib.car.effects.effects import Effects
+from calib.car.magic_formula import MagicFormula
+from calib.car.model import default_model
+from calib.car.vehicle_file import read_vehicle
 from calib.fitting.budget import level_parts
 from calib.fitting.calibration import calibration
 from calib.fitting.fit import fit
 from calib.fitting.identify import identify
-from calib.fitting.ramp import prepare
-from calib.fitting.resistance import Resistance
 from calib.logs.read import read_log
 from calib.logs.write import write_csv, write_parquet
-from calib.physics import forces
-from calib.physics.effects.effects import Effects
-from calib.physics.magic_formula import MagicFormula
-from calib.physics.model import default_model
-from calib.physics.vehicle_file import read_vehicle
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.noise import SensorNoise, sensor_noise, worst_noise
-from calib.simulation.manoeuvre import manoeuvre
-from calib.simulation.simulate import simulate
+from calib.model.manoeuvre import manoeuvre
+from calib.model.ramp import prepare
+from calib.model.resistance import Resistance
+from calib.model.simulate import simulate
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.gates import eta_rise
+from calib.run.noise import SensorNoise, sensor_noise, worst_noise
 from calib.table.invariants import violations
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import (
@@ -350,7 +350,7 @@ def test_wheels_within_wear_are_accepted(run):
 
 
 def family_difference(tyre, top):
-    """Largest error of the compliance polynomial of `calib.physics.tyre` on this tyre, relative.
+    """Largest error of the compliance polynomial of `calib.car.tyre` on this tyre, relative.
 
     The polynomial F (1 + b2 F + b3 F^2)/C is fitted to the inverse of the Magic Formula by least
     squares: no fit of a log can be closer.

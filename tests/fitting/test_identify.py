@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 import scipy.optimize
 
+from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify, identify_once
-from calib.fitting.parameters import RampParameters
-from calib.fitting.ramp import AS_OTHERS, predict, prepare, sigma_eta, sigma_slip
-from calib.fitting.settings import SETTINGS
-from calib.physics.effects.effects import Effects
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.noise import SensorNoise, sensor_noise
+from calib.model.parameters import RampParameters
+from calib.model.ramp import AS_OTHERS, predict, prepare, sigma_eta, sigma_slip
+from calib.model.settings import SETTINGS
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import SensorNoise, sensor_noise
 from tests.support.plant import magic
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, with_pads, with_ratio, without
 

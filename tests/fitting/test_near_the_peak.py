@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
+from calib.car.vehicle import Axle
 from calib.fitting.fit import fit
-from calib.fitting.ramp import prepare
-from calib.physics.effects.effects import Effects
-from calib.physics.vehicle import Axle
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.noise import sensor_noise
+from calib.model.ramp import prepare
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
 from tests.support.one_axle import one_axle
 from tests.support.plant import magic
 from tests.support.reference_car import CAR, REAL, noisy, ramp

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.fitting.fit import fit
 from calib.table.invariants import violations
 from tests.support.one_axle import one_axle

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify_once
 from calib.fitting.pad_level import level_residuals, level_spread
-from calib.fitting.ramp import prepare
-from calib.fitting.settings import SETTINGS
-from calib.physics.effects.effects import Effects
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.noise import sensor_noise
+from calib.model.ramp import prepare
+from calib.model.settings import SETTINGS
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
 from tests.support.one_axle import one_axle
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
+from calib.car.vehicle import Vehicle
 from calib.fitting.fit import fit
-from calib.physics.effects.effects import Effects
-from calib.physics.vehicle import Vehicle
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR, noisy, without
 

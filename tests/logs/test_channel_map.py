@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.errors import ChannelMapError, LogError
+from calib.base.errors import ChannelMapError, LogError
 from calib.logs.channel_map import DatabaseFile, Mapping
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.clock import PERIODS, evened, on_line, running, step_of
 
 

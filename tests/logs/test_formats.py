@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.checks.check import check
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.car.vehicle_file import read_vehicle
 from calib.fitting.fit import fit
 from calib.logs.formats import TABLES, ending_of, kind_of, stem_of
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, open_log, read_log
-from calib.physics.vehicle_file import read_vehicle
+from calib.run.check import check
 from calib.store.store import Store
 from calib.table.table import Table
 from tests.support.recordings import (

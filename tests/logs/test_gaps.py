@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from calib.checks.check import check, to_dict
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.gaps import BRIDGE, fill, in_words
 from calib.logs.read import read_log
 from calib.logs.write import write_csv
+from calib.run.check import check, to_dict
 from tests.support.recordings import CHANNELS, UNITS, ramp, times, written
 
 TIME = np.arange(0.0, 10.0, 0.02)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import WHEELS
 from calib.logs.impossible import without_impossible
-from calib.names import WHEELS
 from tests.support.made_runs import made_run, ramp
 from tests.support.plant import drive, magic
 from tests.support.reference_car import REAL

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from asammdf.blocks.conversion_utils import from_dict
 
-from calib.errors import ChannelMapError, LogError
+from calib.base.errors import ChannelMapError, LogError
+from calib.base.names import G
 from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.mdf import open_mdf
 from calib.logs.read import read_log
-from calib.names import G
 from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
 
 TIME = np.arange(200) * 0.01

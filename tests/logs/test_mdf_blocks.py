@@ -4,7 +4,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.mdf_records import check_mdf
 from calib.logs.read import read_log
 from tests.support.recordings import write_bus, write_map, write_mdf

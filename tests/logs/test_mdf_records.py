@@ -6,7 +6,7 @@ import asammdf
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.mdf_records import check_mdf

@@ -8,7 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.parquet import open_parquet
 from calib.logs.source import Column
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.read import REQUIRED, read_log
 from tests.support.refusals import refusal
 

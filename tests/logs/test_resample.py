@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.gaps import BRIDGE
 from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import ChannelTrace

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.source import need
 from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.errors import ChannelMapError, LogError
+from calib.base.errors import ChannelMapError, LogError
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
 from calib.logs.whole import channels_log, cut, inventory, read_whole

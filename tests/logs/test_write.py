@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import CHANNELS
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.logs.whole import WholeColumn, WholeLog, read_whole
 from calib.logs.write import DECIMALS, WRITERS, write_csv, write_parquet
-from calib.names import CHANNELS
 from tests.support.recordings import ramp, write_map, write_mdf
 
 ROWS = 50

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from calib.names import G
+from calib.base.names import G
 from calib.plausibility.accelerometer import accelerometer_warnings
-from calib.signals.accelerometer import Accelerometer
+from calib.run.accelerometer import Accelerometer
 
 BLOCKS = 100
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from calib.names import G
+from calib.base.names import G
 from calib.plausibility.bend import bend_warnings
-from calib.signals.axle_signals import signals
+from calib.run.axle_signals import signals
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calib.plausibility.brakes import motor_of, pressure_warnings, response_warnings
-from calib.signals.axle_signals import signals
-from calib.signals.brake_response import BrakeResponse, ForceStep
+from calib.run.axle_signals import signals
+from calib.run.brake_response import BrakeResponse, ForceStep
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.checks.copies import made_of_wheels
 from calib.plausibility.channels import channel_warnings
-from calib.signals.axle_signals import signals
+from calib.run.axle_signals import signals
+from calib.run.copies import made_of_wheels
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 

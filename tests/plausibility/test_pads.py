@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.plausibility.pads import (
     calibration_warnings,
     change_warnings,

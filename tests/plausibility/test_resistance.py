@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.fitting.fit import fit
-from calib.physics.effects.effects import Effects
 from calib.plausibility.resistance import resistance_warnings
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, ramp

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from calib.errors import VehicleError
+from calib.base.errors import VehicleError
 from calib.fitting.fit import fit
 from calib.plausibility.vehicle_file import explanations, require_file_of_run
 from calib.table.table import Calibration, Value

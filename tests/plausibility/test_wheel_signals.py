@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.plausibility.speed import require_measured_speed
 from calib.plausibility.wheel_signals import wheel_signal_warnings
-from calib.signals.axle_signals import signals
+from calib.run.axle_signals import signals
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import calib.store.commit
-from calib.errors import DamagedTable, StoreError, TableNotFound
+from calib.base.errors import DamagedTable, StoreError, TableNotFound
 from calib.exports.export import ENDINGS, export
 from calib.store.state import Evidence, StateDecision
 from calib.store.store import Store

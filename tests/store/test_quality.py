@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from calib.errors import ExchangeError
+from calib.base.errors import ExchangeError
 from calib.store.quality import read_quality
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.errors import SignatureRefused
+from calib.base.errors import SignatureRefused
 from calib.store.store import Store
 from calib.store.trust import require_signed, sign, verify_signed
 from tests.support.signing import (

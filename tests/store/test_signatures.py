@@ -13,10 +13,10 @@ import pytest
 
 import calib.store.commit
 import calib.store.store
-from calib.errors import DamagedTable, SignatureRefused, StoreError
-from calib.signing.keys import secret_file
-from calib.signing.signature import Statement
-from calib.signing.signature import sign as minisig
+from calib.base.errors import DamagedTable, SignatureRefused, StoreError
+from calib.store.minisign import Statement
+from calib.store.minisign import sign as minisig
+from calib.store.minisign_keys import secret_file
 from calib.store.state import Evidence
 from calib.store.store import Store
 from calib.store.trust import require_signed, sign, verify_signed

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import calib.store.commit
-from calib.errors import DamagedTable, StoreError, TableNotFound
+from calib.base.errors import DamagedTable, StoreError, TableNotFound
 from calib.store.store import Store, StoreVerdict
 from tests.support.tables import made_table
 

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from calib.errors import DamagedTable, StoreError
+from calib.base.errors import DamagedTable, StoreError
 from calib.store.state import Evidence, StateDecision
 from calib.store.store import Store
 from tests.support.killed import killed

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from typer.testing import CliRunner
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
+from calib.car.vehicle import Vehicle
+from calib.car.vehicle_file import write_vehicle
 from calib.logs.log import Log
 from calib.logs.write import write_parquet
-from calib.physics.vehicle import Vehicle
-from calib.physics.vehicle_file import write_vehicle
 from calib.store.store import Store
 from cli.main import app
 from tests.studies.made_lines import STOPS

@@ -17,10 +17,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from calib.base.names import WHEELS, G
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.names import WHEELS, G
-from calib.physics.vehicle import Vehicle
-from calib.simulation.sensor_noise import NoiseLevel
+from calib.model.sensor_noise import NoiseLevel
 from tests.support.plant import Plant, Pressure, per_pascal
 
 BAR = 1e5

@@ -21,11 +21,11 @@ from scipy.optimize import brentq
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
+from calib.car.vehicle import Axle, Vehicle
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.physics.vehicle import Axle, Vehicle
-from calib.simulation.sensor_noise import LEVELS, add_noise
+from calib.model.sensor_noise import LEVELS, add_noise
 from tests.support.cornering import GRAVITY
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
 from tests.support.reference_car import CAR

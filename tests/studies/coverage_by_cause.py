@@ -24,13 +24,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
+from calib.car.mass import WEIGHED
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import validate_one
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.physics.mass import WEIGHED
 from calib.table.table import Table
-from calib.validation.limits import DEFAULTS
-from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, truths_of
 from tests.studies.causes import CAUSES
 from tests.studies.coverage import without_v

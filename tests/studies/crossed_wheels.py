@@ -20,14 +20,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.checks.crossed_wheels import crossed_diagonal, crossed_side, wheel_parts
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import WHEELS
+from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.names import WHEELS
-from calib.signals.driving_record import driving_record
+from calib.run.crossed_wheels import crossed_diagonal, crossed_side, wheel_parts
+from calib.run.driving_record import driving_record
 from calib.table.table import Table
-from calib.validation.validate import validate
 from tests.studies.made_lines import Line, Run, line, recorded
 from tests.support.balanced import balanced
 from tests.support.plant import magic

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
-from calib.physics.vehicle import Axle, Vehicle
-from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
+from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
 from tests.studies.causes import COAST, RAMP, STOP, Hidden
 from tests.support.plant import Plant, Pressure, as_log, brush, drive, magic, per_pascal
 from tests.support.reference_car import without

@@ -19,13 +19,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+from calib.car.mass import WEIGHED
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import validate_one
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.physics.mass import WEIGHED
-from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
+from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
 from calib.table.table import Table
-from calib.validation.limits import DEFAULTS
-from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import car, tyre

@@ -17,8 +17,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.fleet.outliers import judge
-from calib.fleet.summary import drifting
+from calib.line.fleet.outliers import judge
+from calib.line.fleet.summary import drifting
 
 SEED = 20
 CARS, METRICS, SIZES = (12, 60, 300), (1, 12), (5.0, 7.0, 10.0)

@@ -19,7 +19,7 @@ import psutil
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from calib.physics.vehicle_file import read_vehicle  # noqa: E402
+from calib.car.vehicle_file import read_vehicle  # noqa: E402
 from calib.store.store import Store  # noqa: E402
 from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402
 

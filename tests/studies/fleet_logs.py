@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.car.model import default_model
+from calib.car.vehicle import Vehicle
 from calib.fitting.fit import fit
 from calib.logs.write import write_csv
-from calib.physics.model import default_model
-from calib.physics.vehicle import Vehicle
-from calib.simulation.manoeuvre import ramp
-from calib.simulation.sensor_noise import add_noise
-from calib.simulation.simulate import simulate
+from calib.model.manoeuvre import ramp
+from calib.model.sensor_noise import add_noise
+from calib.model.simulate import simulate
 from calib.table.table import Table
 
 SAMPLES, RATE = 2000, 200.0

@@ -25,8 +25,8 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from calib.errors import BrakeCalError, LogError  # noqa: E402
-from calib.files.bounded import POINTER  # noqa: E402
+from calib.base.bounded import POINTER  # noqa: E402
+from calib.base.errors import BrakeCalError, LogError  # noqa: E402
 from calib.logs.channel_map import ChannelMap, DatabaseFile  # noqa: E402
 from calib.logs.formats import RECORDINGS, ending_of  # noqa: E402
 from calib.logs.read import opened_recording  # noqa: E402

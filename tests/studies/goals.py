@@ -13,15 +13,15 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.demo.samples import sample_logs
+from calib.car.vehicle import Vehicle
+from calib.car.vehicle_file import read_vehicle
 from calib.estimation.estimator import Estimate, estimate
+from calib.estimation.metrics import accuracy, truth_of
 from calib.fitting.fit import fit
+from calib.help.samples import sample_logs
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.physics.vehicle import Vehicle
-from calib.physics.vehicle_file import read_vehicle
 from calib.table.table import Table
-from calib.validation.metrics import accuracy, truth_of
 
 HERE = sample_logs()
 SEDAN_PADS = {

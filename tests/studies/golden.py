@@ -23,12 +23,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import BrakeCalError
-from calib.revisions.merge import merge
-from calib.station.fleet_sigma import FleetSigma, fleet_sigma
-from calib.station.identity import Identity
-from calib.station.station import table_of
-from calib.statistics.random_effects import as_sigma, random_effects
+from calib.base.errors import BrakeCalError
+from calib.base.random_effects import as_sigma, random_effects
+from calib.line.station.fleet_sigma import FleetSigma, fleet_sigma
+from calib.line.station.identity import Identity
+from calib.line.station.station import table_of
+from calib.store.merge import merge
 from calib.store.version import Stored
 from calib.table.table import Table
 from tests.studies.station_verdicts import Build, Model, model, ramp_and_coast, scaled, scattered

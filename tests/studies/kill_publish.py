@@ -24,9 +24,9 @@ from collections.abc import Callable
 from itertools import count
 from pathlib import Path
 
-from calib.files.publish import settle, workshop
-from calib.files.write import write_whole
-from calib.station.folder import DOCUMENT, publish_run
+from calib.base.publish import settle, workshop
+from calib.base.write import write_whole
+from calib.line.station.folder import DOCUMENT, publish_run
 
 LONGEST = 0.02
 """Most time [s] between the first file of a process and its kill: a few runs."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from calib.base.names import WHEELS
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.names import WHEELS
-from calib.physics.vehicle import Vehicle
-from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
+from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
 from tests.studies.ensemble import car, tyre
 from tests.support.plant import Plant, Pressure, as_log, drive, per_pascal
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.physics.vehicle import Vehicle
 from tests.studies.made_lines import Line, Run
 from tests.support.plant import Plant
 

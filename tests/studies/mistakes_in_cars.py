@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.names import WHEELS
+from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
-from calib.names import WHEELS
-from calib.physics.vehicle import Axle, Vehicle
 from tests.studies.made_lines import BAR, RUNS, STOPS, Run
 from tests.studies.mistake import (
     Logs,

@@ -20,11 +20,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.checks.observation import observe
+from calib.base.errors import LogError
 from calib.diagnosis.diagnose import checked
 from calib.diagnosis.runs.judged import judged_logs
-from calib.errors import LogError
 from calib.logs.log import Log
+from calib.run.observation import observe
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.reference_car import swapped
 

@@ -2,7 +2,7 @@
 
     python tests/studies/one_axle.py --cars 30 --seed 7000
 
-Cars of the independent plant, drawn as `calib.fitting` believes them: pads, tyres and radii are as
+Cars of the independent plant, drawn as `calib.fit` believes them: pads, tyres and radii are as
 declared or not, with the odds of `FitSettings` and the spreads of the priors (`--unlike`: none is
 as declared; `--no-v`: without reference speed). Pads repeat within 1.5 % per axle from ramp to
 ramp, tyres within 1 %. Those of the normal ramp are the truth.
@@ -18,11 +18,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.fitting.fit import fit
-from calib.fitting.parameters import PRIORS
-from calib.fitting.settings import SETTINGS
 from calib.logs.log import Log
+from calib.model.parameters import PRIORS
+from calib.model.settings import SETTINGS
 from calib.table.table import Table
 from tests.support.one_axle import one_axle
 from tests.support.plant import Plant, brush, magic

@@ -18,9 +18,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from calib.validation.validate import validate
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, stop, with_pads, without
 

@@ -28,12 +28,12 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 import calib
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
+from calib.car.vehicle import Vehicle
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import validate_one
 from calib.logs.log import Log
-from calib.physics.vehicle import Vehicle
 from calib.table.table import Table
-from calib.validation.limits import DEFAULTS
-from calib.validation.validate import validate_one
 from tests.studies.fast_pedal import BITE, drawn, ramp_and_coast, run
 from tests.studies.motors import handed_over
 from tests.studies.pool import carried_out

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.physics.vehicle import Vehicle
 from tests.studies.answers import Answer, Said, answer
 from tests.studies.made_lines import RUNS, line, recorded
 from tests.studies.made_mistakes import KINDS

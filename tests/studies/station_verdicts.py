@@ -21,16 +21,16 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
+from calib.car.vehicle import Vehicle
+from calib.estimation.limits import FAILED, PASSED, WARNING
+from calib.line.station.advice import ADVICE
+from calib.line.station.identity import Identity
+from calib.line.station.metrics import Car
+from calib.line.station.station import outcome, table_of, validated
 from calib.logs.log import Log
-from calib.physics.vehicle import Vehicle
-from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
-from calib.station.advice import ADVICE
-from calib.station.identity import Identity
-from calib.station.metrics import Car
-from calib.station.station import outcome, table_of, validated
+from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
 from calib.table.table import Table
-from calib.validation.limits import FAILED, PASSED, WARNING
 from tests.studies.ensemble import car, tyre
 from tests.studies.naming import wilson
 from tests.support.plant import Plant, Pressure, as_log, drive, per_pascal

@@ -20,12 +20,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
+from calib.car.vehicle import Vehicle
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import validate_one
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.physics.vehicle import Vehicle
-from calib.validation.limits import DEFAULTS
-from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop, without

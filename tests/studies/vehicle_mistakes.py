@@ -3,15 +3,15 @@
     python tests/studies/vehicle_mistakes.py
 
 Thirty cars, roughly as they are on the road, to about 10 %, and each mistake made in each of them.
-The ranges of `calib.vehicles.plausible` were chosen with these cars in view.
+The ranges of `calib.car.plausible` were chosen with these cars in view.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 from math import pi
 
-from calib.physics.vehicle import Axle, Vehicle
-from calib.vehicles.plausible import plausible, to_confirm
+from calib.car.plausible import plausible, to_confirm
+from calib.car.vehicle import Axle, Vehicle
 
 # name: mass [kg], wheelbase [m], front share of the load, height and track [m], rolling radii [m],
 # wheels [kg], pistons of one side [mm] and disc [mm] at the front and at the rear (none: a drum),

@@ -18,15 +18,15 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.car.bias import pressure_per_g
+from calib.car.vehicle import Vehicle
+from calib.estimation.axles import judge_axles
 from calib.estimation.estimator import estimate
+from calib.estimation.settings import SETTINGS
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.physics.bias import pressure_per_g
-from calib.physics.vehicle import Vehicle
 from calib.table.table import Table
-from calib.validation.axles import judge_axles
-from calib.validation.settings import SETTINGS
 from tests.support.plant import Plant, magic
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, swapped, with_pads, without
 

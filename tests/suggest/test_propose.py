@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.errors import InputError
+from calib.base.errors import InputError
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.check import Findings, check
-from calib.errors import BrakeCalError, LogError
-from calib.files.bounded import KINDS
+from calib.base.bounded import KINDS
+from calib.base.errors import BrakeCalError, LogError
 from calib.logs.log import Log
 from calib.logs.read import read_log
+from calib.run.check import Findings, check
 from calib.store.journal import Journal
 from calib.store.snapshot import Snapshot
 from tests.support.fuzzed import READERS, ROOT, SEDAN, Reader

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from calib.physics.vehicle import Vehicle
+from calib.car.vehicle import Vehicle
 
 
 def balanced(car: Vehicle, z: float) -> Vehicle:

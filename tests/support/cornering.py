@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from calib.physics.vehicle import Vehicle
+from calib.car.vehicle import Vehicle
 
 GRAVITY = 9.80665
 

@@ -2,7 +2,7 @@
 
 from jsonschema import Draft202012Validator
 
-from calib.manual.documents import SEVERAL, documents
+from calib.help.documents import SEVERAL, documents
 
 
 def missing_and_unknown(name: str, document: dict[str, object]) -> list[str]:

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.physics.effects.catalogue import CATALOGUE
-from calib.physics.effects.effects import Effects
-from calib.physics.history import Motion, RunHistory
-from calib.physics.magic_formula import MagicFormula
-from calib.physics.model import default_model
-from calib.physics.vehicle_file import read_vehicle
-from calib.simulation.simulate import simulate
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.effects import Effects
+from calib.car.history import Motion, RunHistory
+from calib.car.magic_formula import MagicFormula
+from calib.car.model import default_model
+from calib.car.vehicle_file import read_vehicle
+from calib.model.simulate import simulate
 from tests.support.plant import Plant, drive, magic
 
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future
 from pathlib import Path
 
-from calib.fleet.job import Job
-from calib.fleet.pool import Rows
-from calib.fleet.work import WorkItem, run_items
+from calib.estimation.limits import DEFAULTS
+from calib.line.fleet.job import Job
+from calib.line.fleet.pool import Rows
+from calib.line.fleet.work import WorkItem, run_items
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 from calib.table.table import Table
-from calib.validation.limits import DEFAULTS
 
 
 def many(folder: Path, logs: list[Log], count: int) -> Path:

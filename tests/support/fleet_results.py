@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from calib.fleet.journal import NAME
+from calib.line.fleet.journal import NAME
 
 DRIFT_AT, OUTLIER, LOST = 240, 133, (13, 57, 185)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calib.physics.balance import ForceBalance
+from calib.car.balance import ForceBalance
 
 
 def made_balance(demanded: np.ndarray) -> ForceBalance:

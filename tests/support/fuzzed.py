@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from calib.errors import BrakeCalError
+from calib.base.errors import BrakeCalError
 
 ROOT = Path(__file__).parents[2]
 SEDAN = ROOT / "sample_logs" / "sedan"
@@ -189,29 +189,29 @@ def maps() -> list[bytes]:
 
 
 def read_a_vehicle(path: Path) -> object:
-    from calib.physics.vehicle_file import read_vehicle
+    from calib.car.vehicle_file import read_vehicle
 
     return read_vehicle(path)
 
 
 def read_some_limits(path: Path) -> object:
-    from calib.validation.limits_file import read_limits
-    from calib.validation.metrics import METRICS
+    from calib.estimation.limits_file import read_limits
+    from calib.estimation.metrics import METRICS
 
     return read_limits(path, set(METRICS))
 
 
 def read_a_model(path: Path) -> object:
-    from calib.physics.model_file import read_model
-    from calib.physics.vehicle_file import read_vehicle
+    from calib.car.model_file import read_model
+    from calib.car.vehicle_file import read_vehicle
 
     return read_model(path, read_vehicle(SEDAN / "vehicle.toml"))
 
 
 def models() -> list[bytes]:
-    from calib.physics.model import default_model
-    from calib.physics.model_file import write_model
-    from calib.physics.vehicle_file import read_vehicle
+    from calib.car.model import default_model
+    from calib.car.model_file import write_model
+    from calib.car.vehicle_file import read_vehicle
 
     with tempfile.TemporaryDirectory() as folder:
         write_model(default_model(read_vehicle(SEDAN / "vehicle.toml")), Path(folder) / "m.toml")
@@ -219,7 +219,7 @@ def models() -> list[bytes]:
 
 
 def read_some_settings(path: Path) -> object:
-    from calib.documents.settings_file import read_settings
+    from calib.base.settings_file import read_settings
 
     return read_settings(path)
 
@@ -297,25 +297,25 @@ def summaries() -> list[bytes]:
 
 
 def read_a_plan(path: Path) -> object:
-    from calib.gauge.plan import read_plan
+    from calib.line.gauge.plan import read_plan
 
     return read_plan(path)
 
 
 def read_a_result(path: Path) -> object:
-    from calib.plots.result import read_result
+    from calib.show.result import read_result
 
     return read_result(path)
 
 
 def read_a_key(path: Path) -> object:
-    from calib.signing.keys import read_public_key
+    from calib.store.minisign_keys import read_public_key
 
     return read_public_key(path)
 
 
 def read_a_secret(path: Path) -> object:
-    from calib.signing.keys import read_secret_key
+    from calib.store.minisign_keys import read_secret_key
 
     return read_secret_key(path, lambda: "")
 
@@ -323,9 +323,9 @@ def read_a_secret(path: Path) -> object:
 def read_a_signature(path: Path) -> object:
     from functools import partial
 
-    from calib.errors import SignatureRefused
-    from calib.signing.lines import read_small
-    from calib.signing.signature import parse_signature
+    from calib.base.errors import SignatureRefused
+    from calib.store.minisign import parse_signature
+    from calib.store.minisign_lines import read_small
 
     return parse_signature(read_small(path, partial(SignatureRefused, where=path)), path)
 
@@ -337,13 +337,13 @@ def public() -> list[bytes]:
 
 
 def secrets() -> list[bytes]:
-    from calib.signing.keys import secret_file
+    from calib.store.minisign_keys import secret_file
 
     return [secret_file(b"adasline", bytes(range(32)))]
 
 
 def signatures() -> list[bytes]:
-    from calib.signing.signature import sign
+    from calib.store.minisign import sign
     from tests.support.signing import ADA
 
     return [sign(ADA, b"content", "table sedan")]

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import G
 from calib.logs.log import Log
-from calib.names import G
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 from cli.main import main
 
 FOLDER = Path(__file__).parents[2] / "calib" / "manual"

@@ -1,11 +1,11 @@
 """Files with effects of the user's own."""
 
-from calib.demo.samples import sample_logs
+from calib.help.samples import sample_logs
 
 EXAMPLE = sample_logs() / "own_effect" / "air_brake_flap.py"
 
 RETARDER = """import numpy as np
-from calib.physics.effects.effect import Card, Effect, Parameter
+from calib.car.effects.effect import Card, Effect, Parameter
 
 def axle_moment(vehicle, parameters, motion):
     {body}

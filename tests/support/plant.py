@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.physics.vehicle import Vehicle
 from tests.support.cornering import GRAVITY, STRAIGHT, Tyre, along, cornering
 
 AIR = 1.2

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.units import from_si
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.units import from_si
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.car.vehicle_file import read_vehicle
 from calib.logs.log import Log
-from calib.physics.vehicle_file import read_vehicle
-from calib.simulation.sensor_noise import add_noise
+from calib.model.sensor_noise import add_noise
 from tests.support.plant import Plant, as_log, drive, magic
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from calib.errors import BrakeCalError, InputError
+from calib.base.errors import BrakeCalError, InputError
 
 
 def refusal(

@@ -7,10 +7,10 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from calib.errors import StoreError
-from calib.signing.keys import SecretKey
+from calib.base.errors import StoreError
 from calib.store.commit import write_journal
 from calib.store.journal import Entry, Journal
+from calib.store.minisign_keys import SecretKey
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.store.trust import require_signed, verify_signed

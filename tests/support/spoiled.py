@@ -16,15 +16,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.check import check, to_dict
-from calib.errors import BrakeCalError, NotFiniteError
+from calib.base.errors import BrakeCalError, NotFiniteError
+from calib.base.names import CHANNELS
+from calib.base.units import from_si
+from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.names import CHANNELS
+from calib.run.check import check, to_dict
 from calib.table.table import Table
-from calib.units import from_si
-from calib.validation.validate import validate
 from cli.console import json_text
 from tests.support.reference_car import CAR
 

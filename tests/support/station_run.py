@@ -4,12 +4,12 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+from calib.car.vehicle_file import read_vehicle
+from calib.line.station.advice import LIMITS
+from calib.line.station.identity import Identity
+from calib.line.station.metrics import Car
+from calib.line.station.station import StationOutcome, outcome, table_of, validated
 from calib.logs.read import read_log
-from calib.physics.vehicle_file import read_vehicle
-from calib.station.advice import LIMITS
-from calib.station.identity import Identity
-from calib.station.metrics import Car
-from calib.station.station import StationOutcome, outcome, table_of, validated
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 MARKUP = "<img src=x onerror=alert(1)>&\"'$"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calib.plots.result import COLUMNS, StoredResult
+from calib.show.result import COLUMNS, StoredResult
 
 
 def made_result() -> StoredResult:

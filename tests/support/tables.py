@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.physics.effects.effects import Effects
-from calib.physics.vehicle import Axle, Vehicle
+from calib.car.effects.effects import Effects
+from calib.car.vehicle import Axle, Vehicle
 from calib.store.version import Stored
 from calib.table.table import (
     EXTRAPOLATED,

@@ -15,8 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from calib.fitting.settings import SETTINGS
-from calib.names import G
+from calib.base.names import G
+from calib.model.settings import SETTINGS
 
 STATES = (
     *("rho", "s", "w", "xi", "kappa", "nu", "eta0", "sl0", "lag"),

@@ -5,6 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.magic_formula import MagicFormula
+from calib.car.model import Model
+from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.channels import ChannelNoise
@@ -14,10 +18,6 @@ from calib.diagnosis.proof.prove import SearchStep
 from calib.diagnosis.proof.remainder import Remainder
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
 from calib.logs.read import read_log
-from calib.physics.effects.effects import Effects, EmpiricalTerm
-from calib.physics.magic_formula import MagicFormula
-from calib.physics.model import Model
-from calib.physics.vehicle_file import read_vehicle
 
 CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"
 QUIET = Remainder(0.5, 1.0, "v", "stop", 0.75, (1e6, 2e6), (10.0, 20.0), (3.0, 6.0))

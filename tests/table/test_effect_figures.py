@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from calib.physics.effects.effects import DefinedIn, Effects
+from calib.car.effects.effects import DefinedIn, Effects
 from calib.table.effect_figures import effect_figures
 from tests.support.tables import made_table
 

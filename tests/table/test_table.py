@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.errors import StoreError
-from calib.files.digest import canonical_json, content_digest
-from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.base.digest import canonical_json, content_digest
+from calib.base.errors import StoreError
+from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.store.record_file import from_content
 from calib.table.table import EXTRAPOLATED, Value
 from tests.support.tables import C, K, made_table

@@ -17,9 +17,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.random_effects import quantile95
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.problem import joined
-from calib.statistics.random_effects import quantile95
 
 Array = NDArray[np.float64]
 

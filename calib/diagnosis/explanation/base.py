@@ -11,8 +11,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.physics.magic_formula import MagicFormula
-from calib.physics.vehicle import Vehicle
+from calib.car.magic_formula import MagicFormula
+from calib.car.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ STIFFNESS, PEAK = 25.0, 0.95
 """Start of the fit for the tyre: slip stiffness and peak of a passenger car, both per load [1]."""
 
 SHAPE, LOAD_EXPONENT, BEND, RELAXATION, PEAK_EXPONENT = 1.65, 0.03, 0.1, 0.2, 0.04
-"""Middle of the priors on the tyre's form [1, m]: passenger cars on asphalt; `calib.fitting`. The
+"""Middle of the priors on the tyre's form [1, m]: passenger cars on asphalt; `calib.fit`. The
 bend of a brush is 0.55; relaxation lengths are 0.1 to 0.6 m; the peak falls by 0 to 10 % where the
 load doubles. A fit begins here, within its bounds: from a bound it may not move."""
 

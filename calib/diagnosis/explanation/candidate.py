@@ -6,13 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.channels import CHANNELS
 from calib.diagnosis.explanation.problem import Problem, joined, unbraked_noise
 from calib.diagnosis.explanation.secant import columns
 from calib.diagnosis.explanation.vector import bounds, prior_derivatives, unpack
 from calib.diagnosis.gates import GATES
-from calib.physics.effects.effects import Effects
 
 Array = NDArray[np.float64]
 

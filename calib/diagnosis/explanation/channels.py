@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import QUARTILE
+from calib.car.braking import BITE, MOVING
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction
-from calib.physics.braking import BITE, MOVING
-from calib.signals.filters import block_mean
-from calib.statistics.intervals import QUARTILE
+from calib.run.filters import block_mean
 
 Array = NDArray[np.float64]
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.effects import EmpiricalTerm
 from calib.diagnosis.explanation.base import PEAK_PLACE
 from calib.diagnosis.explanation.candidate import Candidate, candidate_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.secant import least_squares
 from calib.diagnosis.explanation.vector import bounds, prior_rows, unpack, widths, with_priors
 from calib.diagnosis.gates import GATES
-from calib.physics.effects.effects import EmpiricalTerm
 
 Array = NDArray[np.float64]
 

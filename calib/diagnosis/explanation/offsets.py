@@ -17,6 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import G
+from calib.car.effects import accelerometer_bias, road_grade
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.channels import (
     CHANNELS,
     DRIFT,
@@ -26,9 +29,6 @@ from calib.diagnosis.explanation.channels import (
 )
 from calib.diagnosis.explanation.predict import ObservedRun
 from calib.logs.log import Log
-from calib.names import G
-from calib.physics.effects import accelerometer_bias, road_grade
-from calib.physics.effects.effects import Effects
 
 Array = NDArray[np.float64]
 

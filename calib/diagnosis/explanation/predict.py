@@ -6,7 +6,7 @@
 
 The prediction uses the measured speed instead of integrating its own, so it does not drift, and a
 whole run is computed in array operations, fast enough to be repeated a thousand times in a fit. The
-open-loop replay (`calib.simulation.simulate`) is used to show the result. The wheel follows its
+open-loop replay (`calib.model.simulate`) is used to show the result. The wheel follows its
 torque on the spring of its tyre (`calib.diagnosis.explanation.wheel_lag`).
 """
 
@@ -16,14 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.base import REFERENCE, Base, Ground
-from calib.diagnosis.explanation.kept import Kept
-from calib.diagnosis.explanation.wheel_lag import WheelLag
-from calib.errors import LogError
-from calib.logs.log import Log
-from calib.names import AXLES, WHEELS, G
-from calib.physics.disc_temperature import ALIKE
-from calib.physics.effects.combined import (
+from calib.base.errors import LogError
+from calib.base.names import AXLES, WHEELS, G
+from calib.car.disc_temperature import ALIKE
+from calib.car.effects.combined import (
     as_driven,
     as_read,
     caliper_pressure,
@@ -37,15 +33,19 @@ from calib.physics.effects.combined import (
     wheel_speed_delay,
     wheel_speed_factors,
 )
-from calib.physics.effects.effect import Pair
-from calib.physics.effects.effects import Effects
-from calib.physics.forces import axle_loads, tyre_force
-from calib.physics.history import Motion, RunHistory
-from calib.physics.lag import delayed, integral
-from calib.physics.magic_formula import MagicFormula
-from calib.physics.vehicle import Vehicle
-from calib.signals.filters import block_mean, centred_mean
-from calib.signals.pedal import as_pressed
+from calib.car.effects.effect import Pair
+from calib.car.effects.effects import Effects
+from calib.car.forces import axle_loads, tyre_force
+from calib.car.history import Motion, RunHistory
+from calib.car.lag import delayed, integral
+from calib.car.magic_formula import MagicFormula
+from calib.car.vehicle import Vehicle
+from calib.diagnosis.explanation.base import REFERENCE, Base, Ground
+from calib.diagnosis.explanation.kept import Kept
+from calib.diagnosis.explanation.wheel_lag import WheelLag
+from calib.logs.log import Log
+from calib.run.filters import block_mean, centred_mean
+from calib.run.pedal import as_pressed
 
 Array = NDArray[np.float64]
 

@@ -8,6 +8,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.processes import Mapped
+from calib.car.effects import aerodynamic_drag
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import definition
+from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE, BASE_SIGMA, RADIUS_SIGMA, Base, Ground, base_of
 from calib.diagnosis.explanation.channels import (
     ChannelNoise,
@@ -23,11 +28,6 @@ from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.explanation.secant import columns
 from calib.diagnosis.gates import GATES
-from calib.physics.effects import aerodynamic_drag
-from calib.physics.effects.effects import Effects
-from calib.physics.own_effects.own_effect import definition
-from calib.physics.vehicle import Vehicle
-from calib.processes import Mapped
 
 Array = NDArray[np.float64]
 

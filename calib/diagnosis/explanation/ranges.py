@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from calib.car.effects.effect import Parameter
+from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.candidate import Candidate, free
 from calib.diagnosis.explanation.problem import joined
 from calib.diagnosis.explanation.vector import bounds, prior_rows, with_priors
 from calib.diagnosis.gates import GATES
-from calib.physics.effects.effect import Parameter
-from calib.physics.own_effects.own_effect import definition
 
 
 def at_bound(at: Candidate) -> tuple[str, ...]:

@@ -9,6 +9,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.effect import Card
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.base import (
     BASE,
     BEND,
@@ -19,9 +22,6 @@ from calib.diagnosis.explanation.base import (
 )
 from calib.diagnosis.explanation.problem import DRAG, SHARE, SHARE_RANGE, USUAL_SHARE, Problem
 from calib.diagnosis.gates import GATES
-from calib.physics.effects.effect import Card
-from calib.physics.effects.effects import Effects
-from calib.physics.own_effects.own_effect import definition
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.physics.braking import MOVING
+from calib.car.braking import MOVING
 
 Array = NDArray[np.float64]
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import QUARTILE
+from calib.base.names import WHEELS
 from calib.logs.log import Log
-from calib.names import WHEELS
-from calib.signals.filters import third_difference, typical_differences
-from calib.statistics.intervals import QUARTILE
+from calib.run.filters import third_difference, typical_differences
 
 Array = NDArray[np.float64]
 

@@ -7,6 +7,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.errors import ModelError
+from calib.car.effects.effects import Effects
+from calib.car.model import Model
+from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE, Base, Ground, base_of
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.offsets import as_effects, offset_between
@@ -15,12 +19,8 @@ from calib.diagnosis.explanation.problem import Problem, turned_to_ripple
 from calib.diagnosis.explanation.vector import bounds, unpack
 from calib.diagnosis.proof.remainder import Remainder, apart_from_parameters, remainder_of
 from calib.diagnosis.search import groups, heats
-from calib.errors import ModelError
 from calib.logs.log import Log
-from calib.physics.effects.effects import Effects
-from calib.physics.model import Model
-from calib.physics.vehicle import Vehicle
-from calib.simulation.replay import replay
+from calib.model.replay import replay
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.errors import ModelError
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit_without
 from calib.diagnosis.explanation.ranges import at_bound, divided, pressed
@@ -37,7 +38,6 @@ from calib.diagnosis.search.decide import (
 )
 from calib.diagnosis.search.search import hints, refine
 from calib.diagnosis.search.together import together
-from calib.errors import ModelError
 from calib.logs.log import Log
 
 Array = NDArray[np.float64]

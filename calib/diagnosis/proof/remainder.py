@@ -18,11 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import QUARTILE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.gap import CHANNELS, noises_of
 from calib.logs.log import Log
-from calib.signals.filters import block_mean
-from calib.statistics.intervals import QUARTILE
+from calib.run.filters import block_mean
 
 Array = NDArray[np.float64]
 

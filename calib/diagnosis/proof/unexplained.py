@@ -15,6 +15,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.braking import BITE
+from calib.car.effects.effects import EmpiricalTerm
+from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
 from calib.diagnosis.explanation.candidate import Candidate, free
 from calib.diagnosis.explanation.channels import CHANNELS, thinned
 from calib.diagnosis.explanation.fit import FreeTerm, fit
@@ -24,9 +27,6 @@ from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.hold_outs import HoldOuts
 from calib.diagnosis.proof.oscillation import Oscillation, oscillation_of
 from calib.diagnosis.search.decide import quiet
-from calib.physics.braking import BITE
-from calib.physics.effects.effects import EmpiricalTerm
-from calib.physics.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
 
 Array = NDArray[np.float64]
 

@@ -9,18 +9,18 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from calib.checks.gates import require_same_wheels
-from calib.checks.observation import observe
-from calib.checks.rules import wrong_channels
+from calib.base.errors import LogError
+from calib.base.warning import PlausibilityWarning
+from calib.car.vehicle import Vehicle
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.runs.judged import JudgedLog
-from calib.errors import LogError
 from calib.logs.log import Log
-from calib.messages.warning import PlausibilityWarning
-from calib.physics.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
 from calib.plausibility.wheel_signals import LOST_PULSES
-from calib.signals.axle_signals import signals
+from calib.run.axle_signals import signals
+from calib.run.gates import require_same_wheels
+from calib.run.observation import observe
+from calib.run.rules import wrong_channels
 
 
 def require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:

@@ -4,17 +4,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from calib.fitting.known_effects import remove_known_effects
-from calib.fitting.resistance import Resistance
-from calib.fitting.resistance import identify as identify_resistance
+from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Signals, signals
-from calib.signals.blocks import Blocks, blocks
-from calib.signals.brake_balance import brake_balance
-from calib.signals.brake_response import BrakeResponse, brake_response
-from calib.signals.driving_record import brake_events, driving_record
-from calib.signals.noise import SensorNoise, sensor_noise
+from calib.model.known_effects import remove_known_effects
+from calib.model.resistance import Resistance
+from calib.model.resistance import identify as identify_resistance
+from calib.run.axle_signals import Signals, signals
+from calib.run.blocks import Blocks, blocks
+from calib.run.brake_balance import brake_balance
+from calib.run.brake_response import BrakeResponse, brake_response
+from calib.run.driving_record import brake_events, driving_record
+from calib.run.noise import SensorNoise, sensor_noise
 
 
 @dataclass(frozen=True)

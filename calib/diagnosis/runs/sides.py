@@ -14,10 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.names import AXLES
+from calib.car.braking import BITE
 from calib.diagnosis.gates import GATES
 from calib.logs.log import Log
-from calib.names import AXLES
-from calib.physics.braking import BITE
 
 USUAL, LARGEST = 1e-3, 5e-3
 """Difference of the sides [1] that tyres of one age make, and the largest that tyres make; a seized

@@ -3,13 +3,13 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from calib.checks.observation import observe
-from calib.checks.warnings import locked_wheels, saturated, swapped_axles
+from calib.base.warning import PlausibilityWarning
 from calib.diagnosis.runs.judged import JudgedLog
-from calib.fitting.sensors import judge_accelerometer
-from calib.messages.warning import PlausibilityWarning
+from calib.model.sensors import judge_accelerometer
 from calib.plausibility.limits import PLAUSIBLE
 from calib.plausibility.run import run_warnings
+from calib.run.observation import observe
+from calib.run.warnings import locked_wheels, saturated, swapped_axles
 
 SEARCHED = (
     "a_x_scale",

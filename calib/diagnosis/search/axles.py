@@ -12,7 +12,8 @@ One more effect, whichever helps most, is allowed to both: what is hidden must n
 from collections.abc import Sequence
 from dataclasses import replace
 
-from calib.checks.gates import require_right_slip, wrong_slip
+from calib.car.effects import regenerative_torque
+from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit_base
 from calib.diagnosis.explanation.predict import run_of
@@ -21,8 +22,7 @@ from calib.diagnosis.runs.judged import JudgedLog
 from calib.diagnosis.search.decide import quiet
 from calib.diagnosis.search.search import added, refine
 from calib.logs.log import Log
-from calib.physics.effects import regenerative_torque
-from calib.physics.vehicle import Vehicle
+from calib.run.gates import require_right_slip, wrong_slip
 
 MOTOR = regenerative_torque.EFFECT.card.name
 """The effect that makes the rear wheels slip more."""

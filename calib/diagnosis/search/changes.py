@@ -12,12 +12,12 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.effect import Card
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import definition, every_effect
 from calib.diagnosis.explanation.candidate import Candidate, free
 from calib.diagnosis.explanation.problem import Problem, joined
 from calib.diagnosis.explanation.vector import origins, unpack
-from calib.physics.effects.effect import Card
-from calib.physics.effects.effects import Effects
-from calib.physics.own_effects.own_effect import definition, every_effect
 
 Array = NDArray[np.float64]
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.candidate import Candidate, shown
 from calib.diagnosis.explanation.fit import fit, fit_without
 from calib.diagnosis.explanation.problem import Problem
@@ -33,7 +34,6 @@ from calib.diagnosis.search.decide import (
 from calib.diagnosis.search.jointly import within_reach
 from calib.diagnosis.search.search import refine
 from calib.diagnosis.search.together import left_by
-from calib.physics.effects.effects import Effects
 
 DELAYS = ("hydraulic_delay", "accelerometer_lag", "wheel_speed_delay", "speed_delay")
 """Effects by which p_mc, a_x, wheel speeds and v are late against each other."""

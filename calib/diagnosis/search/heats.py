@@ -14,6 +14,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.braking import BITE
+from calib.car.disc_temperature import ALIKE, START
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import ObservedRun
@@ -21,8 +23,6 @@ from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, explains
 from calib.diagnosis.search.jointly import LogStates, fit_jointly, searched_beside
-from calib.physics.braking import BITE
-from calib.physics.disc_temperature import ALIKE, START
 
 Array = NDArray[np.float64]
 

@@ -14,6 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.base.names import G
+from calib.car.effects.effects import Effects
+from calib.car.lag import integral
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.channels import (
@@ -30,9 +33,6 @@ from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, decide, explains
-from calib.names import G
-from calib.physics.effects.effects import Effects
-from calib.physics.lag import integral
 
 
 @dataclass(frozen=True)

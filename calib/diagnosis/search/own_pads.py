@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import REFERENCE, Base, Ground
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit_base
@@ -20,7 +21,6 @@ from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.jointly import within_reach
-from calib.physics.effects.effects import Effects
 
 
 def own_pads_of(problems: Sequence[Problem], base: Base, effects: Effects) -> dict[str, Ground]:

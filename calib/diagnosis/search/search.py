@@ -16,6 +16,8 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import every_effect
 from calib.diagnosis.explanation.candidate import Candidate, free
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.problem import joined
@@ -26,8 +28,6 @@ from calib.diagnosis.search.changes import (
     further_changes,
     further_effects,
 )
-from calib.physics.effects.effects import Effects
-from calib.physics.own_effects.own_effect import every_effect
 
 Array = NDArray[np.float64]
 

@@ -17,15 +17,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import Z95
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.agreement import half_widths
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.problem import joined
 from calib.diagnosis.explanation.vector import prior_derivatives
-from calib.fitting.parameters import AT, PRIORS
-from calib.fitting.settings import SETTINGS
-from calib.physics.effects.effects import Effects
-from calib.physics.own_effects.own_effect import definition
-from calib.statistics.intervals import Z95
+from calib.model.parameters import AT, PRIORS
+from calib.model.settings import SETTINGS
 
 Array = NDArray[np.float64]
 

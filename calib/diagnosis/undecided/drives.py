@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.effects.effect import Card
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.undecided.separate import free_lengths, inner_products, manoeuvres
-from calib.physics.effects.effect import Card
-from calib.physics.effects.effects import Effects
-from calib.physics.own_effects.own_effect import definition
 
 
 @dataclass(frozen=True)

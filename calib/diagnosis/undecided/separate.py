@@ -14,14 +14,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import G
 from calib.diagnosis.explanation.candidate import Candidate, derivatives
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.hold_outs import model_of
-from calib.names import G
-from calib.simulation.simulate import simulate
+from calib.model.simulate import simulate
 
 Array = NDArray[np.float64]
 

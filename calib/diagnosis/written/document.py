@@ -5,6 +5,8 @@ import math
 from dataclasses import asdict
 from typing import Any
 
+from calib.base.warning import to_dict as warning_dict
+from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
 from calib.diagnosis.proof.gap import UNITS, ChannelGap, Gap
 from calib.diagnosis.proof.prove import SearchStep
@@ -13,8 +15,6 @@ from calib.diagnosis.proof.unexplained import UnexplainedTerm, held_from
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.course import changes
-from calib.messages.warning import to_dict as warning_dict
-from calib.physics.effects.empirical import DRIVERS
 
 SCHEMA = 1
 

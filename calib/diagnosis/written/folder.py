@@ -6,12 +6,12 @@ DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<lo
 from dataclasses import replace
 from pathlib import Path
 
+from calib.base.names import WHEELS
+from calib.base.publish import publish, workshop
+from calib.base.write import write_whole
 from calib.diagnosis.diagnose import Diagnosis
-from calib.files.publish import publish, workshop
-from calib.files.write import write_whole
 from calib.logs.log import Log
 from calib.logs.write import write_csv
-from calib.names import WHEELS
 
 DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
 COLUMNS = ("time", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
@@ -40,7 +40,7 @@ def _replays(out: Path) -> list[str]:
 
 
 def _fill(found: Diagnosis, document: str, report: str, work: Path) -> None:
-    from calib.physics.model_file import write_model
+    from calib.car.model_file import write_model
 
     write_whole(work / DOCUMENT, document.encode())
     write_model(found.model_after, work / MODEL)

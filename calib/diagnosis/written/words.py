@@ -2,6 +2,8 @@
 
 from dataclasses import asdict
 
+from calib.base.names import AXLE_NAMES
+from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.explanation.offsets import GRADE
@@ -17,8 +19,6 @@ from calib.diagnosis.runs.sides import USUAL
 from calib.diagnosis.search.groups import LogGroup
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.printed import in_shown, percent, span, with_unit
-from calib.names import AXLE_NAMES
-from calib.physics.own_effects.own_effect import definition
 
 SEEN_IN = {
     "a_x": "the deceleration",

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged, need

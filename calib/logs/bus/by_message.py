@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 
 if TYPE_CHECKING:
     from cantools.database.can import Message

@@ -12,8 +12,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from calib.errors import ChannelMapError
-from calib.files.bounded import DBC, bytes_of
+from calib.base.bounded import DBC, bytes_of
+from calib.base.errors import ChannelMapError
 from calib.logs.bus.by_message import Flawed, read_by_message
 from calib.logs.bus.frames import Key, group_of, source_of
 from calib.logs.channel_map import DatabaseFile, Databases

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.bus.by_message import Flawed, FlawedSignal
 from calib.logs.bus.dbc import Dbc, read_databases
 from calib.logs.bus.frames import Frames, Gathered, joined, once, source_of

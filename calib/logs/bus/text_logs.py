@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, TypeVar
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.frames import Gathered
 from calib.logs.bus.recording import gathered, recording, require_dbc

@@ -18,10 +18,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.names import CHANNELS
+from calib.base.units import is_unit, spelling
 from calib.logs.source import Array, Column
-from calib.names import CHANNELS
-from calib.units import is_unit, spelling
 
 ENDINGS = {
     **{u: u for u in ("bar", "mbar", "hPa", "kPa", "MPa", "psi", "kmh", "kph", "mph", "rpm")},

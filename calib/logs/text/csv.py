@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.source import Array, Column, ColumnSource
 from calib.logs.text.cells import (
     clock_seconds,

@@ -3,8 +3,8 @@
 import codecs
 import zlib
 
-from calib.errors import LogError
-from calib.files.bounded import LOG
+from calib.base.bounded import LOG
+from calib.base.errors import LogError
 from calib.logs.source import damaged
 
 _GZIP = 31

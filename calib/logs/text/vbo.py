@@ -15,13 +15,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calib.errors import LogError
+from calib.base.errors import LogError
+from calib.base.units import is_unit, spelling
 from calib.logs.source import Array, Column, ColumnSource
 from calib.logs.text.cells import column_from_cell, over_midnight
 from calib.logs.text.csv import last_row, read_columns
 from calib.logs.text.dialect import Dialect, TextFormat
 from calib.logs.text.encoding import head_text, to_utf8
-from calib.units import is_unit, spelling
 
 STANDARD = (
     *("satellites", "time", "latitude", "longitude", "velocity", "heading", "height"),

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects import rolling_radius_mismatch
+from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit, fit_base
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
 from calib.diagnosis.explanation.ranges import pressed
-from calib.physics.effects import rolling_radius_mismatch
-from calib.physics.vehicle import Vehicle
 from tests.support.plant import Plant, magic
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, stop
 

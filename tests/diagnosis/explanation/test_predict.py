@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.diagnosis.explanation.predict import Base, predict, run_of
-from calib.physics.effects.effects import Effects, EmpiricalTerm
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
 from tests.support.reference_car import without

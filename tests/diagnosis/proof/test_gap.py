@@ -7,7 +7,7 @@ import pytest
 
 from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, gap_of, noises_of
 from calib.logs.log import Log
-from calib.simulation.sensor_noise import add_noise
+from calib.model.sensor_noise import add_noise
 
 NOISE = 0.02
 OFF = {"near": (0.5, 0.1), "far": (2.0, 3.0)}

@@ -15,7 +15,7 @@ from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.search import added
 from calib.diagnosis.written.document import to_dict
 from calib.diagnosis.written.words import something_else, verdict
-from calib.reports.diagnosis import report_html
+from calib.show.diagnosis_page import report_html
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, stop
 

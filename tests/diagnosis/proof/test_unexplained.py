@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import EmpiricalTerm
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
@@ -17,7 +18,6 @@ from calib.diagnosis.proof.unexplained import (
     locate,
     place_of_rest,
 )
-from calib.physics.effects.effects import EmpiricalTerm
 from tests.support.hidden.cases import draw
 
 FEW = ("ramp", "release", "coast", "step_high")

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.errors import LogError
 from calib.diagnosis.diagnose import checked
 from calib.diagnosis.runs.warnings import unexplained_warnings
-from calib.errors import LogError
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.reference_car import swapped

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.channels import CHANNELS, ORDER, noise_of, whiten
 from calib.diagnosis.explanation.fit import fit
@@ -12,7 +13,6 @@ from calib.diagnosis.explanation.predict import predict, run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.chance import chance_of
 from calib.diagnosis.search.search import hints
-from calib.physics.effects.effects import Effects
 from tests.support.hidden.cases import draw
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import calib
+from calib.car.disc_temperature import DISCS, heated
+from calib.car.effects.effects import Effects
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
@@ -13,9 +15,7 @@ from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
 from calib.diagnosis.written.words import start_heats
-from calib.physics.disc_temperature import DISCS, heated
-from calib.physics.effects.effects import Effects
-from calib.simulation.sensor_noise import add_noise
+from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.hidden.cases import draw
 

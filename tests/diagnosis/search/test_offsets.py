@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import calib
+from calib.base.names import G
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.explanation.channels import CHANNELS
 from calib.diagnosis.explanation.fit import fit_base
@@ -17,8 +18,7 @@ from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.offsets import differ
 from calib.diagnosis.written.document import to_dict
 from calib.diagnosis.written.words import offsets
-from calib.names import G
-from calib.simulation.sensor_noise import add_noise
+from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.hidden.cases import draw
 

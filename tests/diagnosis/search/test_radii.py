@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
@@ -15,7 +16,6 @@ from calib.diagnosis.search.decide import decide
 from calib.diagnosis.search.radii import with_free_radii
 from calib.diagnosis.written.document import to_dict
 from calib.diagnosis.written.words import known, radii
-from calib.physics.effects.effects import Effects
 from tests.support.hidden.cases import draw
 
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.processes import side_by_side
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit, fit_base, fit_without
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.unexplained import locate
 from calib.diagnosis.search.search import refine
-from calib.processes import side_by_side
 from tests.support.hidden.cases import draw
 
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.agreement import half_widths
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.undecided.doubts import base_half_widths, tyre_spread
-from calib.physics.effects.effects import Effects
-from calib.simulation.sensor_noise import add_noise
+from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN, driven
 
 

@@ -1,6 +1,6 @@
 """The drive that would show what the logs could not: it does so when it is simulated.
 
-`calib.simulation.simulate` integrates the motion and shares no step with the prediction that chose
+`calib.model.simulate` integrates the motion and shares no step with the prediction that chose
 the drive.
 """
 
@@ -9,6 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.catalogue import effect_named
+from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
@@ -16,9 +18,7 @@ from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.hold_outs import model_of
 from calib.diagnosis.undecided.drives import drives
 from calib.diagnosis.undecided.separate import manoeuvres
-from calib.physics.effects.catalogue import effect_named
-from calib.physics.effects.effects import Effects
-from calib.simulation.simulate import simulate
+from calib.model.simulate import simulate
 from tests.support.hidden.cases import draw
 
 

@@ -1,6 +1,6 @@
 """The test that is proposed tells two explanations apart, and one that is not does so less.
 
-Both are driven by `calib.simulation.simulate`, which integrates the motion and shares no step with
+Both are driven by `calib.model.simulate`, which integrates the motion and shares no step with
 the prediction that chose the test.
 """
 
@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.effects.catalogue import CATALOGUE
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
@@ -17,8 +18,7 @@ from calib.diagnosis.proof.hold_outs import model_of
 from calib.diagnosis.search.search import unresolved
 from calib.diagnosis.undecided.confusion import confusion_of
 from calib.diagnosis.undecided.separate import best_drive, manoeuvres
-from calib.physics.effects.catalogue import CATALOGUE
-from calib.simulation.simulate import simulate
+from calib.model.simulate import simulate
 from tests.support.hidden.cases import draw
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from calib.car.effects.catalogue import effect_named
 from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.document import text_of, to_dict
 from calib.diagnosis.written.headline import KINDS
-from calib.physics.effects.catalogue import effect_named
 from tests.support.documents import missing_and_unknown
 from tests.support.written_diagnosis import MARKUP, named_drag
 

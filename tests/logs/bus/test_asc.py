@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.read import read_log
 from tests.support.recordings import write_bus
 from tests.support.refusals import refusal

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.bus.blf import check_whole, open_blf
 from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log

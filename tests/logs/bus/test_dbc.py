@@ -4,7 +4,7 @@ import cantools
 import numpy as np
 import pytest
 
-from calib.errors import ChannelMapError, LogError
+from calib.base.errors import ChannelMapError, LogError
 from calib.logs.bus.dbc import read_dbc
 from calib.logs.bus.frames import frames_of
 from calib.logs.bus.recording import decode, described, trace

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.bus.frames import group_of, source_of
 from calib.logs.bus.text_logs import open_candump
 from calib.logs.channel_map import DatabaseFile, Databases

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.errors import ChannelMapError, LogError
+from calib.base.errors import ChannelMapError, LogError
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.frames import Gathered
 from calib.logs.bus.text_logs import Counted

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.bus.text_logs import open_trc
 from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log

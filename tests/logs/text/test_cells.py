@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.parquet import open_parquet
 from calib.logs.text.cells import bare_unit, column_from_cell, is_unit_row
 from calib.logs.text.csv import open_csv

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.source import Column
 from calib.logs.text.csv import open_csv
 from tests.support.refusals import refusal

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.read import read_log
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat

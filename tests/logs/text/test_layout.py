@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.assign import assign
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.source import Column

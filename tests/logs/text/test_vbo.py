@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.errors import LogError
+from calib.base.errors import LogError
 from calib.logs.read import read_log
 from calib.logs.source import Column
 from calib.logs.text.vbo import open_vbo

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.car.vehicle import Axle, Vehicle
+from calib.car.vehicle_file import write_vehicle
 from calib.logs.log import Log
-from calib.physics.vehicle import Axle, Vehicle
-from calib.physics.vehicle_file import write_vehicle
-from calib.simulation.sensor_noise import NoiseLevel, add_noise
+from calib.model.sensor_noise import NoiseLevel, add_noise
 from tests.support.hidden.hydraulics import lines
 from tests.support.hidden.manoeuvres import manoeuvre
 from tests.support.hidden.plant import Car, Start, drive

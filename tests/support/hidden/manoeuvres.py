@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.physics.vehicle import Vehicle
+from calib.car.vehicle import Vehicle
 from tests.support.hidden.hydraulics import STEP
 from tests.support.plant import per_pascal
 

@@ -1,7 +1,7 @@
 """The car in which something is hidden: four wheels, integrated stiffly, every effect a switch.
 
 It is kin of `tests.support.plant` (its tyres are used here) and shares nothing with
-`calib.simulation.simulate` or the catalogue of effects: states instead of quasi-steady wheels,
+`calib.model.simulate` or the catalogue of effects: states instead of quasi-steady wheels,
 loads from the tyre forces, and details that a catalogue would leave out. Everything is SI.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import integrate, interpolate, signal
 from scipy.integrate import solve_ivp
 
-from calib.physics.vehicle import Vehicle
+from calib.car.vehicle import Vehicle
 from tests.support.hidden.hydraulics import STEP, Lines
 from tests.support.hidden.settings import Hidden
 from tests.support.plant import AIR, GRAVITY, Tyre

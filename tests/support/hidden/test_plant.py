@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from calib.car.vehicle_file import read_vehicle
 from calib.logs.read import read_log
-from calib.physics.vehicle_file import read_vehicle
 from tests.support.hidden.cases import CARS, NOISE, TRUTH, draw, write
 from tests.support.hidden.hydraulics import backlash, lines, loop
 from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, Manoeuvre, manoeuvre
@@ -51,10 +51,10 @@ def test_the_plant_shares_nothing_with_the_simulation_and_the_catalogue():
                 assert node.module is not None
                 assert not node.module.startswith(
                     (
-                        "calib.physics.effects",
-                        "calib.simulation.simulate",
+                        "calib.car.effects",
+                        "calib.model.simulate",
                         "calib.diagnosis",
-                        "calib.physics.forces",
+                        "calib.car.forces",
                     )
                 ), f"{file.name}: {node.module}"
 

@@ -1,0 +1,1 @@
+"""Errors, units, names, files and the statistics that no room owns."""

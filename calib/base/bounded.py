@@ -1,0 +1,162 @@
+"""Open a file that somebody else made: a regular file, not larger than the bound of its kind.
+
+Every reader of the library takes its bytes from here. A named pipe would wait for ever, a device
+has no end, and a few kilobytes of gzip can unpack to gigabytes. The bounds keep a reader below
+about 1 GB and 20 s; a larger file that is meant is let in by a variable of the environment:
+
+    BRAKE_CAL_MOST_LOG=500 brake-cal check long.csv        logs of up to 500 MB
+"""
+
+import errno
+import math
+import os
+import stat
+from collections.abc import Callable
+from dataclasses import dataclass
+from io import BufferedReader
+from pathlib import Path
+
+from calib.base.errors import BrakeCalError, SettingsError
+
+MEGA = 1_000_000
+VARIABLE = "BRAKE_CAL_MOST_"
+
+
+@dataclass(frozen=True)
+class FileKind:
+    """A kind of file: its ``name``, and the ``megabytes`` that one may have or unpack to."""
+
+    name: str
+    megabytes: float
+
+    @property
+    def variable(self) -> str:
+        """The variable of the environment that gives another bound, in MB."""
+        return f"{VARIABLE}{self.name.upper()}"
+
+    @property
+    def most(self) -> int:
+        """Largest size [bytes]. Raises SettingsError for a variable that is no number above 0."""
+        written = os.environ.get(self.variable, "")
+        try:
+            megabytes = float(written) if written else self.megabytes
+        except ValueError:
+            megabytes = math.nan
+        if not 0 < megabytes < math.inf:
+            raise SettingsError(
+                f"{written!r} is no size",
+                where=self.variable,
+                expected="a number of MB, such as 500",
+            )
+        return int(megabytes * MEGA)
+
+    def excess(self, size: int | None = None, what: str = "it has") -> str:
+        """Words for a file of ``size`` bytes, or of unknown size, that is too large."""
+        has = "more" if size is None else f"{size / MEGA:.0f} MB"
+        most = f"{self.most / MEGA:g} MB"
+        return f"{what} {has} than {most}" if size is None else f"{what} {has}, at most {most}"
+
+    @property
+    def advice(self) -> str:
+        """What to do about a file that is too large and is meant."""
+        return f"if it is meant, set {self.variable} to the MB that may be read"
+
+
+LOG = FileKind("log", 120)
+"""Text and Parquet, as unpacked: an hour of 13 channels at 200 Hz has 100 MB of text."""
+RECORDING = FileKind("recording", 600)
+"""MDF and bus logs; loggers begin a new file at 512 MB or before."""
+DBC = FileKind("dbc", 8)
+TOML = FileKind("toml", 1)
+PLAN = FileKind("plan", 16)
+EFFECT = FileKind("effect", 1)
+CALIBRATION = FileKind("calibration", 16)
+"""DCM and CDF that come back."""
+VALIDATION = FileKind("validation", 16)
+"""JSON that `validate` and `station` wrote."""
+RESULT = FileKind("result", 120)
+"""Parquet that `validate` wrote."""
+TABLE = FileKind("table", 16)
+"""Each file of a version in a store, and what was seen of stores."""
+JOURNAL = FileKind("journal", 64)
+"""Some 100,000 lines."""
+KEY = FileKind("key", 0.016384)
+"""Keys and signatures: no file of minisign is longer."""
+
+KINDS = (
+    *(LOG, RECORDING, DBC, TOML, PLAN, EFFECT, CALIBRATION),
+    *(VALIDATION, RESULT, TABLE, JOURNAL, KEY),
+)
+
+_OTHERS = (
+    (stat.S_ISDIR, "a directory"),
+    (stat.S_ISFIFO, "a named pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (lambda _: True, "a device"),
+)
+
+
+def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
+    """Open a regular file for reading; a link to one is one.
+
+    Raises OSError with a ``strerror`` for people: no such file, a loop of links, a pipe or device,
+    a file larger than ``kind`` may be.
+    """
+    try:
+        # Without O_NONBLOCK a pipe that nobody writes to would never be opened.
+        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except ValueError as cause:  # a nul in the name
+        raise OSError(errno.EINVAL, "no such name is possible", str(path)) from cause
+    file = os.fdopen(handle, "rb")
+    try:
+        _refuse(os.fstat(handle), path, kind)
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def _refuse(found: os.stat_result, path: Path, kind: FileKind) -> None:
+    if not stat.S_ISREG(found.st_mode):
+        what = next(word for is_one, word in _OTHERS if is_one(found.st_mode))
+        raise OSError(errno.EINVAL, f"{what} is not a file", str(path))
+    if found.st_size > kind.most:
+        raise _too_large(path, kind.excess(found.st_size), kind)
+
+
+def _too_large(path: Path, words: str, kind: FileKind) -> OSError:
+    return OSError(errno.EFBIG, f"{words}; {kind.advice}", str(path))
+
+
+def read_bounded(path: Path, kind: FileKind) -> bytes:
+    """The bytes of a regular file. Raises OSError as `open_bounded` does."""
+    with open_bounded(path, kind) as file:
+        most = kind.most
+        data = file.read(most + 1)
+    if len(data) > most:  # it grew, or its system does not know its size
+        raise _too_large(path, kind.excess(), kind)
+    return data
+
+
+POINTER = b"version https://git-lfs"
+"""First bytes of what git leaves where a file of LFS was not fetched."""
+
+
+def bytes_of(
+    path: Path, kind: FileKind, error: Callable[..., BrakeCalError], expected: str
+) -> bytes:
+    """The bytes of a regular file. Raises ``error`` with what it is instead of ``expected``."""
+    try:
+        data = read_bounded(path, kind)
+    except FileNotFoundError as cause:
+        raise error("no such file", where=path, expected=expected, do="check the path") from cause
+    except OSError as cause:
+        raise error(f"cannot be read ({cause.strerror})", where=path, expected=expected) from cause
+    if data.startswith(POINTER):
+        raise error(
+            "a pointer of git LFS, not the file itself",
+            where=path,
+            expected=expected,
+            do="get the file: git lfs pull",
+        )
+    return data

@@ -1,0 +1,179 @@
+"""The errors a user can cause, as one tree.
+
+    BrakeCalError
+    ├── InputError            exit code 3: a file the user gave
+    │   ├── LogError          a log: missing, unreadable, unfit for the task
+    │   ├── VehicleError      a vehicle file
+    │   ├── ChannelMapError   a channel map
+    │   ├── LimitsError       a limits file
+    │   ├── ModelError        a model file
+    │   ├── SettingsError     the settings of a project
+    │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
+    │   ├── NotFiniteError    a number that was computed of the files is not finite
+    │   ├── ProgramError      a linked program (ELF)
+    │   └── KeyFileError      a key file, its password, or what keys need
+    ├── BatchError            exit code 2: the folder or the workers of a batch
+    ├── RevisionError         exit code 2: tables that cannot be merged, a value that cannot be set
+    ├── StoreError            exit code 4: the table store, or a table in it
+    │   ├── TableNotFound     no table of that name or version: exit code 2
+    │   ├── DamagedTable      the content does not match its digest
+    │   └── SignatureRefused  a signature that does not hold, is of another key or is malformed
+    └── AnswerError           exit code 5: the answer could not be written, the disk is full
+
+The command line catches only the root. A message says what was wrong, which value was given, what
+was expected and where to look. Several errors of one file are one message of several lines.
+"""
+
+import re
+
+from calib.base.printable import one_line, printable
+
+
+class BrakeCalError(Exception):
+    """Root of every error that a user can cause and correct."""
+
+    exit_code = 1
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        where: object = None,
+        expected: str = "",
+        do: str = "",
+        lines: tuple[str, ...] = (),
+    ):
+        """Build the message: one line, whatever libraries and files put into its parts.
+
+        Parameters
+        ----------
+        what : what was wrong, and the value that was given.
+        where : the file, channel or key.
+        expected : what would have been valid.
+        do : the next step for the user.
+        lines : further mistakes in the same file, a line each.
+        """
+        self.what, self.expected, self.do = one_line(what), one_line(expected), one_line(do)
+        self.where = where
+        head = self.what if where is None else f"{printable(str(where))}: {self.what}"
+        parts = [head, f"expected {self.expected}" if expected else "", self.do]
+        whole = "; ".join(part for part in parts if part)
+        self.lines = tuple(map(one_line, lines))
+        super().__init__("\n  ".join([whole, *self.lines]))
+
+    @property
+    def kind(self) -> str:
+        """Name of the kind for programs.
+
+        >>> DamagedTable("edited").kind, ChannelMapError("empty").kind
+        ('damaged_table', 'channel_map')
+        """
+        words = re.findall("[A-Z][a-z]+", type(self).__name__.removesuffix("Error"))
+        return "_".join(words).lower()
+
+    def to_dict(self) -> dict[str, object]:
+        """The error as plain data, see `calib.base.schema`."""
+        return {
+            "kind": self.kind,
+            "message": str(self),
+            "exit_code": self.exit_code,
+            "what": self.what,
+            "where": "" if self.where is None else str(self.where),
+            "expected": self.expected,
+            "do": self.do,
+            "lines": list(self.lines),
+        }
+
+
+class InputError(BrakeCalError):
+    """A file from the user cannot be used."""
+
+    exit_code = 3
+
+
+class LogError(InputError):
+    """A log is missing, unreadable or unfit for the task."""
+
+
+class VehicleError(InputError):
+    """A vehicle file is missing, unreadable or implausible."""
+
+
+class ChannelMapError(InputError):
+    """A channel map is unreadable or does not fit the log."""
+
+
+class LimitsError(InputError):
+    """A limits file is unreadable or names an unknown metric."""
+
+
+class ModelError(InputError):
+    """A model file is unreadable or names an unknown effect."""
+
+
+class SettingsError(InputError):
+    """A settings file is unreadable or has an unknown key."""
+
+
+class ExchangeError(InputError):
+    """A calibration file (DCM, CDF) or a validation summary cannot be used."""
+
+
+class NotFiniteError(InputError):
+    """A number that was computed of the files is not finite: nothing is concluded from it."""
+
+
+def not_finite(quantity: str, where: object) -> NotFiniteError:
+    """The error for a ``quantity`` of a log or a vehicle that came out as no number."""
+    return NotFiniteError(
+        f"{quantity} comes out as no finite number, so nothing is concluded from it",
+        where=where,
+        expected="logs and a vehicle file of one car",
+        do="look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`",
+    )
+
+
+class ProgramError(InputError):
+    """A linked program is unreadable, or does not hold the exported table."""
+
+
+class KeyFileError(InputError):
+    """A key file cannot be used or made; the message never shows a secret."""
+
+
+class BatchError(BrakeCalError):
+    """A batch cannot start: other settings, folder in use, no scheduler, unfit workers."""
+
+    exit_code = 2
+
+
+class RevisionError(BrakeCalError):
+    """Tables cannot be merged, or a value cannot be set in one."""
+
+    exit_code = 2
+
+
+class StoreError(BrakeCalError):
+    """The table store is damaged or cannot do what was asked."""
+
+    exit_code = 4
+
+
+class TableNotFound(StoreError):
+    """The store has no table of that name or version: a mistake in what was typed."""
+
+    exit_code = 2
+
+
+class DamagedTable(StoreError):
+    """The content of a table file does not match its digest."""
+
+
+class SignatureRefused(StoreError):
+    """A signature does not hold, is of another key or is malformed."""
+
+
+class AnswerError(BrakeCalError):
+    """The answer could not be written: the disk is full, or the stream is closed."""
+
+    exit_code = 5

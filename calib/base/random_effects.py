@@ -1,0 +1,153 @@
+"""The mean of several measured things that differ among themselves: a random-effects model.
+
+    x_i = mean + b_i + e_i        b_i ~ N(0, between)        e_i ~ N(0, v_i), v_i known
+
+``between`` by restricted maximum likelihood (REML), which is hardly biased with few things
+(Viechtbauer 2005, doi:10.3102/10769986030003261; Veroniki et al. 2016, doi:10.1002/jrsm.1164).
+The error of the mean is that of Hartung and Knapp (2001, doi:10.1002/sim.791): from the scatter
+itself, with Student's t of k - 1 degrees of freedom. A normal interval with an estimated
+``between``, as DerSimonian and Laird have it, is far too narrow for few things; this one is exact
+where all v_i are equal. Things that agree by chance would make it too narrow: it is never narrower
+than the normal interval (Wiksten, Ruecker and Schwarzer 2016, doi:10.1002/sim.6879; Jackson et al.
+2017, doi:10.1002/sim.7411).
+
+Not true where the errors e_i of the things are correlated: what they share is no part of v_i, and
+has to be added to the error of the mean.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.intervals import Z95
+
+Array = NDArray[np.float64]
+
+STEPS = 500
+"""Most steps of the iteration; it takes 5 to 50."""
+
+SETTLED = 1e-12
+"""Last step, relative to the whole variance, at which it has settled."""
+
+LEAST_TAIL = 1e-300
+"""Least probability that is turned into sigma: 37 sigma."""
+
+
+@dataclass(frozen=True)
+class RandomEffects:
+    """Mean of k things, for each of n quantities. Shapes (n,), in the quantities' units.
+
+    ``sigma`` standard error of the mean, to be used with Student's t of ``freedom`` = k - 1;
+    ``between`` variance between the things; ``own`` mean of their own variances; ``weights``
+    (k, n), their sum is 1.
+    """
+
+    mean: Array
+    sigma: Array
+    between: Array
+    own: Array
+    weights: Array
+    freedom: int
+
+    @property
+    def half_width(self) -> Array:
+        """Half width of the 95 % interval of the mean."""
+        return np.asarray(quantile95(self.freedom) * self.sigma)
+
+    @property
+    def one_more(self) -> Array:
+        """Standard deviation of one more thing, measured like these, about the mean found.
+
+        With Student's t of ``freedom`` it is exact where all v_i are equal. For the true value of
+        the thing it is too wide: how much of the scatter is noise is not well known.
+        """
+        return np.sqrt(self.between + self.sigma**2 + self.own)
+
+
+def random_effects(values: Array, variances: Array, weights: Array | None = None) -> RandomEffects:
+    """Mean of ``values`` (k, n) with known ``variances`` (k, n) of their own, k of 2 or more.
+
+    ``weights`` (k,) of the mean, if they are not to be 1/(between + v_i). Raises ValueError for
+    fewer than two things.
+
+    >>> found = random_effects(np.array([[1.0], [3.0]]), np.array([[0.5], [0.5]]))
+    >>> found.mean.tolist(), found.between.round(9).tolist(), found.freedom
+    ([2.0], [1.5], 1)
+    """
+    x, v = np.asarray(values, float), np.asarray(variances, float)
+    k = x.shape[0]
+    if k < 2:
+        raise ValueError("one thing alone has no scatter")
+    between = between_variance(x, v)
+    best = _weights(v, between, _scale(x, v))
+    w = best if weights is None else np.broadcast_to(weights[:, None] / weights.sum(), x.shape)
+    mean = (w * x).sum(axis=0)
+    variance = between + v
+    sigma = np.sqrt(_scatter(x, variance, best) * (w**2 * variance).sum(axis=0))
+    return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, k - 1)
+
+
+def _scatter(x: Array, variance: Array, best: Array) -> Array:
+    """Scatter of the things over what their ``variance`` expects (n,), that of Hartung and Knapp.
+
+    ``best`` weights of the mean. At least so much that Student's interval is the normal one.
+    """
+    freedom = x.shape[0] - 1
+    square = (x - (best * x).sum(axis=0)) ** 2
+    seen = np.divide(square, variance, out=np.zeros_like(x), where=variance > 0.0).sum(axis=0)
+    return np.asarray(np.maximum(seen / freedom, (Z95 / quantile95(freedom)) ** 2))
+
+
+def between_variance(values: Array, variances: Array) -> Array:
+    """Variance between things by REML (n,), from ``values`` and ``variances`` (k, n); cut at 0."""
+    x, v = np.asarray(values, float), np.asarray(variances, float)
+    scale = _scale(x, v)
+    between = np.maximum(x.var(axis=0, ddof=1) - v.mean(axis=0), 0.0)
+    for _ in range(STEPS):
+        w = 1.0 / np.maximum(between + v, SETTLED * scale)
+        mean = (w * x).sum(axis=0) / w.sum(axis=0)
+        # the fixed point of the restricted likelihood
+        new = (w**2 * ((x - mean) ** 2 - v)).sum(axis=0) / (w**2).sum(axis=0) + 1.0 / w.sum(axis=0)
+        new = np.maximum(new, 0.0)
+        done = np.all(np.abs(new - between) <= SETTLED * scale)
+        between = new
+        if done:
+            break
+    return np.where(x.var(axis=0) > 0.0, between, 0.0)
+
+
+def quantile95(freedom: int) -> float:
+    """0.975 quantile of Student's t.
+
+    >>> round(quantile95(1), 2), round(quantile95(9), 3)
+    (12.71, 2.262)
+    """
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.975))
+
+
+def as_sigma(t: float, freedom: int) -> float:
+    """The number of sigma of a normal distribution that is as rare as ``t`` of Student's.
+
+    So 3 sigma are as rare with two things as with a hundred.
+
+    >>> round(as_sigma(12.706, 1), 2), round(as_sigma(-2.262, 9), 2)
+    (1.96, -1.96)
+    """
+    from scipy.special import ndtri, stdtr
+
+    tail = max(float(stdtr(freedom, -abs(t))), LEAST_TAIL)
+    return float(np.copysign(-ndtri(tail), t))
+
+
+def _scale(x: Array, v: Array) -> Array:
+    """A variance of the size of the whole, never zero."""
+    whole = x.var(axis=0) + v.mean(axis=0)
+    return np.where(whole > 0.0, whole, 1.0)
+
+
+def _weights(v: Array, between: Array, scale: Array) -> Array:
+    w = 1.0 / np.maximum(between + v, SETTLED * scale)
+    return np.asarray(w / w.sum(axis=0))

@@ -1,0 +1,95 @@
+"""`brake-cal.toml`: the settings of a project.
+
+schema = 1
+store = "tables"
+vehicle = "car.toml"
+map = "map.toml"
+limits = "line.toml"
+require_signed = true
+by = "Ada Lovelace"
+
+[station]
+name = "end of line 2"
+golden = "car@1"
+export = ["dcm"]
+
+[keys]
+public = "line.pub"
+"""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BeforeValidator
+
+from calib.base.errors import SettingsError
+from calib.base.schema import FileSchema, Section, read_toml
+from calib.base.schema_errors import shown, wrong
+from calib.base.settings import Settings, is_key
+
+
+def _text(written: object) -> object:
+    """Text of one line that says something."""
+    if isinstance(written, str) and not (written.strip() and written.isprintable()):
+        raise wrong(f"{shown(written)} says nothing that can be printed", "text of one line")
+    return written
+
+
+Text = Annotated[str, BeforeValidator(_text)]
+
+
+class StationSection(Section):
+    """Settings of `brake-cal station`."""
+
+    name: Text | None = None
+    golden: Text | None = None
+    export: list[Text] | None = None
+
+
+class KeysSection(Section):
+    """Keys that signatures are checked with."""
+
+    public: Text | None = None
+
+
+class SettingsFile(FileSchema):
+    """Values of options that are not given on the command line. Paths lead from this file."""
+
+    store: Text | None = None
+    vehicle: Text | None = None
+    map: Text | None = None
+    limits: Text | None = None
+    station: StationSection = StationSection()
+    keys: KeysSection = KeysSection()
+    require_signed: bool | None = None
+    by: Text | None = None
+
+
+def read_settings(path: Path) -> Settings:
+    """Read a settings file; its paths are made to lead from the working folder.
+
+    Raises one SettingsError with all mistakes of the file, or if it cannot be read.
+    """
+    try:
+        file = read_toml(path, SettingsFile, SettingsError)
+    except OSError as error:
+        raise SettingsError(f"cannot be read ({error.strerror})", where=path) from error
+    folder = Path(os.path.relpath(path.absolute().parent))
+
+    def place(written: str | None) -> Path | None:
+        return None if written is None else folder / written
+
+    golden, public, export = file.station.golden, file.keys.public, file.station.export
+    return Settings(
+        store=place(file.store),
+        vehicle=place(file.vehicle),
+        map=place(file.map),
+        limits=place(file.limits),
+        station=file.station.name,
+        golden=str(place(golden)) if golden and "/" in golden else golden,
+        export=None if export is None else tuple(export),
+        public_key=public if public and is_key(public) else place(public),
+        require_signed=file.require_signed,
+        by=file.by,
+    )

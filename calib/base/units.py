@@ -1,0 +1,272 @@
+"""Written units and their conversion to SI: one table per quantity.
+
+A unit is accepted only where its quantity is expected. So ``g`` is gravity for an acceleration and
+an error for a mass, ``Hz`` is revolutions per second for a wheel speed, and ``Nm`` is never a
+length. A unit that is not in the table raises `UnknownUnit`.
+"""
+
+import difflib
+from dataclasses import dataclass
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.names import G
+
+TURN = 2.0 * np.pi
+
+
+class UnknownUnit(ValueError):
+    """A unit that is not in the tables, or one of another quantity."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """SI value = written * scale / per + offset.
+
+    Two factors instead of one reduce rounding: ``28.84 / 1e4`` is the floating-point number nearest
+    to 0.002884, ``28.84 * 1e-4`` is not.
+    """
+
+    scale: float = 1.0
+    per: float = 1.0
+    offset: float = 0.0
+
+
+ONE = Unit()
+
+QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
+    # SI unit: (quantity, {written unit: meaning})
+    "s": ("time", {"s": ONE, "ms": Unit(per=1e3), "us": Unit(per=1e6), "min": Unit(60)}),
+    "Pa": (
+        "pressure",
+        {
+            "Pa": ONE,
+            "hPa": Unit(100),
+            "kPa": Unit(1e3),
+            "MPa": Unit(1e6),
+            "bar": Unit(1e5),
+            "mbar": Unit(100),
+            "psi": Unit(6894.757293168361),  # lb * g / in^2, all three by definition
+        },
+    ),
+    "m/s^2": ("acceleration", {"m/s^2": ONE, "g": Unit(G)}),
+    "rad/s": (
+        "angular speed",
+        {
+            "rad/s": ONE,
+            "deg/s": Unit(TURN, per=360),
+            "rpm": Unit(TURN, per=60),
+            "U/min": Unit(TURN, per=60),
+            "1/min": Unit(TURN, per=60),
+            "Hz": Unit(TURN),
+        },
+    ),
+    "m/s": (
+        "speed",
+        {
+            "m/s": ONE,
+            "km/h": Unit(10, per=36),
+            "kph": Unit(10, per=36),
+            "mph": Unit(0.44704),
+            "kn": Unit(1852, per=3600),
+        },
+    ),
+    "degC": (
+        "temperature",
+        {"degC": ONE, "K": Unit(offset=-273.15), "degF": Unit(5, per=9, offset=-160 / 9)},
+    ),
+    "rad": ("angle", {"rad": ONE, "mrad": Unit(per=1e3), "deg": Unit(TURN, per=360)}),
+    "N": ("force", {"N": ONE, "kN": Unit(1e3)}),
+    "N*m": ("torque", {"N*m": ONE, "kN*m": Unit(1e3)}),
+    "kg": ("mass", {"kg": ONE, "t": Unit(1e3), "lb": Unit(0.45359237)}),
+    "m": (
+        "length",
+        {"m": ONE, "cm": Unit(per=100), "mm": Unit(per=1e3), "in": Unit(254, per=1e4)},
+    ),
+    "m^2": ("area", {"m^2": ONE, "cm^2": Unit(per=1e4), "mm^2": Unit(per=1e6)}),
+    "kg*m^2": ("moment of inertia", {"kg*m^2": ONE, "kg*cm^2": Unit(per=1e4)}),
+    "1": ("dimensionless number", {"1": ONE, "-": ONE, "%": Unit(per=100)}),
+    # These occur only as parameters of effects.
+    "1/K": ("change per temperature", {"1/K": ONE, "1/degC": ONE, "%/K": Unit(per=100)}),
+    "1/Pa": (
+        "change per pressure",
+        {"1/Pa": ONE, "1/bar": Unit(per=1e5), "1/MPa": Unit(per=1e6), "%/bar": Unit(per=1e7)},
+    ),
+    "s/m": (
+        "change per speed",
+        {"s/m": ONE, "h/km": Unit(36, per=10), "%/(km/h)": Unit(36, per=1e3)},
+    ),
+    "J": ("energy", {"J": ONE, "kJ": Unit(1e3), "MJ": Unit(1e6)}),
+    "W": ("power", {"W": ONE, "kW": Unit(1e3)}),
+}
+
+SPELLINGS = {
+    "sec": "s",
+    "secs": "s",
+    "Secs": "s",
+    "msec": "ms",
+    "µs": "us",  # micro sign
+    "μs": "us",  # Greek mu
+    "C": "degC",
+    "°C": "degC",
+    "°F": "degF",
+    "°": "deg",
+    "℃": "degC",  # one sign of Unicode
+    "degree": "deg",
+    "degrees": "deg",
+    "Degrees": "deg",
+    "°/s": "deg/s",
+    "°/sec": "deg/s",
+    "deg/sec": "deg/s",
+    "degrees/s": "deg/s",
+    "rad/sec": "rad/s",
+    "1/°C": "1/degC",
+    "m/s/s": "m/s^2",
+    "m/sec^2": "m/s^2",
+    "m/s2": "m/s^2",
+    "ms^-2": "m/s^2",
+    "m*s^-2": "m/s^2",
+    "G": "g",
+    "g's": "g",
+    "rps": "Hz",
+    "RPM": "rpm",
+    "rev/min": "rpm",
+    "r/min": "rpm",
+    "min^-1": "1/min",
+    "min-1": "1/min",
+    "mps": "m/s",
+    "kmh": "km/h",
+    "Km/h": "km/h",
+    "km/hr": "km/h",
+    "Mph": "mph",
+    "MPH": "mph",
+    "knots": "kn",
+    "kts": "kn",
+    "PSI": "psi",
+    "percent": "%",
+    "Percent": "%",
+    "Nm": "N*m",
+    "kNm": "kN*m",
+    "kgm^2": "kg*m^2",
+    "m2": "m^2",
+    "cm2": "cm^2",
+    "mm2": "mm^2",
+    "kg*m2": "kg*m^2",
+    "kg*cm2": "kg*cm^2",
+}
+_SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None})
+
+
+def spelling(unit: str) -> str:
+    """The spelling of a unit in the tables: ``m/s²`` becomes ``m/s^2``."""
+    text = unit.strip().replace("N.m", "N*m").replace("**", "^")
+    text = text.replace("⁻²", "^-2").replace("⁻¹", "^-1").translate(_SIGNS)
+    return SPELLINGS.get(text, text)
+
+
+def unit_of(unit: str, si: str) -> Unit:
+    """Return the conversion of a written unit; ``si`` is the SI unit of the quantity.
+
+    Raises `UnknownUnit` naming the unit, the quantity wanted and its known units.
+    """
+    if si not in QUANTITIES:
+        raise UnknownUnit(f"no table for the SI unit {si!r}; known: {', '.join(QUANTITIES)}")
+    quantity, table = QUANTITIES[si]
+    written = spelling(unit)
+    if written in table:
+        return table[written]
+    raise UnknownUnit(_refusal(unit, written, quantity, table))
+
+
+def _refusal(unit: str, written: str, quantity: str, table: dict[str, Unit]) -> str:
+    owners = [other for other, units in QUANTITIES.values() if written in units]
+    by_lower = {name.lower(): name for name in table}
+    close = [by_lower[c] for c in difflib.get_close_matches(written.lower(), by_lower, n=1)]
+    if owners:
+        head = f"unit {unit!r} is a unit of {owners[0]}, not of {quantity}"
+    else:
+        head = f"unknown unit {unit!r} for {quantity}"
+    hint = f" (did you mean {close[0]!r}?)" if close else ""
+    return f"{head}{hint}; known: {', '.join(table)}"
+
+
+def behind(unit: str) -> str:
+    """A unit as it stands behind a number; nothing behind one that has none.
+
+    >>> f"5{behind('bar')}", f"0.4{behind('1')}"
+    ('5 bar', '0.4')
+    """
+    return "" if unit == "1" else f" {unit}"
+
+
+def spellings(si: str | None) -> list[str]:
+    """Return all spellings of the units of one quantity, or of all if ``si`` is None."""
+    tables = [table for key, (_, table) in QUANTITIES.items() if si in (key, None)]
+    known = [unit for table in tables for unit in table]
+    return [*known, *(other for other, unit in SPELLINGS.items() if unit in known)]
+
+
+def si_of(unit: str) -> str:
+    """The SI unit of the quantity that a written unit belongs to: ``"cm^2"`` gives ``"m^2"``.
+
+    For values whose quantity is not known yet. Raises `UnknownUnit`.
+    """
+    written = spelling(unit)
+    for si, (_, table) in QUANTITIES.items():
+        if written in table:
+            return si
+    known = sorted({name for _, table in QUANTITIES.values() for name in table})
+    raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(known)}")
+
+
+@overload
+def to_si(values: float, unit: str, si: str) -> float: ...
+@overload
+def to_si(values: NDArray[np.float64], unit: str, si: str) -> NDArray[np.float64]: ...
+def to_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | NDArray[np.float64]:
+    """Convert from a written unit to SI.
+
+    Parameters
+    ----------
+    values : written values, any shape.
+    unit : their unit as written, in any known spelling.
+    si : SI unit wanted; it names the quantity: ``g`` is gravity for ``"m/s^2"``.
+
+    Returns
+    -------
+    Values in ``si``, same shape. Raises `UnknownUnit`. Temperatures are absolute, not differences.
+
+    >>> to_si(28.84, "cm^2", "m^2")
+    0.002884
+    """
+    u = unit_of(unit, si)
+    return values * u.scale / u.per + u.offset
+
+
+@overload
+def from_si(values: float, unit: str, si: str) -> float: ...
+@overload
+def from_si(values: NDArray[np.float64], unit: str, si: str) -> NDArray[np.float64]: ...
+def from_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | NDArray[np.float64]:
+    """Convert from SI to a written unit: the inverse of `to_si`, with the same arguments.
+
+    >>> from_si(100.0, "km/h", "m/s")
+    360.0
+    """
+    u = unit_of(unit, si)
+    return (values - u.offset) * u.per / u.scale
+
+
+def is_unit(text: str, si: str | None = None) -> bool:
+    """Whether ``text`` is a known unit of the quantity with SI unit ``si``, or of any if None.
+
+    >>> is_unit("bar"), is_unit("bar", "m/s"), is_unit("front")
+    (True, False, False)
+    """
+    try:
+        unit_of(text, si if si is not None else si_of(text))
+    except UnknownUnit:
+        return False
+    return True

@@ -1,0 +1,115 @@
+"""The force balance of a car: the forces of tyres and brakes at a given deceleration.
+
+W z = tyre forces + body forces          tyre forces = brakes + other moments on the wheels
+
+A moment on the wheels besides the brake comes from the known effects, from the inertia of the
+wheels, and from the drive: the torque of engine or motor where it is logged.
+
+Quasi-static loads, straight line. All rooms take loads, resistances and the demanded brake force
+from here; the simulation adds the same effects by the same functions.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.names import G
+from calib.car.effects.combined import body_load_shift, total_axle_moment, total_body_force
+from calib.car.effects.effects import Effects
+from calib.car.forces import axle_loads, braking_sum
+from calib.car.history import Motion, at_rest
+from calib.car.vehicle import Axle, Vehicle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ForceBalance:
+    """Forces of a run [N], shapes (n,).
+
+    ``load_f``, ``load_r`` axle loads (6), (7), by the height at which known effects slow the body;
+    ``moment_f``, ``moment_r`` moments on the wheels besides the brake, inertia and drive included,
+    as a force at the road; ``drive_f``, ``drive_r`` the drive's part of them; ``body`` forces that
+    slow the body directly; ``tyre_sum`` sum of all tyre forces (5), (17).
+    """
+
+    load_f: Array
+    load_r: Array
+    moment_f: Array
+    moment_r: Array
+    drive_f: Array
+    drive_r: Array
+    body: Array
+    tyre_sum: Array
+
+    @property
+    def demanded(self) -> Array:
+        """Brake force of both axles [N] that the deceleration demands."""
+        return self.tyre_sum - self.moment_f - self.moment_r
+
+
+def force_balance(
+    vehicle: Vehicle,
+    effects: Effects,
+    time: Array,
+    speed: Array,
+    z: Array,
+    pressure: Array,
+    drive: tuple[Array, Array] | None = None,
+    spin: tuple[Array, Array] | None = None,
+) -> ForceBalance:
+    """Balance at ``time`` [s], ``speed`` [m/s], ``z`` [1] and ``pressure`` [Pa], shapes (n,).
+
+    ``drive`` torque of engine or motor at the front and the rear wheels [N m per axle], negative
+    where it slows, None for none; ``spin`` d omega/dt of the front and the rear wheels [rad/s^2];
+    without it -g z/R, which neglects the change of slip.
+    """
+    load_f, load_r = axle_loads(vehicle, z)
+    history = replace(at_rest(time, pressure, 0.0), v=speed, z=z)
+    motion = Motion(speed, load_f, load_r, history)
+    moments = total_axle_moment(vehicle, effects, motion)
+    axles = (vehicle.front, vehicle.rear)
+    if spin is None:
+        spin = (-G * z / vehicle.front.rolling_radius, -G * z / vehicle.rear.rolling_radius)
+    if drive is None:
+        drive = (np.zeros_like(z), np.zeros_like(z))
+    drive_f, drive_r = (
+        -torque / axle.rolling_radius for axle, torque in zip(axles, drive, strict=True)
+    )
+    moment_f, moment_r = (
+        moment_at_road(axle, moment, rate)
+        for axle, moment, rate in zip(axles, moments, spin, strict=True)
+    )
+    body = total_body_force(vehicle, effects, motion)
+    shifted = vehicle.weight * body_load_shift(vehicle, effects, history)
+    return ForceBalance(
+        load_f=load_f - shifted,
+        load_r=load_r + shifted,
+        moment_f=moment_f + drive_f,
+        moment_r=moment_r + drive_r,
+        drive_f=drive_f,
+        drive_r=drive_r,
+        body=body,
+        tyre_sum=braking_sum(vehicle, z, body),
+    )
+
+
+def moment_at_road(axle: Axle, moment: Array | float, spin: Array) -> Array:
+    """Force at the road [N] of the moments on both wheels of an axle besides the brake, (1).
+
+    ``moment`` [N m per axle], positive when it slows; ``spin`` d omega/dt [rad/s^2], negative while
+    the wheels slow, so that their inertia reduces the force.
+    """
+    return np.asarray((moment + 2.0 * axle.wheel_inertia * spin) / axle.rolling_radius)  # (1)
+
+
+def brake_forces(
+    vehicle: Vehicle, p_f: Array, p_r: Array, log_ratio: Array | float = 0.0
+) -> tuple[Array, Array]:
+    """Brake force of each axle at the road [N] by (2), nominal pads times exp(+-log_ratio/2)."""
+    front, rear = vehicle.front, vehicle.rear
+    gain_f = 2.0 * front.torque_gain * front.pad_friction / front.rolling_radius
+    gain_r = 2.0 * rear.torque_gain * rear.pad_friction / rear.rolling_radius
+    half = np.exp(0.5 * np.asarray(log_ratio))
+    return gain_f * half * p_f, gain_r / half * p_r

@@ -1,0 +1,103 @@
+"""How the brakes of a car share the braking, and which axle locks first.
+
+    friction used |      front ___.--   an axle locks where it uses what the road offers;
+                  | __.--'  .--'        the axle that uses more locks first
+                  |   rear-'
+                  +---------------- z
+
+At one pressure on both axles, in a straight line, without drag and without control of the slip. The
+inertia of the wheels is neglected, as in (9).
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.errors import ModelError
+from calib.base.names import G
+from calib.car.balance import brake_forces
+from calib.car.forces import axle_loads
+from calib.car.model import Model
+from calib.car.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+
+def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:
+    """Brake force of the front and of the rear axle at the road per pressure [N/Pa], (2)."""
+    one = np.ones(1)
+    front, rear = brake_forces(vehicle, one, one)
+    return float(front[0]), float(rear[0])
+
+
+def pressure_per_g(vehicle: Vehicle) -> float:
+    """Pressure that decelerates the car by g [Pa], (5) with nominal pads."""
+    return vehicle.weight / sum(force_per_pressure(vehicle))
+
+
+def pressure_at(model: Model, deceleration: float) -> float:
+    """Pressure [Pa] for a ``deceleration`` [m/s^2] of a model, with its pads and its wheels.
+
+    Its effects are left out: with drag the car slows more. Raises ModelError for a deceleration
+    that is not positive, and for one at which an axle locks on the road of the model.
+    """
+    asked = deceleration / G
+    car = model.vehicle
+    front = replace(car.front, pad_friction=model.pad_friction_f)
+    rear = replace(car.rear, pad_friction=model.pad_friction_r)
+    car = replace(car, front=front, rear=rear)
+    if not 0.0 < asked < math.inf:
+        raise ModelError(
+            f"a deceleration of {asked:.3g} g", expected="more than zero: a positive number slows"
+        )
+    friction = float(np.min(model.tyre.peak))
+    end, first = min(zip(locks_at(car, friction), ("front", "rear"), strict=True))
+    if asked >= end:
+        raise ModelError(
+            f"a deceleration of {asked:.3g} g",
+            expected=f"less than {end:.2f} g: there the {first} wheels of {car.name} lock",
+            do=f"brake less, or give a model whose tyres have more than {friction:g} at their peak",
+        )
+    wheels = sum(2.0 * a.wheel_inertia / a.rolling_radius**2 for a in (front, rear))
+    return asked * pressure_per_g(car) * (1.0 + wheels / car.mass)  # (1): the wheels slow down too
+
+
+def front_share(vehicle: Vehicle) -> float:
+    """Share of the front axle in the brake force [1], the same at every pressure."""
+    front, rear = force_per_pressure(vehicle)
+    return front / (front + rear)
+
+
+def ideal_front_share(vehicle: Vehicle, z: Array) -> Array:
+    """Share of the front axle [1] (n,) at which both use the same friction at z [1], (6)."""
+    return np.asarray(axle_loads(vehicle, z)[0] / vehicle.weight)
+
+
+def friction_used(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
+    """Friction that the front and the rear axle use at z [1] (n,) each; infinite when lifted."""
+    share = front_share(vehicle)
+    load_f, load_r = axle_loads(vehicle, z)
+    used = []
+    for part, load in ((share, load_f), (1.0 - share, load_r)):
+        force, held = part * z * vehicle.weight, load > 0.0
+        used.append(np.where(held, force / np.where(held, load, 1.0), math.inf))
+    return used[0], used[1]
+
+
+def locks_at(vehicle: Vehicle, friction: float) -> tuple[float, float]:
+    """z [1] at which the front and the rear axle lock on a road of ``friction`` [1].
+
+    Infinite for an axle that never locks. Only the smaller of the two is reached.
+    """
+    share, L, h = front_share(vehicle), vehicle.wheelbase, vehicle.cg_height
+    left = share * L - friction * h  # phi z L = mu (l_r + z h), from (6)
+    front = friction * vehicle.cg_to_rear_axle / left if left > 0.0 else math.inf
+    rear = friction * vehicle.cg_to_front_axle / ((1.0 - share) * L + friction * h)  # from (7)
+    return front, rear
+
+
+def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
+    """Deceleration at the first lock over the one that the road offers [1], 1 at best."""
+    return min(locks_at(vehicle, friction)) / friction

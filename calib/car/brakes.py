@@ -1,0 +1,85 @@
+"""From the pedal to the brake torque of every wheel, with all effects between them.
+
+    p_mc --line--> wheel pressure --caliper--> clamp --pads--> torque --left/right--> T_b (2) (3)
+                   (or as logged)
+
+Left and right are equal unless wheel pressures or an effect make them differ. Only then is the
+right wheel of that axle computed as well.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.names import WHEELS
+from calib.car import forces
+from calib.car.effects.combined import (
+    caliper_pressure,
+    line_pressure,
+    pad_factors,
+    wheel_factors,
+)
+from calib.car.effects.effect import Pair
+from calib.car.history import RunHistory
+from calib.car.model import Model
+from calib.car.vehicle import Axle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Brakes:
+    """The brakes in one run: ``model`` as driven, ``clamp`` pressure [Pa] (n,) by wheel."""
+
+    model: Model
+    clamp: dict[str, Array]
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """The wheels that are computed: both of an axle only where left and right differ."""
+        return tuple(self.clamp)
+
+    def twin(self, w: str) -> str:
+        """The wheel whose values hold for ``w``: itself, or the left one of its axle."""
+        return w if w in self.clamp else f"{w[0]}l"
+
+    def axle(self, w: str) -> Axle:
+        """The axle of a wheel."""
+        return self.model.vehicle.front if w[0] == "f" else self.model.vehicle.rear
+
+    def pads(self, history: RunHistory, side: str = "l") -> Pair:
+        """Friction of the front and the rear pads [1] (n,) on one side."""
+        p_f, p_r = (self.clamp[self.twin(f"{a}{side}")] for a in "fr")
+        front, rear = pad_factors(self.model.effects, history, p_f, p_r)
+        return self.model.pad_friction_f * front, self.model.pad_friction_r * rear
+
+    def torques(self, history: RunHistory) -> dict[str, Array]:
+        """Brake torque [N m] (n,) by wheel."""
+        uneven = wheel_factors(self.model.effects, history)
+        pads = {side: self.pads(history, side) for side in {w[1] for w in self.clamp}}
+        torques = {}
+        for w, p in self.clamp.items():
+            T_b = forces.brake_torque(self.axle(w), pads[w[1]]["fr".index(w[0])], p)  # (2), (3)
+            torques[w] = T_b * uneven[w] if w in uneven else T_b
+        return torques
+
+
+def brakes_of(model: Model, rest: RunHistory, own: Mapping[str, Array]) -> Brakes:
+    """The brakes at the pressure of ``rest``, or at the logged pressures ``own`` [Pa] by wheel.
+
+    A wheel pressure is measured behind the line, so only effects of the caliper change it.
+    """
+    effects = model.effects
+    p_f, p_r = line_pressure(effects, rest)
+    arrives = {w: own.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
+    uneven = {w[0] for w in wheel_factors(effects, rest)}
+    clamp: dict[str, Array] = {}
+    for side in "lr" if own or uneven else "l":
+        front, rear = caliper_pressure(
+            model.effects, rest, arrives[f"f{side}"], arrives[f"r{side}"]
+        )
+        clamp |= {f"f{side}": front, f"r{side}": rear}
+    differ = [w for w in WHEELS if w[1] == "l" or own or w[0] in uneven]
+    return Brakes(model, {w: clamp[w] for w in differ})

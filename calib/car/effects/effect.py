@@ -1,0 +1,152 @@
+"""An effect: a card that explains it, and its contribution to one or more links of the chain.
+
+    p_mc -> pressure -> friction -> wheels -> + moment -> tyre -> + body -> mass -> accelerometer
+            caliper     pads        L/R       inertia     radius  load_shift         a_x as read
+                                                                               v, wheels as read
+
+An effect only adds to a link, and has no hook where it does not act. Its parameters are named in
+its card; their values are held in `Effects`. So one object serves the simulation (which adds the
+effect), the analysis (which removes it) and the diagnosis (which estimates its size).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.car.history import Motion, RunHistory
+from calib.car.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+Parameters = Mapping[str, float]
+Pair = tuple[Array, Array]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect: SI unit, plausible range, and the prior when nothing is known.
+
+    ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars, and the
+    size at which a diagnosis starts to look for it. ``default`` is the value where a file does not
+    give one, for a parameter that older files do not have; None: it must be given. ``share``
+    whether it divides something between the axles, from nothing to all.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    typical: float
+    spread: float
+    default: float | None = None
+    share: bool = False
+
+
+@dataclass(frozen=True)
+class Card:
+    """Description of an effect for the user.
+
+    The first of ``parameters`` is its strength: at ``neutral`` there is no effect, for any value
+    of the others.
+    """
+
+    name: str
+    cause: str
+    equation: str
+    source: str
+    looks_like: str
+    parameters: tuple[Parameter, ...]
+    neutral: float = 0.0
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each parameter, by name."""
+        return {p.name: p.unit for p in self.parameters}
+
+    @property
+    def usual(self) -> dict[str, float]:
+        """Parameters of the effect at its usual size; a spread where its mean is no effect."""
+        strength, *others = self.parameters
+        size = strength.typical
+        if size == self.neutral:
+            size += strength.spread
+        return {strength.name: size} | {p.name: p.typical for p in others}
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A named effect: one hook for each link that it acts on, None for every other link.
+
+    Attributes
+    ----------
+    card : description for the user.
+    pressure : pressures of the front and the rear calipers [Pa] from those before this effect;
+        reads only ``time`` and ``p_mc`` of the history.
+    friction : factors on the pad friction of both axles [1] at the caliper pressures.
+    wheels : factors on the brake torque of wheels that differ from the other side [1].
+    axle_moment : moment on the wheels besides the brake [N m per axle], positive when it slows.
+    inertia : inertia added to that of one wheel, front and rear [kg m^2].
+    radius : factors on the rolling radii [1].
+    load_shift : load of the front axle below that of (6), over W [1]; the rear has as much more.
+    body_force : force on the body [N], positive when it slows.
+    wheel_speed : factors on the speeds of wheels as read [1], by wheel name; no force changes.
+    mass : factor on the mass [1].
+    accelerometer : reading of a_x from the true a_x [m/s^2].
+    accelerometer_lag : time constant T [s] with which that reading a follows, and the factor S
+        [s^2] of its second order: S a'' + T a' + a is what it follows.
+    speed_delay : time [s] by which v is read late.
+    wheel_speed_delay : time [s] by which all wheel speeds are read late.
+    """
+
+    card: Card
+    pressure: Callable[[Parameters, RunHistory, Array, Array], Pair] | None = None
+    friction: Callable[[Parameters, RunHistory, Array, Array], Pair] | None = None
+    wheels: Callable[[Parameters, RunHistory], dict[str, Array]] | None = None
+    axle_moment: Callable[[Vehicle, Parameters, Motion], Pair] | None = None
+    inertia: Callable[[Parameters], tuple[float, float]] | None = None
+    radius: Callable[[Parameters], tuple[float, float]] | None = None
+    load_shift: Callable[[Vehicle, Parameters, RunHistory], Array] | None = None
+    body_force: Callable[[Vehicle, Parameters, Motion], Array] | None = None
+    wheel_speed: Callable[[Vehicle, Parameters, Motion], dict[str, Array]] | None = None
+    mass: Callable[[Parameters], float] | None = None
+    accelerometer: Callable[[Vehicle, Parameters, RunHistory, Array], Array] | None = None
+    accelerometer_lag: Callable[[Parameters], tuple[float, float]] | None = None
+    speed_delay: Callable[[Parameters], float] | None = None
+    wheel_speed_delay: Callable[[Parameters], float] | None = None
+
+
+def acts_on_brakes(effect: Effect) -> bool:
+    """Whether an effect changes pressures, pads or the torque of single wheels."""
+    return _any(effect.pressure, effect.friction, effect.wheels)
+
+
+def acts_on_wheels(effect: Effect) -> bool:
+    """Whether an effect changes brakes, wheels or their sensors, not only the body and its own."""
+    return acts_on_brakes(effect) or _any(
+        effect.axle_moment,
+        effect.inertia,
+        effect.radius,
+        effect.wheel_speed,
+        effect.wheel_speed_delay,
+    )
+
+
+def changes_readings(effect: Effect) -> bool:
+    """Whether an effect changes what a sensor reads; the car moves as without it."""
+    return _any(
+        effect.accelerometer,
+        effect.accelerometer_lag,
+        effect.speed_delay,
+        effect.wheel_speed,
+        effect.wheel_speed_delay,
+    )
+
+
+def slows(effect: Effect) -> bool:
+    """Whether an effect slows body or wheels besides the brakes, so is in the force balance."""
+    return _any(effect.axle_moment, effect.body_force)
+
+
+def _any(*hooks: Callable[..., object] | None) -> bool:
+    return any(hook is not None for hook in hooks)

@@ -1,0 +1,115 @@
+"""The effects of a car as one value: named effects with their parameters, and empirical terms.
+
+Plain data. The equations of a named effect are in its own file, those of a term in `empirical`,
+and those of several effects together in `combined`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Self
+
+ByParameter = Mapping[str, Mapping[str, float]]
+"""A number for each parameter of each effect, by effect name and parameter name."""
+
+
+@dataclass(frozen=True)
+class EmpiricalTerm:
+    """An unexplained part of some runs over one driver: ``values`` [1] at ``knots`` of the driver.
+
+    Piecewise linear, and constant beyond the first and the last knot. ``place`` and ``driver`` are
+    of `calib.car.effects.empirical`, the knots have the driver's unit. On brakes a value is
+    the factor on the brake torque less one; on wheels and body it is a force at the road over the
+    weight, positive when it slows. Its physical cause is not known.
+    """
+
+    place: str
+    driver: str
+    knots: tuple[float, ...]
+    values: tuple[float, ...]
+
+    @property
+    def on_brakes(self) -> bool:
+        """Whether the values are for a brake torque, not for a force at the road."""
+        return self.place.endswith("brakes")
+
+
+@dataclass(frozen=True)
+class DefinedIn:
+    """Where an effect is defined that is not in the catalogue: a Python file of the user.
+
+    ``file`` its name without the folder; ``sha256`` of its bytes [hex], empty where not known.
+    """
+
+    file: str
+    sha256: str = ""
+
+
+@dataclass(frozen=True)
+class Effects:
+    """The effects that act in a car in addition to the paper's model.
+
+    Attributes
+    ----------
+    parameters : of the named effects [SI].
+    terms : empirical terms, whose cause is not known.
+    sigma : one standard deviation of each parameter [SI]; only where it is known.
+    own : the user's own effects by name, whether they act or not. A plain `DefinedIn` says where
+        one is defined, an `OwnEffect` of `calib.car.own_effects` is one whose file was given.
+    """
+
+    parameters: ByParameter = field(default_factory=dict)
+    terms: tuple[EmpiricalTerm, ...] = ()
+    sigma: ByParameter = field(default_factory=dict)
+    own: Mapping[str, DefinedIn] = field(default_factory=dict)
+
+    def __bool__(self) -> bool:
+        """Whether there is any effect."""
+        return bool(self.parameters or self.terms)
+
+    def __contains__(self, name: str) -> bool:
+        """Whether there is a named effect of that name."""
+        return name in self.parameters
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the named effects, in their order; an empirical term has none."""
+        return tuple(self.parameters)
+
+    @property
+    def defined_in(self) -> dict[str, DefinedIn]:
+        """Where those of the named effects are defined that the catalogue does not have."""
+        own = {name: self.own[name] for name in self.parameters if name in self.own}
+        return {name: DefinedIn(one.file, one.sha256) for name, one in own.items()}
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Every effect in words: names first, then place and driver of each empirical term."""
+        terms = (f"an empirical term on {t.place} over {t.driver}" for t in self.terms)
+        return (*self.parameters, *terms)
+
+    def with_(self, other: Self) -> Self:
+        """Both together. An effect that both have is taken from ``other``, as a whole.
+
+        Terms of ``other`` replace those of this value: a term is what a set of effects left
+        unexplained, and it was fitted without another term.
+        """
+        own = self.without(*other.names)
+        return type(self)(
+            {**self.parameters, **other.parameters},
+            other.terms or self.terms,
+            {**own.sigma, **other.sigma},
+            {**self.own, **other.own},
+        )
+
+    def only(self, *names: str) -> Self:
+        """The named effects of these names, without the terms."""
+        return type(self)(_chosen(self.parameters, names), (), _chosen(self.sigma, names), self.own)
+
+    def without(self, *names: str) -> Self:
+        """All but the named effects of these names; the terms stay."""
+        kept = self.only(*(name for name in self.parameters if name not in names))
+        return type(self)(kept.parameters, self.terms, kept.sigma, self.own)
+
+
+def _chosen(values: ByParameter, names: tuple[str, ...]) -> ByParameter:
+    return {name: own for name, own in values.items() if name in names}

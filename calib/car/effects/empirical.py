@@ -1,0 +1,131 @@
+"""An empirical term adds to the same links as a named effect.
+
+So a model with a term can be simulated, and a term can be removed from a log. See `EmpiricalTerm`.
+"""
+
+import numpy as np
+
+from calib.base.errors import ModelError
+from calib.car.braking import BITE
+from calib.car.effects.effect import Array, Card, Effect, Pair, Parameters
+from calib.car.effects.effects import EmpiricalTerm
+from calib.car.history import Motion, RunHistory
+from calib.car.vehicle import Vehicle
+
+PLACES = {
+    "front_brakes": "front",
+    "rear_brakes": "rear",
+    "brakes": "both",
+    "front_wheels": "front",
+    "rear_wheels": "rear",
+    "body": "body",
+}
+"""Places a term can act on, and the axle they belong to."""
+
+DRIVERS = {
+    "pressure": "Pa",
+    "speed": "m/s",
+    "temperature": "degC",
+    "time": "s",
+    "deceleration": "1",
+    "elapsed": "s",
+    "constant": "1",
+}
+"""Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` from
+the start of the run, and `constant` has one knot at zero. The temperature is that of the discs of
+the axle on which the term acts."""
+
+DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
+"""Axles whose disc temperatures a term uses. For the body, which has no disc, those of the front
+are used, since the front discs take most of the heat."""
+
+
+def effect_of(term: EmpiricalTerm) -> Effect:
+    """The term as an effect without parameters."""
+    card = Card(
+        name=f"empirical_{term.place}_over_{term.driver}",
+        cause="not known",
+        equation="piecewise linear over its driver",
+        source="the runs it was fitted to",
+        looks_like="what was left of them",
+        parameters=(),
+    )
+
+    def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+        front, rear = np.ones_like(p_f), np.ones_like(p_r)
+        if PLACES[term.place] != "rear":
+            front = 1.0 + value_along(term, history, "f")
+        if PLACES[term.place] != "front":
+            rear = 1.0 + value_along(term, history, "r")
+        return front, rear
+
+    def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
+        return np.asarray(vehicle.weight * value_along(term, motion.history, "f"))
+
+    def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
+        (axle,) = DISCS[PLACES[term.place]]
+        force = vehicle.weight * value_along(term, motion.history, axle)
+        nothing = np.zeros_like(force)
+        if axle == "f":
+            return vehicle.front.rolling_radius * force, nothing
+        return nothing, vehicle.rear.rolling_radius * force
+
+    if term.on_brakes:
+        return Effect(card, friction=friction)
+    if term.place == "body":
+        return Effect(card, body_force=body_force)
+    return Effect(card, axle_moment=axle_moment)
+
+
+def value_along(term: EmpiricalTerm, history: RunHistory, axle: str) -> Array:
+    """Value of a term [1] (n,) along a run, on the axle ``f`` or ``r``.
+
+    Raises ModelError where the run lacks the temperature of that axle's discs.
+    """
+    return np.interp(driver_along(history, term.driver, axle), term.knots, term.values)
+
+
+def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
+    """Values of the driver of a term on ``place`` [SI], arrays (n,): one, or one for each axle.
+
+    Raises ModelError where a temperature is not known.
+    """
+    axles = DISCS[PLACES[place]] if driver == "temperature" else ("f",)
+    return [driver_along(history, driver, axle) for axle in axles]
+
+
+def driver_along(history: RunHistory, driver: str, axle: str) -> Array:
+    """A driver along a run [SI] (n,); the temperature is that of the axle ``f`` or ``r``.
+
+    Raises ModelError where that temperature is not known.
+    """
+    if driver == "pressure":
+        return history.p_mc
+    if driver == "speed":
+        return history.v
+    if driver == "temperature":
+        return _temperature(history, axle)
+    if driver == "deceleration":
+        return history.z
+    if driver == "constant":
+        return np.zeros_like(history.v)
+    if driver == "elapsed":
+        return np.asarray(history.time - history.time[0])
+    braked = history.p_mc > BITE
+    last_free = np.maximum.accumulate(np.where(braked, -np.inf, history.time))
+    return np.where(
+        np.isfinite(last_free), history.time - last_free, history.time - history.time[0]
+    )
+
+
+def _temperature(history: RunHistory, axle: str) -> Array:
+    known = history.temperature_f if axle == "f" else history.temperature_r
+    if known is None:
+        raise ModelError(
+            f"no temperature of the {'front' if axle == 'f' else 'rear'} discs, on which an "
+            "empirical term depends",
+            where=history.source or None,
+            expected=f"a channel T_disc_{axle} [degC]",
+            do="log it, or take a model without this term",
+        )
+    return known

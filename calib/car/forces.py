@@ -1,0 +1,132 @@
+"""Equations (1) to (22): loads, torques, slips and normalised forces.
+
+    T_b (2)     F_x (1)         F_z (6) (7)      F = F_x/F_z       z, D, f1, f2 (11) (12) (18)
+    pads ---->  tyre force ---> over the load -> normalised -----> split
+
+Sign convention: z = -a_x/g, so z, forces, torques and slips are positive when the car brakes. The
+paper prints (6)-(8), (13), (14) for a forward-positive a_x and (11), (12), (17) for a positive
+deceleration; here all of them use z. Every function says whether it is per wheel or per axle.
+The ratios (8) to (10) follow from the loads: F_xf/F_xr = F_f F_zf/(F_r F_zr).
+Flat road, straight line, no aerodynamic pitch moment, load transfer without delay.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.names import G
+from calib.car.vehicle import Axle, Vehicle
+
+Array = NDArray[np.float64]
+
+
+def deceleration(a_x: Array) -> Array:
+    """z = -a_x/g [1] of a forward-positive ``a_x`` [m/s^2] at the centre of gravity."""
+    return -a_x / G
+
+
+def axle_loads(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
+    """Normal force of the front and the rear axle [N] at the deceleration z [1], (6) and (7).
+
+    Quasi-static: not valid while the body pitches, nor above z = l_f/h, where the rear wheels lift.
+    """
+    share = vehicle.weight / vehicle.wheelbase
+    F_zf = share * (vehicle.cg_to_rear_axle + z * vehicle.cg_height)  # (6)
+    F_zr = share * (vehicle.cg_to_front_axle - z * vehicle.cg_height)  # (7)
+    return F_zf, F_zr
+
+
+def brake_torque(axle: Axle, pad_friction: Array | float, pressure: Array) -> Array:
+    """Brake torque of one wheel [N m] at ``pressure`` [Pa], (2) and (3), both pad faces."""
+    return pad_friction * axle.torque_gain * pressure  # (2), (3): T_b = mu_p C P
+
+
+def pad_friction(axle: Axle, torque: Array, pressure: Array) -> Array:
+    """Pad friction [1] that gives the ``torque`` of one wheel [N m]; the inverse of (2)."""
+    return torque / (axle.torque_gain * pressure)
+
+
+def tyre_force(
+    axle: Axle, torque: Array, spin_rate: Array, drag_moment: Array | float = 0.0
+) -> Array:
+    """Tyre force of one wheel [N] from its brake torque [N m], (1).
+
+    ``spin_rate`` is d omega/dt [rad/s^2], negative while braking; ``drag_moment`` [N m] the
+    other moments that slow the wheel, such as rolling resistance.
+    """
+    return (axle.wheel_inertia * spin_rate + torque + drag_moment) / axle.rolling_radius  # (1)
+
+
+def spin_rate(axle: Axle, torque: Array, force: Array) -> Array:
+    """d omega/dt [rad/s^2] of one wheel under ``torque`` [N m] and tyre ``force`` [N], (1).
+
+    With the torque of (3) and the force F F_z of the axle's normalised force and half its load,
+    (6) or (7), it is (4), and (13) or (14).
+    """
+    return (axle.rolling_radius * force - torque) / axle.wheel_inertia  # (1), (4), (13), (14)
+
+
+def braking_sum(vehicle: Vehicle, z: Array, body_force: Array | float = 0.0) -> Array:
+    """Sum of all tyre forces [N] at z [1], (5) and (17), less the ``body_force`` [N]."""
+    return vehicle.weight * z - body_force  # (5), (17)
+
+
+def split(vehicle: Vehicle, z: Array, D: Array, level: Array | None = None) -> tuple[Array, Array]:
+    """Normalised forces F_f, F_r [1] of the axles from D = F_f - F_r [1], (11), (12) under (18).
+
+    ``level`` is the mean normalised force sum F_x/F_z; z itself unless known effects carry a part
+    of the deceleration. The load split is always that of the live z.
+    """
+    f1, f2 = paper_curves(vehicle, z, D)
+    mean = z if level is None else level
+    return mean + f1, mean + f2  # (11), (12)
+
+
+def paper_curves(vehicle: Vehicle, z: Array, D: Array) -> tuple[Array, Array]:
+    """f1 and f2 [1] from D [1] at the load split of z [1]; they satisfy (18) for any D."""
+    F_zf, F_zr = axle_loads(vehicle, z)
+    F_z = F_zf + F_zr
+    return D * F_zr / F_z, -D * F_zf / F_z  # (18): f1 = -(F_zr/F_zf) f2
+
+
+def front_biased_up_to(vehicle: Vehicle) -> float:
+    """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
+
+    From (2), (9) and the I curve: the front share of the tyre force equals that of the load. With
+    a rear brake it is below the z of rear-wheel lift; infinite without a rear brake; zero when the
+    car is rear-biased at every z.
+    """
+    force = {
+        side: axle.torque_gain * axle.pad_friction / axle.rolling_radius
+        for side, axle in (("f", vehicle.front), ("r", vehicle.rear))
+    }
+    share = force["f"] / (force["f"] + force["r"])
+    z = (share * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
+    return float("inf") if force["r"] == 0.0 else max(z, 0.0)
+
+
+def slip(axle: Axle, omega: Array, v: Array) -> Array:
+    """Braking slip lambda [1] of a wheel at ``omega`` [rad/s] and speed ``v`` [m/s], (19), (20)."""
+    return (v - axle.rolling_radius * omega) / v  # (19), (20)
+
+
+def mean_slip(vehicle: Vehicle, load_f: Array, omega_f: Array, omega_r: Array, v: Array) -> Array:
+    """Mean slip of the axles [1], weighted by their loads, from (19), (20); not zeroed.
+
+    ``load_f`` load of the front axle [N]; ``omega_f``, ``omega_r`` axle means [rad/s]; ``v`` [m/s].
+    All (n,). NaN where the car is at rest.
+    """
+    share = load_f / vehicle.weight
+    rim = share * vehicle.front.rolling_radius * omega_f
+    rim += (1.0 - share) * vehicle.rear.rolling_radius * omega_r
+    moving = v > 0.0
+    return np.where(moving, 1.0 - rim / np.where(moving, v, 1.0), np.nan)
+
+
+def wheel_speed(axle: Axle, slip: Array, v: Array) -> Array:
+    """Wheel speed omega [rad/s] at braking ``slip`` [1] and ``v`` [m/s]; (21) solved for omega."""
+    return v * (1.0 - slip) / axle.rolling_radius  # (21)
+
+
+def speed_ratio(slip_f: Array, slip_r: Array) -> Array:
+    """Eta [1] from the slips of the axles [1], (22); valid for equal or corrected radii."""
+    return (1.0 - slip_r) / (1.0 - slip_f)  # (22)

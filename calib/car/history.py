@@ -1,0 +1,94 @@
+"""A run as input of the effects: its history, and its present state."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.car.disc_temperature import ALIKE
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RunHistory:
+    """A run over time, for effects that depend on the past; arrays (n,), SI.
+
+    ``time`` [s], increasing; ``v`` [m/s]; ``z`` deceleration over g [1]; ``p_mc`` [Pa];
+    ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
+    ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
+    one brake of the axle since the first sample [J]; ``source`` the log or the simulation, for
+    messages; ``start_heat`` [degC] of the front and the rear discs at the first sample, where it
+    is not logged; ``averaged`` the number of even samples of which each one here is the mean.
+    """
+
+    time: Array
+    v: Array
+    z: Array
+    p_mc: Array
+    temperature_f: Array | None
+    temperature_r: Array | None
+    angle_f: Array
+    angle_r: Array
+    energy_f: Array
+    energy_r: Array
+    source: str = ""
+    start_heat: tuple[float, float] = ALIKE
+    averaged: int = 1
+
+    def ripple(self, phase: float) -> Array:
+        """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.
+
+        The mean of m even samples that together span the angle a is smaller than the middle one,
+        by sin(a/2)/(m sin(a/(2 m))).
+        """
+        turned = np.sin(self.angle_f + phase)
+        if self.averaged == 1 or turned.size < 2:
+            return turned
+        half = 0.5 * np.gradient(self.angle_f)
+        whole = self.averaged * np.sin(half / self.averaged)
+        standing = np.abs(whole) < 1e-12
+        return turned * np.where(standing, 1.0, np.sin(half) / np.where(standing, 1.0, whole))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The state that an effect may depend on; arrays of one shape.
+
+    ``v`` [m/s]; ``load_f``, ``load_r`` axle loads [N]; ``history`` the run so far.
+    """
+
+    v: Array
+    load_f: Array
+    load_r: Array
+    history: RunHistory
+
+
+def at_rest(
+    time: Array,
+    p_mc: Array,
+    v0: float,
+    temperature: Mapping[str, Array] | None = None,
+    source: str = "",
+    start_heat: tuple[float, float] = ALIKE,
+) -> RunHistory:
+    """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known.
+
+    ``time`` [s] and ``p_mc`` (n,); speed ``v0`` [m/s] at every sample, wheel angle and heat zero.
+    """
+    heat, zero = temperature or {}, np.zeros_like(time)
+    return RunHistory(
+        time=time,
+        v=np.full_like(time, v0),
+        z=zero,
+        p_mc=p_mc,
+        temperature_f=heat.get("f"),
+        temperature_r=heat.get("r"),
+        angle_f=zero,
+        angle_r=zero,
+        energy_f=zero,
+        energy_r=zero,
+        source=source,
+        start_heat=start_heat,
+    )

@@ -1,0 +1,143 @@
+"""A tyre with a peak: Pacejka's Magic Formula, with its inverse in closed form.
+
+    F ^        ____ peak mu          F      = mu sin(C atan(B x)),  B = K/(C mu)
+      |     .-'    `-.__             lambda = s/B tan(asin(F/mu)/C)
+      |   .'            `--          x = lambda/s,  s = (2 F_z/W)^q
+      |  / slope K
+      +-/----------------> lambda
+
+The load exponent q is that of `calib.car.tyre`: stiffness per load falls as the load grows. So
+does the peak, as (2 F_z/W)^-p with the exponent p.
+With a bend b, lambda = (1 + b B x) x s instead of x s. The formula starts straight: its curvature
+at zero slip is zero. That of a brush, whose contact patch begins to slide at its end at once, is
+not: F = K lambda (1 - K lambda/(3 mu) + ...), which is b = C/3.
+
+All this is the steady state. The force builds up over a way, the relaxation length sigma: the slip
+leads the slip that carries the force by (sigma/v) dlambda/dt.
+
+Source: Pacejka, Tyre and Vehicle Dynamics, ch. 4, pure longitudinal slip without the E term and
+offsets; ch. 3 for the brush; ch. 7 for the relaxation length.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.car.braking import MOVING
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MagicFormula:
+    """One tyre, common to both axles. Stiffness and peak are scalars or broadcast with the slip.
+
+    Attributes
+    ----------
+    stiffness : K = dF/dlambda at zero slip and half the weight on the axle [1].
+    peak : mu, the largest normalised force [1].
+    shape : C [1], between 1 (never falls) and 2 (falls to zero).
+    load_exponent, peak_exponent : q, p [1].
+    bend : b [1], not negative.
+    relaxation : sigma [m], not negative.
+    """
+
+    stiffness: float | Array
+    peak: float | Array
+    shape: float = 1.65
+    load_exponent: float = 0.0
+    bend: float = 0.0
+    relaxation: float = 0.0
+    peak_exponent: float = 0.0
+
+    def peak_at(self, relative_load: Array | float) -> Array | float:
+        """The largest normalised force [1] at an axle load over half the weight [1]."""
+        return self.peak * relative_load**-self.peak_exponent if self.peak_exponent else self.peak
+
+    def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
+        """Normalised force F [1] at braking ``slip`` [1], axle load over half the weight [1].
+
+        Odd in the slip. Valid beyond the peak too, but not for the heat of a locked wheel.
+        """
+        peak = self.peak_at(relative_load)
+        bx = self._unbent(slip / self._load_factor(relative_load), peak)
+        return peak * np.sin(self.shape * np.arctan(bx))
+
+    def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
+        """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
+        load = self._load_factor(relative_load)
+        bx = self._unbent(slip / load, self.peak_at(relative_load))
+        return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load)
+
+    def slip(self, force: Array, relative_load: Array | float = 1.0) -> Array:
+        """Slip [1] on the rising branch that carries the normalised ``force`` [1].
+
+        NaN where the force is above the peak: no slip gives it.
+        """
+        ratio = force / self.peak_at(relative_load)
+        held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
+        bx = np.tan(np.arcsin(held) / self.shape)
+        return self._bent(bx, self.peak_at(relative_load), self._load_factor(relative_load))
+
+    def rising(
+        self, force: Array, relative_load: Array | float = 1.0, edge: float = 1.0
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """The rising branch, up to the share ``edge`` of the peak; forces past it are held there.
+
+        Slip [1] that carries the normalised ``force`` [1], dF/dlambda [1] there, and whether the
+        force is held.
+        """
+        peak, load = self.peak_at(relative_load), self._load_factor(relative_load)
+        share = force / peak
+        held = np.abs(share) >= edge
+        sine = np.clip(share, -edge, edge) if held.any() else share
+        bx = np.tan(np.arcsin(sine) / self.shape)
+        slope = self._slope(bx, np.sqrt(1.0 - sine * sine), load)
+        return self._bent(bx, peak, load), slope, held
+
+    def leading(self, slip: Array, v: Array, time: Array) -> Array:
+        """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
+
+        ``v`` [m/s] (n,) counts as `MOVING` below it; ``time`` [s] (n,). Not valid for a lag that is
+        not short beside what the slip does, nor near the peak, where the way grows shorter.
+        """
+        if self.relaxation == 0.0:
+            return slip
+        way = self.relaxation / np.maximum(v, MOVING)
+        return np.asarray(slip + way * np.gradient(slip, time))
+
+    def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
+        """Slip [1] where C atan(B x) is ``fraction`` of pi/2; 1 is the peak itself."""
+        bx = np.tan(0.5 * np.pi * fraction / self.shape)
+        return self._bent(bx, self.peak_at(relative_load), self._load_factor(relative_load))
+
+    def on_surface(self, stiffness_factor: Array | float, peak_factor: Array | float) -> Self:
+        """Return the tyre on another surface: stiffness and peak times these factors [1]."""
+        return replace(
+            self,
+            stiffness=self.stiffness * stiffness_factor,
+            peak=self.peak * peak_factor,
+        )
+
+    def _b(self, peak: Array | float) -> Array | float:
+        return self.stiffness / (self.shape * peak)
+
+    def _slope(self, bx: Array, cosine: Array, load_factor: Array | float) -> Array:
+        """dF/dlambda where the formula has B x, and the cosine of C atan(B x)."""
+        straight = self.stiffness / load_factor * cosine / (1.0 + bx * bx)
+        return np.asarray(straight / (1.0 + 2.0 * self.bend * np.abs(bx)))
+
+    def _unbent(self, slip: Array, peak: Array | float) -> Array:
+        """B x of the formula at a slip for half the weight; the stable root of its square."""
+        bx = self._b(peak) * slip
+        return bx * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(bx)))
+
+    def _bent(self, bx: Array | float, peak: Array | float, load_factor: Array | float) -> Array:
+        """Slip where the formula has B x."""
+        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
+        return np.asarray(x * load_factor)
+
+    def _load_factor(self, relative_load: Array | float) -> Array | float:
+        return relative_load**self.load_exponent if self.load_exponent else 1.0

@@ -1,0 +1,116 @@
+"""The model of a car for the simulation: vehicle, pads, tyre, effects, surfaces."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from calib.base.errors import ModelError
+from calib.base.toml import did_you_mean
+from calib.base.units import behind
+from calib.car.effects.effect import Card
+from calib.car.effects.effects import Effects
+from calib.car.magic_formula import MagicFormula
+from calib.car.own_effects.own_effect import definition
+from calib.car.vehicle import Vehicle
+
+WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
+"""The tyre that is assumed when nothing is known: a passenger car on wet asphalt."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A change of road: factors on stiffness and peak of the tyre from ``start`` on.
+
+    ``start`` is a distance of the front axle [m] or a time [s], as ``unit`` says; the rear axle
+    meets the change one wheelbase later. Factors are relative to the model's tyre.
+    """
+
+    start: float
+    unit: str
+    stiffness: float
+    peak: float
+
+
+@dataclass(frozen=True)
+class Model:
+    """A car that can be simulated.
+
+    Attributes
+    ----------
+    vehicle : masses, lengths, brakes. Its own list of effects is not read here.
+    pad_friction_f, pad_friction_r : mu_p of the axles [1].
+    tyre : common to both axles.
+    effects : all effects that act in it.
+    surfaces : changes of road, in order of their start.
+    """
+
+    vehicle: Vehicle
+    pad_friction_f: float
+    pad_friction_r: float
+    tyre: MagicFormula
+    effects: Effects
+    surfaces: tuple[Surface, ...] = ()
+
+
+def default_model(vehicle: Vehicle) -> Model:
+    """Return the vehicle with nominal pads and its known effects, on wet asphalt.
+
+    Raises ModelError if the vehicle names an effect or parameter that the catalogue does not know.
+
+    >>> import calib
+    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
+    >>> model = calib.default_model(car)
+    >>> model.pad_friction_f == car.front.pad_friction, model.tyre.peak, bool(model.effects)
+    (True, 0.9, False)
+    """
+    where = f"vehicle {vehicle.name}: effects"
+    given = vehicle.effects.parameters
+    named = {
+        name: _believable(definition(vehicle.effects, name).card, own, f"{where}.{name}")
+        for name, own in given.items()
+    }
+    return Model(
+        vehicle=vehicle,
+        pad_friction_f=vehicle.front.pad_friction,
+        pad_friction_r=vehicle.rear.pad_friction,
+        tyre=WET_ASPHALT,
+        effects=replace(vehicle.effects, parameters=named),
+    )
+
+
+def with_effects(vehicle: Vehicle, model: Model) -> Vehicle:
+    """Return the vehicle with the effects of a model added to its own."""
+    return replace(vehicle, effects=vehicle.effects.with_(model.effects))
+
+
+def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
+    """Return the vehicle with the pads of a model, and with its effects added to its own."""
+    front = replace(vehicle.front, pad_friction=model.pad_friction_f)
+    rear = replace(vehicle.rear, pad_friction=model.pad_friction_r)
+    return with_effects(replace(vehicle, front=front, rear=rear), model)
+
+
+def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:
+    """Check parameters [SI] of one effect against its card."""
+    cards = {p.name: p for p in card.parameters}
+    for key in values:
+        if key not in cards:
+            raise ModelError(
+                f"unknown key {key!r}",
+                where=where,
+                expected=f"one of {', '.join(cards)}",
+                do=did_you_mean(key, cards),
+            )
+    for key, known in cards.items():
+        if key not in values:
+            if known.default is not None:
+                continue
+            raise ModelError(
+                f"key {key!r} is missing", where=where, expected=f"a value for {key!r}"
+            )
+        if not known.low <= values[key] <= known.high:
+            raise ModelError(
+                f"{values[key]:g}{behind(known.unit)} is not believable",
+                where=f"{where}.{key}",
+                expected=f"{known.low:g} to {known.high:g}{behind(known.unit)}",
+            )
+    return dict(values)

@@ -1,0 +1,306 @@
+"""A model as a TOML file.
+
+schema = 1
+[pads]                        # friction [1]; nominal when left out
+front = 0.38
+rear = 0.36
+[tyre]                        # wet asphalt for what is left out
+stiffness = 25.0
+peak = 0.9
+bend = 0.2                    # 0 is the Magic Formula, a third of its shape factor a brush
+relaxation = "0.3 m"          # way over which the force builds up; 0 when left out
+peak_exponent = 0.05          # the peak falls by 3.4 % where the load doubles; 0 when left out
+[effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
+drag_area = "0.66 m^2"
+[own_effects.air_brake_flap]  # where an effect is defined that is not in the catalogue
+file = "air_brake_flap.py"
+sha256 = "..."                # left out: whatever file of that name
+[[surfaces]]                  # factors on the tyre, from a distance or a time on
+start = "60 m"
+stiffness = 0.8
+peak = 0.5
+[empirical]                   # over a driver in SI, see calib/car/effects/empirical.py;
+                              # several terms are written with [[empirical]]
+place = "front_brakes"
+driver = "speed"
+knots = [5.0, 20.0, 35.0]
+values = [0.0, -0.05, -0.1]
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
+from pydantic_core import core_schema
+
+from calib.base.errors import InputError, ModelError
+from calib.base.schema import (
+    ByName,
+    FileSchema,
+    OneOf,
+    QuantityMark,
+    Section,
+    by_name,
+    quantity_pattern,
+    validated,
+)
+from calib.base.schema_errors import wrong
+from calib.base.toml import load_toml, quantity, toml_bytes, written_quantity
+from calib.base.write import write_whole
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.effect import Card, Effect
+from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
+from calib.car.effects.empirical import DRIVERS, PLACES
+from calib.car.magic_formula import MagicFormula
+from calib.car.model import WET_ASPHALT, Model, Surface, default_model
+from calib.car.own_effects.own_effect import (
+    OwnEffect,
+    completed,
+    definition,
+    every_effect,
+    not_given,
+)
+from calib.car.vehicle import Vehicle
+
+Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
+Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]
+
+
+class PadsSection(Section):
+    """Pad friction of the axles; nominal when left out."""
+
+    front: Friction | None = None
+    rear: Friction | None = None
+
+
+class TyreSection(Section):
+    """The tyre of both axles; wet asphalt for what is left out."""
+
+    stiffness: Annotated[float, QuantityMark("1", 1.0, 100.0)] | None = None
+    peak: Annotated[float, QuantityMark("1", 0.02, 2.0)] | None = None
+    # 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
+    shape: Annotated[float, QuantityMark("1", 1.01, 1.99)] | None = None
+    load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
+    bend: Annotated[float, QuantityMark("1", 0.0, 1.0)] | None = None
+    relaxation: Annotated[float, QuantityMark("m", 0.0, 2.0)] | None = None
+    peak_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
+
+
+def _start(written: object) -> tuple[float, str]:
+    for unit in ("m", "s"):
+        try:
+            return quantity(written, unit, None, InputError), unit
+        except InputError:
+            continue
+    raise wrong(f"{written!r} is neither a distance nor a time", '"60 m" or "3 s"')
+
+
+Start = Annotated[
+    tuple[float, str],
+    BeforeValidator(_start),
+    WithJsonSchema({"type": "string", "pattern": quantity_pattern("m", "s")}),
+]
+
+
+class SurfaceSection(Section):
+    """A change of road: factors on the tyre, from a distance or a time on."""
+
+    start: Start
+    stiffness: Factor
+    peak: Factor
+
+
+class EmpiricalSection(Section):
+    """Values at the knots of a driver, in SI; the cause is not known."""
+
+    place: Annotated[str, OneOf(tuple(PLACES))]
+    driver: Annotated[str, OneOf(tuple(DRIVERS))]
+    knots: list[float]
+    values: list[float]
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        if len(self.knots) != len(self.values) or any(b <= a for a, b in pairwise(self.knots)):
+            raise wrong("knots and values do not fit", "as many of each, knots increasing")
+        return self
+
+
+def _parameters(card: Card) -> type[Section]:
+    """The schema of an effect: its parameters, each with the unit and the range of its card."""
+    fields: dict[str, Any] = {
+        p.name: (
+            Annotated[float, QuantityMark(p.unit, p.low, p.high)],
+            ... if p.default is None else p.default,
+        )
+        for p in card.parameters
+    }
+    return create_model(card.name, __base__=Section, __doc__=card.cause, **fields)
+
+
+def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
+    return by_name(
+        "EffectsSection",
+        {name: _parameters(effect.card) for name, effect in effects.items()},
+        "The whole list of effects; the vehicle's when left out.",
+    )
+
+
+EffectsSection = _effects_section(CATALOGUE)
+
+
+class OneOrMore:
+    """Marks a list of which a single entry may be written without the brackets."""
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        """A table alone is taken as a list of one."""
+        return core_schema.no_info_before_validator_function(
+            lambda written: [written] if isinstance(written, dict) else written, handler(source)
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Either an entry or the list."""
+        listed = handler(schema)
+        return {"anyOf": [listed["items"], listed]}
+
+
+class DefinedInSection(Section):
+    """The file in which an effect is defined that is not in the catalogue, as in `DefinedIn`."""
+
+    file: str
+    sha256: str = ""
+
+
+class OwnEffects(Section):
+    """Of a model file only where its effects are defined, if not in the catalogue."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    own_effects: dict[str, DefinedInSection] = Field(default_factory=dict)
+
+
+class ModelFile(FileSchema):
+    """The model of a simulation, besides the vehicle."""
+
+    pads: PadsSection = PadsSection()
+    tyre: TyreSection = TyreSection()
+    effects: EffectsSection | None = None  # type: ignore[valid-type]
+    own_effects: dict[str, DefinedInSection] = Field(default_factory=dict)
+    surfaces: list[SurfaceSection] = Field(default_factory=list)
+    empirical: Annotated[list[EmpiricalSection], OneOrMore()] = Field(default_factory=list)
+
+
+def read_model(path: Path, vehicle: Vehicle) -> Model:
+    """Read a model file; missing parts are as in `default_model`.
+
+    Its own effects are those of the vehicle, see `calib.car.own_effects.own_effect.with_own`.
+
+    Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
+    effect or unit; for a missing parameter; for a value out of its range; for an own effect whose
+    file was not given or has changed.
+    """
+    document = load_toml(Path(path), ModelError)
+    own = _own(document, vehicle.effects, path)
+    file = validated(document, _schema(Effects(own=own)), path, ModelError)
+    base = default_model(vehicle)
+    pads, terms = file.pads, tuple(_term(section) for section in file.empirical)
+    return Model(
+        vehicle=vehicle,
+        pad_friction_f=base.pad_friction_f if pads.front is None else pads.front,
+        pad_friction_r=base.pad_friction_r if pads.rear is None else pads.rear,
+        tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
+        effects=Effects(
+            base.effects.parameters
+            if file.effects is None
+            else {name: dict(effect) for name, effect in file.effects.entries()},
+            terms or base.effects.terms,
+            own=own,
+        ),
+        surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
+    )
+
+
+def _own(document: Mapping[str, Any], known: Effects, path: Path) -> dict[str, DefinedIn]:
+    """The own effects, all with their files. Raises ModelError where one was not given."""
+    written = validated(document, OwnEffects, path, ModelError).own_effects
+    named = {name: DefinedIn(one.file, one.sha256) for name, one in written.items()}
+    given = {n: one for n, one in known.own.items() if isinstance(one, OwnEffect)}
+    own = completed(named, given, path)
+    for name, one in own.items():
+        if name in named and not isinstance(one, OwnEffect):
+            raise not_given(name, one, path)
+    return own
+
+
+def _schema(effects: Effects) -> type[ModelFile]:
+    """The schema of a model that may have these own effects."""
+    if not effects.own:
+        return ModelFile
+    section: Any = _effects_section(every_effect(effects)) | None
+    return create_model("ModelFile", __base__=ModelFile, effects=(section, None))
+
+
+def _term(section: EmpiricalSection) -> EmpiricalTerm:
+    return EmpiricalTerm(section.place, section.driver, tuple(section.knots), tuple(section.values))
+
+
+def write_model(model: Model, path: Path) -> None:
+    """Write a model file that `read_model` reads back exactly, with the same vehicle.
+
+    Raises OSError if ``path`` cannot be written.
+    """
+    document: dict[str, Any] = {
+        "schema": 1,
+        "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
+        "tyre": _written_tyre(model.tyre),
+        "effects": {
+            name: _written(definition(model.effects, name).card, values)
+            for name, values in model.effects.parameters.items()
+        },
+    }
+    if model.effects.defined_in:
+        document["own_effects"] = {n: asdict(d) for n, d in model.effects.defined_in.items()}
+    if model.surfaces:
+        document["surfaces"] = [
+            {
+                "start": written_quantity(surface.start, surface.unit),
+                "stiffness": surface.stiffness,
+                "peak": surface.peak,
+            }
+            for surface in model.surfaces
+        ]
+    terms = [
+        {**asdict(term), "knots": list(term.knots), "values": list(term.values)}
+        for term in model.effects.terms
+    ]
+    if terms:
+        document["empirical"] = terms[0] if len(terms) == 1 else terms
+    write_whole(Path(path), toml_bytes(document))
+
+
+def _written_tyre(tyre: MagicFormula) -> dict[str, str | float]:
+    numbers = {name: float(value) for name, value in asdict(tyre).items()}
+    return numbers | {"relaxation": written_quantity(numbers["relaxation"], "m")}
+
+
+def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:
+    return {
+        p.name: written_quantity(float(values[p.name]), p.unit)
+        for p in card.parameters
+        if p.name in values or p.default is None
+    }

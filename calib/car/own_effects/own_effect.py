@@ -1,0 +1,95 @@
+"""Effects of the user's own: defined in a Python file, beside those of the catalogue.
+
+They are part of the value `Effects`, that of a vehicle or a model, and not of a global list: two
+cars in one program may have different ones. `calib.car.own_effects.read` reads such a file.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from calib.base.errors import ModelError
+from calib.car.effects.catalogue import CATALOGUE, effect_named
+from calib.car.effects.effect import Effect
+from calib.car.effects.effects import DefinedIn, Effects
+from calib.car.vehicle import Vehicle
+
+COMMANDS = "diagnose, simulate, fit and validate"
+"""Commands with ``--effect``."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnEffect(DefinedIn):
+    """An effect whose file was given. Its hooks raise ModelError where they go wrong."""
+
+    effect: Effect
+
+    @property
+    def name(self) -> str:
+        """Name of the effect, by its card."""
+        return self.effect.card.name
+
+
+def definition(effects: Effects, name: str) -> Effect:
+    """The effect of that name: one of ``effects.own``, or of the catalogue.
+
+    Raises ModelError for an unknown name, and for an own effect whose file was not given.
+    """
+    own = effects.own.get(name)
+    if own is None:
+        return effect_named(name)
+    if isinstance(own, OwnEffect):
+        return own.effect
+    raise not_given(name, own)
+
+
+def every_effect(effects: Effects) -> dict[str, Effect]:
+    """All effects by name: those of the catalogue, then the own ones whose files were given."""
+    own = {n: one.effect for n, one in effects.own.items() if isinstance(one, OwnEffect)}
+    return {**CATALOGUE, **own}
+
+
+def not_given(name: str, defined: DefinedIn, where: object = None) -> ModelError:
+    """The error for an own effect whose file is needed and was not given."""
+    return ModelError(
+        f"the effect {name!r} is defined in {defined.file}, which was not given",
+        where=where,
+        do=f"give --effect {defined.file}, with its folder; {COMMANDS} have this option",
+    )
+
+
+def with_own(vehicle: Vehicle, own: Iterable[OwnEffect]) -> Vehicle:
+    """The vehicle, which may then have these effects; none of them acts by that.
+
+    Raises ModelError for a file that is not the one with which its effects were fitted, and for two
+    effects of one name.
+    """
+    given: dict[str, OwnEffect] = {}
+    for one in own:
+        if one.name in given:
+            raise ModelError(
+                f"the effect {one.name!r} is also defined in {given[one.name].file}",
+                where=one.file,
+                expected="another name",
+            )
+        given[one.name] = one
+    effects = replace(vehicle.effects, own=completed(vehicle.effects.own, given, vehicle.name))
+    return replace(vehicle, effects=effects)
+
+
+def completed(
+    defined: Mapping[str, DefinedIn], given: Mapping[str, DefinedIn], where: object
+) -> dict[str, DefinedIn]:
+    """``defined``, completed by those ``given``. Raises ModelError where a file has changed.
+
+    ``where`` is what names the definitions, for the message.
+    """
+    for name, own in given.items():
+        known = defined.get(name, own)
+        if known.sha256 and known.sha256 != own.sha256:
+            raise ModelError(
+                f"{own.file} has changed since the parameters of {name!r} were found with it",
+                where=where,
+                expected=f"the file with the SHA-256 {known.sha256[:12]}...",
+                do="take that file, or fit or diagnose again",
+            )
+    return {**defined, **given}

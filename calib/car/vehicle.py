@@ -1,0 +1,104 @@
+"""Tables I and II of the paper as a frozen record.
+
+Wheel values are per wheel. ``friction_faces`` counts the pad faces of one caliper (two for a disc
+brake): (2) of the paper is for one face.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+from calib.base.names import G
+from calib.car.effects.effects import Effects
+
+
+@dataclass(frozen=True)
+class Axle:
+    """One axle of Table I; every value is for one wheel.
+
+    Attributes
+    ----------
+    rolling_radius : R [m], effective, unbraked.
+    wheel_inertia : J_w [kg m^2], about the wheel axis. Not in the paper.
+    piston_area : A [m^2], all pistons that press one pad.
+    effective_radius : r [m], of the disc.
+    friction_faces : pad faces of one brake [1].
+    pad_friction : mu_p,n [1], nominal.
+    """
+
+    rolling_radius: float
+    wheel_inertia: float
+    piston_area: float
+    effective_radius: float
+    friction_faces: int
+    pad_friction: float
+
+    @property
+    def torque_gain(self) -> float:
+        """C of (3) for one wheel [m^3]: faces * A * r, so that T_b = mu_p C P."""
+        return self.friction_faces * self.piston_area * self.effective_radius
+
+    def with_radius(self, factor: float) -> Self:
+        """The axle with its rolling radius times ``factor`` [1]."""
+        return replace(self, rolling_radius=self.rolling_radius * factor)
+
+
+NOT_OF_THE_CAR = ("mass_tolerance", "motor_odds")
+"""Fields of a `Vehicle` that say what is open about it: cars that differ in them alone are one."""
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Table II of the paper, both axles, and the known effects.
+
+    Attributes
+    ----------
+    name : also the name of the tables fitted for it.
+    mass : M_v [kg], as driven.
+    cg_to_front_axle, cg_to_rear_axle : l_f, l_r [m].
+    cg_height : h [m].
+    track_width : l_w [m].
+    front, rear : the axles.
+    mass_tolerance : one standard deviation of the relative error of the mass [1].
+    motor_odds : odds, before a run, that a motor or an engine brakes along with the pedal and is
+        not logged [1]. Half of the new cars of 2023 have a motor that brakes (ACEA, new car
+        registrations, European Union), and most tests log it or switch it off.
+    effects : known effects in addition to the paper's model.
+    """
+
+    name: str
+    mass: float
+    cg_to_front_axle: float
+    cg_to_rear_axle: float
+    cg_height: float
+    track_width: float
+    front: Axle
+    rear: Axle
+    mass_tolerance: float = 0.03
+    motor_odds: float = 0.1
+    effects: Effects = field(default_factory=Effects)
+
+    @property
+    def wheelbase(self) -> float:
+        """L = l_f + l_r [m]."""
+        return self.cg_to_front_axle + self.cg_to_rear_axle
+
+    @property
+    def weight(self) -> float:
+        """M_v g [N]."""
+        return self.mass * G
+
+    def with_radii(self, factor: float) -> Self:
+        """The car with the rolling radii of both axles times ``factor`` [1]."""
+        return replace(
+            self, front=self.front.with_radius(factor), rear=self.rear.with_radius(factor)
+        )
+
+    def radius_mismatch(self, eta_zero: float) -> float:
+        """Mismatch of the axles' radii over that of the file [1], from eta - 1 without brakes."""
+        return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0
+
+    @property
+    def static_loads(self) -> tuple[float, float]:
+        """Loads of the front and the rear axle at rest [N], (6) and (7)."""
+        share = self.weight / self.wheelbase
+        return share * self.cg_to_rear_axle, share * self.cg_to_front_axle

@@ -1,1 +1,0 @@
-"""The whole program on the sample logs."""

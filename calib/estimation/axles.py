@@ -1,0 +1,188 @@
+"""Whether the axles of a log are those of its table, or their wheel speeds are swapped.
+
+The front wheels must slip more than the rear while braking. Where they slip less, the wheel speeds
+are swapped, a motor brakes the rear wheels, or the front pads are weak. The estimate tells weak
+pads: with them the rear pads keep their friction.
+
+    eta rises    as the table says            the axles are right
+    eta falls    rear pads as on the ramp     weak front pads: estimated
+                 rear pads stronger           refused
+    else         weighed: the log as given against the log with its wheel speeds exchanged
+
+On a car near ideal balance eta hardly rises. What tells the axles there is how eta goes with
+pressure, deceleration and speed over the whole stop, and whether the pads are those of the ramp
+(`calib.estimation.exchanged`).
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.errors import LogError
+from calib.base.intervals import Z95
+from calib.base.warning import PlausibilityWarning
+from calib.estimation.estimator import Estimate
+from calib.estimation.exchanged import Exchanged, exchanged
+from calib.estimation.gates import LOCKS, NO_PAD
+from calib.estimation.settings import SETTINGS
+from calib.logs.log import Log
+from calib.run.blocks import Blocks
+from calib.run.crossed_wheels import CORRECT, Crossed, WheelParts, crossed_diagonal
+from calib.run.gates import bitten, eta_rise
+from calib.run.limits import LIMITS
+from calib.run.one_axle import braked_alone
+from calib.run.swapped import what_to_check
+from calib.table.pads_budget import front_share
+from calib.table.table import Table
+
+SWAPPED = "front and rear wheel speeds that are swapped"
+
+
+class Rise(NamedTuple):
+    """Rise of ``eta`` under braking with its standard ``error``, and that of the table, all [1]."""
+
+    eta: float
+    error: float
+    expected: float
+
+
+def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
+    """Weigh the log against itself with its axles exchanged; None where eta alone tells them.
+
+    None, too, where the pads are those of the ramp as the log is given, and far from them with its
+    axles exchanged. ``e`` is the estimate of the log. Raises LogError if the log clearly has its
+    axles swapped, or a motor brakes the rear wheels.
+    """
+    r = _rise(table, e.blocks)
+    right = (
+        r is not None
+        and r.expected > SETTINGS.eta_rises
+        and r.eta - 4.0 * r.error > SETTINGS.axles_reversed * r.expected
+    )
+    if right or e.basis is None:
+        return None
+    other = exchanged(e, e.basis)
+    given, swapped = map(abs, other.log_pad_ratio)
+    if given < SETTINGS.ratio_kept and swapped > SETTINGS.ratio_apart:
+        return None
+    if (
+        r is not None
+        and r.expected > 0.0
+        and r.eta + 4.0 * r.error < -SETTINGS.axles_reversed * r.expected
+    ):
+        _require_weak_pads(table, log, e, r, other)
+    return None if float(np.mean(e.refused[LOCKS][e.braked])) > SETTINGS.at_limit else other
+
+
+def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exchanged) -> None:
+    """Raise LogError unless weak front pads may be why eta falls: the rear ones keep theirs.
+
+    Where all pads are weak and the axles are swapped as well, it cannot be told. Where no sample is
+    valid the log has no answer, but still says what the rear pads would need.
+    """
+    said = f"the front wheels slip less than the rear while braking: eta {100 * r.eta:+.2f} %"
+    told = e.valid if e.valid.any() else e.braked
+    if float(np.median(e.rear.change_lower[told])) >= SETTINGS.axles_gain:
+        gain = float(np.median(e.rear.change[told]))
+        said += f", as if the rear pads had {gain:.2g} times their friction on the ramp"
+    elif e.valid.any() or (other.log_odds < SETTINGS.axles_sure and not _no_pads(e)):
+        return
+    raise LogError(
+        said,
+        where=log.source,
+        expected=f"about {100 * r.expected:+.2f} % by the table of {table.name}",
+        do=what_to_check("rear", mirrored=-1.5 < r.eta / r.expected < -0.5),
+    )
+
+
+def _no_pads(e: Estimate) -> bool:
+    """Whether the answer is none because no pads have it, as where an axle does not brake."""
+    return float(np.mean(e.refused[NO_PAD][e.braked])) > SETTINGS.axles_mostly
+
+
+def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[PlausibilityWarning]:
+    """A warning where swapped wheel speeds are possible and would make the pads others."""
+    if other is None or other.log_odds < SETTINGS.axles_doubt:
+        return
+    if other.log_odds < SETTINGS.axles_sure and _holds(e, other):
+        return
+    yield PlausibilityWarning(
+        "axles_exchanged",
+        log,
+        other.log_odds,
+        (None, SETTINGS.axles_doubt),
+        (
+            SWAPPED,
+            "pads or tyres of one axle that changed since the ramp, such as weak front pads",
+            "wheel speeds that are not smooth: a tone ring out of true",
+        ),
+        "compare the columns of the wheel speeds with the car, and correct them with a channel "
+        "map; if they are right, look at the pads of both axles",
+    )
+
+
+class CrossedStop(NamedTuple):
+    """The two wheels of a diagonal that a stop has exchanged.
+
+    ``sure`` by `eta_rises` and `brakes_kept`; ``z`` deceleration of the stop [1].
+    """
+
+    found: Crossed
+    sure: bool
+    z: float
+
+
+def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> CrossedStop | None:
+    """A front and a rear wheel of one diagonal that changed places, None where nothing says so.
+
+    Those of one side are refused before a stop is estimated, see `calib.run.crossed_wheels`.
+    """
+    r = _rise(table, e.blocks)
+    found = crossed_diagonal(parts, r.expected) if r is not None else None
+    if r is None or parts is None or found is None:
+        return None
+    return CrossedStop(
+        found, r.expected > SETTINGS.eta_rises and _level(e) > SETTINGS.brakes_kept, parts.z
+    )
+
+
+def _level(e: Estimate) -> float:
+    """Brake force of both axles over that of the pads of the ramp [1], median of the braking."""
+    of = e.valid if e.valid.any() else e.braked
+    share = front_share(e.plan.table.vehicle, e.plan.table.calibration.pad_log_ratio.value)
+    return float(np.median((share * e.front.change + (1.0 - share) * e.rear.change)[of]))
+
+
+def crossed_warnings(log: str, crossed: CrossedStop | None) -> Iterator[PlausibilityWarning]:
+    """A warning for a front and a rear wheel that changed places."""
+    if crossed is None:
+        return
+    found, least = crossed.found, LIMITS.crossed_least * crossed.z
+    yield PlausibilityWarning(
+        "wheels_crossed",
+        log,
+        found.part,
+        (-least, least),
+        (f"{found}", "weak front pads, in a bend that begins with the braking"),
+        CORRECT,
+    )
+
+
+def _holds(e: Estimate, other: Exchanged) -> bool:
+    """Whether the interval of the pads' ratio holds what the log says with its axles exchanged."""
+    as_given, swapped = other.log_pad_ratio
+    return abs(swapped - as_given) < Z95 * float(e.split.sigma[other.block])
+
+
+def _rise(table: Table, b: Blocks) -> Rise | None:
+    """Rise of eta under braking, None where the run does not tell it or the rear brakes alone."""
+    if braked_alone(b.p_f, b.p_r) == "r":
+        return None  # eta falls, as it must
+    known = (b.z > 0.05) & (b.z < table.paper.z[-1])
+    braked = known & (b.end > bitten(b)) & (b.speed > 5.0)
+    rise, error = eta_rise(b, braked)
+    if not np.isfinite(rise):
+        return None
+    expected = float(np.median(np.interp(b.z[braked], table.paper.z, table.paper.eta))) - 1.0
+    return Rise(rise, error, expected)

@@ -1,0 +1,106 @@
+"""Limits of a validation as a TOML file.
+
+    schema = 1
+    [limits]
+    torque_error_f = { max = 0.05 }
+    valid_share = { min = 0.7 }
+
+Between pass and fail there may be a warning: `pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1] }`
+fails outside the first range and warns outside the second; `-inf` and `inf` leave an end open.
+`min` and `max` are other words for the ends of `fail`. With `required = true` a metric that a log
+cannot give fails.
+"""
+
+import math
+from collections.abc import Collection
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
+
+from calib.base.errors import LimitsError
+from calib.base.schema import FileSchema, Section, by_name, read_toml
+from calib.base.schema_errors import wrong
+from calib.estimation.limits import Limit
+
+Range = tuple[float | None, float | None]
+OPEN: Range = (None, None)
+
+
+def _range(written: object) -> Range:
+    """A range [low, high]; an infinite end is open (None)."""
+    if not (isinstance(written, list) and len(written) == 2 and all(map(_is_number, written))):
+        raise wrong(f"{written!r}", "[LOW, HIGH]; -inf, inf: no limit")
+    low, high = map(float, written)
+    if low > high or low == math.inf or high == -math.inf:
+        raise wrong(f"{low:g} to {high:g} is no range", "[LOW, HIGH]; -inf, inf: no limit")
+    return (None if low == -math.inf else low), (None if high == math.inf else high)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and value == value
+
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Ends = Annotated[
+    Range,
+    BeforeValidator(_range),
+    WithJsonSchema({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}),
+]
+
+
+class LimitSection(Section):
+    """Range of a metric: ``min`` and/or ``max``, or ``fail``; inside it ``warn``."""
+
+    min: Finite | None = None
+    max: Finite | None = None
+    fail: Ends | None = None
+    warn: Ends | None = None
+    required: bool = False
+
+    written_as: ClassVar[str] = (
+        "{ min = NUMBER } and/or { max = NUMBER }, or { fail = [LOW, HIGH] } and/or "
+        "{ warn = [LOW, HIGH] }; with required = true it must be known"
+    )
+
+    @property
+    def ends(self) -> Range:
+        """The range outside of which the metric fails."""
+        return (self.min, self.max) if self.fail is None else self.fail
+
+    @model_validator(mode="after")
+    def _says_one_thing(self) -> Self:
+        if self.model_fields_set <= {"required"}:
+            raise wrong("no limit in it", self.written_as)
+        if self.fail is not None and (self.min is not None or self.max is not None):
+            other = "max" if self.min is None else "min"
+            raise wrong(f"has both fail and {other}", "one of them: they say the same")
+        low, high = self.ends
+        if low is not None and high is not None and low > high:
+            raise wrong(f"min {low:g} lies above max {high:g}", "min below max")
+        warn_low, warn_high = self.warn or OPEN
+        for warn, fail, sign in ((warn_low, low, 1.0), (warn_high, high, -1.0)):
+            if warn is not None and fail is not None and sign * warn < sign * fail:
+                raise wrong(f"warn {warn:g} lies beyond fail {fail:g}", "warn inside fail")
+        return self
+
+
+def limits_schema(known: Collection[str]) -> type[FileSchema]:
+    """Return the schema of a limits file over the ``known`` metrics."""
+    about = "The allowed range of each metric."
+    limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(known), LimitSection), about)
+    return create_model("LimitsFile", __base__=FileSchema, __doc__=about, limits=(limits, ...))
+
+
+def read_limits(path: Path, known: Collection[str]) -> tuple[Limit, ...]:
+    """Read limits. Raises LimitsError for an unreadable file, an unknown metric or a bad range."""
+    file: Any = read_toml(path, limits_schema(known), LimitsError)
+    entries = file.limits.entries()
+    if not entries:
+        raise LimitsError("no limits in it", where=path, expected="metrics in the table [limits]")
+    return tuple(_limit(name, entry) for name, entry in entries)
+
+
+def _limit(name: str, entry: LimitSection) -> Limit:
+    (low, high), (warn_low, warn_high) = entry.ends, entry.warn or OPEN
+    return Limit(name, low, high, warn_low, warn_high, entry.required)

@@ -1,0 +1,209 @@
+"""Metrics of an estimate: errors against truth where the log has it, else its consistency.
+
+Constancy of the pad friction within a stop, whiteness of the innovation and coverage of the table
+can be computed for any log. The force sum is reported but never judged: with (18) it equals M a_x
+for any table.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.car.vehicle import Axle, Vehicle
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
+from calib.logs.log import Log
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+METRICS: dict[str, str] = {
+    "valid_share": "share of valid samples among the braked ones above 3 m/s [1]",
+    "covered_share": "share of valid samples whose eta and z the table covers [1]",
+    "pad_friction_f": "mean compensated pad friction, front, over valid samples [1]",
+    "pad_friction_r": "mean compensated pad friction, rear, over valid samples [1]",
+    "pad_friction_drift_f": "change of pad friction from first to last third, front, relative [1]",
+    "pad_friction_drift_r": "change of pad friction from first to last third, rear, relative [1]",
+    "interval_f": "median half width of the 95 % interval, front, relative [1]",
+    "interval_r": "median half width of the 95 % interval, rear, relative [1]",
+    "innovation_rms": "rms of the innovation of eta over its sigma; expected: 1 or below",
+    "innovation_lag1": "autocorrelation of the innovation from block to block; white: 0",
+    "innovation_colour": "mean product of successive innovations, over their sigmas; white: 0",
+    "eta_zero": "radius mismatch that was zeroed, over that of the vehicle file [1]",
+    "force_sum_error": "rms of the force sum against M a_x, relative; small for any table",
+    "torque_error_f": "rms error of the axle torque against truth, front, relative to its rms [1]",
+    "torque_error_r": "rms error of the axle torque against truth, rear, relative to its rms [1]",
+    "pad_friction_bias_f": "mean error of the pad friction against truth, front, relative [1]",
+    "pad_friction_bias_r": "mean error of the pad friction against truth, rear, relative [1]",
+    "final_error_f": "error of the pad friction at the end of the braking, front, relative [1]",
+    "final_error_r": "error of the pad friction at the end of the braking, rear, relative [1]",
+    "normalised_force_rmse_f": "rms error of F_x/F_z against truth, quasi-static load, front [1]",
+    "normalised_force_rmse_r": "rms error of F_x/F_z against truth, quasi-static load, rear [1]",
+    "truth_in_interval": "share of valid samples with the truth in the 95 % interval [1]",
+    "gain_over_nominal": "torque error with nominal pads over that of the estimate [1]",
+}
+"""Every metric of a validation, with its meaning."""
+
+
+@dataclass(frozen=True)
+class AxleTruth:
+    """Truth of one axle: pad friction [1], torque of one wheel [N m], tyre force [N] or None.
+
+    Pad friction is NaN where there is none to compare with.
+    """
+
+    pad_friction: Array
+    torque: Array
+    force: Array | None
+
+
+def truth_of(log: Log, vehicle: Vehicle, estimate: Estimate) -> tuple[AxleTruth, AxleTruth] | None:
+    """Truth of both axles where the log has wheel torques; None otherwise.
+
+    Without a truth channel for the pads it follows from (2) with the vehicle's geometry.
+    """
+    if "true_Tb_fl" not in log.truth or "true_Tb_rl" not in log.truth:
+        return None
+    out = []
+    for side, axle, p, factor in (
+        ("f", vehicle.front, estimate.pressure_f, estimate.factor_f),
+        ("r", vehicle.rear, estimate.pressure_r, estimate.factor_r),
+    ):
+        torque = 0.5 * (log.truth[f"true_Tb_{side}l"] + log.truth[f"true_Tb_{side}r"])
+        known = log.truth.get(f"true_mu_pad_{side}")
+        if known is not None:
+            pads = known / factor
+        else:
+            pads = torque / (axle.torque_gain * np.where(p > 1e5, p, np.nan))
+        pads = np.where(pads > 0.0, pads, np.nan)
+        left, right = (log.truth.get(f"true_Fx_{side}{k}") for k in "lr")
+        force = None if left is None or right is None else np.abs(left + right)
+        out.append(AxleTruth(pads, torque, force))
+    return out[0], out[1]
+
+
+def score(log: Log, vehicle: Vehicle, estimate: Estimate) -> dict[str, float | None]:
+    """All `METRICS` of one log; None where the log cannot give one."""
+    figures: dict[str, float | None] = dict.fromkeys(METRICS)
+    figures |= consistency(vehicle, estimate)
+    truth = truth_of(log, vehicle, estimate)
+    if truth is not None and estimate.valid.any():
+        figures |= accuracy(vehicle, estimate, truth)
+    return figures
+
+
+def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
+    """Metrics that need no truth."""
+    counted = e.braked & (e.speed > 3.0)
+    valid = e.valid & counted
+    out: dict[str, float | None] = {
+        # 0, not None: a stop in which nothing can be judged must not pass
+        "valid_share": _share(valid, counted) or 0.0,
+        "covered_share": _share(valid & e.covered, valid),
+        "eta_zero": vehicle.radius_mismatch(e.eta_zero),
+        "force_sum_error": force_sum_error(vehicle, e),
+    }
+    for side, axle in (("f", e.front), ("r", e.rear)):
+        mu = axle.pad_friction[valid]
+        if mu.size >= 30:
+            third = mu.size // 3
+            drift = np.mean(mu[-third:]) / np.mean(mu[:third]) - 1.0
+            width = 0.5 * (axle.upper - axle.lower)[valid] / mu
+            out[f"pad_friction_{side}"] = float(np.mean(mu))
+            out[f"pad_friction_drift_{side}"] = abs(float(drift))
+            out[f"interval_{side}"] = float(np.median(width))
+    innovation = e.split.innovation_eta[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
+    innovation = innovation[np.isfinite(innovation)]
+    if innovation.size > 10:
+        out["innovation_rms"] = float(np.sqrt(np.mean(innovation**2)))
+        centred = innovation - np.mean(innovation)
+        out["innovation_lag1"] = float(centred[1:] @ centred[:-1] / (centred @ centred))
+        out["innovation_colour"] = float(np.mean(innovation[1:] * innovation[:-1]))
+    return out
+
+
+def _share(part: Mask, whole: Mask) -> float | None:
+    return float(np.sum(part) / np.sum(whole)) if whole.any() else None
+
+
+def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
+    """Rms of (F_xf + F_xr)/(M a_x) - 1 over valid samples: Fig. 13(f). It validates nothing."""
+    slowing = e.valid & (e.z > 0.0)
+    if not slowing.any():
+        return None
+    total = sum(
+        2.0 * axle.torque / of.rolling_radius
+        for axle, of in ((e.front, vehicle.front), (e.rear, vehicle.rear))
+    )
+    error = np.asarray(total)[slowing] / (vehicle.weight * e.z[slowing]) - 1.0
+    return float(np.sqrt(np.mean(error**2)))
+
+
+def accuracy(
+    vehicle: Vehicle, e: Estimate, truth: tuple[AxleTruth, AxleTruth]
+) -> dict[str, float | None]:
+    """Metrics against truth, over the braked samples above 3 m/s or the valid ones, see `METRICS`.
+
+    None where the truth is zero throughout, as no relative error exists.
+    """
+    from calib.car.forces import axle_loads
+
+    valid = e.valid
+    braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
+    out: dict[str, float | None] = {}
+    inside, own, nominal = [], [], []
+    loads = axle_loads(vehicle, e.z)
+    for i, (side, axle, of) in enumerate(
+        (("f", e.front, vehicle.front), ("r", e.rear, vehicle.rear))
+    ):
+        t = truth[i]
+        error = axle.pad_friction / t.pad_friction - 1.0
+        scale = float(np.sqrt(np.mean(t.torque[braked] ** 2)))
+        out[f"torque_error_{side}"] = _ratio(_rms((axle.torque - t.torque)[braked]), scale)
+        out[f"pad_friction_bias_{side}"] = abs(float(np.mean(error[valid])))
+        last = np.flatnonzero(braked)[-1]
+        out[f"final_error_{side}"] = abs(float(error[last]))
+        if t.force is not None:
+            F = t.force / loads[i]
+            out[f"normalised_force_rmse_{side}"] = _rms((axle.normalised_force - F)[braked])
+        inside.append(((t.pad_friction >= axle.lower) & (t.pad_friction <= axle.upper))[valid])
+        own.append((axle.torque - t.torque)[braked])
+        nominal.append((_nominal_torque(e, side, of) - t.torque)[braked])
+    out["truth_in_interval"] = float(np.mean(np.concatenate(inside)))
+    out["gain_over_nominal"] = _ratio(_rms(np.concatenate(nominal)), _rms(np.concatenate(own)))
+    return {name: x if x is not None and np.isfinite(x) else None for name, x in out.items()}
+
+
+def _ratio(a: float, b: float) -> float | None:
+    return a / b if b > 0.0 else None
+
+
+def _nominal_torque(e: Estimate, side: str, axle: Axle) -> Array:
+    mu = e.baselines["nominal"][0 if side == "f" else 1]
+    return mu * axle.torque_gain * (e.pressure_f if side == "f" else e.pressure_r)
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(x))))
+
+
+def baseline_errors(
+    vehicle: Vehicle, e: Estimate, truth: tuple[AxleTruth, AxleTruth]
+) -> dict[str, tuple[float, float]]:
+    """Rms relative error of the pad friction of each method, front and rear, over valid samples."""
+    methods: dict[str, tuple[Array, Array]] = {
+        "kalman": (_mu(e.front), _mu(e.rear)),
+        **e.baselines,
+    }
+    return {
+        name: (
+            _rms((front / truth[0].pad_friction - 1.0)[e.valid]),
+            _rms((rear / truth[1].pad_friction - 1.0)[e.valid]),
+        )
+        for name, (front, rear) in methods.items()
+    }
+
+
+def _mu(axle: AxleEstimate) -> Array:
+    return axle.pad_friction

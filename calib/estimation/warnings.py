@@ -1,0 +1,104 @@
+"""What speaks against an estimate although it is valid: the likely sensor or part, by name."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.base.warning import PlausibilityWarning
+from calib.car.forces import axle_loads
+from calib.estimation.estimator import Basis, Estimate
+from calib.estimation.limits import Judgement
+from calib.estimation.metrics import METRICS
+from calib.logs.log import Log
+from calib.plausibility.limits import PLAUSIBLE
+from calib.plausibility.load import is_load, load_behind
+from calib.plausibility.pads import change_warnings, level_warnings
+from calib.plausibility.run import run_warnings
+from calib.table.pads_budget import front_share
+
+
+def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
+    """Warnings on one log, from what its whole run says."""
+    plan = e.plan
+    of_run = run_warnings(log, e.read, plan.nominal, e.accelerometer, e.response)
+    return (*of_run, *_pads(log.name, e))
+
+
+def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[PlausibilityWarning]:
+    """A warning for each metric that passes and lies outside the range without warning."""
+    for one in judged:
+        if one.warned and one.value is not None:
+            yield PlausibilityWarning(
+                one.figure,
+                log,
+                one.value,
+                (one.warn_low, one.warn_high),
+                (f"a stop, a sensor or pads that are not as usual: {METRICS[one.figure]}",),
+                "look at this stop with `brake-cal check` and `brake-cal plot`",
+            )
+
+
+def _pads(log: str, e: Estimate) -> Iterator[PlausibilityWarning]:
+    """How the pads changed against each other and together, at the last sample that tells it."""
+    if not e.telling.any():
+        return
+    apart = pads_apart(e)
+    if e.basis is None:
+        yield from change_warnings(log, *apart)
+        return
+    level = pads_together(e, e.basis)
+    load = like_a_load(e, level[0], apart)
+    changed = tuple(change_warnings(log, *apart, like_a_load=load))
+    yield from changed
+    if load or not changed:
+        yield from level_warnings(log, *level)
+
+
+def like_a_load(e: Estimate, level: float, apart: tuple[float, float]) -> bool:
+    """Whether a load would make the pads seem changed as they do, within what is known of them.
+
+    ``level``, ``apart`` as `pads_together` and `pads_apart` have them.
+    """
+    if not PLAUSIBLE.pad_level < abs(level) < PLAUSIBLE.loaded:
+        return False
+    car, z = e.plan.nominal, float(e.blocks.z[_block(e)])
+    front, rear = axle_loads(car, np.asarray(z))
+    share = front_share(car, e.plan.table.calibration.pad_log_ratio.value)
+    transfer = z * car.cg_height / car.wheelbase
+    ends = (apart[0] + sign * Z95 * apart[1] for sign in (-1.0, 1.0))
+    where = (share, float(front / (front + rear)), transfer)
+    return is_load(*(load_behind(level, end, *where) for end in ends))
+
+
+def pads_apart(e: Estimate) -> tuple[float, float]:
+    """ln of the front pads' change over the rear ones', at the last telling sample; its sigma."""
+    last = _last(e)
+    apart = math.log(float(e.front.change[last] / e.rear.change[last]))
+    return apart, float(e.split.change_sigma[_block(e)])
+
+
+def pads_together(e: Estimate, basis: Basis) -> tuple[float, float]:
+    """ln of the brake force over that of the ramp's pads, at the last telling sample; its sigma.
+
+    As it was measured: pads that are not the ramp's. The mass is not counted in the sigma, since
+    another load is what it would tell.
+    """
+    last, level = _last(e), basis.level
+    share = front_share(e.plan.table.vehicle, e.plan.table.calibration.pad_log_ratio.value)
+    weighed = share * e.front.change[last] + (1.0 - share) * e.rear.change[last]
+    measured = math.log(weighed) + float(level.free[last] - math.log(level.value[last]))
+    parts = (level.noise[last], level.resistance[last], level.accelerometer[last])
+    ramp = sum(variance for part, variance in e.plan.ramp_level.items() if part != "mass")
+    return measured, math.sqrt(sum(float(part) ** 2 for part in parts) + ramp)
+
+
+def _last(e: Estimate) -> int:
+    """The last telling sample."""
+    return int(np.flatnonzero(e.telling)[-1])
+
+
+def _block(e: Estimate) -> int:
+    """The block of the last telling sample."""
+    return min(int(np.searchsorted(e.blocks.end, e.time[_last(e)])), e.blocks.end.size - 1)

@@ -1,0 +1,320 @@
+"""The checks of `brake-cal qualify`: numbers of the program against truths from elsewhere.
+
+A truth is a definition, a closed form that uses no code of `calib`, the pads of Section IV of the
+paper, or what the plant of another program was given that made a sample log.
+"""
+
+import re
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base import random_effects, units
+from calib.base.errors import BrakeCalError
+from calib.car import forces
+from calib.estimation import adaptive
+from calib.estimation.limits import Limit
+from calib.estimation.validate import validate
+from calib.exports.export import export
+from calib.exports.read import read_back
+from calib.help.qualify import RAMPS, Check, Material
+from calib.logs.log import Log
+from calib.logs.read import read_log
+from calib.store.store import Store
+
+# Single functions. Tables I and II of the paper: mass, centre of gravity, front brake.
+M, L_F, L_R, H, G = 1744.0, 1.1556, 1.6494, 0.615, 9.80665
+CAR = "simulation_study/vehicle.toml"
+PRESSURE, Z = 50e5, 0.5
+TORQUE = 2.0 * 0.40 * 28.84e-4 * 0.1309 * PRESSURE
+LOAD = M * G * (L_R + Z * H) / (L_F + L_R)
+PSI = 0.45359237 * G / 0.0254**2
+ADAPTED = 0.08 * (1.0 - 0.99**500)
+"""theta after 500 steps that each leave 0.99 of the error, towards 0.08."""
+THINGS = np.array([[0.36], [0.39], [0.40], [0.45]])
+BETWEEN = 0.0014 - 0.0001
+"""Sample variance of `THINGS`, 0.0042/3, less their own variance of 0.01^2: what the maximum of
+the restricted likelihood is where all own variances are equal."""
+
+
+def _torque(material: Material) -> float:
+    front = material.vehicle(CAR).front
+    return float(forces.brake_torque(front, front.pad_friction, np.array([PRESSURE]))[0])
+
+
+def _constraint(material: Material) -> float:
+    """Largest |f1 F_zf + f2 F_zr| over weight, with loads from the balance of moments."""
+    z, D = np.linspace(0.0, 0.9, 10), np.linspace(-0.1, 0.1, 10)
+    f1, f2 = forces.paper_curves(material.vehicle(CAR), z, D)
+    front = (L_R + z * H) / (L_F + L_R)
+    return float(np.max(np.abs(f1 * front + f2 * (1.0 - front))) + np.max(np.abs(f1 - f2 - D)))
+
+
+def _adapted(material: Material) -> float:
+    u = np.full(500, -200.0)
+    gamma, dt = 0.01 / (200.0**2 * 0.005), 0.005
+    return float(adaptive.gradient(0.08 * u, u, gamma, dt)[-1])
+
+
+# Logs that the checks write: 200 equal samples, and what they are by the definitions of the units.
+UNITS = {"time": "s", "p_mc": "psi", "a_x": "g", "omega_fl": "rpm", "omega_fr": "rpm",
+         "omega_rl": "rpm", "omega_rr": "rpm", "v": "km/h"}  # fmt: skip
+WRITTEN = (100.0, -0.5, 600.0, 600.0, 600.0, 600.0, 90.0)
+TRUE = {"p_mc": 100.0 * PSI, "a_x": -0.5 * G, "omega_rr": 20.0 * np.pi, "v": 25.0}
+
+
+def _text(separator: str = ",", decimal: str = ".") -> str:
+    head = separator.join(f"{name} [{unit}]" for name, unit in UNITS.items())
+    lines = [(i / 200.0, *WRITTEN) for i in range(200)]
+    rows = [separator.join(str(x).replace(".", decimal) for x in line) for line in lines]
+    return "\n".join((head, *rows)) + "\n"
+
+
+def _read_error(separator: str, decimal: str, material: Material) -> float:
+    """Largest relative error of the channels of `TRUE` [1]."""
+    path = material.scratch / "written.csv"
+    path.write_text(_text(separator, decimal))
+    log = read_log(path)
+    return float(max(np.max(np.abs(log[name] / true - 1.0)) for name, true in TRUE.items()))
+
+
+def _broken_logs(material: Material) -> float:
+    """How many of four broken logs are refused for what is wrong in them."""
+    whole = (material.samples / "third_party/cal_ramp.parquet").read_bytes()
+    text = _text()
+    backwards = text.splitlines()
+    backwards[5], backwards[9] = backwards[9], backwards[5]
+    broken = {
+        "cut_in_half.parquet": (whole[: len(whole) // 2], "cut_in_half"),
+        "no_such_unit.csv": (text.replace("[psi]", "[furlong]").encode(), "furlong"),
+        "no_unit.csv": (text.replace("p_mc [psi]", "p_mc").encode(), "unit"),
+        "time_runs_back.csv": ("\n".join(backwards).encode(), "time"),
+    }
+    refused = 0
+    for name, (content, word) in broken.items():
+        path = material.scratch / name
+        path.write_bytes(content)
+        try:
+            read_log(path)
+        except BrakeCalError as error:
+            refused += word in str(error)
+    return float(refused)
+
+
+# A ramp becomes a table.
+RAMP = f"third_party/{RAMPS['third_party']}"
+AT, NEAR = 0.3, 0.02
+"""Deceleration at which D is compared, and half the range of samples that are averaged [1]."""
+
+
+def _pads(folder: str, axle: str, material: Material) -> float:
+    pads = material.table(folder).calibration
+    return (pads.pad_friction_f if axle == "f" else pads.pad_friction_r).value
+
+
+def _pad_error(axle: str, material: Material) -> float:
+    """Pad friction of the table over the mean true one of the braked ramp, less 1."""
+    log: Log = material.log(RAMP)
+    true = np.mean(log.truth[f"true_mu_pad_{axle}"][log["p_mc"] > 5e5])
+    return _pads("third_party", axle, material) / float(true) - 1.0
+
+
+def _split_error(material: Material) -> float:
+    """D of the table at 0.3 g less the true one, from forces and loads of the plant."""
+    log, curve = material.log(RAMP), material.table("third_party").paper
+    near = np.abs(-log["a_x"] / G - AT) < NEAR
+    front, rear = (
+        np.abs(log.truth[f"true_Fx_{side}l"] + log.truth[f"true_Fx_{side}r"])
+        / (log.truth[f"true_Fz_{side}l"] + log.truth[f"true_Fz_{side}r"])
+        for side in "fr"
+    )
+    return float(np.interp(AT, curve.z, curve.f1 - curve.f2) - np.mean((front - rear)[near]))
+
+
+# Stops are judged by a table.
+STOPS = {
+    "third_party/hold1_const_mu30.parquet": 0.30,
+    "third_party/hold2_steps_muf25_mur33.parquet": 0.25,
+    "third_party/hold4_driver_mu28.parquet": 0.28,
+}
+"""Hold-outs of the multi-body car, with the friction of the front pads that the plant had."""
+CONSTANT, STEPS, _ = STOPS
+STOP = "simulation_study/stop_noisy.parquet"
+WRONG = "vehicle_wrong_pads.toml"
+"""It says 0.5 and 0.6 where the plant has 0.4."""
+
+
+def _stop_pads(stop: str, axle: str, told: str, material: Material) -> float:
+    """Mean pad friction over the valid samples."""
+    found = material.stop(stop, told)
+    pads = found.front if axle == "f" else found.rear
+    return float(np.mean(pads.pad_friction[found.valid]))
+
+
+def _stop_torque(material: Material) -> float:
+    """Rms error of the front brake torque over its rms, valid samples."""
+    found, log = material.stop(CONSTANT), material.log(CONSTANT)
+    true = 0.5 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_fr"])[found.valid]
+    error = found.front.torque[found.valid] - true
+    return float(np.sqrt(np.mean(error**2) / np.mean(true**2)))
+
+
+def _outside(material: Material) -> float:
+    """Share of valid samples of all stops with the true front pads outside the interval."""
+    outside: list[NDArray[np.bool_]] = []
+    for stop, true in STOPS.items():
+        e = material.stop(stop)
+        outside.append(((e.front.lower > true) | (e.front.upper < true))[e.valid])
+    return float(np.mean(np.concatenate(outside)))
+
+
+def _failed(material: Material) -> float:
+    """How many of two results that must fail do: a limit that is broken, a log that was fitted."""
+    table = material.table("third_party")
+    impossible = (Limit("pad_friction_f", 0.35, None),)
+    broken = validate(table, [material.log(CONSTANT)], None, impossible)
+    fitted = validate(table, [material.log(RAMP)], None, ())
+    return float(sum(not result.passed for result in (*broken, *fitted)))
+
+
+# Tables are stored and handed out.
+def _dcm(material: Material, name: str) -> tuple[Path, list[float]]:
+    """An export, and the numbers of f2 that a search for the lines WERT finds in it."""
+    path = material.scratch / name
+    export(material.stored(), path, unreleased=True, date="2025-01-01")
+    text = path.read_bytes().decode("latin-1")
+    block = text.split("GRUPPENKENNLINIE sedan_sim_f2 ")[1].split("\nEND")[0]
+    lines = re.findall(r"^\s*WERT (.*)$", block, re.M)
+    return path, [float(x) for line in lines for x in line.split()]
+
+
+def _changed(material: Material) -> float:
+    """How many numbers of f2 in the DCM file are not those of the table to the last bit."""
+    found = np.array(_dcm(material, "car.dcm")[1])
+    table = material.table("simulation_study").paper.f2
+    return float(np.sum(found != table)) if found.shape == table.shape else float(table.size)
+
+
+def _damaged(material: Material) -> float:
+    """How many of three damaged things are refused: a version, an export cut off, one edited."""
+    (cut, _), (edited, values) = (_dcm(material, name) for name in ("cut.dcm", "edited.dcm"))
+    cut.write_bytes(cut.read_bytes()[:-2000])
+    text = edited.read_bytes()
+    edited.write_bytes(text.replace(repr(values[-1]).encode(), repr(values[-1] + 1e-3).encode()))
+    stored = material.stored()
+    store = Store(material.scratch / "damaged")
+    curve = next(store.save(stored.table).path.glob("*.parquet"))
+    content = bytearray(curve.read_bytes())
+    content[len(content) // 4] ^= 1
+    curve.chmod(0o644)
+    curve.write_bytes(content)
+    refused = 0
+    for damaged in (stored.name, cut, edited):
+        try:
+            if isinstance(damaged, str):
+                store.load(damaged)
+            else:
+                refused += not read_back(damaged).unchanged
+        except BrakeCalError:
+            refused += 1
+    return float(refused)
+
+
+# Hidden causes are named.
+DRAG = 0.7444375719787885
+HIDDEN, NOTHING = "hidden/case_0", "hidden/case_5"
+
+
+def _named(material: Material) -> float:
+    found = material.diagnosis(HIDDEN)
+    names = [one.name for one in found.effects]
+    return float(found.verdict == "named" and names == ["aerodynamic_drag"])
+
+
+def _drag(material: Material) -> float:
+    (drag,) = (e for e in material.diagnosis(HIDDEN).effects if e.name == "aerodynamic_drag")
+    return drag.parameters["drag_area"].value
+
+
+EXACT = 1e-9
+"""Relative tolerance of a closed form: far above rounding (1e-16 an operation), far below any
+error of a formula."""
+COUNT = 0.5
+"""Tolerance of a number that is counted: it must be exact."""
+FRONT, REAR = 0.03, 0.08
+"""Relative tolerances of pad friction: those of the torque in the default limits of `validate`."""
+D_TOLERANCE = 0.02
+"""Error of D from which a mistake counts in the study of mistakes on the page `warnings`."""
+SIZE = 0.1
+"""Relative tolerance of a parameter: by the page `diagnosis` of the manual 92 % of the intervals
+hold the truth, and that of this one is 4 % wide to each side."""
+
+CLOSED = "closed form with Tables I and II of the paper"
+BY_DEFINITION = "definitions of the units"
+STUDY = "plant of sample_logs/simulation_study, Section IV of the paper: pads of 0.4"
+BODY = "multi-body plant of sample_logs/third_party, channels true_mu_pad_*"
+FORCES = "multi-body plant of sample_logs/third_party, channels true_Fx_* and true_Fz_*"
+TORQUES = "multi-body plant of sample_logs/third_party, channels true_Tb_*"
+ANSWER = "independent plant, sample_logs/{}/answer.json"
+
+SUITE = (
+    Check("unit_psi", "100 psi", "Pa", 100.0 * PSI, 1e-3,
+          "definition of pound, inch and standard gravity",
+          lambda _: float(units.to_si(100.0, "psi", "Pa"))),
+    Check("brake_torque", "front brake torque of one wheel at 50 bar, (2) and (3)", "N*m",
+          TORQUE, EXACT * TORQUE, CLOSED, _torque),
+    Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", LOAD, EXACT * LOAD,
+          "balance of moments with Tables I and II of the paper",
+          lambda m: float(forces.axle_loads(m.vehicle(CAR), np.array([Z]))[0][0])),
+    Check("constraint", "largest violation of (18) and of D = f1 - f2", "1", 0.0, EXACT,
+          "equation (18) of the paper", _constraint),
+    Check("adaptive_law", "theta of (25) after 500 equal steps", "1", ADAPTED, EXACT,
+          "closed form: a geometric series", _adapted),
+    Check("spread_of_cars", "variance between four cars measured alike", "1",
+          BETWEEN, 1e-3 * BETWEEN, "closed form: sample variance less own variance",
+          lambda _: float(random_effects.random_effects(THINGS, np.full((4, 1), 1e-4)).between[0])),
+    Check("read_units", "largest relative error of a log in psi, g, rpm and km/h", "1", 0.0, 1e-12,
+          BY_DEFINITION, partial(_read_error, ",", ".")),
+    Check("read_dialect", "the same log with semicolons and decimal commas", "1", 0.0, 1e-12,
+          BY_DEFINITION, partial(_read_error, ";", ",")),
+    Check("broken_logs", "refused of four broken logs", "files", 4, COUNT,
+          "each file breaks one stated rule of a log", _broken_logs),
+    Check("fit_pads_f", "front pad friction of the table of Section IV", "1", 0.4, 0.4 * FRONT,
+          STUDY, partial(_pads, "simulation_study", "f")),
+    Check("fit_pads_r", "rear pad friction of the table of Section IV", "1", 0.4, 0.4 * REAR,
+          STUDY, partial(_pads, "simulation_study", "r")),
+    Check("fit_body_pads_f", "relative error of the front pads of the multi-body car's table", "1",
+          0.0, FRONT, BODY, partial(_pad_error, "f")),
+    Check("fit_body_pads_r", "relative error of the rear pads of the multi-body car's table", "1",
+          0.0, REAR, BODY, partial(_pad_error, "r")),
+    Check("fit_split", "error of D = f1 - f2 at 0.3 g of the multi-body car's table", "1",
+          0.0, D_TOLERANCE, FORCES, _split_error),
+    Check("stop_mu25_mu33_f", "front pads of hold2_steps_muf25_mur33.parquet", "1",
+          0.25, FRONT * 0.25, BODY, partial(_stop_pads, STEPS, "f", "vehicle.toml")),
+    Check("stop_mu25_mu33_r", "rear pads of hold2_steps_muf25_mur33.parquet", "1",
+          0.33, REAR * 0.33, BODY, partial(_stop_pads, STEPS, "r", "vehicle.toml")),
+    Check("stop_wrong_file_f", "front pads of Section IV where the file says 0.5", "1",
+          0.4, 0.4 * FRONT, STUDY, partial(_stop_pads, STOP, "f", WRONG)),
+    Check("stop_wrong_file_r", "rear pads of Section IV where the file says 0.6", "1",
+          0.4, 0.4 * REAR, STUDY, partial(_stop_pads, STOP, "r", WRONG)),
+    Check("stop_torque", "rms error of the front brake torque of hold1, relative", "1", 0.0, FRONT,
+          TORQUES, _stop_torque),
+    Check("stop_interval", "share of samples with the true front pads outside the 95 % interval",
+          "1", 0.0, 0.05, BODY, _outside),
+    Check("verdict", "failed of two results that must fail", "results", 2, COUNT,
+          "pads of 0.30 against a limit of 0.35 and more; a log that the table was fitted on",
+          _failed),
+    Check("export_dcm", "numbers of f2 that differ in the DCM file", "numbers", 0, COUNT,
+          "the table itself, its file read by a search for its lines WERT", _changed),
+    Check("damaged_tables", "refused of a version, a cut and an edited export that were damaged",
+          "files", 3, COUNT, "each file was changed by this check", _damaged),
+    Check("drag_named", "1 if aerodynamic drag, and it alone, is named", "1", 1, COUNT,
+          ANSWER.format(HIDDEN), _named),
+    Check("drag_size", "drag area that was hidden", "m^2", DRAG, SIZE * DRAG,
+          ANSWER.format(HIDDEN), _drag),
+    Check("no_cause", "1 if nothing is named where nothing is hidden", "1", 1, COUNT,
+          ANSWER.format(NOTHING), lambda m: float(m.diagnosis(NOTHING).verdict == "no_gap")),
+)  # fmt: skip
+"""In the order of the work."""

@@ -1,0 +1,263 @@
+"""The whole program on the sample logs: check, fit, validate, draw, the paper's two studies, and a
+car in which something is hidden.
+
+Section IV is judged against the truth of its simulation. Section V has no truth on the road: it
+counts there whether the pad friction is as expected and the same in all stops on one road.
+"""
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from calib.base.plain import counted
+from calib.car.vehicle import Vehicle
+from calib.car.vehicle_file import read_vehicle
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.metrics import truth_of
+from calib.estimation.results import write_results
+from calib.estimation.validate import Agreement, Validation, agreement, to_dict, validate
+from calib.fitting.fit import fit
+from calib.help.samples import sample_logs
+from calib.logs.log import Log
+from calib.logs.read import read_log
+from calib.run.check import check
+from calib.store.store import Store
+from calib.store.version import Stored
+
+if TYPE_CHECKING:
+    from calib.diagnosis.diagnose import Diagnosis
+
+Say = Callable[[str], None]
+
+HIDDEN = "hidden/case_2"
+"""A car with an effect that its vehicle file does not have."""
+
+
+@dataclass(frozen=True)
+class PaperStudy:
+    """One car of the samples: folder, ramps and coasts, hold-outs, vehicle of the validation."""
+
+    folder: str
+    fitted: tuple[str, ...]
+    held_out: tuple[str, ...]
+    vehicle: str = "vehicle.toml"
+    before: tuple[str, ...] = ()
+    """Logs of an earlier version of the table, fitted from one ramp alone."""
+
+
+STUDIES = (
+    PaperStudy(
+        "sedan",
+        ("ramp_wet_asphalt.csv", "ramp_wet_asphalt_repeat.csv", "coast.csv"),
+        (
+            "dry_asphalt_stop.csv",
+            "transition_dry_to_basalt.csv",
+            "basalt_wet_pads.csv",
+            "wet_tile_wet_pads.csv",
+        ),
+        before=("ramp_wet_asphalt.csv",),
+    ),
+    PaperStudy(
+        "simulation_study",
+        ("ramp_noisy.parquet",),
+        ("stop_noisy.parquet",),
+        "vehicle_wrong_pads.toml",
+    ),
+    PaperStudy(
+        "third_party",
+        ("cal_ramp.parquet",),
+        (
+            "hold1_const_mu30.parquet",
+            "hold2_steps_muf25_mur33.parquet",
+            "hold3_const_fade35_22.parquet",
+            "hold4_driver_mu28.parquet",
+        ),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class StudyOutcome:
+    """Result of one study: the table, the validations, the figures drawn."""
+
+    study: PaperStudy
+    stored: Stored
+    results: tuple[Validation, ...]
+    logs: tuple[Log, ...]
+
+
+def run(out: Path, say: Say) -> list[StudyOutcome]:
+    """Run every study below ``out``: sample_logs/, tables/, results/, figures/."""
+    logs = out / "sample_logs"
+    shutil.copytree(sample_logs(), logs, dirs_exist_ok=True)
+    return [run_study(study, logs / study.folder, out, say) for study in STUDIES]
+
+
+def run_study(study: PaperStudy, source: Path, out: Path, say: Say) -> StudyOutcome:
+    """Check, fit, validate and draw one study."""
+    fitted = [read_log(source / name) for name in study.fitted]
+    held = [read_log(source / name) for name in study.held_out]
+    for log in fitted + held:
+        usable = [v.purpose for v in check(log).verdicts if v.usable]
+        say(f"checked {study.folder}/{log.name}: good for {', '.join(usable)}")
+    car, store = read_vehicle(source / "vehicle.toml"), Store(out / "tables")
+    if study.before:
+        first = [log for log in fitted if log.source.endswith(study.before)]
+        say(f"fitted {store.save(fit(car, first)).id} from {study.before[0]} alone")
+    stored = store.save(fit(car, fitted))
+    say(f"fitted {stored.id} from {', '.join(log.name for log in fitted)}")
+    other = None
+    if study.vehicle != "vehicle.toml":
+        other = read_vehicle(source / study.vehicle)
+    results = validate(stored.table, held, other, DEFAULTS)
+    write_results(results, to_dict(stored, results), out / "results" / study.folder)
+    say(f"validated {stored.id} on {', '.join(log.name for log in held)}")
+    draw(stored, fitted, held, other, out / "figures")
+    return StudyOutcome(study, stored, tuple(results), tuple(held))
+
+
+def draw(
+    stored: Stored, fitted: list[Log], held: list[Log], other: Vehicle | None, where: Path
+) -> None:
+    """One page for the table with its ramps, one for each hold-out, as PNG."""
+    from calib.show.choose import PlotInput, sheets
+    from calib.show.sheet import save as save_figures
+
+    where.mkdir(parents=True, exist_ok=True)
+    ramps = tuple(log for log in fitted if "coast" not in log.name)
+    pages = [
+        *sheets(PlotInput(tables=(stored,), logs=ramps)),
+        *sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)),
+    ]
+    save_figures({where / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
+
+
+@dataclass(frozen=True)
+class SectionFour:
+    """One line of Section IV: a method, its final pad frictions and its torque error [N m rms]."""
+
+    method: str
+    final_f: float
+    final_r: float
+    torque_rms: float
+
+
+METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
+
+
+def section_four(outcome: StudyOutcome) -> list[SectionFour]:
+    """The stop of Section IV by method; torque error over both axles from the first bite on."""
+    result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
+    e = result.estimate
+    truth = truth_of(log, car, e)
+    assert truth is not None
+    braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
+    last = int(np.flatnonzero(braked)[-1])
+    pads = {name: e.baselines[name] for name in METHODS if name in e.baselines}
+    pads["kalman"] = (e.front.pad_friction, e.rear.pad_friction)
+    rows = []
+    for name, (front, rear) in pads.items():
+        errors = [
+            (mu * axle.torque_gain * p - t.torque)[braked]
+            for mu, axle, p, t in (
+                (front, car.front, e.pressure_f, truth[0]),
+                (rear, car.rear, e.pressure_r, truth[1]),
+            )
+        ]
+        rms = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))
+        rows.append(SectionFour(name, float(front[last]), float(rear[last]), rms))
+    return rows
+
+
+@dataclass(frozen=True)
+class SectionFive:
+    """One stop of Section V: pad friction with the half width of its 95 % interval, and the sums.
+
+    ``sum_nominal``, ``sum_compensated`` mean braking force over M a_x with nominal and with
+    compensated pads [1]; the second is near one for any table.
+    """
+
+    log: str
+    pads_f: float
+    width_f: float
+    pads_r: float
+    width_r: float
+    sum_nominal: float
+    sum_compensated: float
+
+
+def section_five(outcome: StudyOutcome) -> list[SectionFive]:
+    """The stops of Section V in our numbers."""
+    return [_stop(result, outcome.stored.table.vehicle) for result in outcome.results]
+
+
+def _stop(result: Validation, car: Vehicle) -> SectionFive:
+    e, figures = result.estimate, result.figures
+    demand = car.weight * e.z[e.valid]
+
+    def share(front: np.ndarray, rear: np.ndarray) -> float:
+        total = sum(
+            2.0 * mu[e.valid] * axle.torque_gain * p[e.valid] / axle.rolling_radius
+            for mu, axle, p in (
+                (front, car.front, e.pressure_f),
+                (rear, car.rear, e.pressure_r),
+            )
+        )
+        return float(np.mean(total / demand))
+
+    pads = [figures[f"pad_friction_{side}"] or np.nan for side in "fr"]
+    widths = [figures[f"interval_{side}"] or np.nan for side in "fr"]
+    return SectionFive(
+        log=result.log,
+        pads_f=pads[0],
+        width_f=pads[0] * widths[0],
+        pads_r=pads[1],
+        width_r=pads[1] * widths[1],
+        sum_nominal=share(*e.baselines["nominal"]),
+        sum_compensated=share(e.front.pad_friction, e.rear.pad_friction),
+    )
+
+
+@dataclass(frozen=True)
+class Story:
+    """A car with a hidden effect: the diagnosis, and how the pads of the stops agree.
+
+    ``blind`` with a table fitted without the effect, ``told`` with one fitted with the model of the
+    diagnosis.
+    """
+
+    found: "Diagnosis"
+    blind: Agreement
+    told: Agreement
+
+
+def hidden_story(out: Path, say: Say) -> Story:
+    """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
+    from calib.car.model import with_model
+    from calib.diagnosis.diagnose import diagnose
+    from calib.diagnosis.written.document import text_of
+    from calib.diagnosis.written.folder import write_folder
+    from calib.show.diagnosis_figure import sheet
+    from calib.show.diagnosis_page import report_html
+    from calib.show.sheet import save as save_figures
+
+    source = out / "sample_logs" / HIDDEN
+    car = read_vehicle(source / "vehicle.toml")
+    searched = [read_log(path) for path in sorted((source / "calibration").iterdir())]
+    held = [read_log(path) for path in sorted((source / "holdout").iterdir())]
+    logs = counted(len(searched), "log")
+    say(f"diagnosing {car.name}: searching {logs}, proving on {len(held)}")
+    found = diagnose(car, searched, held)
+    write_folder(found, text_of(found), report_html(found, car.name), out / "diagnosis")
+    save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})
+    fitted = [log for log in searched if log.name in ("ramp", "coast")]
+    pads = []
+    for vehicle in (car, with_model(car, found.model_after)):
+        spread = agreement(validate(fit(vehicle, fitted), held))
+        assert spread is not None
+        pads.append(spread)
+    return Story(found, *pads)

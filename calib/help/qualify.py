@@ -1,0 +1,249 @@
+"""The checks made on this machine: their outcomes, one JSON document, one page."""
+
+import hashlib
+import math
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from calib.base.digest import canonical_json
+from calib.base.program import NAME, PROGRAM, VERSION
+from calib.base.units import behind
+from calib.car.vehicle import Vehicle
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.estimation.estimator import Estimate
+from calib.estimation.validate import validate
+from calib.fitting.fit import fit
+from calib.help.doctor import environment, packages
+from calib.help.samples import sample_logs
+from calib.logs.read import read_log
+from calib.show.html import page
+from calib.store.store import Store
+from calib.store.version import Stored
+from calib.table.table import Table
+
+SCHEMA = 1
+TOLD = ("name", "quantity", "unit", "expected", "tolerance", "truth")
+"""What the document tells of a check, beside its outcome."""
+RAMPS = {"simulation_study": "ramp_noisy.parquet", "third_party": "cal_ramp.parquet"}
+"""The folder of a car and its ramp."""
+
+
+class Material:
+    """Logs below ``samples``, and work in the empty folder ``scratch``; made on first use."""
+
+    def __init__(self, samples: Path, scratch: Path) -> None:
+        self.samples, self.scratch = samples, scratch
+        self._used: set[Path] = set()
+        # one result each for as long as this object lives; an error is not kept
+        self.log = cache(lambda file: read_log(self._file(file)))
+        self.table: Callable[[str], Table] = cache(self._table)
+        self.stop: Callable[..., Estimate] = cache(self._stop)
+        self.diagnosis: Callable[[str], Diagnosis] = cache(self._diagnosis)
+
+    def files(self) -> dict[str, str]:
+        """SHA-256 [hex] of every sample file that was used so far, by path below ``samples``."""
+        return {
+            path.relative_to(self.samples).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in sorted(self._used)
+        }
+
+    def vehicle(self, file: str) -> Vehicle:
+        """The vehicle of a file below ``samples``."""
+        from calib.car.vehicle_file import read_vehicle
+
+        return read_vehicle(self._file(file))
+
+    def stored(self) -> Stored:
+        """The table of Section IV in a store."""
+        return Store(self.scratch / "tables").save(self.table("simulation_study"))
+
+    def _file(self, file: str) -> Path:
+        self._used.add(self.samples / file)
+        return self.samples / file
+
+    def _table(self, folder: str) -> Table:
+        """The table of the car in ``folder``, fitted from its ramp alone."""
+        return fit(self.vehicle(f"{folder}/vehicle.toml"), [self.log(f"{folder}/{RAMPS[folder]}")])
+
+    def _stop(self, stop: str, vehicle: str = "vehicle.toml") -> Estimate:
+        """What is estimated of one hold-out with the table of its folder."""
+        folder = stop.split("/")[0]
+        told = self.vehicle(f"{folder}/{vehicle}")
+        return validate(self.table(folder), [self.log(stop)], told)[0].estimate
+
+    def _diagnosis(self, case: str) -> Diagnosis:
+        """The diagnosis of a hidden case from two logs, enough to see its cause, and a hold-out."""
+        searched = [self.log(f"{case}/calibration/{name}.parquet") for name in ("ramp", "coast")]
+        held = self.log(f"{case}/holdout/stop_a.parquet")
+        return diagnose(self.vehicle(f"{case}/vehicle.toml"), searched, [held])
+
+
+@dataclass(frozen=True)
+class Check:
+    """What is computed, and what must come out.
+
+    ``quantity`` in words; ``expected`` and ``tolerance`` [``unit``], the tolerance above zero;
+    ``truth`` where the expected value comes from; ``measure`` computes the value.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    expected: float
+    tolerance: float
+    truth: str
+    measure: Callable[[Material], float]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A check and its ``value`` [unit of the check]; None where it ended with an ``error``."""
+
+    check: Check
+    value: float | None
+    error: str = ""
+
+    @property
+    def deviation(self) -> float | None:
+        """Value less the expected one, over the tolerance [1]; None without a finite value."""
+        if self.value is None or not math.isfinite(self.value):
+            return None
+        return (self.value - self.check.expected) / self.check.tolerance
+
+    @property
+    def held(self) -> bool:
+        """Whether the value is within the tolerance."""
+        return self.deviation is not None and abs(self.deviation) <= 1.0
+
+    @property
+    def rounded(self) -> int | None:
+        """The deviation in whole tolerances [1], equal where machines differ by rounding only."""
+        return None if self.deviation is None else round(self.deviation)
+
+
+@dataclass(frozen=True)
+class Qualification:
+    """The outcomes, and the SHA-256 [hex] of each sample file that they rest on."""
+
+    outcomes: tuple[Outcome, ...]
+    files: dict[str, str]
+
+    @property
+    def failed(self) -> tuple[Outcome, ...]:
+        """The outcomes that do not hold."""
+        return tuple(outcome for outcome in self.outcomes if not outcome.held)
+
+    @property
+    def verdict(self) -> str:
+        """`passed` where every check held, else `failed`."""
+        return "failed" if self.failed else "passed"
+
+    @property
+    def headline(self) -> str:
+        """The result in one sentence."""
+        names, number = ", ".join(one.check.name for one in self.failed), len(self.outcomes)
+        if not names:
+            return f"All {number} checks hold."
+        does = "do" if len(self.failed) > 1 else "does"
+        return f"{len(self.failed)} of {number} checks {does} not hold: {names}."
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 [hex] over the outcomes, each rounded to its tolerance.
+
+        Equal on machines whose libraries round differently, as long as a value is not at the border
+        between two steps; it changes with a check, an expected value, or a result that moves by one
+        tolerance.
+        """
+        results = [
+            [o.check.name, o.check.expected, o.check.tolerance, o.held, o.rounded]
+            for o in self.outcomes
+        ]
+        return hashlib.sha256(canonical_json({"schema": SCHEMA, "results": results})).hexdigest()
+
+
+def qualify(checks: Iterable[Check], done: Callable[[], None] = lambda: None) -> Qualification:
+    """Make all ``checks`` on the shipped sample logs; one that ends with an error has failed.
+
+    ``done`` is called after each check. Writes into a temporary folder, which is deleted. Raises
+    InputError when the program was installed without its sample logs.
+    """
+    samples, outcomes = sample_logs(), []
+    with tempfile.TemporaryDirectory(prefix="brake-cal-qualify-") as scratch:
+        material = Material(samples, Path(scratch))
+        for check in checks:
+            outcomes.append(_outcome(check, material))
+            done()
+        return Qualification(tuple(outcomes), material.files())
+
+
+def _outcome(check: Check, material: Material) -> Outcome:
+    try:
+        return Outcome(check, float(check.measure(material)))
+    except Exception as error:  # whatever breaks is a finding here, and must not end the others
+        return Outcome(check, None, f"{type(error).__name__}: {error}")
+
+
+def to_dict(found: Qualification, date: str) -> dict[str, Any]:
+    """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine."""
+    return {
+        "schema": SCHEMA,
+        "tool": NAME,
+        "version": VERSION,
+        "date": date,
+        "verdict": found.verdict,
+        "digest": found.digest,
+        "environment": environment(),
+        "packages": packages(),
+        "checks": [
+            {
+                **{name: getattr(o.check, name) for name in TOLD},
+                "value": o.value,
+                "held": o.held,
+                "error": o.error,
+            }
+            for o in found.outcomes
+        ],
+        "files": found.files,
+    }
+
+
+def report_html(found: Qualification, document: dict[str, Any]) -> str:
+    """The page: one HTML file that fetches nothing, with what `to_dict` says."""
+    return page(
+        "qualification",
+        title=f"{PROGRAM}: qualification",
+        tool=PROGRAM,
+        verdict=found.verdict,
+        headline=found.headline,
+        identity=[
+            ("Date", document["date"]),
+            ("Results, SHA-256", found.digest),
+            *((name.capitalize(), text) for name, text in document["environment"].items() if text),
+        ],
+        checks=[_row(one) for one in found.outcomes],
+        kinds=["passed" if one.held else "failed" for one in found.outcomes],
+        failures=[_failure(one) for one in found.failed],
+        truths=[
+            (o.check.name, f"{o.check.quantity} [{o.check.unit}]. Truth: {o.check.truth}.")
+            for o in found.outcomes
+        ],
+        packages=list(document["packages"].items()),
+        files=list(found.files.items()),
+    )
+
+
+def _row(one: Outcome) -> tuple[str, ...]:
+    check, value = one.check, "none" if one.value is None else f"{one.value:.6g}"
+    result = "holds" if one.held else "fails"
+    return check.name, f"{check.expected:.6g}", result, value, f"{check.tolerance:.3g}", check.unit
+
+
+def _failure(one: Outcome) -> tuple[str, ...]:
+    check, unit = one.check, behind(one.check.unit)
+    came = one.error if one.value is None else f"{one.value:.6g}{unit}"
+    return check.name, check.quantity, f"{check.expected:.6g} +- {check.tolerance:.3g}{unit}", came

@@ -1,0 +1,1 @@
+"""The end of the line: station, fleet and gauge."""

@@ -1,0 +1,118 @@
+"""Workers of a Dask cluster as an `Executor`. Needs the extra `dist`."""
+
+import math
+import socket
+import time
+from concurrent.futures import Future
+from functools import partial
+from typing import Any
+
+from calib.base.errors import BatchError
+from calib.line.fleet.pool import Rows
+from calib.line.fleet.work import WorkItem, run_items
+
+PATIENCE = "10s"
+"""Longest wait for an answer of the scheduler [s]."""
+
+
+class Cluster:
+    """The workers behind a scheduler at ``address``, "tcp://host:port".
+
+    Each worker must have this version of the program, and the logs under the same absolute paths.
+    Dask gives the logs of a dead worker to another one. Raises BatchError if there is no answer.
+    """
+
+    worn = False
+
+    def __init__(self, address: str):
+        try:
+            from distributed import Client
+        except ImportError as cause:
+            raise BatchError(
+                "dask[distributed] is not installed",
+                where="--scheduler",
+                do="pip install 'brake-cal[dist]'",
+            ) from cause
+        try:
+            _knock(address)
+            self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as cause:
+            raise BatchError(
+                f"no scheduler answers: {cause or type(cause).__name__}",
+                where=address,
+                expected="the address of a Dask scheduler, like tcp://host:8786",
+                do="start one with `dask scheduler`",
+            ) from cause
+        try:
+            self._client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as cause:
+            self._client.close()
+            raise BatchError(
+                "the scheduler has no workers",
+                where=address,
+                do=f"start some with `dask worker {address}`",
+            ) from cause
+        self._address = address
+        self._asked, self._threads = -math.inf, 1
+
+    @property
+    def workers(self) -> int:
+        """Number of threads of all workers, updated once a second because workers may change.
+
+        Raises BatchError if the scheduler is gone.
+        """
+        if time.monotonic() - self._asked > 1.0:
+            self._require_scheduler()
+            try:
+                self._threads = max(1, sum(self._client.nthreads().values()))
+            except OSError as cause:
+                raise self._gone() from cause
+            self._asked = time.monotonic()
+        return self._threads
+
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> "Future[Rows]":
+        """Submit logs to the scheduler. Raises BatchError if it is gone."""
+        rows: Future[Rows] = Future()
+        given = self._client.submit(run_items, packed, items, pure=False)
+        given.add_done_callback(partial(_pass_on, rows))
+        # If the scheduler is lost, running futures fail, but later ones would not.
+        self._require_scheduler()
+        return rows
+
+    def renew(self) -> None:
+        """Keep the workers of the cluster. Raises BatchError if the scheduler is gone."""
+        self._require_scheduler()
+
+    def _require_scheduler(self) -> None:
+        if self._client.status != "running":
+            raise self._gone()
+
+    def _gone(self) -> BatchError:
+        return BatchError(
+            "the scheduler is gone",
+            where=self._address,
+            do="start it and run the same command again: finished logs are kept",
+        )
+
+    def close(self) -> None:
+        """Disconnect from the cluster; unfinished logs are dropped."""
+        self._client.close()
+
+
+def _knock(address: str) -> None:
+    """Raise OSError or ValueError if there is no scheduler: a Dask client would end slowly."""
+    from dask.utils import parse_timedelta
+    from distributed.comm.addressing import parse_address, parse_host_port
+
+    scheme, place = parse_address(address)
+    if scheme in ("tcp", "tls"):
+        where = parse_host_port(place, 8786)
+        socket.create_connection(where, timeout=parse_timedelta(PATIENCE)).close()
+
+
+def _pass_on(rows: "Future[Rows]", given: Any) -> None:
+    """Copy the result of a Dask future; Dask's executor loses it if the transfer fails."""
+    try:
+        rows.set_result(given.result())
+    except BaseException as error:
+        rows.set_exception(error)

@@ -1,0 +1,270 @@
+"""Summary of a fleet's results: spread, outliers, drift of the line, and errors by kind."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.errors import InputError
+from calib.base.plain import plain
+from calib.base.toml import did_you_mean
+from calib.line.fleet.columns import ColumnKind, ResultColumn, Status
+from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, least_p
+from calib.line.fleet.edges import possible, within
+from calib.line.fleet.outliers import MetricSpread, judge, named
+from calib.line.fleet.results import FleetFile
+
+Array = NDArray[np.float64]
+
+DRIFT = 0.01
+"""Expected share of false ones among the metrics with a drift [1]."""
+
+EXAMPLES = 3
+"""Most logs that are named for a kind of error."""
+
+SHORTEST = 3
+"""Fewest characters of a log's name, without ending, that is replaced in a message."""
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """A reason why a log stands apart: a metric, its value, its z and two-sided p."""
+
+    log: str
+    metric: str
+    value: float
+    z: float
+    p: float
+
+
+@dataclass(frozen=True)
+class Apart:
+    """A log that stands apart: ``p`` over all its metrics, and its reasons, the strongest first."""
+
+    log: str
+    p: float
+    reasons: tuple[Outlier, ...]
+
+
+@dataclass(frozen=True)
+class Look:
+    """One metric, a number, over the fleet.
+
+    ``rows`` (k,) with a value, in order; ``values`` (k,); ``chart`` None for too few values or no
+    scatter; ``change`` None if too few for a significant one among so many metrics;
+    ``drifts`` whether the change is significant among all metrics.
+    """
+
+    metric: ResultColumn
+    rows: NDArray[np.int64]
+    values: Array
+    spread: MetricSpread
+    chart: Chart | None
+    change: LevelChange | None
+    drifts: bool
+    outlying: NDArray[np.bool_]
+
+    @property
+    def others(self) -> tuple[float, float]:
+        """5 and 95 % of the values that stand not apart; of all if none or each does."""
+        kept = self.values[~self.outlying]
+        low, high = np.quantile(kept if kept.size else self.values, [0.05, 0.95])
+        return float(low), float(high)
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Errors of one kind: the ``message`` of the first, their ``count``, some of their ``logs``.
+
+    Messages that differ only in names and numbers are of one kind.
+    """
+
+    message: str
+    count: int
+    logs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Shares:
+    """A metric of text or yes/no: number of each value, the most frequent first."""
+
+    metric: ResultColumn
+    counts: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The whole fleet; ``status``: number of logs for each; ``apart``: the farthest first.
+
+    ``together``: number of judged metrics that say new things; ``copies``: names of logs that are
+    one and the same recording, by recording.
+    """
+
+    logs: tuple[str, ...]
+    ordered_by: str
+    status: dict[Status, int]
+    looks: tuple[Look, ...]
+    shares: tuple[Shares, ...]
+    apart: tuple[Apart, ...]
+    failures: tuple[Failure, ...]
+    together: float = 1.0
+    copies: tuple[tuple[str, ...], ...] = ()
+
+    @property
+    def outliers(self) -> tuple[Outlier, ...]:
+        """All reasons of all logs that stand apart, the strongest first."""
+        found = [reason for car in self.apart for reason in car.reasons]
+        return tuple(sorted(found, key=lambda o: (o.p, -abs(o.z), o.log)))
+
+
+def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
+    """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
+    metrics = _chosen(fleet, wanted)
+    numbers = [m for m in metrics if m.kind == ColumnKind.NUMBER]
+    values = {m.name: fleet.numbers(m.name) for m in numbers}
+    every = np.array(list(values.values())).reshape(len(numbers), len(fleet.logs))
+    judged = judge(every, [plain(name).step for name in values])
+    spreads = {name: _real(name, x) for name, x in zip(values, judged.spreads, strict=True)}
+    hits = dict(zip(values, judged.named, strict=True))
+    known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
+    # the column that orders the line always increases along it
+    along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
+    tested, significant = drifting(list(along.values()))
+    changes = dict(zip(along, tested, strict=True))
+    drifts = dict(zip(along, significant, strict=True))
+    looks = tuple(
+        Look(
+            m,
+            known[m.name],
+            values[m.name][known[m.name]],
+            spreads[m.name],
+            chart(along[m.name]) if m.name in along else None,
+            changes.get(m.name),
+            bool(drifts.get(m.name, False)),
+            hits[m.name][known[m.name]],
+        )
+        for m in numbers
+    )
+    status = Counter(fleet.values("status"))
+    return Summary(
+        fleet.logs,
+        fleet.ordered_by,
+        {name: status[name] for name in Status if status[name]},
+        looks,
+        tuple(_shares(fleet, m) for m in metrics if _is_class(fleet, m)),
+        _apart(fleet, looks, judged.p),
+        failures(fleet.logs, fleet.values("error")),
+        judged.together,
+        copies(fleet.logs, fleet.values("digest")) if "digest" in fleet.columns else (),
+    )
+
+
+def _real(name: str, spread: MetricSpread) -> MetricSpread:
+    """The spread of the metric ``name`` without edges that no value of it can pass."""
+    if spread.edges is None:
+        return spread
+    return replace(spread, edges=within(spread.edges, possible(name)))
+
+
+def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:
+    """Change of each metric in the order of the line, and whether it is significant among all.
+
+    None if even a clear step could not be significant.
+    """
+    found = [change(x) for x in lines]
+    enough = DRIFT / max(sum(c is not None for c in found), 1)
+    tested = [
+        c if c and least_p(x.size) <= enough else None for c, x in zip(found, lines, strict=True)
+    ]
+    p = np.array([c.p if c else np.nan for c in tested])
+    return tested, named(p, DRIFT).tolist()
+
+
+def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[ResultColumn, ...]:
+    known = {metric.name: metric for metric in fleet.metrics}
+    for name in wanted:
+        if name not in known:
+            raise InputError(
+                f"no metric {name!r}",
+                where=fleet.path,
+                expected=f"one of {', '.join(known)}",
+                do=did_you_mean(name, known),
+            )
+    return tuple(known[name] for name in wanted) or fleet.metrics
+
+
+MANY = 20
+"""A text column with more different values than this is not a class: names, digests."""
+
+
+def _is_class(fleet: FleetFile, metric: ResultColumn) -> bool:
+    few = metric.kind == ColumnKind.TEXT and len({*fleet.values(metric.name)}) <= MANY
+    return few or metric.kind == ColumnKind.YES_NO
+
+
+def _shares(fleet: FleetFile, metric: ResultColumn) -> Shares:
+    words = {True: "yes", False: "no", None: "none"}
+    texts = [v if isinstance(v, str) else words[v] for v in fleet.values(metric.name)]
+    return Shares(metric, tuple(Counter(texts).most_common()))
+
+
+def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, ...]:
+    """The logs that stand apart, each with its metrics; ``p`` (n,) of all logs."""
+    reasons: dict[int, list[Outlier]] = {}
+    for look in looks:
+        for i in np.flatnonzero(look.outlying):
+            row, s = int(look.rows[i]), look.spread
+            told = float(look.values[i]), float(s.z[row]), float(s.p[row])
+            found = Outlier(fleet.logs[row], look.metric.name, *told)
+            reasons.setdefault(row, []).append(found)
+    cars = [
+        Apart(fleet.logs[row], float(p[row]), tuple(sorted(why, key=lambda o: (o.p, -abs(o.z)))))
+        for row, why in reasons.items()
+    ]
+    return tuple(sorted(cars, key=lambda car: (car.p, -abs(car.reasons[0].z), car.log)))
+
+
+def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, ...]:
+    """Errors grouped by kind, the most frequent first."""
+    groups: dict[str, list[str]] = {}
+    messages: dict[str, str] = {}
+    for log, error in zip(logs, errors, strict=True):
+        if isinstance(error, str):
+            kind = kind_of(error, log)
+            groups.setdefault(kind, []).append(log)
+            messages.setdefault(kind, error)
+    ranked = sorted(groups.items(), key=lambda item: (-len(item[1]), item[0]))
+    return tuple(Failure(messages[k], len(logs), tuple(logs[:EXAMPLES])) for k, logs in ranked)
+
+
+def copies(logs: tuple[str, ...], digests: Sequence[object]) -> tuple[tuple[str, ...], ...]:
+    """Logs of the same bytes, in groups, in their order: a recording that counts more than once.
+
+    >>> copies(("a", "b", "c", "d"), ("1", "2", "1", None))
+    (('a', 'c'),)
+    """
+    groups: dict[str, list[str]] = {}
+    for log, digest in zip(logs, digests, strict=True):
+        if isinstance(digest, str):
+            groups.setdefault(digest, []).append(log)
+    return tuple(tuple(group) for group in groups.values() if len(group) > 1)
+
+
+def kind_of(error: str, log: str) -> str:
+    """The message without names of this log and without numbers.
+
+    The name without ending is replaced only if it has three or more characters and is not a number:
+    a shorter one could be a word or a unit.
+
+    >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
+    'LOG: ends at # s; expected # s'
+    """
+    name = re.split(r"[/\\]", log)[-1]
+    stem = name.rpartition(".")[0]
+    own = [log, name] + [stem] * (len(stem) >= SHORTEST and not stem.isdecimal())
+    for text in filter(None, own):
+        error = re.sub(rf"""([^\s'"]*[/\\])?(?<![\w-]){re.escape(text)}(?![\w-])""", "LOG", error)
+    return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)

@@ -1,0 +1,180 @@
+"""Work on one log: read it, run the command, return its row. Errors become rows."""
+
+import hashlib
+import pickle
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from calib.base.errors import BatchError, BrakeCalError
+from calib.base.printable import printable
+from calib.base.program import PROGRAM, VERSION
+from calib.base.warning import PlausibilityWarning
+from calib.line.fleet.columns import FIT, Status
+from calib.line.fleet.command import Command
+from calib.line.fleet.job import Job
+from calib.line.fleet.row import Cell, Row, number
+from calib.logs.formats import ending_of
+from calib.logs.log import Log
+from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
+
+VEHICLE = "vehicle.toml"
+CALIBRATION, HOLDOUT = "calibration", "holdout"
+
+
+@dataclass(frozen=True)
+class WorkItem:
+    """A log to process: its name in the results, its path, and the digest in its row, if any.
+
+    A log whose digest is still ``known`` is not processed again.
+    """
+
+    name: str
+    path: str
+    known: str | None = None
+
+
+def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
+    """Rows of some logs in their order; None for an unchanged log. ``packed``: a `Job`.
+
+    Raises BatchError if the job comes from another version of the program.
+    """
+    job = _unpacked(packed)
+    if job.version != VERSION:
+        raise BatchError(
+            f"a worker runs {PROGRAM}",
+            expected=f"version {job.version}, which sent the logs",
+            do="install the same version on all workers",
+        )
+    return [run_item(job, item) for item in items]
+
+
+@lru_cache(maxsize=2)
+def _unpacked(packed: bytes) -> Job:
+    job = pickle.loads(packed)
+    assert isinstance(job, Job)
+    return job
+
+
+def run_item(job: Job, item: WorkItem) -> Row | None:
+    """The row of one log; every error gives a row too."""
+    digest = None
+    try:
+        files = _contents(job, item)
+        digest = digest_of(files)
+        if digest == item.known:
+            return None
+        status, cells = RUNS[job.command](job, item, files)
+    except BrakeCalError as error:
+        text = printable(str(error).replace(item.path, item.name))
+        return Row(item.name, digest, Status.ERROR, text)
+    except MemoryError:
+        text = f"{item.name}: not enough memory; the next run tries it again"
+        return Row(item.name, digest, Status.ERROR, text, lost=True)
+    except Exception as error:
+        # a bug in the program on one log must not stop the others
+        text = printable(f"{item.name}: the program failed: {type(error).__name__}: {error}")
+        return Row(item.name, digest, Status.ERROR, text.replace(item.path, item.name))
+    return Row(item.name, digest, status, None, cells)
+
+
+Files = dict[str, bytes]
+Answer = tuple[Status, tuple[Cell, ...]]
+
+
+def digest_of(files: Files) -> str:
+    """SHA-256 of a log's bytes; of names and digests of its files if it is a folder."""
+    if len(files) == 1:
+        return hashlib.sha256(next(iter(files.values()))).hexdigest()
+    lines = [f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in files.items()]
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _contents(job: Job, item: WorkItem) -> Files:
+    """The bytes of a log by name. Raises LogError if a file cannot be read."""
+    if job.command != Command.DIAGNOSE:
+        return {item.name: log_bytes(Path(item.path), item.name)}
+    root = Path(item.path)
+    logs = sorted(p for part in (CALIBRATION, HOLDOUT) for p in (root / part).glob("*"))
+    logs = [p for p in logs if ending_of(p) in FORMATS and not p.name.startswith(".")]
+    files = {VEHICLE: log_bytes(root / VEHICLE, f"{item.name}/{VEHICLE}", any_format=True)}
+    for path in logs:
+        inner = path.relative_to(root).as_posix()
+        files[inner] = log_bytes(path, f"{item.name}/{inner}")
+    return files
+
+
+def _log(job: Job, item: WorkItem, files: Files, require: tuple[str, ...] = REQUIRED) -> Log:
+    (data,) = files.values()
+    name, file = Path(item.name), Path(item.path)
+    return log_of(data, name, job.channel_map, require=require, file=file)
+
+
+def _verdict(passed: bool) -> Status:
+    return Status.PASSED if passed else Status.FAILED
+
+
+def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
+    from calib.estimation.metrics import METRICS
+    from calib.estimation.validate import validate_one
+
+    assert job.table is not None
+    log = _log(job, item, files)
+    found = validate_one(job.table, log, job.vehicle, job.limits, baselines=False)
+    broken = ", ".join(j.figure for j in found.judgements if j.passed is False)
+    metrics = (number(found.figures[name]) for name in METRICS)
+    cells = (*metrics, broken or None, _codes(found.warnings))
+    return _verdict(found.passed), cells
+
+
+def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
+    from calib.fitting.fit import fit
+
+    assert job.vehicle is not None
+    table = fit(job.vehicle, [_log(job, item, files)])
+    cal, q = table.calibration, table.quality
+    pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
+    quality = [column.name for column in FIT[6:-2]]
+    metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in quality)]
+    return Status.DONE, (*map(number, metrics), _codes(table.warnings), table.digest)
+
+
+def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
+    """Each code once, in order; None without a warning."""
+    return ", ".join(dict.fromkeys(one.code for one in warnings)) or None
+
+
+def _check(job: Job, item: WorkItem, files: Files) -> Answer:
+    from calib.run.check import check
+    from calib.run.figures import figures
+
+    found = check(_log(job, item, files, require=()))
+    usable = tuple(verdict.usable for verdict in found.verdicts)
+    metrics = map(number, figures(found.seen).values())
+    return _verdict(found.usable), (*usable, *metrics, _codes(found.warnings))
+
+
+def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
+    from calib.car.vehicle_file import read_vehicle
+    from calib.diagnosis.diagnose import diagnose
+
+    vehicle = read_vehicle(Path(item.path) / VEHICLE)
+    sides: dict[str, list[Log]] = {CALIBRATION: [], HOLDOUT: []}
+    for inner, data in files.items():
+        if inner != VEHICLE:
+            where, file = Path(item.name) / inner, Path(item.path) / inner
+            log = log_of(data, where, job.channel_map, file=file)
+            sides[inner.split("/")[0]].append(log)
+    found = diagnose(vehicle, sides[CALIBRATION], sides[HOLDOUT])
+    gap = (found.gap.before, found.gap.after, found.gap.closed)
+    names = "+".join(effect.name for effect in found.effects)
+    return Status.DONE, (found.verdict, names, *map(number, gap))
+
+
+RUNS: dict[Command, Callable[[Job, WorkItem, Files], Answer]] = {
+    Command.FIT: _fit,
+    Command.VALIDATE: _validate,
+    Command.CHECK: _check,
+    Command.DIAGNOSE: _diagnose,
+}

@@ -1,0 +1,173 @@
+"""Car and station of each log: from a plan file, or from the folders of the logs.
+
+log,car,station,road,vehicle            plan.csv; station, road and vehicle are optional
+a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the plan's folder
+
+car/station/ramp.csv                 folders, with as many levels as the layout
+"""
+
+import csv
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from calib.base.bounded import PLAN, bytes_of
+from calib.base.errors import InputError
+from calib.base.toml import did_you_mean
+
+COLUMNS = ("log", "car", "station", "road", "vehicle")
+LAYOUTS = ("car", "car/station", "station/car")
+"""Possible meanings of a log's folders, outer folder first."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A log of a study: ``station`` and ``road`` are "" if they are not given."""
+
+    log: Path
+    car: str
+    station: str = ""
+    vehicle: Path | None = None
+    road: str = ""
+
+
+def read_plan(path: Path) -> tuple[Place, ...]:
+    """Read a plan, one log a row, with commas or semicolons between cells.
+
+    Raises InputError if the file is not readable, or if a log or column occurs twice.
+    """
+    data = bytes_of(path, PLAN, InputError, "a CSV file with log,car,station")
+    try:
+        lines = data.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as cause:
+        raise InputError(f"not text: {cause}", where=path, expected="a CSV file") from cause
+    if b"\0" in data:
+        raise InputError("not text: it has a nul", where=path, expected="a CSV file")
+    separator = ";" if lines and ";" in lines[0] and "," not in lines[0] else ","
+    table = csv.reader((line if line.strip() else "" for line in lines), delimiter=separator)
+    try:
+        rows = [(table.line_num, row) for row in table if row]
+    except csv.Error as cause:
+        raise InputError(f"not a table: {cause}", where=path, expected="a CSV file") from cause
+    heads = [head.strip() for head in rows[0][1]] if rows else []
+    _check_heads(path, heads)
+    places = tuple(_place(path, line, heads, row) for line, row in rows[1:])
+    if not places:
+        raise InputError("the plan has no logs", where=path, expected="a row for each log")
+    _check_once(path, places)
+    for key in ("station", "road"):
+        if len({bool(getattr(place, key)) for place in places}) > 1:
+            raise InputError(f"some logs have a {key} and some have none", where=path)
+    return places
+
+
+def _check_heads(path: Path, heads: list[str]) -> None:
+    for head in heads:
+        if head not in COLUMNS:
+            raise InputError(
+                f"unknown column {head!r}",
+                where=path,
+                expected=f"columns {', '.join(COLUMNS)}",
+                do=did_you_mean(head, COLUMNS),
+            )
+        if heads.count(head) > 1:
+            raise InputError(f"column {head!r} occurs twice", where=path)
+    for head in ("log", "car"):
+        if head not in heads:
+            raise InputError(f"no column {head!r}", where=path, expected=f"{','.join(COLUMNS)}")
+
+
+def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
+    cells = dict.fromkeys(COLUMNS, "") | dict(zip(heads, map(str.strip, row), strict=False))
+    if len(row) > len(heads):
+        raise InputError(f"line {line} has more cells than columns", where=path)
+    for key in ("log", "car"):
+        if not cells[key]:
+            raise InputError(f"line {line} has no {key}", where=path)
+    vehicle = path.parent / cells["vehicle"] if cells["vehicle"] else None
+    return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle, cells["road"])
+
+
+def _check_once(where: Path, places: tuple[Place, ...]) -> None:
+    seen: set[str] = set()
+    for place in places:
+        if _whole(place.log) in seen:
+            raise InputError(f"{place.log} occurs twice", where=where)
+        seen.add(_whole(place.log))
+
+
+def _whole(path: Path) -> str:
+    """A path without links; one that leads in a ring is left as it is."""
+    return os.path.realpath(path)
+
+
+def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Place, ...]:
+    """The places of ``logs``, or all if it is empty. Raises InputError for an unknown log."""
+    known = {_whole(place.log): place for place in places}
+    for log in logs:
+        if _whole(log) not in known:
+            raise InputError(f"{log} is not in the plan", where=plan, do="add a row for it")
+    return tuple(known[_whole(log)] for log in logs) if logs else places
+
+
+def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Place, ...]:
+    """The places on ``road``; None for the only road of the plan, or a plan without roads.
+
+    D, f1, f2 and the stiffness of the tyres depend on the road, so ramps of different roads are no
+    repeats of each other. Raises InputError for several roads without a choice, and an unknown one.
+    """
+    roads = sorted({place.road for place in places} - {""})
+    if road is None and len(roads) < 2:
+        return places
+    if road not in roads:
+        raise InputError(
+            f"no ramp on road {road!r}" if road else f"ramps of {len(roads)} roads",
+            where=plan,
+            expected=f"one road: {', '.join(roads)}" if roads else "a column road",
+            do="" if road else "choose one with --road: ramps of two roads are no repeats",
+        )
+    return tuple(place for place in places if place.road == road)
+
+
+def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
+    """Car and station from the folders of each log; ``layout`` is one of `LAYOUTS`.
+
+    Raises InputError for a log with too few folders above it.
+    """
+    levels = layout.split("/")
+    out = []
+    for log in logs:
+        folders = _folders(log)[-len(levels) :]
+        if len(folders) < len(levels):
+            raise InputError("not enough folders above it", where=log, expected=f"{layout}/*.csv")
+        named = dict(zip(levels, folders, strict=True))
+        out.append(Place(log, named["car"], named.get("station", "")))
+    return tuple(out)
+
+
+def _folders(log: Path) -> tuple[str, ...]:
+    """Names of the folders above ``log`` as given: links are not resolved."""
+    whole = Path(os.path.abspath(log))
+    return whole.parent.parts[1:]
+
+
+def certain_layout(logs: list[Path]) -> str:
+    """Return ``car/station`` if the folders are unambiguous.
+
+    All logs must be two levels below one folder, and every inner name must occur in two or more
+    outer folders. Raises InputError otherwise, with the options to give.
+    """
+    folders = [_folders(log) for log in logs]
+    roots = {(len(found), found[:-2]) for found in folders}
+    under: dict[tuple[str, ...], set[tuple[str, ...]]] = {}
+    for found in folders:
+        under.setdefault(found[-1:], set()).add(found[-2:-1])
+    if len(roots) == 1 and under and min(map(len, under.values())) > 1:
+        return "car/station"
+    raise InputError(
+        "car and station of each log are ambiguous from its folders",
+        where=f"{len(logs)} logs",
+        expected="folders car/station/*.csv with each station under two cars or more",
+        do="give --plan plan.csv with columns log,car,station, or --folders car | car/station | "
+        "station/car",
+    )

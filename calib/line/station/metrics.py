@@ -1,0 +1,121 @@
+"""The metrics of a car as a whole, each with its meaning and unit.
+
+The metrics of each hold-out are those of `calib.estimation.metrics`; they are judged stop by stop.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.car.forces import front_biased_up_to
+from calib.car.vehicle import Vehicle
+from calib.estimation.validate import Validation, agreement
+from calib.line.station.fleet_sigma import fleet_sigma
+from calib.line.station.golden import distance, ratios_to
+from calib.line.station.sides import side_difference
+from calib.logs.log import Log
+from calib.run.driving_record import driving_record
+from calib.run.wheel_checks import axles_of
+from calib.store.listing import band_width
+from calib.table.table import MEASURED, Table
+
+METRICS: dict[str, str] = {
+    "ramp_deceleration": "deceleration up to which the ramps were used [g]",
+    "measured_share": "share of the rows of f1, f2 with enough blocks [1]",
+    "band_width": "half width of the 95 % band of D(eta) where D is largest, relative [1]",
+    "ramp_eta_zero": "radius mismatch of the axles while coasting in the ramp, over that of the "
+    "vehicle file, largest [1]",
+    "pad_scale": "pad friction of the car over that of the vehicle file, both axles [1]",
+    "pad_ratio": "front over rear pad friction, over the same of the vehicle file [1]",
+    "side_difference_f": "brake force left less right over their mean, front axle [1]",
+    "side_difference_r": "brake force left less right over their mean, rear axle [1]",
+    "front_biased_up_to": "deceleration up to which the front axle locks first, these pads; 9.99 "
+    "stands for all larger values [g]",
+    "repeatability_f": "largest departure of a stop's front pad friction from the mean of its "
+    "road [1]",
+    "repeatability_r": "largest departure of a stop's rear pad friction from the mean of its "
+    "road [1]",
+    "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
+    "golden_bands": "that departure over the 95 % half widths of both; above 1: significant [1]",
+    "golden_pads_f": "front pad friction over that of the golden table, less 1 [1]",
+    "golden_pads_r": "rear pad friction over that of the golden table, less 1 [1]",
+    "golden_stiffness": "slip stiffness of the tyres over that of the golden table, less 1 [1]",
+    "golden_sigma_d": "departure of D from a golden table of several cars, in sigma of its fleet",
+    "golden_sigma_level": "the same of the pad level, both axles, in sigma",
+    "golden_sigma_ratio": "the same of the pad ratio, front over rear, in sigma",
+    "golden_sigma_stiffness": "the same of the slip stiffness of the tyres, in sigma",
+}
+"""Every metric of the car, with its meaning."""
+
+CUT = {"front_biased_up_to": 9.99}
+"""Metrics that may be infinite, as without a rear brake, and the largest value that is given."""
+
+
+@dataclass(frozen=True)
+class Car:
+    """The inputs of a verdict on a car.
+
+    ``ramps`` the logs that the table was fitted on, without coasts; ``stops`` the hold-outs and
+    ``results`` their validations; ``golden`` the table of its model, if there is one.
+    """
+
+    table: Table
+    ramps: Sequence[Log]
+    stops: Sequence[Log]
+    results: Sequence[Validation]
+    golden: Table | None = None
+
+
+def metrics_of(car: Car) -> dict[str, float | None]:
+    """All `METRICS` of a car; None where its logs cannot give one."""
+    table, cal = car.table, car.table.calibration
+    out: dict[str, float | None] = {
+        "ramp_deceleration": table.quality["deceleration_max"],
+        "measured_share": float(np.mean(table.paper.flag == MEASURED)),
+        "band_width": band_width(table),
+        "ramp_eta_zero": _largest([_eta_zero(table.vehicle, log) for log in car.ramps]),
+        "pad_scale": cal.pad_scale.value,
+        "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
+        "front_biased_up_to": _front_biased_up_to(table),
+    }
+    for axle in "fr":
+        sides = [side_difference(table, log, axle) for log in car.ramps]
+        out[f"side_difference_{axle}"] = _largest([s.value if s else None for s in sides])
+    together = agreement(list(car.results))
+    out["repeatability_f"] = together.spread_f if together else None
+    out["repeatability_r"] = together.spread_r if together else None
+    far = distance(table, car.golden) if car.golden else None
+    out["golden_distance"] = far.relative if far else None
+    out["golden_bands"] = far.bands if far else None
+    ratios = ratios_to(table, car.golden) if car.golden else None
+    out["golden_pads_f"] = ratios.front - 1.0 if ratios else None
+    out["golden_pads_r"] = ratios.rear - 1.0 if ratios else None
+    out["golden_stiffness"] = ratios.stiffness - 1.0 if ratios else None
+    fleet = fleet_sigma(table, car.golden) if car.golden else None
+    out["golden_sigma_d"] = fleet.D if fleet else None
+    out["golden_sigma_level"] = fleet.pad_level if fleet else None
+    out["golden_sigma_ratio"] = fleet.pad_ratio if fleet else None
+    out["golden_sigma_stiffness"] = fleet.stiffness if fleet else None
+    return {name: out[name] for name in METRICS}
+
+
+def _eta_zero(vehicle: Vehicle, log: Log) -> float | None:
+    found = axles_of(log, driving_record(log)).front_rear
+    return None if found is None else vehicle.radius_mismatch(found.value)
+
+
+def _front_biased_up_to(table: Table) -> float:
+    """z [1] at which both axles use the same friction, with the identified pads.
+
+    At most its value in `CUT`, which is also given for all larger values.
+    """
+    car, cal = table.vehicle, table.calibration
+    front = replace(car.front, pad_friction=cal.pad_friction_f.value)
+    rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
+    return min(front_biased_up_to(replace(car, front=front, rear=rear)), CUT["front_biased_up_to"])
+
+
+def _largest(values: Sequence[float | None]) -> float | None:
+    """The value of largest magnitude, with its sign."""
+    return max((v for v in values if v is not None), key=abs, default=None)

@@ -1,0 +1,201 @@
+"""The verdict on one car: fitted, validated on its stops, every metric checked with its limit.
+
+ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or failed
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from calib.base.errors import LogError
+from calib.base.warning import PlausibilityWarning
+from calib.car.vehicle import Vehicle
+from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
+from calib.estimation.metrics import METRICS as OF_STOPS
+from calib.estimation.validate import CALIBRATION, Validation, validate_one
+from calib.fitting.fit import fit
+from calib.line.station.identity import Identity
+from calib.line.station.metrics import METRICS as OF_CAR
+from calib.line.station.metrics import Car, metrics_of
+from calib.line.station.warnings import car_warnings, log_warnings
+from calib.logs.log import Log
+from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
+from calib.table.table import Table
+
+CAR = "car"
+"""Scope of a check of the car as a whole."""
+
+
+@dataclass(frozen=True)
+class StationCheck:
+    """One metric and its limit: of the hold-out named ``stop``; None for the car."""
+
+    stop: str | None
+    judgement: Judgement
+
+    @property
+    def of_car(self) -> bool:
+        """Whether the check is of the car as a whole."""
+        return self.stop is None
+
+    @property
+    def scope(self) -> str:
+        """`CAR` or the name of the hold-out; a hold-out may be named like `CAR`."""
+        return CAR if self.stop is None else self.stop
+
+    @property
+    def figure(self) -> str:
+        """Name of the metric."""
+        return self.judgement.figure
+
+    @property
+    def meaning(self) -> str:
+        """Meaning of the metric, with its unit."""
+        return OF_CAR[self.figure] if self.of_car else OF_STOPS[self.figure]
+
+    @property
+    def verdict(self) -> str:
+        """`passed`, `warning`, `failed` or `not known`."""
+        return self.judgement.verdict
+
+
+@dataclass(frozen=True)
+class StationOutcome:
+    """All results of a car after its run at the station.
+
+    ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
+    ``caveats`` warnings of `brake-cal check` on a log, which are no verdict on the car; ``golden``
+    the id of the golden table, "" without one; ``golden_cars`` of how many cars it is the mean, 0
+    for a table of one car; ``accepted`` the reason why warnings are accepted, "" where they are
+    not; ``by`` the person who answers for it, "" for the user of the computer; ``limits`` the file
+    of limits with its digest, in words, "" for those of the program.
+    """
+
+    table: Table
+    identity: Identity
+    ramps: tuple[Log, ...]
+    coasts: tuple[Log, ...]
+    results: tuple[Validation, ...]
+    figures: dict[str, float | None]
+    checks: tuple[StationCheck, ...]
+    caveats: tuple[PlausibilityWarning, ...] = ()
+    golden: str = ""
+    accepted: str = ""
+    by: str = ""
+    golden_cars: int = 0
+    limits: str = ""
+
+    @property
+    def warnings(self) -> tuple[PlausibilityWarning, ...]:
+        """What speaks against the fit, the stops, and both together."""
+        of_stops = (w for result in self.results for w in result.warnings)
+        return (*self.table.warnings, *car_warnings(self.table, self.results), *of_stops)
+
+    @property
+    def verdict(self) -> str:
+        """`failed` if any check fails, else `warning` if there is any warning, else `passed`."""
+        found = {check.verdict for check in self.checks} | ({WARNING} if self.warnings else set())
+        return next((word for word in (FAILED, WARNING) if word in found), PASSED)
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check fails; warnings pass."""
+        return self.verdict != FAILED
+
+    def decision(self, digest: str) -> StateDecision:
+        """The state that the verdict gives the table; ``digest`` of `station.json`, its evidence.
+
+        A warning alone releases nothing: the table is a draft, unless the warnings are accepted.
+        """
+        state = {PASSED: RELEASED, FAILED: REJECTED}.get(self.verdict, DRAFT)
+        reason = f"{self.verdict} at the station"
+        if self.verdict == WARNING and self.accepted:
+            state, reason = RELEASED, f"{reason}; accepted: {self.accepted}"
+        evidence = (Evidence("station.json", digest),)
+        return StateDecision(state, reason, self.verdict, evidence, self.by, automatic=True)
+
+    def with_verdict(self, word: str) -> list[StationCheck]:
+        """Checks of one verdict, in order."""
+        return [check for check in self.checks if check.verdict == word]
+
+    def counts(self) -> dict[str, int]:
+        """Number of checks by verdict."""
+        return {word: len(self.with_verdict(word)) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
+
+
+def table_of(
+    vehicle: Vehicle,
+    ramps: Sequence[Log],
+    coasts: Sequence[Log],
+    identity: Identity,
+    mass: float | None = None,
+) -> Table:
+    """Fit the table of the car; its provenance holds the ``identity`` of the car.
+
+    ``mass`` [kg] of the car in these logs, if it is not that of ``vehicle``.
+    Raises LogError for a ramp without braking and for a coast with braking.
+    """
+    table = fit(vehicle, [*ramps, *coasts], mass)
+    roles = {log.digest: log.role for log in table.provenance.logs}
+    for role, logs in (("ramp", ramps), ("coast", coasts)):
+        for log in logs:
+            if roles[log.digest] != role:
+                raise LogError(
+                    f"given as a {role}, and it is a {roles[log.digest]}",
+                    where=log.source,
+                    do="the ramp comes first, further ones with --ramp, coasts with --coast",
+                )
+    return replace(table, provenance=replace(table.provenance, identity=identity.given()))
+
+
+def validated(
+    table: Table, log: Log, limits: Sequence[Limit], mass: float | None = None
+) -> Validation:
+    """Validate one hold-out, of a car of a stated ``mass`` [kg] or that of the table.
+
+    Raises LogError where the table was fitted on it.
+    """
+    of_stops = tuple(x for x in limits if x.figure in OF_STOPS)
+    result = validate_one(table, log, None, of_stops, mass=mass)
+    if result.role == CALIBRATION:
+        raise LogError(
+            "the table is fitted on this log, which proves nothing as a hold-out",
+            where=log.source,
+            do="give each run once: the ramp first, then stops that are not part of the fit",
+        )
+    return result
+
+
+def outcome(
+    car: Car,
+    coasts: Sequence[Log],
+    limits: Sequence[Limit],
+    identity: Identity,
+    golden: str = "",
+    accepted: str = "",
+    by: str = "",
+    limits_file: str = "",
+) -> StationOutcome:
+    """Judge the car and collect all results. ``golden`` is the id of ``car.golden``.
+
+    ``accepted``, ``by`` as in `StationOutcome`; ``limits_file`` is its ``limits``.
+    """
+    logs = (*car.ramps, *coasts, *car.stops)
+    figures = metrics_of(car)
+    of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)
+    checks = [StationCheck(None, j) for j in of_car]
+    checks += [StationCheck(r.log, j) for r in car.results for j in r.judgements]
+    return StationOutcome(
+        table=car.table,
+        identity=identity,
+        ramps=tuple(car.ramps),
+        coasts=tuple(coasts),
+        results=tuple(car.results),
+        figures=figures,
+        checks=tuple(checks),
+        caveats=tuple(warning for log in logs for warning in log_warnings(car.table.vehicle, log)),
+        golden=golden,
+        accepted=accepted,
+        by=by,
+        limits=limits_file,
+        golden_cars=car.golden.spread.cars if car.golden and car.golden.spread else 0,
+    )

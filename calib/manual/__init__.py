@@ -1,1 +1,0 @@
-"""The manual: its pages beside this file, read as text."""

@@ -1,0 +1,187 @@
+"""Known effects taken out of a log, so that what is left may be called pad friction.
+
+    a_x, omega as read ---> a_x, omega of the car                sensor effects undone
+    p_mc --line, caliper--> clamp --pads, left/right--> p_w      pressure that does the same on
+                                                                 pads without the effects
+    mass, radii, inertias as driven                              into the vehicle
+
+What slows the body or the wheels beside the brakes (drag, grade, engine) stays an effect: it takes
+its part of the balance of forces, and so does a logged torque of engine or motor: with
+``engine_drag`` among the known effects both are counted. The load transfer that pitch delays is
+left to the estimator, which carries it as a state of its own, with the car's pitch mode where that
+is known.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.errors import ModelError
+from calib.base.names import AXLES, WHEELS, G
+from calib.car.brakes import Brakes, brakes_of
+from calib.car.braking import MOVING
+from calib.car.effects.combined import (
+    accelerometer_lag,
+    as_driven,
+    as_sensed,
+    chosen,
+    pad_factors,
+    speed_delay,
+    wheel_speed_delay,
+    wheel_speed_factors,
+)
+from calib.car.effects.effect import Effect, acts_on_brakes, changes_readings, slows
+from calib.car.effects.effects import Effects
+from calib.car.forces import axle_loads, deceleration
+from calib.car.history import Motion, RunHistory, at_rest
+from calib.car.lag import delayed, integral
+from calib.car.model import Model, default_model
+from calib.car.vehicle import Vehicle
+from calib.logs.log import Log
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-9
+"""Largest change of a_x [m/s^2] in the last iteration."""
+
+ITERATIONS = 50
+"""The sensor effects of a car move a_x by a tenth of it at most: a digit an iteration."""
+
+HEAT_ITERATIONS = 3
+"""Friction and heat depend on each other: three iterations are enough for wet pads to agree."""
+
+
+@dataclass(frozen=True)
+class CorrectedRun:
+    """A run as the car without the effects would have given it.
+
+    ``vehicle`` as driven, with those effects left that take part in the balance of forces, drag
+    and rolling resistance among them; ``log`` with ``a_x`` of the car, and wheel pressures where an
+    effect changed them; ``factor_f``, ``factor_r`` (n,) what the effects do to the pad friction.
+    """
+
+    vehicle: Vehicle
+    log: Log
+    factor_f: Array
+    factor_r: Array
+
+
+def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
+    """Take the known effects of a vehicle, empirical terms among them, out of a log.
+
+    A run without such effects comes back as it is. Causal: no sample depends on a later one, unless
+    the pressure is logged late (a negative ``hydraulic_delay``).
+    Raises ModelError for an effect that the catalogue does not know, for a term on the brakes over
+    a temperature that the log lacks, for a term on body or wheels over any temperature (the balance
+    of forces has none), and when a_x cannot be computed from its reading.
+    """
+    known = default_model(vehicle)
+    _refuse_force_over_temperature(known.effects, log)
+    car = replace(as_driven(vehicle, known.effects), effects=chosen(known.effects, slows))
+    effects = chosen(known.effects, _changes_log)
+    ones = np.ones_like(log.time)
+    if not effects:
+        return CorrectedRun(car, log, ones, ones)
+    model = replace(known, vehicle=car, effects=effects)
+    history = _history(model, log)
+    channels = {**log.channels, "a_x": -G * history.z, **_in_time(effects, log, history)}
+    moved = Motion(history.v, *axle_loads(car, history.z), history)
+    for w, factor in wheel_speed_factors(car, effects, moved).items():
+        channels[f"omega_{w}"] = channels[f"omega_{w}"] / factor
+    factors = (ones, ones)
+    if chosen(effects, acts_on_brakes):
+        brakes = _brakes(model, log)
+        history = _heated(brakes, history, log)
+        torques = brakes.torques(history)
+        for w in WHEELS:
+            gain = brakes.axle(w).torque_gain
+            pads = model.pad_friction_f if w[0] == "f" else model.pad_friction_r
+            channels[f"p_{w}"] = torques[brakes.twin(w)] / (pads * gain)
+        clamp = [brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES]
+        factors = pad_factors(effects, history, clamp[0], clamp[1])
+    notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
+    return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
+
+
+def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
+    for term in effects.terms:
+        if term.driver == "temperature" and not term.on_brakes:
+            raise ModelError(
+                f"a term on the {term.place} over temperature cannot be taken out of a log",
+                where=log.source,
+                expected="a term on the brakes, or over speed, pressure, deceleration or time",
+            )
+
+
+def _changes_log(effect: Effect) -> bool:
+    """Whether an effect changes a pressure or the reading of a sensor; others stay in the car."""
+    return acts_on_brakes(effect) or changes_readings(effect)
+
+
+def _history(model: Model, log: Log) -> RunHistory:
+    """The run behind the log, its a_x without what the sensor adds; no heat yet."""
+    car = model.vehicle
+    omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
+    v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
+    heat = {a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log}
+    run = replace(
+        at_rest(log.time, log["p_mc"], float(v[0]), heat, log.source),
+        v=v,
+        angle_f=integral(log.time, omega["f"]),
+        angle_r=integral(log.time, omega["r"]),
+    )
+    a_x = felt = _followed(log, accelerometer_lag(model.effects))
+    for _ in range(ITERATIONS):
+        run = replace(run, z=deceleration(a_x))
+        off = felt - as_sensed(car, model.effects, run, a_x)
+        a_x = a_x + off
+        if float(np.max(np.abs(off))) < TOLERANCE:
+            return run
+    raise ModelError(
+        "the acceleration cannot be computed from its reading",
+        where=log.source,
+        do="check accelerometer_scale and pitch_coupling among the known effects",
+    )
+
+
+def _followed(log: Log, time_constant: float) -> Array:
+    """What an accelerometer follows [m/s^2] (n,): its reading and T times the rise of that.
+
+    The rise since the last sample, so half a sample late. A second order is left out: on a ramp it
+    does nothing, and the second difference of a_x is noise.
+    """
+    a_x = log["a_x"]
+    rise = np.diff(a_x, prepend=a_x[0]) / np.gradient(log.time)
+    return np.asarray(a_x + time_constant * rise)
+
+
+def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
+    """Speeds that are read late, as they are at each sample, by what the car lost since.
+
+    A wheel keeps the slip of the time at which it was read: slip over ``wheel_speed_delay`` is
+    taken as constant.
+    """
+    gained = integral(log.time, -G * history.z)
+    late = {"v": speed_delay(effects), "omega": wheel_speed_delay(effects)}
+    since = {name: gained - delayed(log.time, gained, delay) for name, delay in late.items()}
+    right = {"v": log["v"] + since["v"]} if "v" in log and late["v"] else {}
+    if late["omega"]:
+        before = right.get("v", history.v) - (since["omega"] if "v" in log else 0.0)
+        ratio = 1.0 + since["omega"] / np.maximum(before, MOVING)
+        right |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
+    return right
+
+
+def _brakes(model: Model, log: Log) -> Brakes:
+    own = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
+    return brakes_of(model, at_rest(log.time, log["p_mc"], 0.0, source=log.source), own)
+
+
+def _heated(brakes: Brakes, history: RunHistory, log: Log) -> RunHistory:
+    """The run with the heat [J] that its brakes took; friction and heat depend on each other."""
+    for _ in range(HEAT_ITERATIONS):
+        torques = brakes.torques(history)
+        heat = {a: integral(log.time, np.abs(torques[f"{a}l"] * log[f"omega_{a}l"])) for a in AXLES}
+        history = replace(history, energy_f=heat["f"], energy_r=heat["r"])
+    return history

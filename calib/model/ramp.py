@@ -1,0 +1,249 @@
+r"""A ramp ready to fit, and what its sensors would show with given parameters.
+
+The pads' pressure gives the forces of both axles up to a common scale and the pads' ratio; the
+scale follows from the sum of forces. The forces give the slips through the compliance of
+`calib.car.tyre`, and the slips give what the sensors see:
+
+    p --(2)--> F_f, F_r --tyre--> slip_f, slip_r --(22)--> eta            always
+                                              \----------> mean slip     where v is known
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.names import G
+from calib.car.balance import brake_forces
+from calib.car.braking import BITE
+from calib.car.effects.effects import Effects
+from calib.car.forces import mean_slip, speed_ratio
+from calib.car.vehicle import Vehicle
+from calib.model.parameters import RampParameters, tyres_of
+from calib.model.ratio_along import ratio_along
+from calib.model.settings import SETTINGS
+from calib.run.accelerometer import Accelerometer
+from calib.run.block_balance import block_balance
+from calib.run.blocks import Blocks
+from calib.run.filters import since
+from calib.run.noise import SensorNoise
+from calib.run.one_axle import Axle, braked_alone
+from calib.run.zero import aged
+
+Array = NDArray[np.float64]
+A = TypeVar("A", float, Array)
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class RampRun:
+    """One ramp, ready to fit: blocks, what they say, and what is known beforehand. SI, shapes (k,).
+
+    ``load_f``, ``load_r`` axle loads [N]; ``moment_f``, ``moment_r`` what slows the wheels besides
+    the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
+    that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
+    blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
+    is exact; ``only`` the axle that brakes alone, None where both do; ``model_error`` of the tyre's
+    curve relative to the slip [1]; ``left_out`` blocks of the braking in which something else acts,
+    see `calib.fitting.disturbances`; ``believed_up_to`` deceleration [1] above which nothing takes
+    part, see `calib.fitting.below_the_peak`.
+    """
+
+    name: str
+    blocks: Blocks
+    noise: SensorNoise
+    load_f: Array
+    load_r: Array
+    moment_f: Array
+    moment_r: Array
+    brake_sum: Array
+    slip: Array | None
+    use: NDArray[np.bool_]
+    accelerometer: Accelerometer | None = None
+    only: Axle | None = None
+    model_error: Array | float = SETTINGS.model_error
+    left_out: NDArray[np.bool_] | None = None
+    believed_up_to: float | None = None
+
+    @cached_property
+    def braked(self) -> NDArray[np.bool_]:
+        """Blocks that take part and in which a brake bites (k,)."""
+        return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
+
+    def since_rolling(self, measured: Array) -> Array:
+        """Eta or slip [1] (k,) less what it was on the lead-in: what the brakes did to it.
+
+        Wheels of two sizes differ by per cents, which is no slip.
+        """
+        return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
+
+
+class OfRun(NamedTuple, Generic[T]):
+    """One thing for each of what differs from run to run, zero where nothing does.
+
+    ``eta_zero``, ``slip_zero`` [1]; ``softer`` logarithm of the compliance of the tyres over that
+    of the other runs [1], where one axle brakes alone; where both do, ``drift`` [1] and
+    ``pressure_apart`` [Pa] of `calib.model.ratio_along`.
+    """
+
+    eta_zero: T
+    slip_zero: T
+    softer: T
+    drift: T
+    pressure_apart: T
+
+
+AS_OTHERS = OfRun(0.0, 0.0, 0.0, 0.0, 0.0)
+"""A run in which nothing differs."""
+
+
+def prepare(
+    vehicle: Vehicle,
+    name: str,
+    b: Blocks,
+    noise: SensorNoise,
+    effects: Effects,
+    accelerometer: Accelerometer | None = None,
+) -> RampRun:
+    """Loads, resistances and the demanded brake force of each block.
+
+    A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
+    one between the lead-in and the bite, or after a release: nobody knows whether the pads touch;
+    nor one so long before the bite that its radii are forgotten (`calib.run.zero`); nor one in
+    which the pressure changes fast, as when the pedal is let go.
+    """
+    forces = block_balance(vehicle, effects, b)
+    stands = np.minimum(forces.load_f, forces.load_r) > 0.0
+    # the last blocks of a stop hold the jerk at standstill
+    use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & stands
+    use &= b.lead_in | (np.maximum(b.p_f, b.p_r) > BITE)
+    load_f = np.where(stands, forces.load_f, np.nan)
+    run = RampRun(
+        name=name,
+        blocks=b,
+        noise=noise,
+        load_f=load_f,
+        load_r=np.where(stands, forces.load_r, np.nan),
+        moment_f=forces.moment_f,
+        moment_r=forces.moment_r,
+        brake_sum=forces.demanded,
+        slip=None if b.v is None else mean_slip(vehicle, load_f, b.omega_f, b.omega_r, b.v),
+        use=np.asarray(use),
+        accelerometer=accelerometer,
+        only=braked_alone(b.p_f, b.p_r),
+    )
+    known = np.isfinite(aged(b.end, b.lead_in, _eta_density(run)))
+    if run.slip is not None:
+        known |= np.isfinite(aged(b.end, b.lead_in, _slip_density(run)))
+    run = replace(run, use=run.use & known & (b.lead_in | _steady(vehicle, run)))
+    return run if run.only else replace(run, model_error=_model_error(vehicle, run))
+
+
+def _steady(vehicle: Vehicle, run: RampRun) -> NDArray[np.bool_]:
+    """Blocks (k,) in which the pressure changes slowly enough, and has just before."""
+    B_f, B_r = nominal_forces(vehicle, run, 0.0)
+    time = run.blocks.end
+    rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, time))
+    return since(time, rate > SETTINGS.fastest) > SETTINGS.late
+
+
+def _model_error(vehicle: Vehicle, run: RampRun) -> Array:
+    """What the tyre's curve may be off, relative to the slip [1], (k,).
+
+    Near its peak a tyre yields more than a cubic does, and the fit would take that for another
+    ratio of the pads. Where one axle brakes alone its force is known, and no such thing happens.
+    """
+    F_f, F_r, _ = normalised_forces(vehicle, run, 0.0)
+    return np.hypot(SETTINGS.model_error, form_error(np.maximum(F_f, F_r)))
+
+
+def form_error(force: A) -> A:
+    """What the cubic of the tyre is off near its peak, relative to the slip [1].
+
+    ``force`` normalised force of the axle that is nearer to the peak [1].
+    """
+    return SETTINGS.form_error * (force / SETTINGS.form_reach) ** 12
+
+
+def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
+    """Common factor on the brake forces that makes their sum the demanded one, least squares."""
+    total = (B_f + B_r)[run.braked]
+    return float(total @ run.brake_sum[run.braked] / (total @ total))
+
+
+def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> tuple[Array, Array]:
+    """Brake forces [N] of the blocks with nominal pads at a pad ratio; a released axle has none."""
+    b = run.blocks
+    biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
+    p_f, p_r = (p * (biting & (run.only in (None, a))) for a, p in (("f", b.p_f), ("r", b.p_r)))
+    return brake_forces(vehicle, p_f, p_r, log_ratio)
+
+
+def normalised_forces(
+    vehicle: Vehicle, run: RampRun, log_ratio: Array | float
+) -> tuple[Array, Array, float]:
+    """F_f, F_r [1] of the blocks from pressure, and the pad scale, at a pad ratio."""
+    B_f, B_r = nominal_forces(vehicle, run, log_ratio)
+    scale = pad_scale(run, B_f, B_r)
+    F_f = (scale * B_f + run.moment_f) / run.load_f
+    F_r = (scale * B_r + run.moment_r) / run.load_r
+    return F_f, F_r, scale
+
+
+def predict(
+    vehicle: Vehicle,
+    run: RampRun,
+    parameters: RampParameters[float],
+    own: OfRun[float],
+) -> tuple[Array, Array]:
+    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
+    ratio: Array | float = parameters.log_pad_ratio
+    if run.only is None:
+        ratio = ratio + ratio_along(run.blocks, run.braked, own.drift, own.pressure_apart)
+    else:
+        compliance = parameters.log_compliance + own.softer
+        parameters = parameters._replace(log_compliance=compliance)
+    F_f, F_r, _ = normalised_forces(vehicle, run, ratio)
+    slip_f, slip_r = tyres_of(parameters).slips(
+        (F_f, F_r), (run.load_f, run.load_r), vehicle.static_loads
+    )
+    share = run.load_f / vehicle.weight
+    mean = share * slip_f + (1.0 - share) * slip_r
+    b = run.blocks
+    lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
+    return speed_ratio(slip_f, slip_r) * (1.0 + own.eta_zero), mean + own.slip_zero + lag
+
+
+def sigma_eta(run: RampRun, signal: Array) -> Array:
+    """Standard deviation of eta of a block [1]: two axle means, their age, and the model error."""
+    return _sigma(run, _eta_density(run), signal)
+
+
+def sigma_slip(run: RampRun, signal: Array) -> Array:
+    """Standard deviation of the mean slip of a block [1], likewise: v and the wheels."""
+    return _sigma(run, _slip_density(run), signal)
+
+
+def _sigma(run: RampRun, density: Array, signal: Array) -> Array:
+    """Of a block with a ``density`` [s^0.5] of the sensors' noise and a ``signal`` [1], (k,)."""
+    b = run.blocks
+    sensor = density / np.sqrt(b.length) * aged(b.end, b.lead_in, density)
+    return np.asarray(np.hypot(sensor, run.model_error * signal))
+
+
+def _eta_density(run: RampRun) -> Array:
+    """Noise density of eta [s^0.5] (k,)."""
+    return np.asarray(np.sqrt(2.0) * run.noise.omega / _turning(run.blocks))
+
+
+def _slip_density(run: RampRun) -> Array:
+    """Noise density of the mean slip [s^0.5] (k,)."""
+    speed = np.maximum(run.blocks.speed, SETTINGS.min_speed)  # slower blocks take no part
+    return np.asarray(np.hypot(run.noise.v / speed, run.noise.omega / _turning(run.blocks)))
+
+
+def _turning(b: Blocks) -> Array:
+    """Front wheel speed [rad/s], at least 1: what turns slower takes no part."""
+    return np.maximum(b.omega_f, 1.0)

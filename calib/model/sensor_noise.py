@@ -1,0 +1,98 @@
+"""Sensor noise on a simulated log: white, coloured, rounded; the same for the same seed.
+
+    reading = round(truth + white + coloured),   coloured: x[k+1] = a x[k] + e,  a = exp(-dt/0.1 s)
+
+The default levels follow the coasting log of `sample_logs/sedan`: body motion makes a large part of
+the accelerometer's variance slow.
+"""
+
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.digest import content_digest
+from calib.base.names import WHEELS
+from calib.logs.log import Log
+
+Array = NDArray[np.float64]
+
+TIME_CONSTANT = 0.1
+"""Correlation time of the coloured part [s]."""
+
+
+@dataclass(frozen=True)
+class NoiseLevel:
+    """Noise of one channel, in its SI unit.
+
+    Attributes
+    ----------
+    sd : standard deviation before rounding.
+    coloured : share of the variance that is correlated in time [1].
+    quantum : step of the reading; 0 for none.
+    floor : lowest value that the sensor reads.
+    """
+
+    sd: float
+    coloured: float = 0.0
+    quantum: float = 0.0
+    floor: float = -np.inf
+
+
+LEVELS: dict[str, NoiseLevel] = {
+    "a_x": NoiseLevel(0.055, 0.45, 0.005),
+    "v": NoiseLevel(0.02, 0.0, 0.001),
+    "p_mc": NoiseLevel(0.09e5, 0.0, 0.1e5, 0.0),
+    **{f"omega_{w}": NoiseLevel(0.02, 0.20, 0.005) for w in WHEELS},
+    **{f"p_{w}": NoiseLevel(0.09e5, 0.0, 0.1e5, 0.0) for w in WHEELS},
+}
+
+
+def add_noise(log: Log, seed: int, levels: Mapping[str, NoiseLevel] = LEVELS) -> Log:
+    """Return the log with sensor noise; channels without a level are not changed.
+
+    Every channel has its own random numbers, so that an additional channel changes no other. Truth
+    channels are not changed. The coloured part uses the median step; it is exact for a uniform
+    clock.
+    """
+    channels = {
+        name: reading(values, levels[name], log.sample_time, _stream(seed, name))
+        if name in levels
+        else values
+        for name, values in log.channels.items()
+    }
+    record = {"name": log.name, "noise": seed}
+    return replace(
+        log,
+        channels=channels,
+        digest=content_digest(record, {"channels": channels, "truth": log.truth}),
+        notes=(*log.notes, f"sensor noise added with seed {seed}"),
+    )
+
+
+def reading(
+    truth: Array, level: NoiseLevel, sample_time: float, random: np.random.Generator
+) -> Array:
+    """Reading of a sensor for ``truth`` (n,), sampled every ``sample_time`` [s]."""
+    white = level.sd * np.sqrt(1.0 - level.coloured) * random.standard_normal(truth.size)
+    colour = level.sd * np.sqrt(level.coloured) * _coloured(truth.size, sample_time, random)
+    seen: Array = truth + white + colour
+    if level.quantum:
+        seen = np.round(seen / level.quantum) * level.quantum
+    return np.asarray(np.maximum(seen, level.floor))
+
+
+def _coloured(size: int, sample_time: float, random: np.random.Generator) -> Array:
+    """A stationary AR(1) of unit variance and correlation time `TIME_CONSTANT`."""
+    from scipy.signal import lfilter
+
+    a = np.exp(-sample_time / TIME_CONSTANT)
+    shocks = random.standard_normal(size)
+    shocks[1:] *= np.sqrt(1.0 - a * a)  # the first sample has the stationary distribution
+    return np.asarray(lfilter([1.0], [1.0, -a], shocks))
+
+
+def _stream(seed: int, channel: str) -> np.random.Generator:
+    return np.random.default_rng([seed, zlib.crc32(channel.encode())])

@@ -1,0 +1,183 @@
+"""Simulation: from pressure and first speed to the channels of a log.
+
+Valid for a straight line and slip on the rising branch of the tyre. Left and right tyres are equal,
+and the load transfer has no delay, unless the model has an effect for it. The method of solution is
+in `calib.model.solver`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.digest import content_digest
+from calib.base.errors import ModelError
+from calib.base.names import AXLES, WHEELS, G
+from calib.car import forces
+from calib.car.brakes import brakes_of
+from calib.car.disc_temperature import ALIKE
+from calib.car.effects.combined import (
+    as_driven,
+    as_read,
+    speed_delay,
+    wheel_speed_delay,
+    wheel_speed_factors,
+)
+from calib.car.history import Motion, RunHistory, at_rest
+from calib.car.lag import delayed
+from calib.car.model import Model
+from calib.logs.log import Log
+from calib.model.clock import FineClock, fine_clock
+from calib.model.solver import Drive, SolverState, end_of, history_of, solve
+
+Array = NDArray[np.float64]
+
+
+def simulate(
+    model: Model,
+    time: Array,
+    pressure: Array,
+    v0: float,
+    *,
+    wheel_pressure: Mapping[str, Array] | None = None,
+    temperature: Mapping[str, Array] | None = None,
+    start_heat: tuple[float, float] = ALIKE,
+    drive_torque: Mapping[str, Array] | None = None,
+    wheel_angle: Mapping[str, Array] | None = None,
+    stop_speed: float = 1.0,
+    name: str = "simulation",
+) -> Log:
+    """Simulate the model with a given brake pressure. The first sample is a steady state.
+
+    Parameters
+    ----------
+    model : the car with pads, tyre and effects; `calib.default_model` of a vehicle, or the
+        ``model_after`` of a diagnosis.
+    time : t [s], shape (n,), increasing. Between its samples the solver takes steps of its own
+        (`calib.model.clock`), so a clock of 40 Hz gives the same run as one of 200 Hz.
+    pressure : at the master cylinder [Pa], shape (n,); as all inputs linear between samples.
+    v0 : first speed [m/s].
+    wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
+    temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
+        takes an assumed disc that is heated by its brake on an axle without one.
+    start_heat : of such assumed discs at the first sample [degC], front and rear.
+    drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
+        name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
+    wheel_angle : of the wheels of an axle [rad], (n,) each, by axle name: what ripples with the
+        turn of the wheels follows it. On an axle without one the simulation's own angle counts,
+        from 0 at the first sample.
+    stop_speed : speed at which the simulation ends [m/s].
+    name : of the log.
+
+    Returns
+    -------
+    A log with truth channels. It ends with the last sample at or above ``stop_speed``, or the last
+    one before a wheel would pass the peak of its tyre or an axle would lift; its last note
+    gives the time and the reason.
+
+    Raises ModelError if nothing can be simulated: ``v0`` not above ``stop_speed``, shapes that
+    differ, time that does not increase, numbers that are not finite, an unknown effect, an
+    empirical term over a temperature that is not given, an end before the second sample.
+
+    >>> import numpy as np
+    >>> import calib
+    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
+    >>> time = np.arange(0.0, 4.0, 0.005)
+    >>> ramp = np.clip(5e5 * (time - 1.5), 0.0, None)  # 5 bar/s after 1.5 s of rolling
+    >>> log = calib.simulate(calib.default_model(car), time, ramp, v0=30.0)
+    >>> log.notes
+    ('ends with its pressure at 3.995 s',)
+    >>> wheel = car.front.torque_gain * car.front.pad_friction * ramp  # (3)
+    >>> bool(np.allclose(log.truth["true_Tb_fl"], wheel))
+    True
+    """
+    own, heat = dict(wheel_pressure or {}), dict(temperature or {})
+    engine, angle = dict(drive_torque or {}), dict(wheel_angle or {})
+    _check_drive(time, v0, stop_speed)
+    _check_inputs(time, {"pressure": pressure}, ("pressure",))
+    _check_inputs(time, own, WHEELS, "wheel")
+    _check_inputs(time, heat, AXLES, "axle")
+    _check_inputs(time, engine, AXLES, "axle")
+    _check_inputs(time, angle, AXLES, "axle")
+    driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
+    clock = fine_clock(time)
+    own, heat, engine, angle = (_along(clock, x) for x in (own, heat, engine, angle))
+    rest = at_rest(clock.time, clock.along(pressure), v0, heat, name, start_heat)
+    none = np.zeros_like(clock.time)
+    torque = (engine.get("f", none), engine.get("r", none))
+    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)
+    state = solve(run)
+    end, note = end_of(run, state)
+    kept = clock.before(end)
+    if kept.size < 2:
+        raise ModelError("nothing to simulate", expected="two samples or more", do=note)
+    history = history_of(run, state)
+    logged = {f"p_{w}": own[w] for w in WHEELS if w in own}
+    logged |= {f"T_disc_{a}": heat[a] for a in AXLES if a in heat}
+    logged |= {f"T_drive_{a}": engine[a] for a in AXLES if a in engine}
+    channels = _at(kept, _channels(run, state, history) | logged)
+    truth = _at(kept, _truth(run, state, history))
+    return Log(
+        name=name,
+        source=f"simulation of {model.vehicle.name}",
+        digest=content_digest({"name": name}, {"channels": channels, "truth": truth}),
+        channels=channels,
+        truth=truth,
+        notes=(note,),
+    )
+
+
+def _check_drive(time: Array, v0: float, stop_speed: float) -> None:
+    if not 0.0 < stop_speed < v0 < np.inf:
+        raise ModelError(
+            f"first speed {v0:g} m/s", expected=f"more than the stop speed, {stop_speed:g} m/s"
+        )
+    if time.size < 2 or not np.all(np.diff(time) > 0.0):
+        raise ModelError("time does not increase", expected="two samples or more, increasing")
+
+
+def _check_inputs(
+    time: Array, inputs: Mapping[str, Array], known: tuple[str, ...], what: str = "input"
+) -> None:
+    for name, values in inputs.items():
+        if name not in known:
+            raise ModelError(f"unknown {what} {name!r}", expected=f"one of {', '.join(known)}")
+        if values.shape != time.shape or not np.all(np.isfinite(values)):
+            raise ModelError(
+                f"values of shape {values.shape} or not finite",
+                where=name,
+                expected=f"{time.size} finite samples",
+            )
+
+
+def _along(clock: FineClock, inputs: Mapping[str, Array]) -> dict[str, Array]:
+    return {name: clock.along(values) for name, values in inputs.items()}
+
+
+def _at(kept: NDArray[np.intp], channels: Mapping[str, Array]) -> dict[str, Array]:
+    return {name: values[kept] for name, values in channels.items()}
+
+
+def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
+    model, brakes = run.brakes.model, run.brakes
+    a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
+    channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
+    read = wheel_speed_factors(
+        model.vehicle, model.effects, Motion(run.moving(state.v), *state.loads, history)
+    )
+    for w in WHEELS:
+        slip = model.tyre.leading(state.slip[brakes.twin(w)], run.moving(state.v), run.time)
+        omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
+        omega = delayed(run.time, omega, wheel_speed_delay(model.effects))
+        channels[f"omega_{w}"] = omega * read[w] if w in read else omega
+    return channels | {"v": delayed(run.time, state.v, speed_delay(model.effects))}
+
+
+def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
+    twins = {w: run.brakes.twin(w) for w in WHEELS}
+    truth = {f"true_Tb_{w}": state.demand[twin].torque for w, twin in twins.items()}
+    truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}
+    truth |= {f"true_Fz_{w}": state.demand[twin].load for w, twin in twins.items()}
+    truth["true_mu_pad_f"], truth["true_mu_pad_r"] = run.brakes.pads(history)
+    return truth

@@ -1,0 +1,205 @@
+"""Fixed-point iteration for a run: speed, loads, torques and slips, until they agree.
+
+    v(t) --> loads, effects, torques --> slip (1) --> tyre forces --> z(t) (5) --> v(t)
+     ^                                                                  |
+     +------------------ until v and slip no longer change -------------+
+
+An iteration takes every sample at once. Each sample depends on earlier ones only, so the
+solution converges from the first sample to the last, and samples after the end of the run (the
+stop, or a wheel past the peak of its tyre) do not affect those before it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.errors import ModelError
+from calib.base.names import AXLES, G
+from calib.car import forces, wheel
+from calib.car.brakes import Brakes
+from calib.car.effects.combined import total_axle_moment, total_body_force, total_load_shift
+from calib.car.effects.effect import Pair
+from calib.car.history import Motion, RunHistory
+from calib.car.lag import integral
+from calib.car.road import tyres_along
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-9
+"""Largest change of v (relative to the first speed) and of slip in the last iteration."""
+
+ITERATIONS = 60
+"""Each iteration gains one to two digits; 30 s of coasting need about twelve."""
+
+LEAST_LOAD = 0.01
+"""Share of the weight [1] below which an axle counts as lifted."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Inputs that do not change between iterations.
+
+    ``brakes`` with the model; ``rest`` clock, pressure and temperatures; ``v0``, ``stop_speed``
+    first and last speed [m/s]; ``drive_torque`` of engine or motor at the front and the rear wheels
+    [N m per axle] (n,), negative where it slows; ``wheel_angle`` [rad] (n,) by axle where it is
+    known, else that of the iteration counts.
+    """
+
+    brakes: Brakes
+    rest: RunHistory
+    v0: float
+    stop_speed: float
+    drive_torque: Pair
+    wheel_angle: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def time(self) -> Array:
+        """The clock [s] (n,)."""
+        return self.rest.time
+
+    def total(self, force: Mapping[str, Array]) -> Array:
+        """Sum of the tyre forces of all four wheels [N] (n,); one without a twin counts twice.
+
+        Summed by axle, so that two equal wheels give exactly the same sum as one that counts twice.
+        """
+        axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
+        return axles[0] + axles[1]
+
+    def speed(self, z: Array) -> Array:
+        """V [m/s] (n,): v0 minus the integral of g z, by the trapezoidal rule."""
+        lost = 0.5 * G * (z[1:] + z[:-1]) * np.diff(self.time)
+        return self.v0 - np.concatenate([[0.0], np.cumsum(lost)])
+
+    def moving(self, v: Array) -> Array:
+        """V [m/s] with a positive lower bound: after the stop only its sign matters."""
+        return np.maximum(v, 0.5 * self.stop_speed)
+
+
+@dataclass(frozen=True)
+class SolverState:
+    """The result of one iteration: ``v`` [m/s], ``z`` [1], ``loads`` of the axles [N] (n,).
+
+    By wheel: ``slip`` [1], ``demand`` its torque, moment and load, ``force`` [N], ``used`` slip
+    over the slip at the tyre's peak [1]; above 1 the state is not physical.
+    """
+
+    v: Array
+    z: Array
+    loads: Pair
+    slip: dict[str, Array]
+    demand: dict[str, wheel.WheelDemand]
+    force: dict[str, Array]
+    used: dict[str, Array]
+
+
+def solve(run: Drive) -> SolverState:
+    """Iterate until neither v nor slip changes before the end.
+
+    Raises ModelError if it does not converge, or if fewer than two samples remain.
+    """
+    state = _first(run)
+    for _ in range(ITERATIONS):
+        new = _iterate(run, state)
+        end, why = end_of(run, new)
+        if end < 2:
+            raise ModelError("nothing to simulate", expected="two samples or more", do=why)
+        before = slice(0, end)
+        changes = [np.abs(new.v - state.v)[before] / run.v0]
+        changes += [np.abs(new.slip[w] - state.slip[w])[before] for w in new.slip]
+        state = new
+        if np.max(changes) < TOLERANCE:
+            return state
+    raise ModelError(
+        f"the simulation did not converge in {ITERATIONS} iterations",
+        where=run.brakes.model.vehicle.name,
+        do="check the parameters of the effects and the clock of the log",
+    )
+
+
+def history_of(run: Drive, state: SolverState) -> RunHistory:
+    """The run as input of the effects, with wheel angles and dissipated heat."""
+    if not run.brakes.model.effects:
+        return run.rest
+    v = run.moving(state.v)
+    angle, energy = {}, {}
+    for a in "fr":
+        axle, wheels = run.brakes.axle(a), [w for w in state.slip if w[0] == a]
+        omega = np.mean([forces.wheel_speed(axle, state.slip[w], v) for w in wheels], axis=0)
+        torque = np.mean([state.demand[w].torque for w in wheels], axis=0)
+        angle[a] = run.wheel_angle[a] if a in run.wheel_angle else integral(run.time, omega)
+        energy[a] = integral(run.time, np.abs(torque * omega))  # a brake only dissipates
+    return replace(
+        run.rest,
+        v=v,
+        z=state.z,
+        angle_f=angle["f"],
+        angle_r=angle["r"],
+        energy_f=energy["f"],
+        energy_r=energy["r"],
+    )
+
+
+def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
+    """Number of valid samples, and the reason for the end."""
+    weight = run.brakes.model.vehicle.weight
+    limits = {
+        f"slower than {run.stop_speed:g} m/s": state.v < run.stop_speed,
+        "the front axle would lift": state.loads[0] < LEAST_LOAD * weight,
+        "the rear axle would lift": state.loads[1] < LEAST_LOAD * weight,
+    } | {f"wheel {w} would pass the peak of its tyre": used > 1.0 for w, used in state.used.items()}
+    met = {why: int(np.argmax(beyond)) for why, beyond in limits.items() if np.any(beyond)}
+    if not met:
+        return run.time.size, f"ends with its pressure at {run.time[-1]:.3f} s"
+    end = min(met.values())
+    reasons = ", ".join(why for why, index in met.items() if index == end)
+    pressure = max(p[end] for p in run.brakes.clamp.values()) / 1e5
+    return end, f"ends before {run.time[end]:.3f} s at {pressure:.1f} bar: {reasons}"
+
+
+def _first(run: Drive) -> SolverState:
+    """Start of the iteration: brakes only, no inertia, linear tyres."""
+    vehicle, zero = run.brakes.model.vehicle, np.zeros_like(run.time)
+    torque = run.brakes.torques(run.rest)
+    force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
+    z = run.total(force) / vehicle.weight
+    straight = np.clip(z / np.mean(run.brakes.model.tyre.stiffness), -0.02, 0.02)
+    demand = {w: wheel.WheelDemand(T_b, zero, zero) for w, T_b in torque.items()}
+    loads = forces.axle_loads(vehicle, z)
+    return SolverState(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
+
+
+def _iterate(run: Drive, old: SolverState) -> SolverState:
+    """Loads (6), (7), effects, one step of (1) for every wheel, (5), and v."""
+    model, vehicle = run.brakes.model, run.brakes.model.vehicle
+    history = history_of(run, old)
+    travel = wheel.Travel(run.time, run.moving(old.v), old.z)
+    loads = [np.maximum(load, LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
+    motion = Motion(travel.v, loads[0], loads[1], history)
+    moments = [
+        moment - torque
+        for moment, torque in zip(
+            total_axle_moment(vehicle, model.effects, motion), run.drive_torque, strict=True
+        )
+    ]
+    tyres = tyres_along(model, run.time, travel.v)
+    slip, demand, force, used = {}, {}, {}, {}
+    for w, torque in run.brakes.torques(history).items():
+        i = "fr".index(w[0])
+        tyre = wheel.RisingTyre(tyres[i], 2.0 * loads[i] / vehicle.weight)
+        demand[w] = wheel.WheelDemand(torque, 0.5 * moments[i], 0.5 * loads[i])
+        slip[w] = wheel.next_slip(run.brakes.axle(w), tyre, demand[w], travel, old.slip[w])
+        force[w] = demand[w].load * tyre.force(slip[w])
+        used[w] = tyre.used(slip[w])
+    body = total_body_force(vehicle, model.effects, motion)
+    z = (run.total(force) + body) / vehicle.weight  # (5)
+    return SolverState(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
+
+
+def _loads(run: Drive, z: Array, history: RunHistory) -> Pair:
+    """Axle loads [N] at z [1], (6) and (7), less the transfer that is delayed by an effect."""
+    vehicle = run.brakes.model.vehicle
+    front, rear = forces.axle_loads(vehicle, z)
+    late = vehicle.weight * total_load_shift(vehicle, run.brakes.model.effects, history)
+    return front - late, rear + late

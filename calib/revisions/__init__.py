@@ -1,1 +1,0 @@
-"""Tables made of tables: the mean of several cars, and a table that a person corrected."""

@@ -1,0 +1,383 @@
+r"""The accelerometer in doubt: its scale and offset, from the reference speed and from coasting.
+
+    z as read = (1/(1 - c)) (zeta + grade) + bias        zeta = -(dv/dt)/g
+
+    v + g int z dt = v_0 + c g int z dt + (bias + grade) g t + lag g z        where v is logged
+    z on the lead-in less the known resistance = bias + drag                  always
+
+The tyres carry W (zeta + grade): a grade is felt by the accelerometer and by the tyres alike, a
+bias by the accelerometer alone. So the sum of bias and grade must be split before a_x may be put
+right, and the lead-in splits it: an unbraked car on a slope reads its resistance, one with a bias
+does not. What slows the car there besides the known resistance (an engine in gear, wind) is the
+third that could explain it. Each of the three is there or not. So is a grade that changes on the
+way, a random walk beside the noise: a_x feels it as the tyres do, and then only quick changes of z
+tell the scale. The sixteen cases are weighed by how well they predict what was measured, and what
+cannot be told widens the interval. A scale that no sensor has, by a unit, a clock or a filter, is
+weighed against all of them.
+
+Causal: every figure uses only what came before. A bias that changes within the log looks like a
+grade that does, and is taken for one.
+"""
+
+from dataclasses import dataclass, fields
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.hypotheses import Mixture, weigh_hypotheses
+from calib.base.moving_average import second_differences
+from calib.base.names import G
+from calib.car.braking import BITE
+from calib.run.blocks import Blocks
+from calib.run.filters import centred_mean
+from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AccelerometerPriors:
+    """What is believed of the sensor and the road before the log. Each with its reason.
+
+    ``scale`` sigma of c: data sheets of car accelerometers give 1 to 3 % over life and temperature.
+    ``bias``, ``grade``, ``drag`` [g]: sigma of each where it is there; a mounting that is 2 degrees
+    off is 0.035 g, a road of 4 % is 0.04 g and a mountain road has 0.15 g, an engine in gear at
+    2000 rpm 0.02 to 0.05 g.
+    ``still_bias``, ``still_grade``, ``still_drag`` [g]: sigma where it is said not to be there.
+    ``odds_bias``, ``odds_grade``, ``odds_drag``: how often each is there.
+    ``still_wander`` [g/s^0.5]: how far any grade walks in a second. ``wander`` [g/s^0.5]: how far
+    one walks that changes; a crest of 6 km radius changes it by 0.005 a second at 30 m/s, a bridge
+    or a ramp by 0.02. ``odds_wander``: how often, on roads that are chosen for such runs.
+    ``other_scale`` sigma of c where a unit, a clock or a filter is wrong: knots taken for m/s are
+    49 % off, a clock of 110 Hz taken for 100 is 10 % off. ``odds_other``: one log in 3000;
+    a scale that is sharp is then another cause from 9 % on, 4.6 sigma of a sensor.
+    ``lag`` [s]: how far v and a_x may be out of step.
+    """
+
+    scale: float = 0.02
+    bias: float = 0.03
+    grade: float = 0.05
+    drag: float = 0.03
+    still_bias: float = 0.0015
+    still_grade: float = 0.002
+    still_drag: float = 0.002
+    odds_bias: float = 0.15
+    odds_grade: float = 0.3
+    odds_drag: float = 0.15
+    still_wander: float = EVEN
+    wander: float = CHANGING
+    odds_wander: float = float(ODDS_ROAD[1])
+    other_scale: float = 0.3
+    odds_other: float = 3e-4
+    lag: float = 0.02
+
+
+@dataclass(frozen=True)
+class Accelerometer:
+    """Scale and offset of the accelerometer as known at each block, shapes (k,).
+
+    ``scale`` c [1], ``bias`` [g] and their ``variance_scale``, ``variance_bias``, ``covariance``;
+    ``grade``, ``drag`` [g] as far as they are told apart; ``lag`` [s] by which a_x comes after v,
+    with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``other_scale``
+    [1] the scale where it is likelier that of a unit or a clock than of a sensor, else 0.
+    ``disagrees`` [g] how much a_x and the slowing of v differ by turns so far, over a second, the
+    scale aside.
+    """
+
+    scale: Array
+    bias: Array
+    variance_scale: Array
+    variance_bias: Array
+    covariance: Array
+    grade: Array
+    drag: Array
+    lag: Array
+    variance_lag: Array
+    wanders: Array
+    other_scale: Array
+    disagrees: Array
+
+    def at(self, blocks: NDArray[np.int64] | int) -> "Accelerometer":
+        """As known at these blocks."""
+        return Accelerometer(*(np.asarray(getattr(self, f.name)[blocks]) for f in fields(self)))
+
+    def corrected(self, z: Array) -> Array:
+        """Deceleration [1] that the tyres feel, from z [1] as read, (k,)."""
+        return np.asarray((z - self.bias) * (1.0 - self.scale))
+
+    def sigma(self, z: Array) -> Array:
+        """Standard deviation of the corrected z [1]."""
+        variance = self.variance_scale * z**2 + self.variance_bias + 2.0 * self.covariance * z
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+
+GREATEST = 1.5
+"""Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
+
+SECOND = 1.0
+"""Time over which a_x and v are compared [s]: the noise of v then counts for 0.002 g."""
+
+STEP = 4
+"""Blocks from one judgement to the next: 0.2 s."""
+
+
+def accelerometer(
+    b: Blocks,
+    unexplained: Array,
+    sigma: Array,
+    density_z: float,
+    density_v: float,
+    priors: AccelerometerPriors | None = None,
+    smooth: Array | None = None,
+) -> Accelerometer:
+    """Judge the accelerometer of a log block by block.
+
+    ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
+    ``sigma`` of that resistance, common to the log [1], (k,); ``density_z`` [s^0.5], ``density_v``
+    [m/s s^0.5] noise. ``smooth`` z of the blocks without jolts [1], (k,), tells scale and lag: in a
+    jolt a_x and v may differ by other causes.
+    """
+    p = priors or AccelerometerPriors()
+    at = np.arange(0, b.end.size, STEP)
+    read = Reading(b, unexplained, sigma, density_z, density_v)
+    speeds, evidence = _evidence(read, b.z if smooth is None else smooth, p, at)
+    weighed = _weighed(evidence, p)
+    wanders = weighed.weights[:, 1::2].sum(axis=1)
+    lags = [s.lag_of(weighed) for s in speeds]
+    lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
+    variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
+    disagrees = _disagreement(b, weighed.mean[:, 0], at)
+    other = 0.0
+    braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
+    if braked and abs(weighed.mean[-1, 0]) > 2.0 * p.scale:
+        other = _other_scale(read, p, at[-1:])
+    others = np.full(at.size, other)
+    rows = np.column_stack([*_columns(weighed), lag, variance_lag, wanders, others, disagrees])
+    return _held(rows, at, b.end.size)
+
+
+class Reading(NamedTuple):
+    """What is judged; as `accelerometer` takes it."""
+
+    b: Blocks
+    unexplained: Array
+    sigma: Array
+    density_z: float
+    density_v: float
+
+
+Evidence = tuple[Array, Array, Array]
+"""Of a steady grade and of one that walks: precision (m, 2, 3, 3), vector (m, 2, 3) of (c, e, d),
+logarithm of the likelihood where they are zero (m, 2)."""
+
+
+def _evidence(
+    read: Reading, smooth: Array, p: AccelerometerPriors, at: NDArray[np.int64]
+) -> tuple[list["AgainstSpeed"], Evidence]:
+    """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
+    compared = _compared(read.b, smooth)
+    speeds = [
+        _against_speed(read.b, compared, read.density_z, read.density_v, p, at, walk)
+        for walk in (p.still_wander, p.wander)
+    ]
+    d, variance_d = _on_lead_in(read.b, read.unexplained, read.sigma, read.density_z, at)
+    precision, vector = (
+        np.stack([getattr(s, name) for s in speeds], 1) for name in ("precision", "vector")
+    )
+    precision[..., 2, 2] += 1.0 / variance_d[:, None]
+    vector[..., 2] += (d / variance_d)[:, None]
+    return speeds, (precision, vector, np.stack([s.likelihood for s in speeds], 1))
+
+
+@dataclass(frozen=True)
+class AgainstSpeed:
+    """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
+
+    ``precision`` (m, 3, 3), ``vector`` (m, 3); ``likelihood`` (m,) its logarithm where c, e and d
+    are zero, up to a constant; of the lag ``own`` precision [1/s^2], ``side`` [1/s] and ``along``
+    (c, e), (m, 2), how the lag moves with them [1/s].
+    """
+
+    precision: Array
+    vector: Array
+    likelihood: Array
+    own: Array
+    side: Array
+    along: Array
+
+    def lag_of(self, weighed: Mixture) -> tuple[Array, Array]:
+        """Time by which a_x comes after v [s], and its variance, (m,)."""
+        moved = weighed.mean @ SENSED.T[:, :2]
+        covariance = SENSED[:2] @ weighed.covariance @ SENSED[:2].T
+        lag = (self.side - np.sum(self.along * moved, axis=1)) / self.own
+        spread = np.einsum("mi,mij,mj->m", self.along, covariance, self.along)
+        return -lag, 1.0 / self.own + spread / self.own**2
+
+
+Compared = tuple[Array, NDArray[np.bool_]]
+
+
+def _usable(b: Blocks) -> NDArray[np.bool_]:
+    """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
+    return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
+
+
+def _compared(b: Blocks, smooth: Array) -> Compared | None:
+    """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
+
+    And where they are to be used, (k - 1,). None without v. ``smooth`` as in `accelerometer`.
+    """
+    if b.v is None:
+        return None
+    gained, scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, smooth))
+    usable = _usable(b)
+    usable = usable[1:] & usable[:-1]
+    columns = np.stack(
+        [np.diff(b.v) + gained, scaled, np.full(gained.size, G * b.length), G * np.diff(smooth)]
+    )
+    usable = usable & np.concatenate([[True], usable[:-1]])
+    return np.where(usable, np.diff(columns, axis=1, prepend=0.0), 0.0), usable
+
+
+def _against_speed(
+    b: Blocks,
+    compared: Compared | None,
+    density_z: float,
+    density_v: float,
+    p: AccelerometerPriors,
+    at: NDArray[np.int64],
+    wander: float,
+) -> AgainstSpeed:
+    """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
+
+    The noise of v is white and that of the integral a random walk, and the grade walks by
+    ``wander`` [g/s^0.5]: second differences are then a moving average of order two, which a filter
+    makes white. e is that at the start.
+    """
+    precision, vector = np.zeros((at.size, 3, 3)), np.zeros((at.size, 3))
+    if compared is None:
+        none = np.zeros(at.size)
+        along = np.zeros((at.size, 2))
+        return AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
+    from scipy.signal import lfilter
+
+    h = b.length
+    white, walk = density_v**2 / h, (G * density_z) ** 2 * h
+    columns, usable = compared
+    average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
+    start = np.zeros_like(columns[:1])
+    start[0, :2] = -1.0, 1.0  # the noise of the first v, which all others are compared with
+    y, *known = lfilter([1.0], average, np.concatenate([columns, start])) / sigma
+    n = len(known)
+    pair, side = np.empty((n, n, at.size)), np.empty((n, at.size))
+    for i, u in enumerate(known):
+        side[i] = _so_far(u * y)[at]
+        for j in range(i, n):
+            pair[i, j] = pair[j, i] = _so_far(u * known[j])[at]
+    likelihood = -_so_far(0.5 * y**2 + usable * np.log(sigma))[at]
+    # the shares of the start and of the lag are taken out with their priors
+    for last, variance in ((3, white), (2, p.lag**2)):
+        own, along, right = pair[last, last] + 1.0 / variance, pair[:last, last], side[last]
+        likelihood += 0.5 * (right**2 / own - np.log(own))
+        pair = pair[:last, :last] - along[:, None] * along[None, :] / own
+        side = side[:last] - along * right / own
+    precision[:, :2, :2], vector[:, :2] = np.moveaxis(pair, -1, 0), side.T
+    along = along.T
+    return AgainstSpeed(precision, vector, likelihood, own, right, along)
+
+
+def _so_far(x: Array) -> Array:
+    """Sums of a step-to-step quantity (k - 1,) up to each block (k,): none for the first."""
+    return np.concatenate([[0.0], np.cumsum(x)])
+
+
+def _on_lead_in(
+    b: Blocks, unexplained: Array, sigma: Array, density_z: float, at: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Mean of ``unexplained`` over the lead-in so far, and its variance [1]; inf without any."""
+    free = b.lead_in & (b.speed > 3.0)
+    count = np.cumsum(free)
+    some = np.maximum(count, 1)
+    mean = np.cumsum(np.where(free, unexplained, 0.0)) / some
+    common = np.cumsum(np.where(free, sigma, 0.0)) / some
+    variance = density_z**2 / (some * b.length) + common**2
+    return mean[at], np.where(count > 0, variance, np.inf)[at]
+
+
+SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
+"""From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
+
+
+def _weighed(evidence: Evidence, p: AccelerometerPriors) -> Mixture:
+    """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks; they go by turns."""
+    return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
+
+
+def _other_scale(read: Reading, p: AccelerometerPriors, last: NDArray[np.int64]) -> float:
+    """The scale over all of the run where it is likelier that of no sensor, else 0.
+
+    Without a grade that walks, which explains what such a scale does. It takes no part in what is
+    corrected: a run with such a scale is not used. By means of z over `SECOND`: the noise of a_x is
+    in the integral and in what a scale makes of it alike, and looks like a scale of 1.
+    """
+    slow = centred_mean(read.b.z, max(1, round(SECOND / read.b.length)))
+    _, evidence = _evidence(read, slow, p, last)
+    steady = np.array([(*case, False) for case in product((False, True), repeat=3)])
+    other = _mixture(evidence, steady, p.other_scale, p)
+    likelier = other.evidence + np.log(p.odds_other) > _weighed(evidence, p).evidence
+    return float(other.mean[0, 0]) if likelier[0] else 0.0
+
+
+def _mixture(
+    evidence: Evidence, there: NDArray[np.bool_], scale: float, p: AccelerometerPriors
+) -> Mixture:
+    """Mixture over cases, ``there`` (k, 4) whether bias, grade, drag and wandering are there."""
+    still = (p.still_bias, p.still_grade, p.still_drag)
+    spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
+    odds = np.array((p.odds_bias, p.odds_grade, p.odds_drag, p.odds_wander))
+    walks = there[:, 3].astype(int)
+    precision, vector, likelihood = evidence
+    return weigh_hypotheses(
+        (SENSED.T @ precision @ SENSED)[:, walks],
+        (vector @ SENSED)[:, walks],
+        np.column_stack([np.full(len(there), scale), spread]),
+        np.where(there, odds, 1.0 - odds).prod(axis=1),
+        likelihood[:, walks],
+    )
+
+
+def _disagreement(b: Blocks, scale: Array, at: NDArray[np.int64]) -> Array:
+    """Largest less smallest mean over a second of z less the slowing of v [g] so far, (m,).
+
+    Less what the ``scale`` (m,) explains, as it is known at ``at``.
+    """
+    whole = max(round(SECOND / b.length), 1)
+    if b.v is None or b.v.size <= whole:
+        return np.zeros(at.size)
+    lost = (b.v[whole:] - b.v[:-whole]) / (G * whole * b.length)
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (b.z[1:] + b.z[:-1]))])
+    mean = (total[whole:] - total[:-whole]) / whole
+    usable = _usable(b)
+    usable = usable[whole:] & usable[:-whole]
+    counted = usable & (np.arange(lost.size) < (at - whole)[:, None])
+    apart = lost + mean * (1.0 - scale[:, None])
+    most, least = (
+        chosen(np.where(counted, apart, away), axis=1)
+        for chosen, away in ((np.max, -np.inf), (np.min, np.inf))
+    )
+    return np.asarray(np.where(counted.any(axis=1), most - least, 0.0))
+
+
+def _columns(weighed: Mixture) -> tuple[Array, ...]:
+    """Scale, bias, their variances and covariance, grade, drag, (m,) each."""
+    c, bias, grade, drag = weighed.mean.T
+    covariance = weighed.covariance
+    return c, bias, covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 0, 1], grade, drag
+
+
+def _held(rows: Array, at: NDArray[np.int64], count: int) -> Accelerometer:
+    """Each judgement from its block on."""
+    last = np.searchsorted(at, np.arange(count), side="right") - 1
+    return Accelerometer(*rows[last].T)

@@ -1,0 +1,220 @@
+r"""Axle signals of a log on one clock.
+
+    log --> axle means, z --> blocks of 50 ms (causal: a block is complete at its end)
+                         \-> lead-in: the unbraked part before the first braking
+                          \-> noise: of each sensor, white and coloured
+
+Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.errors import LogError
+from calib.base.intervals import QUARTILE
+from calib.base.names import WHEELS
+from calib.car.braking import BITE, MOVING
+from calib.car.forces import deceleration
+from calib.car.vehicle import Vehicle
+from calib.logs.log import Log
+from calib.run.driving_record import NOMINAL_RADIUS, SETTLE, rolls
+from calib.run.filters import centred_mean, trailing_mean
+from calib.run.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
+from calib.run.tone_ring import without_runout
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Signals:
+    """Axle signals at the log's own rate, shapes (n,), SI.
+
+    ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder);
+    ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero where not logged;
+    ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed, in time, or None, also
+    where it keeps a value for longer than `HELD`, or its ``delay`` is not sharp; ``speed`` v, else
+    the rear wheels'. ``lead_in`` is true before the first braking; ``sample_time`` [s].
+    """
+
+    time: Array
+    p_f: Array
+    p_r: Array
+    drive_f: Array
+    drive_r: Array
+    z: Array
+    omega_f: Array
+    omega_r: Array
+    v: Array | None
+    speed: Array
+    lead_in: Mask
+    sample_time: float
+    delay: SpeedDelay = IN_TIME
+
+
+def eta_of(omega_f: Array, omega_r: Array) -> Array:
+    """omega_r/omega_f of (22) [1]; 1 where the front wheels stand still."""
+    return np.divide(omega_r, omega_f, out=np.ones_like(omega_f), where=omega_f > 0.0)
+
+
+def signals(log: Log, vehicle: Vehicle) -> Signals:
+    """Axle signals of a log. Raises LogError if the car hardly moves."""
+    omega_f, omega_r = (_axle_speed(log, axle) for axle in "fr")
+    p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
+    v, delay = _reference_speed(log)
+    speed = vehicle.rear.rolling_radius * omega_r if v is None else v
+    if np.max(speed) < MOVING:
+        raise LogError(
+            f"the car hardly moves: at most {np.max(speed):.1f} m/s",
+            where=log.source,
+            expected="a braking from more than 8 m/s",
+        )
+    z = deceleration(log["a_x"])
+    rolling = lead_in(log.time, np.maximum(p_f, p_r), z, speed, log.sample_time)
+    return Signals(
+        time=log.time,
+        p_f=p_f,
+        p_r=p_r,
+        drive_f=_drive_torque(log, "f"),
+        drive_r=_drive_torque(log, "r"),
+        z=z,
+        omega_f=omega_f,
+        omega_r=omega_r,
+        v=v,
+        speed=speed,
+        lead_in=rolling & _undisturbed(eta_of(omega_f, omega_r), rolling, log.sample_time),
+        sample_time=log.sample_time,
+        delay=delay,
+    )
+
+
+def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
+    """The reference speed [m/s] (n,) in time, and how late it is; None where it cannot be used."""
+    if "v" not in log or held_time(log) > HELD:
+        return None, IN_TIME
+    clock, v, a_x = log.time, log["v"], log["a_x"]
+    delay = speed_delay(clock, v, a_x, log.sample_time)
+    if not delay.late:
+        return v, delay
+    return in_time(clock, v, a_x, delay) if delay.sharp else None, delay
+
+
+def _axle_speed(log: Log, axle: str) -> Array:
+    """Mean of left and right wheel speed [rad/s] (n,), without errors of their tone rings."""
+    left, right = (log[f"omega_{axle}{side}"] for side in "lr")
+    step = log.sample_time
+    return np.asarray(0.5 * (without_runout(left, step) + without_runout(right, step)))
+
+
+def rolling_radii(s: Signals) -> tuple[float, float] | None:
+    """Rolling radii [m] of front and rear wheels on the lead-in; None without v or a lead-in."""
+    if s.v is None or not s.lead_in.any():
+        return None
+    speed = np.mean(s.v[s.lead_in])
+    front, rear = (float(speed / np.mean(omega[s.lead_in])) for omega in (s.omega_f, s.omega_r))
+    return front, rear
+
+
+HELD = 0.06
+"""Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
+is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
+
+SLOWING = 1.0
+"""Deceleration [m/s^2] at which a v that is as fine as the wheel speeds changes."""
+
+
+def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
+    """Mean time [s] for which a channel keeps a value while the car slows, and it is past `moving`.
+
+    0 without the channel or such a braking.
+    """
+    if channel not in log or "a_x" not in log:
+        return 0.0
+    x, slowing = log[channel], log["a_x"] < -SLOWING
+    slowing &= x > moving
+    count = int(slowing.sum())
+    if count * log.sample_time < 0.5:
+        return 0.0
+    changes = int(np.count_nonzero(np.diff(x)[slowing[1:]]))
+    return count * log.sample_time / max(changes, 1)
+
+
+def wheels_held(log: Log) -> float:
+    """Mean time [s] for which a wheel speed keeps a value while the car slows; their median."""
+    times = [held_time(log, f"omega_{w}", MOVING / NOMINAL_RADIUS) for w in WHEELS]
+    return float(np.median(times))
+
+
+def axle_pressure(log: Log, axle: str) -> Array:
+    """Mean of both wheel pressures [Pa] if both are logged, else the master cylinder's."""
+    left, right = f"p_{axle}l", f"p_{axle}r"
+    if left in log and right in log:
+        return 0.5 * (log[left] + log[right])
+    return log["p_mc"]
+
+
+def _drive_torque(log: Log, axle: str) -> Array:
+    """Torque of engine or motor at both wheels of an axle [N m]; zero where it is not logged."""
+    name = f"T_drive_{axle}"
+    return log[name] if name in log else np.zeros_like(log.time)
+
+
+def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:
+    """Mask (n,) of steady rolling before the first braking, less ``SETTLE`` [s].
+
+    If there is no braking, of the whole run. It ends where the pressure leaves the level that it
+    has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile.
+    Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
+    the sample time [s].
+    """
+    smooth = trailing_mean(pressure, max(1, round(SMOOTH / step)))
+    braked = np.flatnonzero(smooth > BITE)
+    first = np.inf
+    if braked.size:
+        bite = int(braked[0])
+        first = min(time[bite] - SETTLE, time[_leaves(smooth[: bite + 1])]) - SMOOTH
+    rolling = rolls(trailing_mean(z, max(1, round(0.1 / step))))
+    return np.asarray((time < first) & rolling & (speed > MOVING))
+
+
+DISTURBED = 4.0
+"""Distance of eta from its median at the end of the lead-in, in its usual scatter, that no noise
+has: an axle is driven until the foot leaves the gas, or a wheel runs over something."""
+
+FINEST = 1e-5
+"""Scatter of eta [1] that always counts as usual: simulated logs may have none."""
+
+LEAST = 0.5
+"""Shortest lead-in [s] that shows the usual scatter, and end of one that shows the usual eta."""
+
+
+def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
+    """Mask (n,) of the samples in which ``eta`` is as usual while ``rolling`` (n,); ``step`` [s].
+
+    A clutch that engages late drives an axle by a slip of 0.1 %, and would move the zero of eta.
+    """
+    if np.count_nonzero(rolling) * step < LEAST:
+        return np.ones_like(rolling)
+    width = max(1, round(SMOOTH / step))
+    smooth = centred_mean(eta, width)
+    known = smooth[rolling]
+    bite = 0 if rolling[-1] else -round(LEAST / step)  # a coast has none: all of it counts alike
+    away = np.abs(smooth - np.median(known[bite:]))
+    apart = np.abs(known[4 * width :] - known[: -4 * width])  # a step is in few of them
+    usual = float(np.median(apart)) / QUARTILE / math.sqrt(2.0)
+    odd = away > DISTURBED * max(usual, FINEST)
+    return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
+
+
+SMOOTH = 0.05
+"""Time over which a pressure, or eta, is averaged before it is compared [s]."""
+
+
+def _leaves(p: Array) -> int:
+    """The sample after which ``p`` (n,) stays above the level of before by more than its noise."""
+    level = float(np.median(p))
+    spread = float(np.median(np.abs(p - level))) / QUARTILE
+    return int(np.flatnonzero(p <= level + 3.0 * spread)[-1])

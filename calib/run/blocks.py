@@ -1,0 +1,75 @@
+"""Means over blocks of 50 ms: causal, a block is complete at its end."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.run.axle_signals import Signals, eta_of
+from calib.run.filters import block_mean
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+BLOCK = 0.05
+"""Length of a block [s]: ten samples at 200 Hz, short compared to a brake application (0.2 s)."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Means over blocks, shapes (k,), SI; ``end`` is the time at which a block is complete.
+
+    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal); ``samples`` is
+    their number in each.
+    """
+
+    end: Array
+    p_f: Array
+    p_r: Array
+    drive_f: Array
+    drive_r: Array
+    z: Array
+    omega_f: Array
+    omega_r: Array
+    v: Array | None
+    speed: Array
+    spin_f: Array
+    spin_r: Array
+    lead_in: Mask
+    samples: int
+    length: float
+
+    def last_complete(self, time: Array) -> NDArray[np.int64]:
+        """Index of the last block that is complete at each ``time`` [s]; the first one before."""
+        return np.maximum(np.searchsorted(self.end, time, side="right") - 1, 0)
+
+    @property
+    def eta(self) -> Array:
+        """Eta of (22), not zeroed [1]; 1 where the front wheels stand."""
+        return eta_of(self.omega_f, self.omega_r)
+
+
+def blocks(s: Signals, length: float = BLOCK) -> Blocks:
+    """Means over consecutive blocks of about ``length`` [s]; a shorter rest is left out."""
+    n = max(1, round(length / s.sample_time))
+    count = s.time.size // n
+    omega_f, omega_r = block_mean(s.omega_f, n), block_mean(s.omega_r, n)
+    end = s.time[n - 1 : count * n : n]
+    step = n * s.sample_time
+    return Blocks(
+        end=end,
+        p_f=block_mean(s.p_f, n),
+        p_r=block_mean(s.p_r, n),
+        drive_f=block_mean(s.drive_f, n),
+        drive_r=block_mean(s.drive_r, n),
+        z=block_mean(s.z, n),
+        omega_f=omega_f,
+        omega_r=omega_r,
+        v=None if s.v is None else block_mean(s.v, n),
+        speed=block_mean(s.speed, n),
+        spin_f=np.diff(omega_f, prepend=omega_f[0]) / step,
+        spin_r=np.diff(omega_r, prepend=omega_r[0]) / step,
+        lead_in=s.lead_in[n - 1 : count * n : n],
+        samples=n,
+        length=step,
+    )

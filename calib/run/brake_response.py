@@ -1,0 +1,268 @@
+"""How the brakes of a run answer the pressure: how late, and with what force besides.
+
+    demanded brake force = level (1 + trend t) N(t - delay) + force [braked] - fading [slow] + rest
+
+N is the brake force of nominal pads. A motor that brakes with the pedal, or a zero of the pressure
+that is too low, is force without pressure: `force` above zero. A pressure below which nothing
+happens is `force` below zero. A motor hands over to the brakes before the car stands; where nobody
+raises the pressure for it, a force goes with the speed: `fading` above zero. It shows a motor that
+follows the pedal, too, which is no force without pressure. Pads that fade are in the trend, a bias
+of the accelerometer or an unknown resistance in the rest. The delay is a shift of the pressure or a
+first-order lag, whichever fits better; how far the answer is drawn out besides is open. Uses the
+whole run, so it is no part of a causal estimate. Wrong where the brake force is limited, by ABS or
+on the rear axle: it looks like force without pressure.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.car.effects.regenerative_torque import FADE_OUT
+from calib.car.lag import first_order
+from calib.run.axle_signals import Signals
+from calib.run.brake_balance import BrakeBalance
+from calib.run.filters import block_mean, since
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+STEP = 0.02
+"""Step of the means that are compared [s]."""
+TRIED = 0.06
+"""Step of the delays that are tried [s]; the slope by the delay tells the rest."""
+LATEST = 0.5
+"""Longest delay that is tried [s]: a hydraulic unit in the cold has 0.2 s."""
+EARLIEST = -0.5
+"""Largest advance that is tried [s]: nothing brakes before the pressure but by a wrong clock."""
+LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])
+KINDS = ("shift", "lag")
+REFINED = 2
+"""Times that the slope by the delay is followed."""
+USUAL, SPREAD = 0.02, 0.06
+"""Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
+a force are nearly one, and only what is usual tells them apart."""
+WIDTH = 0.25
+"""Standard deviation of half the variance of the time by which the brakes come late, over the
+square of the delay [1]: a first-order lag has 1/2 more than a shift. In a fast rise an answer that
+is drawn out looks like a force."""
+FORCE = 0.05
+"""Standard deviation of the force over the usual brake force before the run [1]."""
+GROUP = 0.2
+"""Time over which residuals are averaged to see how they are correlated [s]."""
+LASTING = 1.3
+"""How much more noise that lasts 0.1 s errs over half a second than its means over `GROUP` say:
+1/sqrt(1 - (1 - e^-2)/2), by the variance of the mean of a first-order process."""
+AFTER = 0.5
+"""Time after a release that still tells of the brakes [s]; later the engine may drive."""
+SLOW = 4.0
+"""Speed [m/s] below which only what is braked is used: a gearbox makes the car creep."""
+GONE = 1.0
+"""Speed [m/s] at which a motor has handed over to the brakes, and below which nothing is used: the
+car jerks at standstill."""
+FADING = 1.0
+"""Standard deviation of the force that goes with the speed, over the usual brake force, before the
+run [1]: nearly nothing is known."""
+LEAST = 1.0
+"""Time of braking that is needed [s]."""
+AGE = 10.0
+"""Time over which the trend is written [s]."""
+WINDOW, BETWEEN = 0.3, 0.1
+"""Time of the two medians [s] whose difference is a step of the force, and that between them."""
+BITTEN = 0.4
+"""Time of braking [s] before a step is looked for: pads and body are not at rest before."""
+STEADY = 0.3
+"""Change of the nominal brake force between the medians, over the usual one [1], beyond which a
+step says nothing: it may be the delay, that is not exact."""
+
+
+class ForceStep(NamedTuple):
+    """The largest step of the braking force that the pressure does not make.
+
+    ``time`` [s]; ``share`` over the usual brake force [1], above zero where the car brakes more
+    after it; ``sigma`` scatter of such steps in the run [1].
+    """
+
+    time: float
+    share: float
+    sigma: float
+
+
+NO_STEP = ForceStep(0.0, 0.0, 1.0)
+"""Of a run that is too short for one."""
+
+
+@dataclass(frozen=True)
+class BrakeResponse:
+    """Delay of the brakes [s], force without pressure [N], each with its standard deviation.
+
+    ``level`` the pads over the nominal ones [1]; ``delay`` is above zero where the deceleration
+    comes after the pressure. ``share`` is ``force`` over the median demanded brake force [1],
+    ``share_sigma`` its standard deviation. ``fading`` the force that goes as the car gets slow over
+    the same [1], with ``fading_sigma``: `FADING` where the run does not show it. ``step`` is the
+    largest step of the force beside the pressure.
+    """
+
+    level: float
+    delay: float
+    delay_sigma: float
+    force: float
+    force_sigma: float
+    share: float
+    share_sigma: float
+    fading: float = 0.0
+    fading_sigma: float = FADING
+    step: ForceStep = NO_STEP
+
+
+def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
+    """Delay and force without pressure of a run; None if it brakes too little to tell."""
+    size = max(1, round(STEP / s.sample_time))
+    step = size * s.sample_time
+    active = forces.active.astype(float)
+    time, nominal, demanded, braked, slow, use = (
+        block_mean(x, size)
+        for x in (
+            s.time,
+            forces.nominal_f + forces.nominal_r,
+            forces.balance.demanded,
+            active,
+            active * np.clip((FADE_OUT - s.speed) / (FADE_OUT - GONE), 0.0, 1.0),
+            _useful(s, forces.active).astype(float),
+        )
+    )
+    inside = use == 1.0
+    if step * float(braked[inside].sum()) < LEAST:
+        return None
+    age = (time - float(time[inside].mean())) / AGE
+    y = demanded[inside]
+    usual = float(np.median(y[braked[inside] > 0.5]))
+    one = np.ones_like(time)
+    tried, late, on = _tried(time, nominal, braked, step)
+    others = (np.broadcast_to(x, late.shape) for x in (one, slow))
+    best = _best(tried, np.stack([late, late * age, on, *others], -1)[:, inside], y)
+    kind, delay = KINDS[best >= tried.size - LAGS.size], float(tried[best])
+    for _ in range(REFINED):
+        n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
+        slope = -np.gradient(n, step)  # by the delay
+        width = -np.gradient(slope, step)  # by half its variance
+        A = np.column_stack([n, n * age, applied, one, -slow, slope, width])[inside]
+        free = np.linalg.lstsq(A, y, rcond=None)[0]
+        level = float(free[0])
+        if not (level > 0.0 and usual > 0.0):
+            return None
+        variance = _variance(y - A @ free)
+        smeared = WIDTH * (delay**2 + USUAL**2)
+        spread = {2: FORCE * usual, 4: FADING * usual, 5: level * SPREAD, 6: level * smeared}
+        solution, sigma = _with_usual(A, y, variance, spread, USUAL - delay)
+        rest = y - A @ solution
+        delay += float(solution[5]) / level
+    return BrakeResponse(
+        level=float(solution[0]),
+        delay=delay,
+        delay_sigma=float(sigma[5]) / level,
+        force=float(solution[2]),
+        force_sigma=float(sigma[2]),
+        share=float(solution[2]) / usual,
+        share_sigma=float(sigma[2]) / usual,
+        fading=float(solution[4]) / usual,
+        fading_sigma=LASTING * float(sigma[4]) / usual,
+        step=_step(step, time[inside], braked[inside], n[inside] * level / usual, rest / usual),
+    )
+
+
+def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) -> ForceStep:
+    """The largest step of ``rest`` (n,) in the longest braking, see `ForceStep`.
+
+    ``nominal`` what the pressure makes; both over the usual brake force [1]. Medians, not means:
+    a bump is no step. ``step`` from one to the next [s].
+    """
+    on = np.flatnonzero(braked == 1.0)
+    longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)
+    width, apart = round(WINDOW / step), round((WINDOW + BETWEEN) / step)
+    if longest.size < 2 * apart:
+        return NO_STEP
+    levels, pressed = (
+        np.median(np.lib.stride_tricks.sliding_window_view(x[longest], width), axis=-1)
+        for x in (rest, nominal)
+    )
+    steps = levels[apart:] - levels[:-apart]
+    at = time[longest][(apart + width) // 2 :][: steps.size]
+    told = (np.abs(pressed[apart:] - pressed[:-apart]) < STEADY) & (at > at[0] + BITTEN)
+    if not told.any():
+        return NO_STEP
+    largest = int(np.argmax(np.where(told, np.abs(steps), 0.0)))
+    scatter = 1.4826 * float(np.median(np.abs(steps[told] - np.median(steps[told]))))
+    return ForceStep(float(at[largest]), float(steps[largest]), scatter)
+
+
+def _with_usual(
+    A: Array, y: Array, variance: float, spread: Mapping[int, float], later: float
+) -> tuple[Array, Array]:
+    """Least squares with what is usual; solution and sigma, (7,).
+
+    ``spread`` standard deviation around zero of the factors of single columns; that of the delay is
+    usually ``later`` [s].
+    """
+    precision = A.T @ A / variance
+    side = A.T @ y / variance
+    for column, sigma in spread.items():
+        precision[column, column] += sigma**-2.0
+    side[5] += later / SPREAD / spread[5]
+    covariance = np.linalg.inv(precision)
+    return covariance @ side, np.sqrt(np.diag(covariance))
+
+
+def _delayed(time: Array, x: Array, kind: str, delay: float) -> Array:
+    """``x`` after a shift of the clock or a lag; a lag of nothing or less is a shift."""
+    if kind == "lag" and delay > 0.0:
+        return first_order(time, x, delay)
+    return np.interp(time - delay, time, x)
+
+
+def _useful(s: Signals, active: Mask) -> Mask:
+    """The lead-in, and from the first braking on all that is braked or has just been, (n,)."""
+    if not active.any():
+        return np.zeros_like(active)
+    fast = (s.lead_in | (since(s.time, active) < AFTER)) & (s.speed > SLOW)
+    return np.asarray(fast | (active & (s.speed > GONE)))
+
+
+def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Array, Array, Array]:
+    """Delays [s] (m,) and with each of them ``nominal`` and ``braked``, (m, n) each.
+
+    First no delay, then shifts of the clock, then first-order lags.
+    """
+    each = max(1, round(TRIED / step))
+    shifts = np.arange(round(EARLIEST / step), round(LATEST / step) + 1, each)
+    shifts = np.concatenate([[0], shifts[shifts != 0]])
+    at = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
+    late = np.vstack([nominal[at], *(first_order(time, nominal, lag)[None] for lag in LAGS)])
+    on = np.vstack([braked[at], np.broadcast_to(braked, (LAGS.size, braked.size))])
+    return np.concatenate([shifts * step, LAGS]), late, on
+
+
+def _best(delays: Array, columns: Array, y: Array) -> int:
+    """The most probable of the delays: the least residual, weighed with what is usual.
+
+    ``columns`` (m, n, 5) of what ``y`` (n,) is made of, with each delay.
+    """
+    size = np.sqrt(np.sum(columns**2, axis=1, keepdims=True))
+    unit = columns / np.where(size > 0.0, size, 1.0)
+    gram = np.einsum("mni,mnj->mij", unit, unit) + 1e-9 * np.eye(columns.shape[-1])
+    side = np.einsum("mni,n->mi", unit, y)
+    rest = y @ y - np.einsum("mi,mi->m", side, np.linalg.solve(gram, side[..., None])[..., 0])
+    A = columns[int(np.argmin(rest))]
+    variance = _variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
+    return int(np.argmin(rest / variance + ((delays - USUAL) / SPREAD) ** 2))
+
+
+def _variance(residual: Array) -> float:
+    """Variance of a residual as if it were white, with its long-run correlation counted."""
+    group = round(GROUP / STEP)
+    short = float(np.mean(residual**2))
+    if residual.size < 4 * group:
+        return short
+    return max(short, group * float(np.var(block_mean(residual, group))))

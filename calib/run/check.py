@@ -1,0 +1,241 @@
+"""Check a log: its content, and the purposes it is usable for."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from calib.base.names import CHANNELS
+from calib.base.units import from_si, to_si
+from calib.base.warning import PlausibilityWarning
+from calib.logs.gaps import ChannelHole
+from calib.logs.log import Log, Origin
+from calib.run.computed_channels import ComputedChannel
+from calib.run.driving_record import BrakeEvent
+from calib.run.figures import figures
+from calib.run.observation import OPTIONAL, Observation, observe
+from calib.run.rules import PURPOSES, problems
+from calib.run.sensors import Sensor
+from calib.run.uses import uses
+from calib.run.warnings import impossible_samples, warnings_of
+from calib.run.wheel_checks import IntervalEstimate
+
+
+@dataclass(frozen=True)
+class LogVerdict:
+    """Whether a log is usable for a purpose; ``reasons`` why not, each with what to do instead."""
+
+    purpose: str
+    usable: bool
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Taken:
+    """Source of a channel: SI value = factor * written + offset; ``low``, ``high`` in SI."""
+
+    channel: str
+    source: str
+    unit: str
+    factor: float
+    offset: float
+    si: str
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        offset = f" {self.offset:+.6g}" if self.offset else ""
+        span = f"{self.low:.6g} to {self.high:.6g} {self.si}"
+        return f"from {self.source!r} [{self.unit}] x {self.factor:.6g}{offset}: {span}"
+
+    @property
+    def as_it_stands(self) -> bool:
+        """Whether the file has the channel under its canonical name and unit."""
+        quantity = CHANNELS[self.channel]
+        plain = to_si(1.0, quantity.unit, quantity.si) - to_si(0.0, quantity.unit, quantity.si)
+        same = self.source == self.channel and math.isclose(self.factor, plain)
+        return same and self.offset == to_si(0.0, quantity.unit, quantity.si)
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Result of `check` for one log.
+
+    Attributes
+    ----------
+    log, source, digest : name, path and SHA-256 of the log.
+    truth, ignored : its truth channels; columns that are not used.
+    seen : observations on clock, sensors and driving [SI].
+    notes : what was changed while reading.
+    warnings : problems that do not make the log unusable.
+    verdicts : one for each purpose.
+    taken : source column of each channel.
+    uses : quantities that can be determined from the log, also if it is not usable.
+    bridged : gaps of single channels that were bridged while reading.
+    """
+
+    log: str
+    source: str
+    digest: str
+    truth: tuple[str, ...]
+    ignored: tuple[str, ...]
+    seen: Observation
+    notes: tuple[str, ...]
+    warnings: tuple[PlausibilityWarning, ...]
+    verdicts: tuple[LogVerdict, ...]
+    taken: tuple[Taken, ...] = ()
+    uses: tuple[str, ...] = ()
+    bridged: tuple[ChannelHole, ...] = ()
+
+    def __repr__(self) -> str:
+        """The findings as lines of text, in the units of a log file."""
+        lines = [self.source]
+        lines += [f"  {label:<12} {text}" for label, text in facts(self)]
+        lines += [f"  {'read':<12} {text}" for text in self.notes]
+        lines += [f"  {'warning':<12} {one.text}" for one in self.warnings]
+        for verdict in self.verdicts:
+            lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
+            lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
+        return "\n".join(lines)
+
+    @property
+    def usable(self) -> bool:
+        """Whether the log is usable for at least one purpose."""
+        return any(verdict.usable for verdict in self.verdicts)
+
+
+def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
+    """Check a log and judge it for each purpose.
+
+    Works on every `Log`, also if channels are missing (``require=()`` of `read_log`). It judges the
+    driving and the sensors, not whether the vehicle file fits the car.
+
+    Parameters
+    ----------
+    log : the run.
+    copies : pressures of the log that were computed from another column, see
+        `calib.run.computed_channels`; they make it unusable for every purpose.
+
+    Returns
+    -------
+    The findings; ``repr`` gives the text that the command prints.
+
+    >>> import calib
+    >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
+    >>> [verdict.purpose for verdict in findings.verdicts if verdict.usable]
+    ['coast', 'diagnose']
+    >>> findings.verdicts[0].reasons
+    ('no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition',)
+    """
+    seen = observe(log)
+    verdicts = []
+    for purpose in PURPOSES:
+        reasons = (*map(str, copies), *problems(seen, purpose))
+        verdicts.append(LogVerdict(purpose, not reasons, reasons))
+    return Findings(
+        log=log.name,
+        source=log.source,
+        digest=log.digest,
+        truth=tuple(log.truth),
+        ignored=log.ignored,
+        seen=seen,
+        notes=log.notes,
+        warnings=(*impossible_samples(log), *warnings_of(log.name, seen)),
+        verdicts=tuple(verdicts),
+        taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
+        uses=tuple(uses(seen)),
+        bridged=log.bridged,
+    )
+
+
+def _taken(log: Log, origin: Origin) -> Taken:
+    values = log[origin.channel]
+    return Taken(
+        **asdict(origin),
+        si=CHANNELS[origin.channel].si,
+        low=float(values.min()),
+        high=float(values.max()),
+    )
+
+
+def problems_for(log: Log, purpose: str) -> list[str]:
+    """Reasons to refuse a log for one of `PURPOSES`; empty if it is usable.
+
+    For "fit" a log must contain a ramp; the coast logs of a fit are judged as "coast".
+    """
+    return problems(observe(log, noise=False), purpose)
+
+
+def to_dict(findings: Findings) -> dict[str, Any]:
+    """The findings as plain data, numbers in SI; ``figures`` as in the results of a batch."""
+    return {
+        "usable": findings.usable,
+        **asdict(findings),
+        "figures": figures(findings.seen),
+        "warned": list(dict.fromkeys(warning.code for warning in findings.warnings)),
+    }
+
+
+def facts(findings: Findings) -> Iterator[tuple[str, str]]:
+    """Label and text of each finding except warnings and verdicts; units of a log file."""
+    seen, clock = findings.seen, findings.seen.clock
+    yield "channels", ", ".join(seen.present) + (" + truth" if findings.truth else "")
+    absent = [name for name in OPTIONAL if name not in seen.present]
+    if seen.missing:
+        yield "missing", ", ".join(seen.missing)
+    yield "not there", ", ".join(absent) or "-"
+    if findings.ignored:
+        yield "ignored", ", ".join(findings.ignored)
+    if not all(item.as_it_stands for item in findings.taken):
+        for item in findings.taken:
+            yield item.channel, str(item)
+    jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
+    yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
+    for sensor in seen.sensors:
+        yield sensor.channel, _sensor(sensor)
+    yield from _driving(findings)
+
+
+def _driving(findings: Findings) -> Iterator[tuple[str, str]]:
+    """Findings on the driving, if ``a_x`` and the wheel speeds are logged."""
+    seen = findings.seen
+    if seen.axles is None:
+        return
+    yield "driven", f"up to {3.6 * seen.speed:.0f} km/h, up to {seen.z:.2f} g"
+    yield "lead-in", f"{seen.lead_in:.2f} s of steady rolling"
+    for number, event in enumerate(seen.events, start=1):
+        yield f"braking {number}", _event(event)
+    yield "eta - 1", _percent(seen.axles.front_rear) + " without braking"
+    sides = (seen.axles.left_right_f, seen.axles.left_right_r)
+    yield "right/left", f"front {_percent(sides[0])}, rear {_percent(sides[1])}"
+    for text in findings.uses:
+        yield "good for", text
+
+
+def _sensor(sensor: Sensor) -> str:
+    quantity = CHANNELS[sensor.channel]
+
+    def written(value: float, digits: int = 4) -> str:
+        return f"{from_si(value, quantity.unit, quantity.si):.{digits}g}"
+
+    parts = [f"{written(sensor.low)} to {written(sensor.high)} {quantity.unit}"]
+    parts += [f"steps of {written(sensor.resolution, 2)}"] if sensor.resolution else []
+    if sensor.noise == sensor.noise:  # not NaN
+        colour = f"autocorrelation {sensor.autocorrelation:+.2f}"
+        parts.append(f"noise {written(sensor.noise, 2)} ({colour})")
+    return ", ".join(parts)
+
+
+def _event(event: BrakeEvent) -> str:
+    pressure = "" if event.pressure is None else f", to {event.pressure / 1e5:.1f} bar"
+    return (
+        f"{event.start:.2f} to {event.end:.2f} s{pressure}, to {event.z_high:.2f} g, "
+        f"{3.6 * event.speed_start:.0f} to {3.6 * event.speed_end:.0f} km/h, "
+        f"rises for {event.rise:.1f} s by {event.rise_z:.2f} g"
+    )
+
+
+def _percent(estimate: IntervalEstimate | None) -> str:
+    if estimate is None:
+        return "unknown"
+    return f"{100 * estimate.value:+.3f} +- {100 * estimate.half:.3f} %"

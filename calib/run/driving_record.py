@@ -1,0 +1,194 @@
+r"""Approximate motion of the car in a run: speed, deceleration, brake events.
+
+Used to judge a log before a fit, so no vehicle file is needed. Inputs are the brake pressure, the
+four wheel speeds, ``a_x``, and the reference speed if it is logged.
+
+    p_mc   ___/~~~~\_____/~~\__
+           |  |    |     |  |
+           |  +-event   +-event
+           +-lead-in
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.names import WHEELS, G
+from calib.car.braking import BITE, MOVING
+from calib.logs.log import Log
+from calib.run.filters import block_mean, centred_mean, runs
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+BITE_Z = 0.08
+"""Deceleration [g] that counts as braking if no pressure is logged: above drag and engine."""
+STEADY = 0.15
+"""Largest deceleration of a car that rolls [g]."""
+DRIVEN = 0.05
+"""Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
+and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
+shows."""
+SHORTEST = 0.3
+"""Shortest brake event [s]."""
+PAUSE = 0.2
+"""Shortest release that ends a brake event [s]."""
+SETTLE = 0.1
+"""Time left out between lead-in and first event [s]: pressure rises before it reaches ``BITE``."""
+SMOOTH = 0.1
+"""Width of the centred mean that reduces the noise [s]."""
+NOMINAL_RADIUS = 0.32
+"""Rolling radius [m] of a usual wheel, for an approximate speed if ``v`` is not logged."""
+
+
+def rolls(z: Array) -> Mask:
+    """Where a felt deceleration (n,) [g], smoothed, is that of a car which rolls."""
+    return np.asarray((z > -DRIVEN) & (z < STEADY))
+
+
+@dataclass(frozen=True)
+class DrivingRecord:
+    """Smoothed signals of a run, shapes (n,), SI.
+
+    ``wheel`` mean of the four wheel speeds; ``speed`` reference speed, or the wheels' at a nominal
+    radius; ``z`` deceleration by ``a_x``, ``wheel_z`` by the wheels at a nominal radius [1];
+    ``pressure`` or None; ``braked`` and ``lead_in`` masks.
+    """
+
+    time: Array
+    step: float
+    wheel: Array
+    speed: Array
+    z: Array
+    wheel_z: Array
+    pressure: Array | None
+    braked: Mask
+    lead_in: Mask
+
+    @cached_property
+    def moving(self) -> Mask:
+        """Mask (n,): the car is fast enough to be judged."""
+        return self.speed > MOVING
+
+    @cached_property
+    def unbraked(self) -> Mask:
+        """Mask (n,): the steady lead-in; all steady unbraked motion if it is too short."""
+        steady = ~self.braked & self.moving & rolls(self.z)
+        first = self.lead_in & steady
+        return first if first.sum() * self.step >= 0.5 else steady
+
+
+@dataclass(frozen=True)
+class BrakeEvent:
+    """One application of the brakes.
+
+    ``start``, ``end`` [s]; ``first``, ``last`` sample numbers; ``pressure`` highest [Pa] or None;
+    ``z_low``, ``z_high`` range of the deceleration from its start to its end [1]; ``speed_start``,
+    ``speed_end`` [m/s]; ``braking`` time above 3 m/s [s]; ``rise`` length of the longest steady
+    rise of the braking [s] and ``rise_z`` its range of deceleration [1].
+    """
+
+    start: float
+    end: float
+    first: int
+    last: int
+    pressure: float | None
+    z_low: float
+    z_high: float
+    speed_start: float
+    speed_end: float
+    braking: float
+    rise: float
+    rise_z: float
+
+
+def driving_record(log: Log) -> DrivingRecord:
+    """Approximate motion. The log must have ``time``, ``a_x`` and the four wheel speeds."""
+    time, step = log.time, log.sample_time
+    width = max(1, round(SMOOTH / step)) | 1
+    wheel = centred_mean(np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0), width)
+    speed = centred_mean(log["v"], width) if "v" in log else NOMINAL_RADIUS * wheel
+    z = centred_mean(-log["a_x"] / G, width)
+    pressure = centred_mean(log["p_mc"], width) if "p_mc" in log else None
+    active = pressure > BITE if pressure is not None else (z > BITE_Z) & (speed > 0.5)
+    braked = _joined(np.asarray(active), step)
+    first = int(np.argmax(braked)) if braked.any() else time.size
+    lead_in = np.arange(time.size) < first - round(SETTLE / step)
+    if not braked.any():
+        lead_in[:] = True
+    wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
+    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, lead_in)
+
+
+def _joined(active: Mask, step: float) -> Mask:
+    """Applications of the brake: short pauses are closed, short applications dropped."""
+    braked = active.copy()
+    for start, end in runs(~active):
+        if start > 0 and end < active.size and (end - start) * step < PAUSE:
+            braked[start:end] = True
+    for start, end in runs(braked):
+        if (end - start) * step < SHORTEST:
+            braked[start:end] = False
+    return braked
+
+
+def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
+    """The applications of the brake, in order of time."""
+    return tuple(_event(driving, start, end) for start, end in runs(driving.braked))
+
+
+def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
+    part = slice(start, end)
+    moving = driving.moving[part]
+    z = driving.z[part][moving] if moving.any() else driving.z[part]
+    pressure = None if driving.pressure is None else float(driving.pressure[part].max())
+    rise, rise_z = _steady_rise(driving, part)
+    return BrakeEvent(
+        start=float(driving.time[start]),
+        end=float(driving.time[end - 1]),
+        first=start,
+        last=end - 1,
+        pressure=pressure,
+        z_low=float(z.min()),
+        z_high=float(z.max()),
+        speed_start=float(driving.speed[start]),
+        speed_end=float(driving.speed[end - 1]),
+        braking=float(moving.sum() * driving.step),
+        rise=rise,
+        rise_z=rise_z,
+    )
+
+
+STROKE = 0.25
+"""Interval in which a rise is judged [s]: longer than pedal tremble, shorter than a ramp."""
+
+
+def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
+    """Length [s] and span [g] of the steadiest rise of the braking in an event.
+
+    Takes means of the pressure (of the deceleration if there is none) over a quarter second, and
+    the longest part in which they never fall by more than 5 % of their range. It begins at the last
+    value below 5 % of the range and ends at 95 %, so that a step followed by a long hold counts as
+    short.
+    """
+    moving = driving.moving[part]
+    drive = driving.z[part] if driving.pressure is None else driving.pressure[part]
+    drive, z = drive[moving], driving.z[part][moving]
+    n = max(1, round(STROKE / driving.step))
+    if drive.size < 2 * n:
+        return 0.0, 0.0
+    best = (0.0, 0.0)
+    strokes = block_mean(drive, n)
+    falls = np.diff(strokes) < -0.05 * np.ptp(strokes)
+    for a, b in runs(np.concatenate([[True], ~falls])):
+        first = max(a - 1, 0)
+        stretch = drive[first * n : b * n]
+        low, high = stretch[0], stretch.max()
+        begin = int(np.flatnonzero(stretch <= low + 0.05 * (high - low))[-1])
+        end = int(np.argmax(stretch >= low + 0.95 * (high - low)))
+        if end > begin:
+            part_z = z[first * n + begin : first * n + end + 1]
+            best = max(best, (float((end - begin) * driving.step), float(np.ptp(part_z))))
+    return best

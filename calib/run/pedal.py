@@ -1,0 +1,95 @@
+"""The driver's pressure without sensor noise.
+
+Effects with memory, such as hysteresis, would react to the noise; and the noise of a sensor that
+does not read below zero has a positive mean, like a slight constant braking.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.intervals import NINETY, QUARTILE
+from calib.run.filters import centred_mean, third_difference, typical_differences
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+HOLD = 0.1
+"""Width [s] over which a constant pressure is averaged."""
+
+NOTHING = 0.4e5
+"""A constant pressure below this [Pa] is zero: return springs keep the pads off the disc."""
+
+PEAK = 8.0
+"""Standard deviations of the noise by which a peak beside a constant pressure is noise: a parabola
+that goes over a corner errs by four, and the sample there by as many."""
+
+
+def as_pressed(p: Array, step: float) -> Array:
+    """Pressure [Pa] (n,) averaged where it is constant, smoothed where it changes; ``step`` [s].
+
+    Constant means within eight sigma over twice the width. Elsewhere a sample is replaced by a
+    parabola through its neighbours, unless that differs by more than four sigma: a fast application
+    stays sharp. Between two constant pressures it stays between them, see `_without_peaks`. A
+    pressure without noise is not changed.
+    """
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+    from scipy.signal import savgol_filter
+
+    width = max(1, round(HOLD / step))
+    if width < 3 or p.size < 2 * width:
+        return p
+    sigma = noise_of(p)
+    mean = centred_mean(p, width, held_ends=True)
+    swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
+    held = swing < 8.0 * sigma
+    bent = savgol_filter(p, max(5, width | 1), 2)
+    moving = np.where(np.abs(bent - p) < 4.0 * sigma, bent, p)
+    smooth = np.where(held, np.where(mean < NOTHING, 0.0, mean), moving)
+    return _without_peaks(smooth, held, PEAK * sigma, width)
+
+
+def _without_peaks(p: Array, held: Mask, most: float, width: int) -> Array:
+    """Pressure [Pa] (n,) without what noise adds past the constant pressures before and after.
+
+    A caliper with hysteresis would keep such a peak for as long as the pressure is ``held`` (n,).
+    Left in are peaks of more than ``most`` [Pa], and what lasts for ``width`` samples or more: a
+    foot that presses too far.
+    """
+    from scipy.ndimage import binary_opening
+
+    place = np.arange(p.size)
+    before = np.maximum.accumulate(np.where(held, place, -1))
+    after = np.minimum.accumulate(np.where(held, place, p.size)[::-1])[::-1]
+    levels = np.append(p, np.nan)  # -1 and n: no constant pressure on that side
+    ends = levels[before], levels[after]
+    past = p - np.clip(p, np.fmin(*ends), np.fmax(*ends))
+    short = (past != 0.0) & (np.abs(past) < most)
+    return np.where(short & ~binary_opening(past != 0.0, np.ones(width)), p - past, p)
+
+
+def noise_of(p: Array) -> float:
+    """Standard deviation of the white noise of a pressure (n,), from its third differences.
+
+    From the median of their sizes; where that is zero, as for a noise that seldom reaches the next
+    step of the reading, from what a tenth of them exceeds. A pressure that is sent seldom, and runs
+    in straight lines, shows its noise over more samples alone: these count where they show
+    `HIDDEN` times as much.
+    """
+    fine = _typical(third_difference(p, 1))
+    most = max(typical_differences(p, WIDEST)[1:], default=0.0)
+    return (most if most > HIDDEN * fine else fine) / math.sqrt(20.0)
+
+
+WIDEST = 8
+"""Most samples between those of the further third differences."""
+
+HIDDEN = 1.5
+"""Noise over more samples, over that from sample to sample, that no white noise has."""
+
+
+def _typical(x: Array) -> float:
+    """The standard deviation of noise with few outliers."""
+    median, high = np.quantile(np.abs(x), (0.5, 0.9))
+    return float(median / QUARTILE if median > 0.0 else high / NINETY)

@@ -1,0 +1,304 @@
+"""Rules for the use of a log; each reason says what to drive or correct."""
+
+import math
+from collections.abc import Iterator
+from itertools import permutations
+
+from calib.run.crossed_wheels import CORRECT, crossed_side
+from calib.run.driving_record import BITE_Z, NOMINAL_RADIUS, BrakeEvent
+from calib.run.limits import LIMITS
+from calib.run.observation import Observation
+from calib.run.sensors import Sensor
+
+PURPOSES = ("fit", "validate", "coast", "diagnose")
+"""What a log may serve for; "coast": a fit, in addition to its ramps."""
+
+GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
+
+SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
+"""Units of speed that are taken for each other [m/s]."""
+
+UNIT_KNOWN = 0.16
+"""Largest distance (logarithm) from the factor between two units at which they are named; half of
+that between the closest two, 1.61 and 2.24, where the radius of the tyre is only about known."""
+
+
+def problems(seen: Observation, purpose: str) -> list[str]:
+    """Reasons why a log is not usable for a purpose, each with what to do; empty if it is.
+
+    ``purpose`` is one of `PURPOSES`.
+    """
+    rules = {
+        "fit": _not_for_fit,
+        "validate": _not_for_validate,
+        "coast": _not_for_coast,
+        "diagnose": _not_for_diagnose,
+    }
+    basic = list(_unusable(seen))
+    return basic if seen.missing else basic + list(rules[purpose](seen))
+
+
+def wrong_channels(seen: Observation) -> list[str]:
+    """Reasons why the channels of a log must not be searched for effects; empty if they may be.
+
+    A log that was driven too short, or that begins while braking, shows less and is no mistake.
+    """
+    basic = list(_unusable(seen))
+    return basic if seen.missing else basic + list(_without_speed(seen))
+
+
+def _unusable(seen: Observation) -> Iterator[str]:
+    """Reasons why a log is unusable for every purpose."""
+    for name in seen.missing:
+        yield f"{name} is missing: record it" + (
+            ", in bar, at the master cylinder" if name == "p_mc" else ""
+        )
+    if not LIMITS.rates[0] <= seen.clock.rate <= LIMITS.rates[1]:
+        yield f"the clock runs at {seen.clock.rate:.4g} Hz: record at 40 Hz to 1 kHz, best 200 Hz"
+    if set(seen.missing) - {"p_mc"}:
+        return
+    if seen.speed < 3.0:
+        yield f"the car is too slow ({seen.speed:.1f} m/s at most): drive at 30 km/h or more"
+    for sensor in seen.sensors:
+        if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_wheels(seen)):
+            yield f"{hanging(sensor)}: repair the sensor and drive again"
+    for sensor in seen.sensors:
+        top = GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
+        if top is not None and max(sensor.high, -sensor.low) > top:
+            yield (
+                f"{sensor.channel} reaches {max(sensor.high, -sensor.low):.4g}; no road car does: "
+                "repair the sensor, or correct its unit in the channel map"
+            )
+    yield from _wrong_a_x(seen)
+    yield from _wrong_v(seen)
+    yield from _wrong_pressure(seen)
+    yield from _foreign_pressure(seen)
+    crossed = crossed_side(seen.wheels, seen.alone)
+    if crossed is not None:
+        yield f"{crossed}: {CORRECT}, or look for a brake circuit without pressure"
+
+
+def _wheels(seen: Observation) -> list[str]:
+    return [name for name in seen.present if name.startswith("omega")]
+
+
+def hanging(sensor: Sensor) -> str:
+    """When a sensor does not change, in words."""
+    times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
+    return f"{sensor.channel} does not change from {times} while others do"
+
+
+def _wrong_a_x(seen: Observation) -> Iterator[str]:
+    slope = seen.axles.slope if seen.axles else None
+    if slope is None:
+        return
+    if slope < 0:
+        yield (
+            "a_x is positive while the wheels slow down: reverse its sign in a channel "
+            "map (sign = -1); forward is positive"
+        )
+    if not LIMITS.wheel_radius[0] <= abs(slope) <= LIMITS.wheel_radius[1]:
+        yield (
+            f"a_x and the wheel speeds fit together as if the wheels had a radius of "
+            f"{abs(slope):.3g} m: check the unit of both (g or m/s^2, rad/s or rpm)"
+        )
+
+
+def _wrong_v(seen: Observation) -> Iterator[str]:
+    """A ``v`` in another unit than it says: it makes wheels that no car has, or that a_x denies."""
+    if seen.axles is None or seen.axles.radius is None:
+        return
+    radius, by_a_x = seen.axles.radius, seen.axles.slope or 0.0
+    known = _between(by_a_x, LIMITS.tyre_radius)
+    agree = not known or _between(radius / by_a_x, (1.0 / LIMITS.radii_agree, LIMITS.radii_agree))
+    if agree and _between(radius, LIMITS.tyre_radius):
+        return
+    low, high = LIMITS.tyre_radius
+    against = f", and a_x one of {by_a_x:.3g} m" if known else ""
+    yield (
+        f"v and the wheel speeds make a rolling radius of {radius:.3g} m{against}; tyres have "
+        f"{low:g} to {high:g} m: {_right_unit(radius / (by_a_x if known else NOMINAL_RADIUS))}"
+    )
+
+
+def _right_unit(factor: float) -> str:
+    """What to do about a ``v`` that is ``factor`` times too large [1]."""
+    for unit, read_as in permutations(SPEEDS, 2):
+        if factor > 0.0 and abs(math.log(factor * SPEEDS[unit] / SPEEDS[read_as])) < UNIT_KNOWN:
+            return f"v is in {unit} and was read as {read_as}; correct its unit"
+    return "check the units of v and of the wheel speeds (rad/s or rpm)"
+
+
+def _between(x: float, ends: tuple[float, float]) -> bool:
+    return ends[0] <= x <= ends[1]
+
+
+def _wrong_pressure(seen: Observation) -> Iterator[str]:
+    sensor = seen.sensor("p_mc")
+    if sensor is None:
+        return
+    if sensor.high > LIMITS.pressure:
+        yield f"p_mc reaches {sensor.high / 1e5:.0f} bar: check its unit"
+    if sensor.low < -3e5:
+        yield f"p_mc falls to {sensor.low / 1e5:.1f} bar: check its zero and its sign"
+    if sensor.low > LIMITS.never_free:
+        yield (
+            f"p_mc never falls below {sensor.low / 1e5:.1f} bar: check its zero with the pedal "
+            "released"
+        )
+    if seen.z > 2.5 * BITE_Z and sensor.high < LIMITS.softest * seen.z:
+        yield (
+            f"p_mc takes {sensor.high / seen.z / 1e5:.1f} bar for each g, and no car less than "
+            f"{LIMITS.softest / 1e5:g}: check its unit (bar or MPa) and its scale"
+        )
+
+
+def _foreign_pressure(seen: Observation) -> Iterator[str]:
+    """A wheel at its limit does not follow its pressure, so nothing is said of it."""
+    limited = seen.slipping is not None and (seen.slipping.cycles or seen.slipping.locked)
+    if seen.explained is not None and seen.explained < LIMITS.explained and not limited:
+        yield (
+            f"p_mc explains {100 * max(seen.explained, 0.0):.0f} % of how the deceleration goes, "
+            f"and that of the same run {100 * LIMITS.explained:.0f} % or more: look for a pressure "
+            "of another run or another clock, and log the torque T_drive of a motor that brakes"
+        )
+
+
+def _not_for_fit(seen: Observation) -> Iterator[str]:
+    if not seen.events:
+        yield "no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition"
+        return
+    yield from _short_lead_in(seen, LIMITS.lead_in_fit, "ramp")
+    ramp = ramp_of(seen)
+    if ramp is None:
+        yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z), _least_span(seen))
+        ramp = max(seen.events, key=lambda e: e.braking)
+    yield from _disturbed(seen, ramp)
+    if seen.wheels_held > LIMITS.wheels_held_fit:
+        yield (
+            f"the wheel speeds keep a value for {seen.wheels_held:.2f} s, and may for "
+            f"{LIMITS.wheels_held_fit:g} s: log them as often as the bus sends them, at 100 Hz or "
+            "more"
+        )
+    yield from _blurred_eta(seen)
+
+
+def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[str]:
+    if seen.lead_in < least:
+        yield (
+            f"{seen.lead_in:.2f} s of steady rolling at the start: "
+            f"roll for a second before the {braking}, with no engine or motor that brakes"
+        )
+
+
+def ramp_of(seen: Observation) -> BrakeEvent | None:
+    """The ramp with the widest range, or None if no braking rises steadily, long and far enough."""
+    good = [e for e in seen.events if e.braking >= LIMITS.ramp_time and e.rise >= LIMITS.ramp_rise]
+    best = max(good, key=lambda e: e.rise_z, default=None)
+    return best if best is not None and best.rise_z >= _least_span(seen) else None
+
+
+def _least_span(seen: Observation) -> float:
+    """Range of deceleration [1] that a ramp needs."""
+    return LIMITS.one_axle_z if seen.alone else LIMITS.ramp_z
+
+
+def _no_ramp(event: BrakeEvent, span: float) -> Iterator[str]:
+    if event.rise < LIMITS.ramp_rise:
+        yield (
+            f"the brake is applied within {event.rise:.1f} s: press slowly, over 3 to 8 s, "
+            "so that every level is covered"
+        )
+    elif event.braking < LIMITS.ramp_time:
+        yield (
+            f"{event.braking:.1f} s of braking above 3 m/s: brake for {LIMITS.ramp_time:g} s or "
+            "more, from a higher speed"
+        )
+    elif event.z_high - event.z_low > span + 0.1:
+        yield (
+            f"the braking reaches {event.z_high:.2f} g, but not in one rise: the longest one spans "
+            f"{event.rise_z:.2f} g in {event.rise:.1f} s; press steadily, and do not let the pedal "
+            "go in between"
+        )
+    else:
+        yield (
+            f"the ramp spans {event.rise_z:.2f} g: brake up to {span + 0.1:.2f} g or more, "
+            "without ABS"
+        )
+
+
+def _blurred_eta(seen: Observation) -> Iterator[str]:
+    """A table is a curve over eta: its change under braking must be known to half of itself."""
+    most = seen.axles.eta_most if seen.axles else None
+    if most is None or most.half < 0.5 * abs(most.value):
+        return
+    change, known = f"{100 * abs(most.value):.3f} %", f"{100 * most.half:.3f} %"
+    if max(abs(most.value), most.half) < LIMITS.eta_alike:
+        yield (
+            f"eta changes by {change} under braking, +- {known}: both axles slip alike, and "
+            "nothing tells front from rear; look for wheel speeds in the wrong columns; else the "
+            "brakes are so near to the ideal balance that this car can have no table"
+        )
+    else:
+        yield (
+            f"eta changes by {change} under braking, +- {known}, which must be half of it: log the "
+            "wheel speeds finer and faster, or coast longer"
+        )
+
+
+def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
+    """Reasons why a ramp is not usable."""
+    slips = seen.slipping
+    if slips and any(ramp.start <= t <= ramp.end for _, t in slips.cycles):
+        when = min(t for _, t in slips.cycles if t >= ramp.start)
+        yield f"ABS works from {when:.2f} s on: end the ramp earlier, or use a road with more grip"
+    if slips and slips.locked:
+        yield f"wheel {', '.join(slips.locked)} locks: end the ramp earlier"
+    for name in ("p_mc", "a_x", *_wheels(seen)):
+        sensor = seen.sensor(name)
+        if sensor and sensor.saturated:
+            yield f"{name} is at the end of its range for {sensor.saturated:.2f} s: widen the range"
+    for when, length in seen.clock.gaps:
+        if length > LIMITS.hole and ramp.start <= when <= ramp.end:
+            yield f"{length:.2f} s are missing from {when:.2f} s on, within the ramp: drive again"
+
+
+def _not_for_validate(seen: Observation) -> Iterator[str]:
+    if not seen.events:
+        yield "no braking: drive a stop from 50 km/h or more"
+        return
+    if seen.events[0].first == 0:
+        yield from _short_lead_in(seen, LIMITS.lead_in_good, "stop")
+    braking = sum(event.braking for event in seen.events)
+    locked = seen.slipping is not None and seen.slipping.locked
+    if braking < LIMITS.braking and not locked:  # of locked wheels the speed is not known
+        yield f"{braking:.1f} s of braking above 3 m/s: brake for {LIMITS.braking:g} s or more"
+
+
+def _not_for_coast(seen: Observation) -> Iterator[str]:
+    if seen.events:
+        yield "the brake is applied: a coast log has no braking"
+    elif seen.coasting < LIMITS.coasting:
+        yield f"only {seen.coasting:.1f} s of coasting: coast for {LIMITS.coasting:g} s or more"
+
+
+def _without_speed(seen: Observation) -> Iterator[str]:
+    if "v" not in seen.present:
+        yield "no reference speed v: log it, wheel speeds alone cannot tell slip from speed"
+    if seen.v_of_wheels:
+        yield (
+            "v is made of the wheel speeds: log the speed over ground of another sensor, wheel "
+            "speeds alone cannot tell slip from speed"
+        )
+
+
+def _not_for_diagnose(seen: Observation) -> Iterator[str]:
+    yield from _without_speed(seen)
+    if seen.events:
+        yield from _not_for_validate(seen)
+        yield from _short_lead_in(seen, LIMITS.lead_in_diagnose, "stop")
+    elif seen.coasting < LIMITS.coasting:
+        yield (
+            f"no braking, and only {seen.coasting:.1f} s of coasting: drive a stop, or coast for "
+            f"{LIMITS.coasting:g} s or more"
+        )

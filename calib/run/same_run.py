@@ -1,0 +1,147 @@
+"""Whether two logs are one run: saved in another format, rounded, cut or resampled.
+
+Two runs have noise of their own, also where a robot drives them alike; a copy has that of its
+original. So the logs are laid over each other, with the lag at which their wheel speeds agree best,
+and what is between them is held against their noise. Where they are close, it counts how often the
+third differences, which are noise, have one sign:
+
+    D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.9; two: 1 or more
+    r = sin(pi/2 * mean(sign(a''') * sign(b''')))                  one run: 0.3 to 1; two: about 0
+
+Both are computed from samples, of which a copy may have left out some, and from means over 50 ms,
+of which a copy may be made. Wrong where most channels of a copy are rounded to more than five times
+their noise: the noise is lost then, and the runs count as two.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.log import Log
+from calib.run.fingerprint import Fingerprint
+from calib.run.limits import LIMITS
+from calib.run.run_view import COMPARED, View, noise_of, spread, view_of
+
+Array = NDArray[np.float64]
+
+
+ROUNDS = 3
+"""Steps of Newton's method to a lag between the samples."""
+
+
+def same_run(one: Log, other: Log) -> bool:
+    """Whether two logs hold one run, or parts of it that overlap by half of the shorter one."""
+    if one.digest and one.digest == other.digest:
+        return True
+    step = max(one.sample_time, other.sample_time)
+    return any(
+        _agree(view_of(one, length, means=means), other, length, means=means)
+        for length, means in (
+            (max(LIMITS.run_grid, step), False),
+            (max(LIMITS.run_means, 2.0 * step), True),
+        )
+    )
+
+
+def same_as(fingerprint: Fingerprint, log: Log) -> bool:
+    """Whether a log holds the run of a fingerprint, or parts of it, as `same_run`."""
+    return _agree(fingerprint.view, log, fingerprint.step, means=True)
+
+
+def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
+    """Whether the channels agree, laid over each other where the wheel speeds agree best.
+
+    The lag need not be a whole number of steps: ``other`` is read again between them.
+    """
+    b = view_of(other, step, means=means)
+    if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
+        return False
+    lag = _best_lag(a["wheels"], b["wheels"])
+    if _alike(a, b, lag):
+        return True
+    late = float(lag)
+    for _ in range(ROUNDS):
+        rest, far = _rest(a["wheels"], b["wheels"], lag)
+        if far > LIMITS.run_far:
+            return False
+        late += rest
+        lag = int(np.ceil(late))
+        b = view_of(other, step, means=means, offset=(lag - late) * step)
+        if (
+            b["wheels"].size < LIMITS.run_fewest
+            or abs(lag) > max(a["wheels"].size, b["wheels"].size) - LIMITS.run_fewest
+        ):
+            return False
+    return _alike(a, b, lag)
+
+
+def _alike(one: View, other: View, lag: int) -> bool:
+    """Whether D and r say so, where ``other`` begins ``lag`` samples after ``one``."""
+    pairs = {
+        name: _over(one[name], other[name], lag)
+        for name in COMPARED
+        if name in one and name in other and np.ptp(one[name]) + np.ptp(other[name]) > 0.0
+    }
+    if not pairs:
+        return False
+    each = {name: _apart(a, b) for name, (a, b) in pairs.items()}
+    wheels = [apart for name, apart in each.items() if name.startswith("omega_")]
+    others = [apart for name, apart in each.items() if not name.startswith("omega_")]
+    kinds = [*others, *([np.median(wheels)] if wheels else [])]
+    apart = float(np.median(kinds))
+    return apart < LIMITS.run_alike or (
+        apart < LIMITS.run_two and _together(list(pairs.values())) > LIMITS.run_together
+    )
+
+
+def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
+    """The parts of two channels that lie over each other."""
+    a, b = one[max(lag, 0) :], other[max(-lag, 0) :]
+    n = min(a.size, b.size)
+    return a[:n], b[:n]
+
+
+def _apart(a: Array, b: Array) -> float:
+    """D of a channel."""
+    between = spread(a - b) ** 2
+    noise = noise_of(a) ** 2 + noise_of(b) ** 2
+    if noise == 0.0:
+        return 0.0 if between == 0.0 else np.inf
+    return between / noise
+
+
+def _together(pairs: list[tuple[Array, Array]]) -> float:
+    """r: how often the third differences of two runs have one sign, as a correlation [1].
+
+    Of signs, as the bite of the brakes is the same in every run, and much larger than the noise.
+    """
+    signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
+    both = np.concatenate(signs)
+    both = both[both != 0.0]
+    return float(np.sin(0.5 * np.pi * np.mean(both))) if both.size >= LIMITS.run_fewest else 0.0
+
+
+def _rest(one: Array, other: Array, lag: int) -> tuple[float, float]:
+    """Steps by which ``other`` is later still than ``lag``, and D that is left then.
+
+    By the slope of the wheel speeds.
+    """
+    a, b = _over(one, other, lag)
+    slope = np.gradient(b)
+    square = float(slope @ slope)
+    rest = float(np.clip(slope @ (b - a) / square, -1.0, 1.0)) if square > 0.0 else 0.0
+    return rest, _apart(a, b - rest * slope)
+
+
+def _best_lag(a: Array, b: Array) -> int:
+    """The lag of ``b`` in ``a`` [steps] at which the mean square between them is least."""
+    least = max(LIMITS.run_fewest, int(LIMITS.run_overlap * min(a.size, b.size)))
+    centre = float(a.mean())
+    a, b = a - centre, b - centre
+    lags = np.arange(least - b.size, a.size - least + 1)
+    size = 1 << int(np.ceil(np.log2(a.size + b.size)))
+    product = np.fft.irfft(np.fft.rfft(a, size) * np.conj(np.fft.rfft(b, size)), size)[lags]
+    first, last = np.maximum(lags, 0), np.minimum(lags + b.size, a.size)
+    squares = [np.concatenate([[0.0], np.cumsum(x**2)]) for x in (a, b)]
+    total = squares[0][last] - squares[0][first]
+    total += squares[1][last - lags] - squares[1][first - lags]
+    return int(lags[np.argmin((total - 2.0 * product) / (last - first))])

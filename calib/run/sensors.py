@@ -1,0 +1,226 @@
+"""Properties of each channel's sensor: range, resolution, noise, stuck values, saturation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.names import CHANNELS
+from calib.logs.log import Log
+from calib.run.driving_record import SMOOTH, DrivingRecord, Mask
+from calib.run.filters import centred_mean, runs
+from calib.run.limits import LIMITS
+
+Array = NDArray[np.float64]
+
+
+RESTING = ("T_drive_f", "T_drive_r")
+"""Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
+
+
+UNKNOWN = (float("nan"),) * 3
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """One channel of a log, in SI.
+
+    Attributes
+    ----------
+    low, high : range.
+    resolution : step of the values; 0 if none is detected, or for a channel that was interpolated.
+    noise : standard deviation of variations faster than 0.2 s, without braking; NaN if the
+        unbraked part is too short.
+    white : its uncorrelated part.
+    autocorrelation : of the noise, from one sample to the next [1].
+    flat : share of the unbraked samples that have their most frequent value [1].
+    stuck : (from, to) where it is constant while others change [s].
+    saturated : time for which it stays at its highest (``a_x``: lowest) value, if unusual [s]; 0
+        for the channels of `RESTING`, and for a pressure that the driver holds.
+    """
+
+    channel: str
+    low: float
+    high: float
+    resolution: float
+    noise: float
+    white: float
+    autocorrelation: float
+    flat: float
+    stuck: tuple[tuple[float, float], ...]
+    saturated: float
+
+
+def sensors_of(
+    log: Log, driving: DrivingRecord | None, *, noise: bool = True
+) -> tuple[Sensor, ...]:
+    """Sensors of all measured channels except ``time``. ``stuck`` needs ``driving``.
+
+    With ``noise`` false, the noise metrics, ``resolution`` and ``flat`` are NaN, which is faster.
+    """
+    names = [name for name in CHANNELS if name in log and name != "time"]
+    return tuple(_sensor(name, log[name], log, driving, noise) for name in names)
+
+
+def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: bool) -> Sensor:
+    step = log.sample_time
+    quiet = np.ones(x.size, bool) if driving is None else driving.unbraked
+    noise, white, colour = noise_of(x, quiet, step) if full else UNKNOWN
+    idle = name in RESTING or (name.startswith("p_") and _is_held(x, driving))
+    return Sensor(
+        channel=name,
+        low=float(x.min()),
+        high=float(x.max()),
+        resolution=_resolution(name, x, log) if full else UNKNOWN[0],
+        noise=noise,
+        white=white,
+        autocorrelation=colour,
+        flat=flatness(x[quiet]) if full else UNKNOWN[0],
+        stuck=() if driving is None else _stuck(name, x, log, driving),
+        saturated=0.0 if idle else saturation(-x if name == "a_x" else x, step),
+    )
+
+
+def _resolution(name: str, x: Array, log: Log) -> float:
+    """The step of a sensor; between two samples of another clock there is none to be seen."""
+    return 0.0 if name in log.interpolated else resolution_of(x)
+
+
+def resolution_of(x: Array) -> float:
+    """The step of which all values are multiples, or 0 if there is none.
+
+    Takes the smallest difference between two values if the other differences are whole multiples of
+    it. Returns 0 for values that were filtered or interpolated.
+    """
+    gaps = np.diff(np.unique(x))
+    gaps = gaps[gaps > 1e-9 * max(np.ptp(x), 1e-12)]
+    if gaps.size < 3:
+        return 0.0
+    step = float(gaps.min())
+    ratio = gaps[gaps < 100 * step] / step
+    return step if np.all(np.abs(ratio - np.round(ratio)) < 0.1) else 0.0
+
+
+def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
+    """Noise, its white part, and its autocorrelation over one sample.
+
+    Parameters
+    ----------
+    x : a channel, shape (n,).
+    quiet : mask of the samples with hardly any signal, shape (n,).
+    step : sampling time [s].
+
+    Returns
+    -------
+    Standard deviation, its white part [unit of x], and autocorrelation [1]; NaN with too few quiet
+    samples (`noise_fewest`). Outliers beyond five times the usual size are left out. The high-pass
+    removes about 1/k of the variance, with k samples in 0.2 s; this is corrected, exactly for white
+    noise.
+    """
+    if quiet.sum() < LIMITS.noise_fewest:
+        return float("nan"), float("nan"), float("nan")
+    k = max(5, round(LIMITS.high_pass / step)) | 1
+    rest = (x - centred_mean(x, k))[quiet] / np.sqrt(1.0 - 1.0 / k)
+    usual = np.quantile(np.abs(rest), 0.84)
+    rest = rest[np.abs(rest) <= 5.0 * usual] if usual > 0 else rest
+    variance = float(np.mean(rest**2))
+    if variance <= (1e-12 * max(np.abs(x).max(), 1e-12)) ** 2:  # only rounding errors of the mean
+        return 0.0, 0.0, 0.0
+    white = float(np.sqrt(np.mean(np.diff(rest) ** 2) / 2.0))
+    colour = float(np.mean(rest[1:] * rest[:-1])) / variance
+    return float(np.sqrt(variance)), white, colour
+
+
+def flatness(x: Array) -> float:
+    """Share of the samples that have the most frequent value [1]; 0 without samples."""
+    return float(np.unique(x, return_counts=True)[1].max() / x.size) if x.size else 0.0
+
+
+def saturation(x: Array, step: float) -> float:
+    """Time at the highest value [s], if no other value is constant for as long; else 0.
+
+    A value that is constant from the first sample on is a signal at rest, not saturation.
+    """
+    if np.ptp(x) == 0:
+        return 0.0
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1, [x.size]])
+    length, value = np.diff(edges), x[edges[:-1]]
+    at_top = value == x.max()
+    at_top[0] = False
+    longest = int(length[at_top].max(initial=0))
+    other = int(length[value < x.max()].max(initial=1))
+    odd = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * other
+    return longest * step if odd else 0.0
+
+
+def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
+    """Whether the deceleration stays as it is while the pressure is at its highest value.
+
+    So for a pedal that is held; a pressure beyond the range of its sensor makes it rise.
+    """
+    if driving is None:
+        return False
+    start, end = max(runs(pressure == pressure.max()), key=lambda run: run[1] - run[0])
+    followed = slice(
+        start + round(LIMITS.followed / driving.step), end - round(SMOOTH / driving.step)
+    )
+    z = driving.z[followed][driving.moving[followed]]
+    return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
+
+
+def _stuck(
+    name: str, x: Array, log: Log, driving: DrivingRecord
+) -> tuple[tuple[float, float], ...]:
+    """Intervals of a constant value, longer than a second, in which the car does change."""
+    same = np.concatenate([[False], np.diff(x) == 0])
+    found = []
+    for start, end in runs(same, int(LIMITS.hanging / driving.step) - 1):
+        part = slice(start - 1, end)
+        if (end - start) * driving.step >= LIMITS.hanging and _others_move(
+            name, log, driving, part
+        ):
+            found.append((float(driving.time[start - 1]), float(driving.time[end - 1])))
+    return tuple(found)
+
+
+def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
+    """Whether this channel should have changed, by the other channels.
+
+    Both ends of the interval are left out: smoothing mixes in samples from outside, and wheels that
+    come to a stand are shown as 0 from one sample on, each from another.
+    """
+    edge = round(SMOOTH / driving.step)
+    inside = slice(part.start + edge, part.stop - edge)
+    if name == "v" or name.startswith("omega"):
+        others = [w for w in log.channels if w.startswith("omega") and w != name]
+        wheel = np.mean([log[w][inside] for w in others], axis=0)
+        return bool(np.ptp(wheel) > max(1.0, 0.05 * wheel.max()))
+    moving = driving.moving[inside]
+    if name == "a_x":
+        spin = driving.wheel_z[inside][moving]
+        return spin.size > 0 and bool(np.ptp(spin) > 0.1)
+    if name == "p_mc":
+        z = driving.z[inside][moving]
+        if z.size == 0 or float(np.ptp(z)) <= 0.15:
+            return False
+        if log[name][part.start] == 0:
+            return float(z.max()) > 0.3
+        returns = _returns_with_a_jump(log[name], part.stop)
+        return float(z.min()) < LIMITS.released or returns or _rustles(log[name][driving.unbraked])
+    return False
+
+
+def _rustles(quiet: Array) -> bool:
+    """Whether a channel has noise that a pedal cannot hold: a constant value is then a fault."""
+    return quiet.size >= LIMITS.noise_fewest and flatness(quiet) <= LIMITS.rustles
+
+
+def _returns_with_a_jump(x: Array, end: int) -> bool:
+    """Whether the step at ``end`` is much larger than those around it: a sensor works again.
+
+    A pedal that was held moves on in steps that are alike; friction alone moves the deceleration.
+    """
+    if end + 5 >= x.size:
+        return False
+    after = np.abs(np.diff(x[end : end + 6]))
+    return bool(abs(x[end] - x[end - 1]) > 5.0 * max(float(np.median(after)), 1.0))

@@ -1,0 +1,195 @@
+r"""A reference speed that comes late, as that of a receiver of satellites by 0.1 to 0.3 s.
+
+    v read(t) = v_0 + (1 + c) I(t - tau) + e t        I = int a_x dt
+
+    a_x   ------\______        v   --------\                the corner at the bite, and all that
+                                            \               z does after it, come tau later
+    scale c and slope e do not move a corner, so the delay tau is seen beside them
+
+A v on the bus of the other channels is within `USUAL` of them, and its rest is a state of the
+filter. A late one is anywhere up to `LATEST`. Both are weighed by how well they predict v, over the
+whole log: a delay belongs to a sensor and stays. Of a late v, v(t + tau) stands for v(t).
+
+It stops being true where the wheel speeds are as late as v, and for a_x that is filtered by more
+than v is late.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.moving_average import noise_of, second_differences
+from calib.base.names import G
+from calib.car.lag import integral
+from calib.run.filters import block_mean
+
+Array = NDArray[np.float64]
+
+BLOCK = 0.05
+"""Length of the means that are compared [s]."""
+
+USUAL = 0.02
+"""One sigma [s] of the delay of a v on the bus of the other channels."""
+
+LATEST = 0.5
+"""Greatest delay [s] that is looked for: receivers have 0.1 to 0.3 s, slow filters more. What v was
+read as within this time of the start was had before the log, and is not compared."""
+
+ODDS = 0.05
+"""Odds of a late v before the log: few of those who log v take it from a receiver."""
+
+SCALE = 0.05
+"""One sigma of the scale of a_x [1]: wider than that of a sensor, since a delay is not to explain
+what another scale does."""
+
+EVEN = 0.0002
+"""How far the grade of any road walks in a second [g/s^0.5]: tracks are even to 1 mm in 2 m."""
+
+CHANGING = 0.015
+"""The same of a road whose slope changes on the way, over a crest or a bridge."""
+
+ODDS_ROAD = np.array([0.97, 0.03])
+"""How often the slope stays, and changes, on roads that are chosen for such runs."""
+
+BRAKES = 1.5
+"""Least deceleration [m/s^2] that shows a delay: a rolling car hardly changes its speed."""
+
+LIKELY, SURE = 0.3, 0.95
+"""Chance of a late v from which on it is not taken as it is, and from which on it is corrected."""
+
+STEP = 0.01
+"""Step of the delays that are tried [s]: half of what is sharp."""
+
+SHARP = 0.02
+"""One sigma [s] of a delay from which on v is not put in time but left out: at 0.5 g it makes an
+error of 0.1 m/s, a tenth of the slip."""
+
+
+@dataclass(frozen=True)
+class SpeedDelay:
+    """Time by which v comes late [s], its ``sigma``, and the ``chance`` that it is late at all."""
+
+    value: float
+    sigma: float
+    chance: float
+
+    @property
+    def late(self) -> bool:
+        """Whether v may not be taken as it is."""
+        return self.chance > LIKELY
+
+    @property
+    def sharp(self) -> bool:
+        """Whether v may be put in time."""
+        return self.sigma < SHARP and self.chance > SURE
+
+
+IN_TIME = SpeedDelay(0.0, USUAL, chance=0.0)
+
+
+def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
+    """How late ``v`` [m/s] is against ``a_x`` [m/s^2]; ``time`` [s], all (n,), ``step`` [s]."""
+    even = _Seen.of(time, v, a_x, step)
+    if even is None or abs(even.first()) < 2.0 * USUAL:
+        return IN_TIME
+    tried = np.arange(-5.0 * USUAL, LATEST + 0.5 * STEP, STEP)
+    roads = even, even.on_road(CHANGING)
+    misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])
+    noisier = max(misfit.min() / max(np.count_nonzero(even.usable), 1), 1.0)  # than medians show
+    likelihood = -0.5 * misfit / noisier - np.array([[road.log_size] for road in roads])
+    likelihood = np.logaddexp(*(likelihood - likelihood.max() + np.log(ODDS_ROAD)[:, None]))
+    usual = np.exp(likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
+    late = np.exp(likelihood) * (tried > 0.0) / LATEST
+    chance = float(ODDS * late.sum() / (usual.sum() + ODDS * late.sum()))
+    if chance < LIKELY:
+        return IN_TIME
+    value = float(late @ tried / late.sum())
+    variance = float(late @ (tried - value) ** 2 / late.sum()) + STEP**2 / 12.0
+    return SpeedDelay(value, float(np.sqrt(variance)), chance)
+
+
+def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
+    """A late v [m/s] (n,) at the times at which the car had it; a_x carries it on at the end."""
+    gained = integral(time, a_x)
+    later = time + delay.value
+    after = gained - np.interp(time[-1] - delay.value, time, gained)
+    return np.where(later <= time[-1], np.interp(later, time, v), v[-1] + after)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What is compared: v (k,) by blocks of ``size`` samples, and the integral at the log's rate.
+
+    Blocks of ``length`` [s] with ``noise`` variance of v and of a step of the integral [m^2/s^2];
+    ``average``, ``sigma`` make its second differences white; ``begins`` (k - 2, 2) spans what the
+    unknown v and slope at the start make of them.
+    """
+
+    time: Array
+    gained: Array
+    v: Array
+    usable: NDArray[np.bool_]
+    size: int
+    length: float
+    noise: tuple[float, float]
+    average: Array
+    sigma: float
+    begins: Array
+
+    @classmethod
+    def of(cls, time: Array, v: Array, a_x: Array, step: float) -> "_Seen | None":
+        """By means of `BLOCK`, on an even road; None where it is short or brakes too little."""
+        size = max(1, round(BLOCK / step))
+        means, slowing = block_mean(v, size), block_mean(a_x, size)
+        if means.size < 20 or np.min(slowing) > -BRAKES:
+            return None
+        h = size * step
+        white, walk = (max(noise_of(x) ** 2, 1e-12) for x in (means, h * slowing))
+        usable = (means > 2.0) & (np.abs(slowing) < 1.5 * G)
+        usable &= h * np.arange(means.size) >= LATEST
+        usable = usable[2:] & usable[1:-1] & usable[:-2]
+        none = np.zeros((usable.size, 2))
+        gained = integral(time, a_x)
+        seen = cls(time, gained, means, usable, size, h, (white, walk), np.ones(1), 1.0, none)
+        return seen.on_road(EVEN)
+
+    def on_road(self, walks: float) -> "_Seen":
+        """The same where the slope ``walks`` [g/s^0.5]."""
+        from scipy.signal import lfilter
+
+        turned = (G * self.length * walks) ** 2 * self.length
+        average, sigma = second_differences(*self.noise, turned)
+        first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
+        begins = np.linalg.qr(lfilter([1.0], average, first, axis=0))[0]
+        return replace(self, average=average, sigma=sigma, begins=begins)
+
+    def first(self) -> float:
+        """The delay by the slope at no delay: enough to see whether there may be one [s]."""
+        y, x = self._white(0.0)
+        shift = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
+        A = np.column_stack([x, shift])
+        precision = A.T @ A + np.diag([SCALE**-2, LATEST**-2])
+        return float(np.linalg.solve(precision, A.T @ y)[1])
+
+    @property
+    def log_size(self) -> float:
+        """Logarithm of the noise of all that is compared."""
+        return float(np.count_nonzero(self.usable) * np.log(self.sigma))
+
+    def misfit(self, delay: float) -> float:
+        """What is left at a ``delay`` [s] with the best scale, over the noise, squared."""
+        y, x = self._white(delay)
+        return float(y @ y - (x @ y) ** 2 / (float(x @ x) + SCALE**-2))
+
+    def _white(self, delay: float) -> tuple[Array, Array]:
+        """What v differs by, and what a scale makes of it, as white noise of sigma 1, (k - 2,)."""
+        gained = block_mean(np.interp(self.time - delay, self.time, self.gained), self.size)
+        return self._filtered(self.v - gained), self._filtered(gained)
+
+    def _filtered(self, x: Array) -> Array:
+        from scipy.signal import lfilter
+
+        white = lfilter([1.0], self.average, np.where(self.usable, np.diff(x, 2), 0.0))
+        white -= self.begins @ (self.begins.T @ white)
+        return np.asarray(white / self.sigma)

@@ -1,0 +1,208 @@
+"""Warnings on a usable log, before any vehicle file is known."""
+
+import math
+from collections.abc import Iterator
+
+from calib.base.warning import PlausibilityWarning
+from calib.logs.log import Log
+from calib.run.limits import LIMITS
+from calib.run.observation import Observation
+from calib.run.swapped import causes_of_reversed_slip
+
+NONE = (0.0, 0.0)
+
+
+def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]:
+    """Warnings on the log ``name``."""
+    rules = (_clock, _lead_in, _radii, swapped_axles, _limits, _sensors, _pressure)
+    return tuple(warning for rule in rules for warning in rule(name, seen))
+
+
+def impossible_samples(log: Log) -> Iterator[PlausibilityWarning]:
+    """Samples that no car drives and that the reader left out."""
+    if log.marked:
+        yield PlausibilityWarning(
+            "impossible_samples", log.name, sum(one.count for one in log.marked), NONE,
+            tuple(str(one) for one in log.marked),
+            "they are not used; decode the error value of a signal as no value",
+        )  # fmt: skip
+
+
+def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    clock = seen.clock
+    if clock.rate < LIMITS.slow_rate:
+        yield PlausibilityWarning(
+            "clock_rate", log, clock.rate, (LIMITS.slow_rate, None),
+            ("the rate of the logger",),
+            "log with 200 Hz: it shows the build-up of the brake",
+        )  # fmt: skip
+    if clock.jitter * clock.rate > LIMITS.jitter:
+        yield PlausibilityWarning(
+            "clock_jitter", log, clock.jitter * clock.rate, (0.0, LIMITS.jitter),
+            ("a logger or a bus that is too busy",), "log fewer channels, or with a faster logger",
+        )  # fmt: skip
+    yield from clock_gaps(log, seen)
+
+
+def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Samples that are missing: what is computed between their neighbours is no measurement."""
+    clock = seen.clock
+    if clock.gaps:
+        when, length = max(clock.gaps, key=lambda gap: gap[1])
+        yield PlausibilityWarning(
+            "clock_gaps", log, length, NONE,
+            ("lost messages or samples",),
+            f"look at {when:.2f} s, the longest of {len(clock.gaps)} gaps; drive again if a "
+            "braking is cut",
+        )  # fmt: skip
+
+
+def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    if seen.events and seen.lead_in < LIMITS.lead_in_good:
+        yield PlausibilityWarning(
+            "lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None),
+            ("the log starts shortly before the braking",), "roll for 1 s: it zeroes eta better",
+        )  # fmt: skip
+    if seen.lead_in_driven:
+        yield PlausibilityWarning(
+            "lead_in_driven", log, 1.0, NONE,
+            ("the engine accelerates the car before the braking",),
+            "let the car roll: driven wheels slip",
+        )  # fmt: skip
+    if seen.standing > 0.0:
+        yield PlausibilityWarning(
+            "standing", log, seen.standing, NONE,
+            ("the car stands in a part of the log",), "do nothing: it is not used",
+        )  # fmt: skip
+
+
+def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    axles = seen.axles
+    if axles is None:
+        return
+    eta = axles.front_rear
+    if eta is None:
+        yield PlausibilityWarning(
+            "eta_zero_unknown", log, 1.0, NONE,
+            ("nothing is driven without braking",), "roll for 1 s before the braking",
+        )  # fmt: skip
+    else:
+        if abs(eta.value) > max(LIMITS.tyres, eta.half):  # tyres that are worn unlike are zeroed
+            yield PlausibilityWarning(
+                "eta_zero", log, eta.value, (-LIMITS.tyres, LIMITS.tyres),
+                ("other tyres front and rear",), "check sizes and pressures of the tyres",
+            )  # fmt: skip
+        if eta.half > LIMITS.zero:
+            yield PlausibilityWarning(
+                "eta_zero_uncertain", log, eta.half, (0.0, LIMITS.zero),
+                ("coarse wheel speeds", "a short lead-in"),
+                "roll for longer: eta rises by 0.1 to 0.8 % only",
+            )  # fmt: skip
+    for axle, sides in (("f", axles.left_right_f), ("r", axles.left_right_r)):
+        if sides is not None and abs(sides.value) > max(LIMITS.sides, sides.half):
+            yield PlausibilityWarning(
+                f"sides_{axle}", log, sides.value, (-LIMITS.sides, LIMITS.sides),
+                ("a bend", "unlike tyres left and right"), "drive straight on",
+            )  # fmt: skip
+
+
+def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Eta that goes the wrong way while braking."""
+    eta = seen.axles.eta_braked if seen.axles else None
+    if eta is None:
+        return
+    more, less, sign = ("rear", "front", -1.0) if seen.alone == "r" else ("front", "rear", 1.0)
+    if sign * eta.value < -max(LIMITS.zero, eta.half):
+        expected = (-LIMITS.zero, None) if sign > 0.0 else (None, LIMITS.zero)
+        yield PlausibilityWarning(
+            "axles_swapped", log, eta.value, expected,
+            causes_of_reversed_slip(less),
+            f"check the order of the wheel speeds, and log a motor's T_drive_{less[0]}; the {more} "
+            "wheels must slip more",
+        )  # fmt: skip
+
+
+def _limits(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    slips = seen.slipping
+    if slips and slips.cycles:
+        wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in slips.cycles))
+        yield PlausibilityWarning(
+            "abs", log, len(slips.cycles), NONE,
+            (f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on",),
+            "brake less, or on a road with more grip",
+        )  # fmt: skip
+    yield from locked_wheels(log, seen)
+
+
+def locked_wheels(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Wheels that lock: what they say after it is no speed of the car."""
+    slips = seen.slipping
+    if slips and slips.locked:
+        yield PlausibilityWarning(
+            "locked_wheels", log, len(slips.locked), NONE,
+            (f"wheel {', '.join(slips.locked)} locks",), "brake less, or on a road with more grip",
+        )  # fmt: skip
+
+
+def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    if "v" not in seen.present:
+        yield PlausibilityWarning(
+            "no_reference_speed", log, 1.0, NONE,
+            ("no reference speed v is logged",),
+            "log v: without it slip stiffness and the ratio of the pads cannot be told apart",
+        )  # fmt: skip
+    for sensor in seen.sensors:
+        if sensor.stuck and sensor.channel == "v":
+            longest = max(end - start for start, end in sensor.stuck)
+            yield PlausibilityWarning(
+                "v_stuck", log, longest, NONE,
+                ("a sensor of v that hangs",), "repair the sensor, or leave v out of the log",
+            )  # fmt: skip
+    yield from saturated(log, seen)
+    blur = _blur(seen)
+    if blur > LIMITS.zero:
+        yield PlausibilityWarning(
+            "coarse_wheel_speeds", log, blur, (0.0, LIMITS.zero),
+            ("the resolution of the wheel speeds", "their noise"),
+            "log the wheel speeds finer and faster",
+        )  # fmt: skip
+
+
+def saturated(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Channels that stay at the end of their range."""
+    for sensor in seen.sensors:
+        if sensor.saturated:
+            yield PlausibilityWarning(
+                "saturated", log, sensor.saturated, NONE,
+                (f"{sensor.channel} is at the end of its range",), "widen its range",
+            )  # fmt: skip
+
+
+def _blur(seen: Observation) -> float:
+    """Standard deviation of eta in a mean over 0.2 s, from the wheels' noise and steps [1]."""
+    wheels = [s for s in seen.sensors if s.channel.startswith("omega") and s.high > 0]
+    noise = [
+        math.hypot(s.noise, s.resolution / math.sqrt(12.0)) / s.high
+        for s in wheels
+        if not math.isnan(s.noise)
+    ]
+    # Two wheels make an axle and two axles make eta: the factors cancel.
+    return max(noise, default=0.0) / math.sqrt(max(1.0, 0.2 * seen.clock.rate))
+
+
+def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    pressure, a_x = seen.sensor("p_mc"), seen.sensor("a_x")
+    if pressure is None or a_x is None or not seen.events:
+        return
+    if pressure.flat > LIMITS.flat and pressure.low == 0.0 and a_x.noise > 0.01:
+        yield PlausibilityWarning(
+            "pressure_computed", log, pressure.flat, (0.0, LIMITS.flat),
+            ("p_mc is computed, not measured: exactly 0 without braking, without noise",),
+            "log the pressure of a sensor",
+        )  # fmt: skip
+    if seen.z > 0.1 and pressure.high / seen.z > LIMITS.stiff:
+        yield PlausibilityWarning(
+            "pressure_per_g", log, pressure.high / seen.z / 1e5, (0.0, LIMITS.stiff / 1e5),
+            ("the unit or the scale of p_mc", "another signal in the place of p_mc"),
+            "check the unit of p_mc",
+        )  # fmt: skip

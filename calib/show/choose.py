@@ -1,0 +1,78 @@
+"""The sheet that is drawn for the given tables, logs and results.
+
+a table                     the table; with the ramps it was made of, also their measured points
+two tables                  one against the other
+a table and another log     the stop, judged as `validate` does; a simulation if it has truth
+a log, a result             the log, the result
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from calib.car.vehicle import Vehicle
+from calib.estimation.limits import DEFAULTS, Limit
+from calib.estimation.validate import validate_one
+from calib.logs.log import Log
+from calib.show import compare, simulation, stop, table
+from calib.show import log_figure as log
+from calib.show.ramp import measure
+from calib.show.result import StoredResult
+from calib.show.sheet import Sheet
+from calib.show.trace import from_result, from_validation
+from calib.store.version import Stored
+
+
+@dataclass(frozen=True)
+class PlotInput:
+    """The inputs of a drawing; ``vehicle`` gives nominal pads other than the table's.
+
+    A stop is judged by ``limits``; with ``compare`` other methods are drawn beside the estimate.
+    """
+
+    tables: tuple[Stored, ...] = ()
+    logs: tuple[Log, ...] = ()
+    results: tuple[StoredResult, ...] = ()
+    vehicle: Vehicle | None = None
+    limits: tuple[Limit, ...] = DEFAULTS
+    compare: bool = False
+
+
+def sheets(given: PlotInput) -> Iterator[Sheet]:
+    """The sheets of the given inputs, one after the other.
+
+    At most two tables; two tables without logs or results. Raises ValueError otherwise, and for a
+    vehicle that no estimate and no result uses; LogError and VehicleError as `validate_one`, for a
+    log of another car for example.
+    """
+    if len(given.tables) == 2 and not given.logs:
+        a, b = given.tables
+        yield compare.sheet(a.table, b.table, a.id, b.id)
+    elif len(given.tables) == 1:
+        yield from _of_table(given.tables[0], given)
+    elif not given.tables:
+        yield from map(log.sheet, given.logs)
+    else:
+        raise ValueError("two tables are drawn without logs, three or more cannot be drawn")
+    for result in given.results:
+        yield stop.sheet(from_result(result, given.vehicle))
+
+
+def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:
+    parents = [stored.table.provenance.parent_of(found) for found in given.logs]
+    roles = [None if parent is None else parent.role for parent in parents]
+    ramps = [found for found, role in zip(given.logs, roles, strict=True) if role == "ramp"]
+    if ramps or not given.logs:
+        measured = tuple(measure(stored.table, ramp) for ramp in ramps)
+        yield table.sheet(stored.table, stored.id, measured)
+    for found, role in zip(given.logs, roles, strict=True):
+        if role is None:
+            yield _of_stop(stored, found, given)
+        elif role != "ramp":
+            yield log.sheet(found)  # a coast has no braked sample
+
+
+def _of_stop(stored: Stored, found: Log, given: PlotInput) -> Sheet:
+    used, car = stored.table, given.vehicle
+    result = validate_one(used, found, car, given.limits, baselines=given.compare)
+    trace = from_validation(used, stored.id, found, result, car)
+    return simulation.sheet(trace) if trace.has_truth else stop.sheet(trace)

@@ -1,0 +1,303 @@
+"""A diagnosis: the hold-outs replayed before and after, and the evidence for the named effects.
+
+Replays use the pressure and the first speed only. Drawn is replay less measurement, as its mean
+over 0.1 s; the noise of the sensor is the band around zero.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.car.effects.empirical import DRIVERS
+from calib.diagnosis.diagnose import Diagnosis
+from calib.diagnosis.proof.unexplained import UnexplainedTerm
+from calib.diagnosis.written.headline import outcome
+from calib.diagnosis.written.printed import in_shown, unit_shown
+from calib.diagnosis.written.words import plain
+from calib.logs.log import Log
+from calib.show.sheet import Panel, Sheet
+from calib.show.style import (
+    BODY,
+    DOTTED,
+    FRONT,
+    REAR,
+    SHADE,
+    Array,
+    Axes,
+    Stroke,
+    beside,
+    smooth,
+    view,
+    zero,
+)
+
+BEFORE: Stroke = {**REAR, "linewidth": 1.4}
+AFTER: Stroke = {**FRONT, "linewidth": 1.4}
+
+CLOCK = 0.02
+"""Step between drawn points [s]; a curve is smoothed over a longer time."""
+
+PAUSE = 0.6
+"""Space between two logs on one axis [s]."""
+
+DECADES = tuple(m * 10.0**k for k in range(-2, 6) for m in (1.0, 3.0))
+"""Ticks of a logarithmic axis over all gaps, two in each decade."""
+
+ROUND = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+"""Ticks of a logarithmic axis that begins at one."""
+
+AXLES = {"omega_fl": 0.5, "omega_fr": 0.5, "omega_rl": -0.5, "omega_rr": -0.5}
+FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
+REAR_SIDES = {"omega_rl": 1.0, "omega_rr": -1.0}
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A hold-out with its replays; ``noise`` of its channels by name, in their units."""
+
+    measured: Log
+    before: Log
+    after: Log
+    noise: dict[str, float]
+
+    def curves(self, weights: dict[str, float]) -> Iterator[tuple[str, Array, Array]]:
+        """Before and after: time [s] and weighted sum of replay less measurement, smoothed."""
+        for when, sim in (("before", self.before), ("after", self.after)):
+            n = min(sim.time.size, self.measured.time.size)
+            time = self.measured.time[:n] - self.measured.time[0]
+            off = sum(w * (sim[c][:n] - self.measured[c][:n]) for c, w in weights.items())
+            every = max(1, round(CLOCK / self.measured.sample_time))
+            yield when, time[::every], smooth(time, np.asarray(off))[::every]
+
+    def band(self, weights: dict[str, float]) -> float:
+        """Half width of the 95 % band of the sensors' noise in a weighted sum."""
+        return Z95 * float(np.sqrt(sum((w * self.noise[c]) ** 2 for c, w in weights.items())))
+
+
+def sheet(found: Diagnosis, name: str) -> Sheet:
+    """Return the sheet of a diagnosis; ``name`` is that of the vehicle."""
+    logs = replays_of(found)
+    worst = max(logs, key=lambda log: found.gap.by_log[log.measured.name][0])
+    weights, words = split_of(found)
+    same = found.verdict == "no_gap"
+    panels = [
+        Panel("speed", "Speed, all hold-outs", speed, (logs, same)),
+        Panel(
+            "acceleration",
+            f"Acceleration, {worst.measured.name}",
+            lambda ax: one(ax, worst, {"a_x": 1.0}, "replay less measured $a_x$ [m/s$^2$]", same),
+        ),
+        Panel(
+            "split",
+            f"Wheel speeds, {words}, {worst.measured.name}",
+            lambda ax: one(ax, worst, weights, "replay less measured [rad/s]", same),
+        ),
+        Panel("gap", "Gap on the hold-outs", gap, (found,)),
+        Panel("evidence", "What explains the calibration logs", evidence, (found,)),
+    ]
+    rows: list[tuple[str, ...]] = [("speed",) * 2, ("acceleration", "split"), ("gap", "evidence")]
+    if found.unexplained is not None:
+        panels.append(_term_panel(found.unexplained))
+        rows.append(("term",) * 2)
+    return Sheet(
+        kind="diagnosis",
+        name=name,
+        title=f"Diagnosis of {name}: {heading(found)}",
+        note=(
+            "Replays are open loop: pressure and first speed only. Before: pads and tyre "
+            "re-identified, no effect added. After: with all that was added. The band is 95 % of "
+            "the noise of single samples. The unexplained error is the mean square of the "
+            "innovations, residuals after whitening over their noise: 1 is noise alone."
+        ),
+        panels=tuple(panels),
+        rows=tuple(rows),
+    )
+
+
+def heading(found: Diagnosis) -> str:
+    """The verdict in a few words."""
+    if found.verdict == "no_gap":
+        return "no gap"
+    names = " and ".join(plain(effect.name) for effect in found.effects)
+    if found.unexplained is not None:
+        if names:
+            return f"{names}, and something else"
+        return f"unknown, {plain(found.unexplained.term.place)}"
+    if outcome(found) == "worse":
+        return f"{names}, and the hold-outs are no better"
+    return f"{names} (ambiguous)" if found.verdict == "ambiguous" else names or found.verdict
+
+
+def replays_of(found: Diagnosis) -> list[Replay]:
+    """Hold-outs with their replays, in their order."""
+    noise = {name: channel.noise for name, channel in found.gap.by_channel.items()}
+    together = zip(found.measured, found.before, found.after, strict=True)
+    return [Replay(measured, before, after, noise) for measured, before, after in together]
+
+
+def split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
+    """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
+    channels = {effect.where.channel for effect in found.effects}
+    if "front_sides" in channels:
+        return FRONT_SIDES, "front, left less right"
+    if "rear_sides" in channels:
+        return REAR_SIDES, "rear, left less right"
+    return AXLES, "front less rear"
+
+
+def speed(ax: Axes, logs: list[Replay], same: bool) -> None:
+    """Error of v of every hold-out, one after another."""
+    weights, start, shown = {"v": 1.0}, 0.0, []
+    across = ax.get_xaxis_transform()
+    for i, log in enumerate(logs):
+        end = start + float(log.measured.time[-1] - log.measured.time[0])
+        half = log.band(weights)
+        _band(ax, (start, end), half, first=i == 0)
+        shown += [*_draw(ax, log, weights, same, start, first=i == 0), np.array([-half, half])]
+        ax.text(start, 0.02, log.measured.name, transform=across, fontsize=7.0, va="bottom")
+        if i:
+            ax.axvline(start - 0.5 * PAUSE, color="#AAAAAA", linewidth=0.7, linestyle=DOTTED)
+        start = end + PAUSE
+    zero(ax)
+    view(ax, *shown, zero=True, margin=0.15)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low - 0.12 * (high - low), high)  # room for the names of the logs
+    ax.set(xlabel="time, one log after another [s]", ylabel="replay less measured $v$ [m/s]")
+
+
+def one(ax: Axes, log: Replay, weights: dict[str, float], label: str, same: bool) -> None:
+    """Error of one channel or difference of channels in one log."""
+    half = log.band(weights)
+    _band(ax, (0.0, float(log.measured.time[-1] - log.measured.time[0])), half)
+    shown = _draw(ax, log, weights, same)
+    zero(ax)
+    view(ax, *shown, np.array([-half, half]))
+    ax.set(xlabel="time [s]", ylabel=label)
+
+
+def _band(ax: Axes, ends: tuple[float, float], half: float, first: bool = True) -> None:
+    label = "noise, 95 %" if first else None
+    ax.fill_between(ends, -half, half, color=SHADE, linewidth=0.0, zorder=0, label=label)
+
+
+def _draw(
+    ax: Axes,
+    log: Replay,
+    weights: dict[str, float],
+    same: bool,
+    start: float = 0.0,
+    first: bool = True,
+) -> list[Array]:
+    """Draw the replays before and after, or the only one; returns the drawn values."""
+    drawn = []
+    for when, time, off in log.curves(weights):
+        if same and when == "before":
+            continue
+        label = "replay" if same else when
+        stroke = BEFORE if when == "before" else AFTER
+        ax.plot(start + time, off, label=label if first else None, **stroke)
+        drawn.append(off)
+    return drawn
+
+
+def gap(ax: Axes, found: Diagnosis) -> None:
+    """Rms of replay less measurement by channel, over the noise of its sensor."""
+    channels = found.gap.by_channel
+    place = np.arange(len(channels), dtype=float)
+    same = found.verdict == "no_gap"
+    least = 0.03
+    for shift, when, stroke in ((-0.2, "before", BEFORE), (0.2, "after", AFTER)):
+        if same and when == "before":
+            continue
+        # a gap of zero is still drawn, as a line at the foot
+        height = [max(getattr(c, when) / c.noise, 1.15 * least) for c in channels.values()]
+        look = {"color": stroke["color"], "edgecolor": "white", "linewidth": 0.0}
+        look["hatch"] = "////" if when == "before" else None
+        at = place + (0.0 if same else shift)
+        ax.bar(at, height, width=0.38, label="replay" if same else when, **look)
+    ax.axhline(1.0, color=BODY["color"], linewidth=1.0, linestyle=DOTTED, label="noise")
+    ax.set_yscale("log")
+    highest = max(max(c.before, c.after) / c.noise for c in channels.values())
+    ax.set_ylim(least, 1.6 * max(highest, 2.0))
+    ax.set_xticks(place, [_symbol(name) for name in channels])
+    ax.grid(visible=False, axis="x")
+    low, high = ax.get_ylim()
+    ticks = [t for t in DECADES if low < t < high]
+    ax.set_yticks(ticks, [f"{t:g}" for t in ticks])
+    ax.minorticks_off()
+    ax.set(ylabel="rms gap over noise [1]")
+
+
+def _symbol(channel: str) -> str:
+    head, _, tail = channel.partition("_")
+    if head == "omega":
+        return rf"$\omega_{{{tail}}}$"
+    return f"${head}_{tail}$" if tail else f"${head}$"
+
+
+def evidence(ax: Axes, found: Diagnosis) -> None:
+    """The unexplained error that each explanation leaves; noise alone is 1."""
+    rows = explanations(found)
+    place = -np.arange(len(rows), dtype=float)
+    for y, (label, left, stroke) in zip(place, rows, strict=True):
+        ax.plot([1.0, left], [y, y], color=stroke["color"], linewidth=1.2)
+        marker = {"s": 28.0, "color": stroke["color"], "zorder": 3}
+        ax.scatter([left], [y], marker="o" if stroke is AFTER else "D", **marker)
+        beside(ax, f"{label}: {left:.2f}", (1.0, y), (5.0, 5.0))
+    ax.axvline(1.0, color=BODY["color"], linewidth=1.0, linestyle=DOTTED, label="noise alone")
+    worst = max(left for _, left, _ in rows)
+    if worst > 3.0:
+        ax.set_xscale("log")
+        ticks = [t for t in ROUND if t < 1.3 * worst]
+        ax.set_xticks(ticks, [f"{t:g}" for t in ticks])
+        ax.minorticks_off()
+    least = min(1.0, *(left for _, left, _ in rows))
+    ax.set_xlim(least * (0.97 if worst < 3.0 else 0.9), max(1.12 * worst, 1.5))
+    ax.set_ylim(place[-1] - 0.4, 0.75)
+    ax.set_yticks([])
+    ax.set(xlabel="unexplained error, 1 is noise [1]")
+
+
+def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
+    """The explanations, worst first: label, unexplained error that it leaves, stroke."""
+    before, after = found.reduced_before, found.reduced_after
+    rows = [("nothing added", before, BEFORE)]
+    if found.unexplained is not None and not found.effects:
+        for place, driver, share in reversed(found.unexplained.runners_up):
+            left = before - share * (before - 1.0)
+            rows.append((f"{plain(place)} over {driver}", left, BODY))
+        term = found.unexplained.term
+        rows.append((f"{plain(term.place)} over {term.driver}, added", after, AFTER))
+        return rows
+    seconds = {e.runner_up[0]: e.runner_up[1] for e in found.effects if e.runner_up is not None}
+    for name, gained in sorted(seconds.items(), key=lambda item: item[1]):
+        rows.append((f"{plain(name)}, runner-up", before - gained, BODY))
+    if found.effects:
+        names = " + ".join(plain(effect.name) for effect in found.effects)
+        rows.append((f"{names}, added", after, AFTER))
+        if found.unexplained is not None:
+            term, share = found.unexplained.term, found.unexplained.explained
+            left = after - share * (after - 1.0)
+            rows.append((f"{plain(term.place)} over {term.driver}, not added", left, BODY))
+    return rows
+
+
+def _term_panel(found: UnexplainedTerm) -> Panel:
+    term = found.term
+    title = f"Empirical term on the {plain(term.place)} over {term.driver}"
+    return Panel("term", title, empirical, (found,))
+
+
+def empirical(ax: Axes, found: UnexplainedTerm) -> None:
+    """The term that was added for an unknown cause, over its driver."""
+    term = found.term
+    unit = DRIVERS[term.driver]
+    x = np.array([in_shown(knot, unit) for knot in term.knots])
+    ax.plot(x, 100.0 * np.array(term.values), marker="o", markersize=4.0, **AFTER)
+    zero(ax)
+    on = "brake torque" if term.on_brakes else "force over weight"
+    driver = {"time": "time since the bite", "temperature": "disc temperature"}
+    word = driver.get(term.driver, term.driver)
+    ax.set(xlabel=f"{word} [{unit_shown(unit) or '1'}]", ylabel=f"change of {on} [%]")

@@ -1,0 +1,314 @@
+"""The report of a fleet: one HTML file with its pictures, and a JSON document."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from calib.base.plain import METRICS, NBSP, plain
+from calib.line.fleet import control_chart, outliers
+from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
+from calib.line.fleet.edges import in_words
+from calib.line.fleet.outliers import MetricSpread
+from calib.line.fleet.summary import DRIFT, Look, Outlier, Summary
+from calib.show.html import Picture, Report
+
+NAMES = 50
+"""Number of logs that stand apart in the page; fleet.json has all."""
+HEADS = (
+    *("metric", "logs", "median", "90 % of the logs", "one more is named", "stand apart", "drift"),
+)
+
+
+def headline(found: Summary) -> str:
+    """The fleet in one sentence."""
+    if _too_few(found):
+        some = any(look.spread.count for look in found.looks)
+        why = "too few to judge outliers or drift" if some else "none has a metric"
+        text = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
+        return text + f"; {_errors(found)}." if found.failures else text + "."
+    drifting = [
+        plain(look.metric.name, look.metric.unit).name for look in found.looks if look.drifts
+    ]
+    logs = len(found.apart)
+    steady = "No drift" if _drift_tested(found) else "Drift not tested"
+    parts = [
+        f"{', '.join(drifting)} {'drift' if len(drifting) > 1 else 'drifts'}"
+        if drifting
+        else steady,
+        f"{_count(logs, 'log stands', 'logs stand')} apart" if logs else "no log stands apart",
+    ]
+    if found.failures:
+        parts.append(_errors(found))
+    return "; ".join(parts) + "."
+
+
+def _errors(found: Summary) -> str:
+    return f"{_count(sum(f.count for f in found.failures), 'log', 'logs')} with an error"
+
+
+def _too_few(found: Summary) -> bool:
+    """Whether no metric has enough logs to be judged."""
+    counts = [look.spread.count for look in found.looks]
+    return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
+
+
+def _drift_tested(found: Summary) -> bool:
+    return any(look.change is not None for look in found.looks)
+
+
+def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> str:
+    """Return the page; ``pictures`` by name of metric."""
+    page = Report(f"{title}: fleet", title, _kind(found), "Fleet")
+    page.text(headline(found))
+    page.add("key_numbers", [("logs", len(found.logs)), *found.status.items()])
+    page.section("Errors")
+    errors = [(f.message, f.count, ", ".join(f.logs)) for f in found.failures]
+    page.table("Logs without a result.", ("error", "logs", "such as"), errors, "steps")
+    page.section("Copies: one recording under several names, which counts more than once")
+    page.listing(", ".join(group) for group in found.copies)
+    page.section("Logs that stand apart")
+    apart = found.apart[:NAMES]
+    if apart:
+        more = len(found.apart) - len(apart)
+        rest = f" and {more} more in fleet.json" if more else ""
+        page.text(f"{_count(len(apart), 'log', 'logs')}, the farthest first{rest}.")
+    else:
+        page.text("Too few logs to judge." if _too_few(found) else "None.")
+    page.terms((car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in apart)
+    page.text(reach(found))
+    told = [x for x in _first(found) if x.drifts or x.outlying.any()]
+    calm = [x for x in _first(found) if not (x.drifts or x.outlying.any())]
+    page.section("Metrics to look at")
+    _metrics(page, found, told, pictures)
+    page.section("All metrics")
+    overview = [_row(look) for look in found.looks if look.spread.count]
+    page.table("Every metric that has values.", HEADS, overview)
+    page.text("" if overview else "None.")
+    with page.inside("fold", f"Metrics where nothing stands apart and nothing drifts: {len(calm)}"):
+        _metrics(page, found, calm, pictures)
+    page.section("Other columns")
+    classes = [
+        (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
+        for s in found.shares
+    ]
+    page.table("How often.", ("column", "logs"), classes, "steps")
+    page.section("How it was judged")
+    page.text(
+        f"The line is in the order of {_ordered_by(found)}. A log is named by all its metrics at a "
+        f"share of false names of {100 * outliers.SHARE:.0f} %, and none below {outliers.FEWEST} "
+        f"logs; {round(found.together)} of the metrics say new things. Of pages with good cars "
+        "only, at most 8 % are expected to name one, or a drift. At most "
+        f"{100 * DRIFT:.0f} % of the metrics drift by chance."
+    )
+    rules = "; ".join(f"{number}: {text}" for number, text in RULES.items())
+    page.text(
+        "In the pictures, dotted: one more log beyond it is named for this metric. Where a metric "
+        "drifts, dashed: three sigma from log to log, and logs that break a Western Electric rule "
+        f"({rules}) are marked: they show where to look and prove nothing."
+    )
+    return page.html()
+
+
+def _metrics(
+    page: Report, found: Summary, looks: list[Look], pictures: Mapping[str, Picture]
+) -> None:
+    for look in looks:
+        name = plain(look.metric.name, look.metric.unit).name
+        page.add("heading", name, look.metric.name)
+        page.figure(pictures[look.metric.name], f"Distribution of {name}, and the logs in order.")
+        page.text(described(found, look))
+
+
+def reach(found: Summary) -> str:
+    """How far from the others a log must be to be named, in words; "" if none can be judged."""
+    ratios = [
+        min(abs(edge - s.median) for edge in s.edges) / s.scale
+        for look in found.looks
+        if (s := look.spread).edges is not None and s.scale > plain(look.metric.name).step
+    ]
+    if not ratios:
+        return ""
+    least, middle, most = np.quantile(ratios, [0.0, 0.5, 1.0], method="nearest")
+    logs = _count(max(look.spread.count for look in found.looks), "log", "logs")
+    if not np.isfinite(middle):
+        return f"{logs} are too few to tell one apart in a typical metric, however far away it is."
+    text = (
+        f"Among {logs} only one that is far away can be told apart: {middle:.1f} times the usual "
+        "scatter (one sigma) from the median"
+    )
+    if len(ratios) > 1:
+        end = f" to {most:.1f}" if np.isfinite(most) else ""
+        text += f" in a typical metric; by metric, from {least:.1f}{end} times on"
+    return text + ". A log that is nearer may be odd, too: these logs cannot show it."
+
+
+def reason(found: Summary, o: Outlier) -> str:
+    """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
+    look = next(look for look in found.looks if look.metric.name == o.metric)
+    s, shown = look.spread, _shown(look)
+    low, high = map(shown, look.others)
+    side = "above" if o.value > s.median else "below"
+    return (
+        f"{plain(o.metric).name} {shown(o.value)}: {side} the others, "
+        f"90 % of them from {low} to {high}"
+    )
+
+
+def _class(text: str) -> str:
+    """A value of a text column; keys of metrics in it in plain names."""
+    keys = [key.strip() for key in text.split(",")]
+    return "; ".join(plain(key).name if key in METRICS else key for key in keys)
+
+
+def _ordered_by(found: Summary) -> str:
+    return plain(found.ordered_by).name if found.ordered_by in METRICS else found.ordered_by
+
+
+def _shown(look: Look) -> Callable[[float], str]:
+    """The function that writes a value of a metric with its unit."""
+    one = plain(look.metric.name, look.metric.unit)
+    if one.step:
+        return one.with_unit
+    unit = f"{NBSP}{one.unit}" if one.unit else ""
+    return lambda value: number(one.factor * value, look.spread) + unit
+
+
+def _first(found: Summary) -> list[Look]:
+    """Metrics with drift first, then those with outliers, then the others that have values."""
+    filled = [look for look in found.looks if look.values.size]
+    return sorted(filled, key=lambda look: (not look.drifts, not look.outlying.any()))
+
+
+def _kind(found: Summary) -> str:
+    """The verdict that sets the colour of the page's head."""
+    calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
+    if _too_few(found) or (calm and not _drift_tested(found)):
+        return "unknown"
+    return "no_gap" if calm else "ambiguous"
+
+
+def _row(look: Look) -> tuple[str, ...]:
+    """One metric as a row of the table of all metrics."""
+    s, shown = look.spread, _shown(look)
+    judged = bool(np.isfinite(s.z).any())
+    drift = "not tested" if look.change is None else "yes" if look.drifts else "no"
+    return (
+        plain(look.metric.name, look.metric.unit).name,
+        str(s.count),
+        shown(s.median),
+        f"{shown(s.quantiles[0])} to {shown(s.quantiles[3])}",
+        _named_beyond(look) or "no limit",
+        str(int(look.outlying.sum())) if judged else "not judged",
+        drift,
+    )
+
+
+def _named_beyond(look: Look) -> str:
+    """The limits beyond which a log is named: `below 0.31 or above 0.45`; empty without any."""
+    return in_words(look.spread.edges, _shown(look)) if look.spread.edges else ""
+
+
+def described(found: Summary, look: Look) -> str:
+    """One metric in words: median and range, change of level, limits of the line."""
+    s, shown = look.spread, _shown(look)
+    low, high = map(shown, look.others)
+    whose = "others" if look.outlying.any() else "logs"
+    parts = [f"Median {shown(s.median)}, 90 % of the {whose} from {low} to {high}."]
+    if look.drifts and look.change is not None:
+        c = look.change
+        parts.append(
+            f"The level changes from {shown(c.before)} to {shown(c.after)} about "
+            f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
+            f"(p {c.p:.1e})."
+        )
+    if told := _named_beyond(look):
+        parts.append(f"One more log is named {told}.")
+    elif look.spread.edges is not None:
+        parts.append("No log can be named: as far away as that no value can be.")
+    else:
+        parts.append("No log is named: too few logs, or no scatter that matters.")
+    if look.metric.name == found.ordered_by:
+        parts.append("The logs are ordered by it, so it cannot drift.")
+    elif look.drifts and look.chart is not None:
+        low, high = map(shown, look.chart.limits)
+        parts.append(f"Limits of a steady line: {low} to {high}, three sigma from log to log.")
+    return " ".join(parts)
+
+
+def _by_chance(look: Look, rule: int) -> float | None:
+    """How often a steady line would break ``rule``; None where there are too few logs to say."""
+    n = look.values.size
+    return BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None
+
+
+def number(value: float, about: MetricSpread) -> str:
+    """``value`` rounded to one digit below the scatter of its metric, at least four digits."""
+    width = max(about.quantiles[3] - about.quantiles[0], 1e-300)
+    digits = 4
+    if value:
+        digits = max(4, 3 + int(np.floor(np.log10(abs(value)) - np.log10(width))))
+    return f"{value:.{min(digits, 10)}g}"
+
+
+def document(found: Summary) -> dict[str, Any]:
+    """The whole summary as one JSON-able document."""
+    return {
+        "schema": 1,
+        "logs": len(found.logs),
+        "ordered_by": found.ordered_by,
+        "status": found.status,
+        "headline": headline(found),
+        "errors": found.failures,
+        "copies": found.copies,
+        "outliers": [
+            {"log": o.log, "figure": o.metric, "value": o.value, "z": o.z, "p": o.p}
+            for o in found.outliers
+        ],
+        "outliers_by_chance": outliers.SHARE * len(found.outliers),
+        "apart": [
+            {"log": car.log, "p": car.p, "figures": [o.metric for o in car.reasons]}
+            for car in found.apart
+        ],
+        "figures": {look.metric.name: _entry(found, look) for look in found.looks},
+        "classes": {s.metric.name: dict(s.counts) for s in found.shares},
+    }
+
+
+def _entry(found: Summary, look: Look) -> dict[str, Any]:
+    s, c = look.spread, look.change
+    return {
+        "unit": look.metric.unit,
+        "count": s.count,
+        "median": s.median,
+        "scale": s.scale,
+        "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
+        "beyond_3": {"count": s.beyond, "by_chance": s.expected},
+        "outliers": int(look.outlying.sum()),
+        "named_beyond": s.edges,
+        "chart": look.chart
+        and {
+            "centre": look.chart.centre,
+            "limits": look.chart.limits,
+            "rules": {
+                str(rule): {
+                    "broken": int(look.chart.alarms[rule].sum()),
+                    "by_chance": _by_chance(look, rule),
+                }
+                for rule in RULES
+            },
+        },
+        "change": c
+        and {
+            "drifts": look.drifts,
+            "p": c.p,
+            "first_log": found.logs[look.rows[c.first]],
+            "number": int(look.rows[c.first]) + 1,
+            "before": c.before,
+            "after": c.after,
+        },
+    }
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"

@@ -1,0 +1,60 @@
+"""The page of a log: one HTML file with its columns, its events and their picture."""
+
+from collections.abc import Iterable
+
+from calib.logs.whole import Inventory, WholeLog
+from calib.run.events import BITE, RunEvent
+from calib.show.html import Report, picture
+
+HEADS = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
+
+
+def log_html(
+    log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent], drawn: bytes
+) -> str:
+    """Return the page; ``drawn`` the picture as PNG."""
+    time = log.time
+    page = Report(f"Log {log.name}", f"Log {log.name}")
+    span = f"{time[0]:g} to {time[-1]:g} s, {time.size} rows"
+    page.terms({"file": log.source, "SHA-256": log.digest, "time": span})
+    page.section("Columns over time")
+    raw = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
+    page.figure(picture(drawn, "png", "zoom-channels"), raw)
+    page.section("Events")
+    times = [event_cells(event) for event in events]
+    page.table("Events in order of time.", ("event", "time", "length"), times)
+    if not times:
+        page.text("None: they need a_x and the four wheel speeds, with a value in every row.")
+    page.section("Columns")
+    page.table("What is in each column.", HEADS, map(cells, columns))
+    if log.notes:
+        page.add("heading", "What was changed or left out")
+    page.listing(log.notes)
+    return page.html()
+
+
+def cells(column: Inventory) -> tuple[str, ...]:
+    """A column as text, in the order of `HEADS`."""
+    return (
+        column.name,
+        column.unit or "none",
+        "none" if column.low is None else f"{column.low:.6g}",
+        "none" if column.high is None else f"{column.high:.6g}",
+        "none" if column.rate is None else f"{column.rate:.4g}",
+        str(column.samples),
+        _gaps(column),
+    )
+
+
+def event_cells(event: RunEvent) -> tuple[str, str, str]:
+    """Name, place and length of an event as text."""
+    if event.kind == BITE:
+        return event.kind, f"{event.start:.2f} s", ""
+    return event.kind, f"{event.start:.2f} to {event.end:.2f} s", f"{event.end - event.start:.2f} s"
+
+
+def _gaps(column: Inventory) -> str:
+    if not column.gaps:
+        return "none"
+    start, length = max(column.gaps, key=lambda gap: gap[1])
+    return f"{len(column.gaps)}, longest {length:.3f} s at {start:.2f} s"

@@ -1,0 +1,75 @@
+"""Where the results of a page come from: files with their digests, vehicle, versions, date."""
+
+import platform
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from calib.base.digest import file_digest
+from calib.base.program import PROGRAM
+from calib.car.vehicle import Axle, Vehicle
+from calib.show.html import Report
+from calib.table.table import Table
+
+PACKAGES = ("numpy", "scipy", "matplotlib")
+"""Packages that compute and draw."""
+
+
+@dataclass(frozen=True)
+class PageOrigin:
+    """``date`` as it stands on the page; ``files`` (role, name, SHA-256) that are no logs."""
+
+    date: str
+    files: tuple[tuple[str, str, str], ...] = ()
+
+
+def origin_of(date: str, files: Mapping[str, Path | None]) -> PageOrigin:
+    """The origin with the files that were given, by role. Raises OSError for one that is gone."""
+    given = [(role, path.name, file_digest(path)) for role, path in files.items() if path]
+    return PageOrigin(date, tuple(given))
+
+
+def where_from(
+    page: Report, origin: PageOrigin, table: Table, logs: Iterable[tuple[str, str, str]], mass: str
+) -> None:
+    """The last section of a page; ``logs`` (role, name, SHA-256)."""
+    runs_on = f"Python {platform.python_version()}, " + ", ".join(_packages())
+    inputs = [(name, role, digest) for role, name, digest in (*logs, *origin.files)]
+    page.section("Where it comes from")
+    page.terms({"Date": origin.date, "Program": PROGRAM, "Runs on": runs_on})
+    heads = ("file", "role", "SHA-256")
+    page.table("Inputs, with the SHA-256 of their bytes.", heads, inputs, "digests stack")
+    with page.inside("fold", "The vehicle"):
+        page.terms([("Name", table.vehicle.name), ("Mass", mass), *_vehicle(table.vehicle)])
+    settings_of(page, table)
+
+
+def settings_of(page: Report, table: Table) -> None:
+    """The settings of the fit of ``table``, shown on demand."""
+    settings = [(name, f"{value:g}") for name, value in table.provenance.settings.items()]
+    with page.inside("fold", "Settings"):
+        page.table("Settings, in SI.", ("setting", "value"), settings)
+
+
+def _packages() -> list[str]:
+    return [f"{name} {version(name)}" for name in PACKAGES]
+
+
+def _vehicle(car: Vehicle) -> list[tuple[str, str]]:
+    return [
+        ("Centre of gravity", f"{car.cg_height:.3g} m high, {car.cg_to_front_axle:.4g} m behind "
+         f"the front axle, {car.cg_to_rear_axle:.4g} m before the rear one"),
+        ("Track", f"{car.track_width:.4g} m"),
+        ("Front axle", _axle(car.front)),
+        ("Rear axle", _axle(car.rear)),
+        ("Known effects", ", ".join(car.effects.parameters) or "none"),
+    ]  # fmt: skip
+
+
+def _axle(axle: Axle) -> str:
+    """An axle in a line: what its torque for a pressure is made of."""
+    return (
+        f"{1e5 * axle.torque_gain * axle.pad_friction:.3g} N m a bar and wheel at pad friction "
+        f"{axle.pad_friction:g}, rolling radius {1e3 * axle.rolling_radius:.4g} mm"
+    )

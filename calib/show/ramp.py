@@ -1,0 +1,187 @@
+"""The ramp of a calibration: pressure (Fig. 4), forces (Fig. 5), and points for Figs. 3 and 6.
+
+The curves of a table over eta are those of a car without air drag, grade and rolling resistance. So
+are the points that are compared with them:
+
+    p --pads--> brake forces --the car without resistance--> z, D, f1, f2, and its eta
+    eta as measured, over that of the identified car on this run, times its eta without resistance
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.base.names import G
+from calib.car.braking import BITE
+from calib.car.forces import paper_curves
+from calib.car.vehicle import Vehicle
+from calib.estimation.plan import known_resistance
+from calib.fitting.path import Path, path_of
+from calib.logs.log import Log
+from calib.model.known_effects import remove_known_effects
+from calib.model.parameters import RampParameters, parameters_of, tyres_of
+from calib.model.ramp import (
+    AS_OTHERS,
+    RampRun,
+    nominal_forces,
+    normalised_forces,
+    predict,
+    prepare,
+)
+from calib.model.sensors import of_whole_run, put_right
+from calib.model.settings import SETTINGS
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
+from calib.show.sheet import Panel
+from calib.show.style import BAR, BODY, FRONT, NOMINAL, REAR, Array, Axes, Mask, Stroke, noisy
+from calib.table.table import Table
+
+GROUP = 5
+"""Blocks per point: a mean over 0.25 s reduces the noise of eta enough to show the curve."""
+
+
+@dataclass(frozen=True)
+class MeasuredRamp:
+    """A ramp in blocks, shapes (k,), SI.
+
+    As driven: ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it
+    that the tyres carry [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads
+    [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v.
+
+    As the table has it, without resistance: ``z_free``, ``eta``, ``D``, ``f1``, ``f2`` [1], NaN
+    where nothing brakes.
+
+    ``braked`` blocks with enough pressure; ``both`` whether both axles brake.
+    """
+
+    name: str
+    time: Array
+    pressure: Array
+    z: Array
+    carried: Array
+    F_f: Array
+    F_r: Array
+    z_free: Array
+    eta: Array
+    D: Array
+    f1: Array
+    f2: Array
+    slip_f: Array | None
+    slip_r: Array | None
+    braked: Mask
+    both: bool
+
+
+def measure(table: Table, log: Log) -> MeasuredRamp:
+    """Evaluate a ramp with the pads, the resistance and the load exponent of ``table``.
+
+    The forces are smooth, the noise is in eta and slip. Raises LogError as `signals` does.
+    """
+    ran = remove_known_effects(table.vehicle, log)
+    vehicle = ran.vehicle
+    read = blocks(signals(ran.log, vehicle))
+    noise = sensor_noise(ran.log, read)
+    sensor = of_whole_run(vehicle, read, noise)
+    _, b, _ = put_right((ran.log, read, noise), sensor)
+    effects = known_resistance(replace(table, vehicle=vehicle)).effects
+    run = prepare(vehicle, log.name, b, noise, effects, sensor)
+    parameters = parameters_of(table.posterior)
+    F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)
+    eta_model, _ = predict(vehicle, run, parameters, AS_OTHERS)
+    free = b.lead_in
+    # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
+    zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
+    table_car = _without_resistance(vehicle, run, parameters, scale)
+    f1, f2 = paper_curves(vehicle, table_car.z, table_car.D)
+    slips = _slips(table, parameters, run, F_f, F_r)
+    return MeasuredRamp(
+        name=log.name,
+        time=b.end,
+        pressure=np.maximum(b.p_f, b.p_r),
+        z=read.z,
+        carried=(run.brake_sum + run.moment_f + run.moment_r) / vehicle.weight,
+        F_f=F_f,
+        F_r=F_r,
+        z_free=table_car.z,
+        eta=b.eta / zero / eta_model * table_car.eta,
+        D=table_car.D,
+        f1=f1,
+        f2=f2,
+        slip_f=slips[0] if slips else None,
+        slip_r=slips[1] if slips else None,
+        braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
+        both=run.only is None,
+    )
+
+
+def _without_resistance(
+    vehicle: Vehicle, run: RampRun, parameters: RampParameters[float], scale: float
+) -> Path:
+    """The blocks of a run as the car of the table drives them, with the same brake forces."""
+    B_f, B_r = (scale * B for B in nominal_forces(vehicle, run, parameters.log_pad_ratio))
+    held = B_f + B_r > 0.0
+    return path_of(vehicle, parameters, np.where(held, B_f, np.nan), np.where(held, B_r, np.nan))
+
+
+def _slips(
+    table: Table, parameters: RampParameters[float], run: RampRun, F_f: Array, F_r: Array
+) -> tuple[Array, Array] | None:
+    """Slips (19), (20) of the axles [1] (k,), converted to the load of the tyre curve.
+
+    The lead-in gives the radii: there a wheel has the slip of what slows it besides the brake.
+    """
+    b, static = run.blocks, table.vehicle.static_loads
+    if b.v is None or not b.lead_in.any():
+        return None
+    loads, tyres = (run.load_f, run.load_r), tyres_of(parameters)
+    lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
+    rolling = tyres.slips((F_f, F_r), loads, static)
+    shown = []
+    for omega, model in zip((b.omega_f, b.omega_r), rolling, strict=True):
+        rim_speed = np.mean(b.v[b.lead_in]) * (1.0 - np.mean(model[b.lead_in]))
+        radius = rim_speed / np.mean(omega[b.lead_in])
+        shown.append(1.0 - radius * omega / np.maximum(b.v, SETTINGS.min_speed) - lag)
+    return tyres.on_the_curve((shown[0], shown[1]), loads, static)
+
+
+def grouped(values: Array, mask: Mask) -> Array:
+    """Means of `GROUP` consecutive blocks where ``mask`` is true, without an incomplete group."""
+    kept = values[mask]
+    count = kept.size // GROUP
+    return np.asarray(kept[: count * GROUP].reshape(count, GROUP).mean(axis=1))
+
+
+def panels(ramp: MeasuredRamp, suffix: str = "") -> tuple[Panel, ...]:
+    """Pressure and forces over time; ``suffix`` distinguishes the ramps of a table."""
+    return (
+        Panel(f"pressure{suffix}", f"Pressure of {ramp.name} (Fig. 4)", pressure, (ramp,)),
+        Panel(f"forces{suffix}", f"Forces of {ramp.name} (Fig. 5)", forces, (ramp,), 2),
+    )
+
+
+def pressure(ax: Axes, ramp: MeasuredRamp) -> None:
+    """Pressure over time, Fig. 4."""
+    ax.plot(ramp.time, ramp.pressure / BAR, label="greater of the axles' pressures", **BODY)
+    ax.set(xlabel="time [s]", ylabel="brake pressure [bar]")
+
+
+def forces(ax: Axes, ramp: MeasuredRamp) -> None:
+    """Fig. 5, as driven: what the tyres carry of z is between the normalised forces."""
+    noisy(ax, ramp.time, ramp.F_f, FRONT, "front $F_f$")
+    noisy(ax, ramp.time, ramp.z, NOMINAL, "$z$ as measured")
+    noisy(ax, ramp.time, ramp.F_r, REAR, "rear $F_r$")
+    noisy(ax, ramp.time, ramp.carried, BODY, "$z$ less air drag")
+    ax.set(xlabel="time [s]", ylabel="normalised force, $z$ [1]")
+
+
+def points(
+    ax: Axes, ramp: MeasuredRamp, x: Array, y: Array, mask: Mask, stroke: Stroke, label: str = ""
+) -> None:
+    """Blocks as dots, and their means over 0.25 s as rings, those of the rear as triangles."""
+    ax.plot(x[mask], y[mask], ".", color=stroke["color"], ms=2.0, alpha=0.35, mew=0.0)
+    ring: Stroke = {"color": stroke["color"], "mfc": "white", "ms": 3.4, "mew": 0.8}
+    shown = label or "_points"  # labels that begin with an underscore are not in the legend
+    marker = "^" if stroke is REAR else "o"
+    means = grouped(x, mask), grouped(y, mask)
+    ax.plot(*means, marker, linestyle="", label=shown, zorder=3, **ring)

@@ -1,0 +1,90 @@
+"""A stored result: the Parquet file that `brake-cal validate --out` writes for each log."""
+
+import hashlib
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.bounded import RESULT, read_bounded
+from calib.base.errors import InputError
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+COLUMNS = (
+    "time",
+    "z",
+    "eta",
+    *(
+        f"{quantity}_{axle}{bound}"
+        for quantity, bounds in (
+            ("normalised_force", ("",)),
+            ("pad_friction", ("", "_lower", "_upper")),
+        )
+        for axle in "fr"
+        for bound in bounds
+    ),
+    *(f"brake_torque_{wheel}" for wheel in ("fl", "fr", "rl", "rr")),
+)
+"""Numeric columns of a result, besides ``valid``."""
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """Estimates of one log, shapes (n,): ``values`` by `COLUMNS`, ``valid`` per sample.
+
+    ``name`` is the stem of the log; ``digest`` the SHA-256 of the file.
+    """
+
+    name: str
+    digest: str
+    values: dict[str, Array]
+    valid: Mask
+
+    def __getitem__(self, column: str) -> Array:
+        return self.values[column]
+
+
+def is_result(path: Path) -> bool:
+    """Whether ``path`` is a Parquet file with the columns that only a result has."""
+    from pyarrow import ArrowException
+    from pyarrow.parquet import read_schema
+
+    if path.suffix.lower() != ".parquet" or not path.is_file():
+        return False
+    try:
+        names = set(read_schema(path).names)
+    except (OSError, ArrowException, ValueError):
+        return False  # it is then read as a log, which reports the cause
+    return {"valid", "pad_friction_f", "pad_friction_r"} <= names
+
+
+def read_result(path: Path) -> StoredResult:
+    """Read a result. Raises InputError when it is unreadable, empty or lacks a column."""
+    from pyarrow import ArrowException
+    from pyarrow.parquet import read_table
+
+    try:
+        data = read_bounded(path, RESULT)
+        found = read_table(io.BytesIO(data))
+        names = found.column_names
+    except (OSError, ArrowException, ValueError) as cause:
+        raise InputError(f"cannot be read ({cause})", where=path) from cause
+    missing = [name for name in (*COLUMNS, "valid") if name not in names]
+    if missing or found.num_rows < 2:
+        raise InputError(
+            f"no column {', '.join(missing)}" if missing else "fewer than two samples",
+            where=path,
+            expected="a result of `brake-cal validate --out`",
+        )
+    try:
+        values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
+        valid = np.asarray(found["valid"].to_numpy(zero_copy_only=False), dtype=bool)
+    except (ArrowException, TypeError, ValueError) as cause:
+        raise InputError(f"holds more than numbers ({cause})", where=path) from cause
+    return StoredResult(
+        name=path.stem, digest=hashlib.sha256(data).hexdigest(), values=values, valid=valid
+    )

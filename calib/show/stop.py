@@ -1,0 +1,257 @@
+"""A stop with its estimate: the panels of Figs. 13 to 16."""
+
+import numpy as np
+
+from calib.estimation.validate import Validation
+from calib.logs.clock import step_of
+from calib.run.filters import runs
+from calib.show.sheet import Panel, Sheet
+from calib.show.style import (
+    BODY,
+    DASH_DOT,
+    DOTTED,
+    FRONT,
+    IDENTIFIED,
+    LAW,
+    LEVEL,
+    NOMINAL,
+    REAR,
+    TRUTH,
+    WHEEL_STROKES,
+    Array,
+    Axes,
+    Stroke,
+    band,
+    lines,
+    noisy,
+    shade,
+    smooth,
+    stripe,
+    view,
+)
+from calib.show.table import BUDGET, bars
+from calib.show.trace import AxleTrace, StopTrace
+
+LAST = ("validity", "budget")
+"""Panels of the last row."""
+WHY = "Where the estimate is valid, and why not"
+SHADED = "Grey: the sample is not valid, and no estimate is drawn."
+CHANGED = "Dotted vertical line: a change of surface was detected."
+BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
+RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
+SLIP_MEAN = 0.3
+"""Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
+BASELINES: dict[str, tuple[str, Stroke]] = {
+    "mean_gain": ("one mean gain, [16]", LEVEL),
+    "gradient_paper": ("gradient law, paper look-up", LAW),
+    "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
+}
+"""Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
+NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
+LEAST = 0.02
+"""Share of the log from which a reason for not being valid is drawn."""
+EVERY = 5
+"""Samples between two points of a drawn line: 25 ms at 200 Hz, less than the window of its mean."""
+
+
+def sheet(trace: StopTrace) -> Sheet:
+    """Return the sheet of one stop. Panels for which the source has no data are left out."""
+    panels = stop_panels(trace)
+    names = [panel.name for panel in panels if panel.name not in LAST]
+    last = [panel.name for panel in panels if panel.name in LAST]
+    rows = [(names[i], names[min(i + 1, len(names) - 1)]) for i in range(0, len(names), 2)]
+    rows += [(last[0], last[-1])] if last else []
+    return Sheet(
+        kind="stop",
+        name=trace.name,
+        title=f"Stop {trace.name}",
+        note=note(trace),
+        panels=panels,
+        rows=tuple(rows),
+        result=result_of(trace),
+    )
+
+
+def result_of(trace: StopTrace) -> str:
+    """Verdict and pads in words."""
+    front, rear = ("none" if found is None else found for found in trace.pads)
+    words = f"pad friction front {front}, rear {rear} (95 %)"
+    words = f"{trace.verdict}; {words}" if trace.verdict else words
+    return words[0].upper() + words[1:]
+
+
+def note(trace: StopTrace) -> str:
+    """Note of the page: source of the data and meaning of the marks."""
+    changed = (CHANGED,) if trace.changes else ()
+    bumps = (BUMPS,) if trace.bumps else ()
+    return " ".join((*trace.notes, SHADED, *changed, *bumps, "Bands are 95 %."))
+
+
+def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
+    """Panels of a stop in the order of Fig. 13."""
+    front, rear, of = trace.front, trace.rear, (trace,)
+    ratio = "Speed ratio" if front.slip is None else "Slip and speed ratio"
+    pad_f, pad_r = (
+        word if pads is None else f"{word}: {pads}"
+        for word, pads in zip(("Front pad friction", "Rear pad friction"), trace.pads, strict=True)
+    )
+    found = (
+        (trace.wheels, Panel("wheel-speeds", "Wheel speeds", wheel_speeds, of, 5)),
+        (True, Panel("deceleration", "Deceleration", deceleration, of)),
+        (True, Panel("normalised-forces", "Normalised forces", normalised_forces, of)),
+        (True, Panel("slip", ratio, slip, of)),
+        (True, Panel("pad-front", pad_f, pad, (trace, front, FRONT), 2)),
+        (True, Panel("pad-rear", pad_r, pad, (trace, rear, REAR), 2)),
+        (True, Panel("axle-torques", "Axle brake torques", axle_torques, of, 2)),
+        (trace.force_sum is not None, Panel("force-sum", "Sum of forces", force_sum, of)),
+        (trace.refused, Panel("validity", WHY, validity, of)),
+        (trace.budget, Panel("budget", BUDGET, bars, (trace.budget,))),
+    )
+    return tuple(panel for there, panel in found if there)
+
+
+def frame(ax: Axes, trace: StopTrace, ylabel: str) -> None:
+    """Shade, mark and label an axis over time."""
+    shade(ax, trace.time, ~trace.valid)
+    for start, end in trace.bumps:
+        stripe(ax, start, end)
+    for time in trace.changes:
+        ax.axvline(time, color=BODY["color"], linestyle=DOTTED, linewidth=1.0)
+    ax.set(xlabel="time [s]", ylabel=ylabel)
+    ax.set_xlim(trace.time[0], trace.time[-1])
+
+
+def wheel_speeds(ax: Axes, trace: StopTrace) -> None:
+    """Wheel speeds, panel (a)."""
+    if trace.v_wheel is not None:  # first, so that it is drawn below the wheels
+        ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
+    for wheel, omega in trace.wheels.items():
+        ax.plot(trace.time, omega, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
+    frame(ax, trace, "wheel speed [rad/s]")
+
+
+def deceleration(ax: Axes, trace: StopTrace) -> None:
+    """Deceleration, panel (b)."""
+    lines(ax, trace.time, [(trace.z, BODY, "$z = -a_x/g$")])
+    frame(ax, trace, "deceleration [g]")
+
+
+def normalised_forces(ax: Axes, trace: StopTrace) -> None:
+    """Normalised forces, panel (c)."""
+    front, rear = trace.front.force, trace.rear.force
+    lines(ax, trace.time, [(front, FRONT, "front $F_f$"), (rear, REAR, "rear $F_r$")])
+    frame(ax, trace, "normalised force [1]")
+
+
+def slip(ax: Axes, trace: StopTrace) -> None:
+    """Slips where v is known, and eta, which needs the wheel speeds only."""
+    slips = [None if axle.slip is None else 100.0 * axle.slip for axle in (trace.front, trace.rear)]
+    rows = [
+        (slips[0], FRONT, "front slip"),
+        (slips[1], REAR, "rear slip"),
+        (100.0 * (trace.eta - 1.0), RATIO, r"$\eta - 1$, zeroed"),
+    ]
+    lines(ax, trace.time, rows, SLIP_MEAN, trace.valid)
+    ratio = r"$\eta - 1$ [%]"
+    frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
+
+
+def pad(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
+    """Panel (d), one axle: the estimate with its interval, truth, nominal, and other methods.
+
+    The valid samples set the range of y; other methods may leave it, but widen it up to a limit.
+    """
+    others = {name: axle.baselines[name] for name in BASELINES if name in axle.baselines}
+    for name, values in others.items():
+        label, thin = BASELINES[name]
+        ax.plot(trace.time, held(trace, values), label=label, **thin)
+    pad_estimate(ax, trace, axle, stroke)
+    valid = trace.valid
+    core = [axle.lower[valid], axle.upper[valid]] if valid.any() else [np.array([0.0, 1.0])]
+    core += [np.array([axle.nominal])] if axle.nominal is not None else []
+    core += [axle.true_pad[valid]] if axle.true_pad is not None else []
+    shown = [r[valid] for r in others.values() if np.isfinite(r[valid]).any()]
+    view(ax, *core, *(np.nanpercentile(values, [5, 95]) for values in shown))
+    frame(ax, trace, "pad friction [1]")
+
+
+def held(trace: StopTrace, values: Array) -> Array:
+    """``values`` (n,), NaN where the estimate is not valid."""
+    return np.where(trace.valid, values, np.nan)
+
+
+def pad_estimate(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
+    """Draw the estimate with its interval, the nominal pad and the truth, as far as known."""
+    band(ax, trace.time, held(trace, axle.lower), held(trace, axle.upper), stroke)
+    label = r"estimate $\mu_{p,c}$, 95 %"
+    ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
+    if axle.nominal is not None:
+        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
+    if axle.true_pad is not None:
+        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
+
+
+def axle_torques(ax: Axes, trace: StopTrace) -> None:
+    """Panel (e): per axle, with nominal pads and compensated."""
+    for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
+        noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
+        if axle.nominal_torque is not None:
+            thin = {"color": stroke["color"], "linestyle": NOMINALS[word], "linewidth": 0.9}
+            label = f"{word}, pads {trace.nominal_of}"
+            noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, label)
+    frame(ax, trace, "axle torque [kN m]")
+
+
+def force_sum(ax: Axes, trace: StopTrace) -> None:
+    """Sum of forces, panel (f). With (18) it is right for any table, so it validates nothing."""
+    rows = (
+        (trace.inertia, BODY, "$M_v |a_x|$"),
+        (trace.force_sum, {**LEVEL, "linewidth": 1.3}, "compensated"),
+        (trace.force_sum_nominal, NOMINAL, f"pads {trace.nominal_of}"),
+    )
+    lines(ax, trace.time, [(None if f is None else f / 1e3, s, label) for f, s, label in rows])
+    ax.set_ylim(top=ax.get_ylim()[1] * 1.14)  # space for the text below
+    look: Stroke = {"fontsize": 7.5, "fontweight": "bold", "ha": "center", "va": "top"}
+    ax.text(
+        0.5,
+        0.985,
+        "true for any table: no validation",
+        transform=ax.transAxes,
+        color="#8A0000",
+        **look,
+    )
+    frame(ax, trace, "force [kN]")
+
+
+def validity(ax: Axes, trace: StopTrace) -> None:
+    """When the estimate is valid, and each reason why it is not, as bars over time."""
+    step = step_of(trace.time)
+    reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= LEAST}
+    rows = {"valid": trace.valid, **reasons}
+    for place, (word, mask) in enumerate(rows.items()):
+        spans = [(trace.time[a], (b - a) * step) for a, b in runs(mask)]
+        colour = NOMINAL["color"] if place else IDENTIFIED["color"]
+        ax.broken_barh(spans, (place, 0.34), color=colour, lw=0.0)
+        lasts = f" {word}: {step * np.count_nonzero(mask):.1f} s"
+        ax.text(trace.time[0], place - 0.08, lasts, fontsize=7.0, va="bottom")
+    ax.set_ylim(len(rows) - 0.4, -0.7)
+    ax.set_yticks([])
+    ax.set(xlabel="time [s]")
+    ax.set_xlim(trace.time[0], trace.time[-1])
+
+
+def pads_over_time(ax: Axes, result: Validation) -> None:
+    """Pad friction of both axles over time with its 95 % band where it is valid; else grey."""
+    e = result.estimate
+    shade(ax, e.time, ~e.valid)
+    curves = []
+    for axle, stroke, word in ((e.front, FRONT, "front"), (e.rear, REAR, "rear")):
+        good, lower, upper = (
+            np.where(e.valid, x, np.nan) for x in (axle.pad_friction, axle.lower, axle.upper)
+        )
+        line, low, high = (x[::EVERY] for x in (smooth(e.time, good), lower, upper))
+        band(ax, e.time[::EVERY], low, high, stroke)
+        ax.plot(e.time[::EVERY], line, label=word, **stroke)
+        curves += [line, low, high]
+    view(ax, *curves, zero=True)
+    ax.set(xlabel="time [s]", ylabel="pad friction [1]")

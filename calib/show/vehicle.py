@@ -1,0 +1,165 @@
+"""The brake torques of a car's axles: of a vehicle file, and Fig. 2 of a table.
+
+T_r |  .-I-.     on the I curve both axles use the same friction;
+    | /  ,-' beta  on the beta line the pads share one pressure;
+    |/,-'          along the thin lines the deceleration is constant.
+    +-------- T_f
+"""
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.car.bias import friction_used, front_share, pressure_per_g
+from calib.car.forces import axle_loads, front_biased_up_to
+from calib.car.vehicle import Vehicle
+from calib.show.sheet import Panel, Sheet
+from calib.show.style import (
+    BAR,
+    BODY,
+    FRONT,
+    IDENTIFIED,
+    NOMINAL,
+    REAR,
+    Array,
+    Axes,
+    Stroke,
+    band,
+    beside,
+)
+from calib.table.table import Table
+
+TOP = 1.0
+"""Highest deceleration that is drawn [g]."""
+DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
+"""Lines of constant deceleration [g]."""
+P = 0.3
+"""The deceleration of the paper's point P [g]."""
+KNM = 1e3
+
+
+def sheet(vehicle: Vehicle) -> Sheet:
+    """Return the sheet of a vehicle with its nominal pads."""
+    share, per_g = front_share(vehicle), pressure_per_g(vehicle) / BAR
+    return Sheet(
+        kind="vehicle",
+        name=vehicle.name,
+        title=f"Brakes of {vehicle.name}",
+        note=f"With the nominal pads of the file: {per_g:.1f} bar per g, {100 * share:.1f} % of "
+        "the brake force at the front. Straight line, one pressure on both axles, no drag, no "
+        "control of slip; the inertia of the wheels is neglected.",
+        panels=(
+            Panel("distribution", "Brake torque of the axles", installed, (vehicle,)),
+            Panel("friction", "Friction that the axles use", friction, (vehicle,)),
+        ),
+        rows=(("distribution",), ("friction",)),
+        heights=(1.4, 1.0),
+    )
+
+
+def installed(ax: Axes, vehicle: Vehicle) -> None:
+    """Rear over front torque: the ideal parabola, the installed line, lines of equal z."""
+    ratio = _nominal_ratio(vehicle)
+    top = beta_point(vehicle, ratio, TOP)[0]
+    _ideal(ax, vehicle, "ideal: both axles use the same friction")
+    _beta(ax, top, ratio, "installed, nominal pads", IDENTIFIED)
+    for z in (*DECELERATIONS, 0.9, TOP):
+        _constant_deceleration(ax, vehicle, ratio, z, f"{z:g} g")
+    _biased(ax, vehicle, ratio, TOP, "front locks first", BODY["color"])
+    _torques(ax, vehicle, 1.08 * top, ratio * top)
+
+
+def friction(ax: Axes, vehicle: Vehicle) -> None:
+    """Friction used by the axles over the deceleration; the higher one locks first."""
+    z = np.linspace(0.0, min(TOP, 0.98 * vehicle.cg_to_front_axle / vehicle.cg_height), 201)
+    used_f, used_r = friction_used(vehicle, z)
+    ax.plot(z, used_f, label="front axle", **FRONT)
+    ax.plot(z, used_r, label="rear axle", **REAR)
+    ax.plot(z, z, label="ideal: both alike", **NOMINAL)
+    ax.set(xlabel="deceleration [g]", ylabel="friction used [1]")
+    ax.set(xlim=(0.0, TOP), ylim=(0.0, 1.4 * TOP))
+
+
+def distribution(ax: Axes, table: Table) -> None:
+    """Draw Fig. 2 for the car of a table, with its nominal and its identified pads.
+
+    Torques are per axle. As in (9), the inertia of the wheels is neglected.
+    """
+    vehicle, pads = table.vehicle, table.calibration
+    half = Z95 * pads.pad_log_ratio.sigma
+    nominal = _nominal_ratio(vehicle)
+    found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
+    top = beta_point(vehicle, min(nominal, found), DECELERATIONS[-1])[0] * 1.08
+    _ideal(ax, vehicle, "I curve: equal friction")
+    line = found * np.array([0.0, top]) / KNM
+    band(ax, np.array([0.0, top]) / KNM, np.exp(-half) * line, np.exp(half) * line, IDENTIFIED)
+    _beta(ax, top, found, r"$\beta$, pads as identified", IDENTIFIED)
+    _beta(ax, top, nominal, r"$\beta$, nominal pads", NOMINAL)
+    for z in DECELERATIONS:
+        _constant_deceleration(ax, vehicle, found, z, f"P, {z:g} g" if z == P else f"{z:g}")
+    ax.plot([], [], "o", color=IDENTIFIED["color"], ms=3.2, label="deceleration [g]")
+    end = table.paper.usable[1]
+    front, rear = (torque / KNM for torque in beta_point(vehicle, found, end))
+    mark = {"color": BODY["color"], "ms": 12.0, "mew": 1.4}
+    ax.plot(front, rear, "|", label=f"usable up to {end:.2f} g", **mark)
+    _biased(ax, vehicle, nominal, DECELERATIONS[-1], "front-biased", NOMINAL["color"])
+    _torques(ax, vehicle, top, max(found, nominal) * top)
+
+
+def ideal(vehicle: Vehicle) -> tuple[Array, Array]:
+    """Torques of the axles [N m] at which both use the friction z [1], z up to rear-wheel lift."""
+    z = np.linspace(0.0, min(1.0, vehicle.cg_to_front_axle / vehicle.cg_height), 101)
+    load_f, load_r = axle_loads(vehicle, z)
+    return vehicle.front.rolling_radius * z * load_f, vehicle.rear.rolling_radius * z * load_r
+
+
+def rear_per_front(vehicle: Vehicle, friction_f: float, friction_r: float) -> float:
+    """T_br/T_bf [1] of the axles at one pressure with these pad frictions, (2)."""
+    rear = vehicle.rear.torque_gain * friction_r
+    return rear / (vehicle.front.torque_gain * friction_f)
+
+
+def beta_point(vehicle: Vehicle, ratio: float, z: float) -> tuple[float, float]:
+    """Torques of the axles [N m] at z [1] on the line of this ``ratio`` T_br/T_bf [1], (5), (9)."""
+    per_front = 1.0 / vehicle.front.rolling_radius + ratio / vehicle.rear.rolling_radius
+    front = vehicle.weight * z / per_front
+    return front, ratio * front
+
+
+def _nominal_ratio(vehicle: Vehicle) -> float:
+    return rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)
+
+
+def _ideal(ax: Axes, vehicle: Vehicle, label: str) -> None:
+    front, rear = ideal(vehicle)
+    ax.plot(front / KNM, rear / KNM, label=label, **BODY)
+
+
+def _beta(ax: Axes, top: float, ratio: float, label: str, stroke: Stroke) -> None:
+    ax.plot([0.0, top / KNM], [0.0, ratio * top / KNM], label=label, **stroke)
+
+
+def _constant_deceleration(ax: Axes, vehicle: Vehicle, ratio: float, z: float, text: str) -> None:
+    """A thin line of constant z, its point on the beta line, and ``text`` beside it."""
+    radii = vehicle.front.rolling_radius, vehicle.rear.rolling_radius
+    front, rear = (vehicle.weight * z * radius / KNM for radius in radii)
+    ax.plot([front, 0.0], [0.0, rear], color=NOMINAL["color"], lw=0.5, alpha=0.6, zorder=1)
+    front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, z))
+    named = text.startswith("P")
+    ax.plot(front, rear, "o", color=IDENTIFIED["color"], ms=6.0 if named else 3.2, zorder=3)
+    beside(ax, text, (front, rear), (4.0, -9.5), fontweight="bold" if named else "normal")
+
+
+def _biased(ax: Axes, vehicle: Vehicle, ratio: float, top: float, word: str, colour: str) -> None:
+    """Mark the deceleration up to which the front axle uses more friction, if it is in view."""
+    biased = front_biased_up_to(vehicle)
+    if 0.0 < biased <= top:
+        front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, biased))
+        label = f"{word} up to {biased:.2f} g"
+        ax.plot(front, rear, "D", mfc="white", color=colour, label=label)
+
+
+def _torques(ax: Axes, vehicle: Vehicle, front: float, rear: float) -> None:
+    """Range and names of the axes: to ``front`` and above the curves, [N m]."""
+    highest = max(float(ideal(vehicle)[1].max()), rear)
+    ax.set(xlim=(0.0, front / KNM), ylim=(0.0, 1.15 * highest / KNM))
+    ax.set(xlabel="front axle torque [kN m]", ylabel="rear axle torque [kN m]")

@@ -1,1 +1,0 @@
-"""Signals of a log: axle means, blocks, noise, brake events."""

@@ -1,1 +1,0 @@
-"""Signatures in the formats of minisign 0.11, https://jedisct1.github.io/minisign/#signature-format."""

@@ -1,1 +1,0 @@
-"""Simulation of the car, and replay of logs."""

@@ -1,1 +1,0 @@
-"""Validation of the estimator on hold-out logs: metrics, limits, results."""

@@ -1,0 +1,96 @@
+import os
+import socket
+from pathlib import Path
+
+import pytest
+
+from calib.base.bounded import KINDS, POINTER, TOML, FileKind, bytes_of, open_bounded, read_bounded
+from calib.base.errors import InputError, LogError, SettingsError
+
+SMALL = FileKind("small", 0.001)
+
+
+def test_a_regular_file_is_read_through_links(tmp_path):
+    (tmp_path / "a").write_bytes(b"x" * 1000)
+    (tmp_path / "b").symlink_to("a")
+    assert read_bounded(tmp_path / "b", SMALL) == b"x" * 1000
+    with open_bounded(tmp_path / "a", SMALL) as file:
+        assert file.read(2) == b"xx"
+
+
+def test_a_byte_more_is_refused_with_the_way_out(tmp_path, monkeypatch):
+    (tmp_path / "a").write_bytes(b"x" * 1001)
+    with pytest.raises(OSError, match="BRAKE_CAL_MOST_SMALL"):
+        read_bounded(tmp_path / "a", SMALL)
+    monkeypatch.setenv("BRAKE_CAL_MOST_SMALL", "0.002")
+    assert len(read_bounded(tmp_path / "a", SMALL)) == 1001
+
+
+@pytest.mark.parametrize("written", ["many", "-1", "0", "nan", "inf"])
+def test_a_bound_that_is_no_size(monkeypatch, written):
+    monkeypatch.setenv("BRAKE_CAL_MOST_SMALL", written)
+    with pytest.raises(SettingsError, match="is no size"):
+        _ = SMALL.most
+
+
+def test_a_file_whose_size_its_system_does_not_know():
+    """Those of /proc have size 0."""
+    assert os.stat("/proc/self/maps").st_size == 0
+    with pytest.raises(OSError, match="more than"):
+        read_bounded(Path("/proc/self/maps"), FileKind("small", 0.0001))
+
+
+def pipe(path):
+    os.mkfifo(path)
+
+
+def listening(path):
+    with socket.socket(socket.AF_UNIX) as made:
+        made.bind(os.path.relpath(path))
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (pipe, "named pipe"),
+        (Path.mkdir, "directory"),
+        (lambda path: path.symlink_to("/dev/zero"), "device"),
+        (lambda path: path.symlink_to(path), "symbolic links"),
+        (listening, "No such device or address"),
+        (lambda path: None, "No such file"),
+    ],
+)
+def test_what_is_no_file(tmp_path, monkeypatch, make, says):
+    monkeypatch.chdir(tmp_path)
+    make(tmp_path / "a")
+    with pytest.raises(OSError, match=says):
+        read_bounded(tmp_path / "a", SMALL)
+
+
+@pytest.mark.parametrize(("name", "says"), [("a" * 300, "too long"), ("a\0b", "no such name")])
+def test_names_that_no_file_has(tmp_path, name, says):
+    with pytest.raises(OSError, match=says):
+        read_bounded(tmp_path / name, SMALL)
+
+
+def test_as_an_error_of_the_program(tmp_path):
+    with pytest.raises(LogError, match="no such file; expected a log"):
+        bytes_of(tmp_path / "a", SMALL, LogError, "a log")
+
+
+def test_each_kind_has_a_variable_of_its_own():
+    assert len({kind.variable for kind in KINDS}) == len(KINDS)
+
+
+def test_each_variable_is_in_the_manual():
+    manual = Path(__file__).parents[2] / "calib" / "manual" / "logs.md"
+    text = manual.read_text()
+    for kind in KINDS:
+        assert f"| `{kind.variable}` | {kind.megabytes:g} |" in text
+
+
+def test_a_pointer_of_git_lfs_is_named(tmp_path):
+    path = tmp_path / "car.toml"
+    path.write_bytes(POINTER + b".github.com/spec/v1\noid sha256:ab\nsize 1\n")
+    with pytest.raises(InputError, match=r"a pointer of git LFS.*expected a TOML.*git lfs pull"):
+        bytes_of(path, TOML, InputError, "a TOML file")

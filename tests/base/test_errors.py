@@ -1,0 +1,90 @@
+"""The tree of errors: what they say and the exit code they lead to."""
+
+import pytest
+
+from calib.base import errors
+from calib.base.errors import BrakeCalError
+
+CLASSES = {n: c for n, c in vars(errors).items() if isinstance(c, type)}
+
+CODES = {
+    "InputError": 3,
+    "LogError": 3,
+    "VehicleError": 3,
+    "ChannelMapError": 3,
+    "LimitsError": 3,
+    "ModelError": 3,
+    "SettingsError": 3,
+    "ExchangeError": 3,
+    "NotFiniteError": 3,
+    "ProgramError": 3,
+    "KeyFileError": 3,
+    "BatchError": 2,
+    "RevisionError": 2,
+    "StoreError": 4,
+    "TableNotFound": 2,
+    "DamagedTable": 4,
+    "SignatureRefused": 4,
+    "AnswerError": 5,
+}
+
+
+def drawn_tree():
+    """Parent of each class as the drawing in the docstring has it, by how far it is indented."""
+    parents, path = {}, []
+    for line in errors.__doc__.splitlines():
+        name = line.lstrip(" ├└─│").split(" ")[0]
+        if name not in CLASSES:
+            continue
+        column = line.index(name)
+        path = [(c, n) for c, n in path if c < column]
+        parents[name] = path[-1][1] if path else "Exception"
+        path.append((column, name))
+    return parents
+
+
+def test_the_drawing_is_the_tree():
+    assert drawn_tree() == {name: cls.__base__.__name__ for name, cls in CLASSES.items()}
+
+
+def test_one_root():
+    assert set(CLASSES) == {"BrakeCalError", *CODES}
+    assert all(issubclass(cls, BrakeCalError) for cls in CLASSES.values())
+
+
+@pytest.mark.parametrize("name", CODES)
+def test_exit_codes(name):
+    assert CLASSES[name]("x").exit_code == CODES[name]
+
+
+def test_a_message_says_what_where_expected_and_what_to_do():
+    error = errors.LogError("unit 'bra'", where="a.csv: p_mc", expected="bar", do="mend the header")
+    assert str(error) == "a.csv: p_mc: unit 'bra'; expected bar; mend the header"
+    assert (error.what, error.where, error.expected, error.do) == (
+        "unit 'bra'",
+        "a.csv: p_mc",
+        "bar",
+        "mend the header",
+    )
+
+
+def test_a_message_is_one_line_whatever_is_put_into_it():
+    error = BrakeCalError("not\r\n\tTOML", where="a\n\x1b[2J.csv", expected="b\nc", do="\u202ed")
+    assert str(error) == "a\\x0a\\x1b[2J.csv: not TOML; expected b c; \\u202ed"
+
+
+def test_more_mistakes_of_a_file_have_a_line_each():
+    assert str(BrakeCalError("2 errors", lines=("a\nb", "c"))) == "2 errors\n  a b\n  c"
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({}, "broken"),
+        ({"where": 0}, "0: broken"),
+        ({"expected": "whole"}, "broken; expected whole"),
+        ({"do": "see the log"}, "broken; see the log"),
+    ],
+)
+def test_what_is_not_given_leaves_no_trace(given, says):
+    assert str(BrakeCalError("broken", **given)) == says

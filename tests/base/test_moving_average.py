@@ -1,0 +1,28 @@
+"""A moving average against the covariance that it is made of."""
+
+import numpy as np
+import pytest
+
+from calib.base.moving_average import moving_average, second_differences
+
+
+def test_a_moving_average_has_the_covariance_it_is_made_of():
+    for made in ([1.0, -0.7], [1.0, -1.2, 0.4]):
+        covariance = 2.0 * np.correlate(made, made, "full")[len(made) - 1 :]
+        average, sigma = moving_average(covariance)
+        assert average == pytest.approx(made)
+        assert sigma**2 == pytest.approx(2.0)
+
+
+def test_second_differences_have_the_variance_of_their_parts():
+    rng = np.random.default_rng(4)
+    white, walk, turned = 0.5, 0.3, 0.2
+    x = np.sqrt(white) * rng.standard_normal(200_000)
+    x += np.cumsum(np.sqrt(walk) * rng.standard_normal(x.size))
+    x += np.cumsum(np.cumsum(np.sqrt(turned) * rng.standard_normal(x.size)))
+    differences = np.diff(x, 2)
+    average, sigma = second_differences(white, walk, turned)
+    made = sigma**2 * np.correlate(average, average, "full")[average.size - 1 :]
+    for lag, expected in enumerate(made):
+        seen = np.mean(differences[lag:] * differences[: differences.size - lag])
+        assert seen == pytest.approx(expected, abs=0.03)

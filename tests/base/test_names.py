@@ -1,0 +1,62 @@
+"""The channels against the contract, written out by hand."""
+
+import pytest
+
+from calib.base.names import CHANNELS, TRUTH_UNITS, WHEELS, G
+from calib.base.units import from_si, to_si
+
+CONTRACT = """
+    time      s
+    p_mc      bar
+    a_x       m/s^2
+    omega_fl  rad/s
+    omega_fr  rad/s
+    omega_rl  rad/s
+    omega_rr  rad/s
+    v         m/s
+    p_fl      bar
+    p_fr      bar
+    p_rl      bar
+    p_rr      bar
+    T_disc_f  degC
+    T_disc_r  degC
+"""
+REQUIRED = {"time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr"}
+
+
+def test_channels_and_units_are_those_of_the_contract_in_its_order():
+    rows = [tuple(line.split()) for line in CONTRACT.strip().splitlines()]
+    have = [(name, q.unit) for name, q in CHANNELS.items()]
+    assert have[: len(rows)] == rows
+    # what a gate may read, and what the balance takes out
+    assert have[len(rows) :] == [("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m")]
+
+
+def test_what_every_log_must_have():
+    assert {name for name, q in CHANNELS.items() if q.required} == REQUIRED
+
+
+@pytest.mark.parametrize("name", CHANNELS)
+def test_a_channel_is_named_once_and_its_units_are_of_one_quantity(name):
+    q = CHANNELS[name]
+    assert q.name == name
+    assert q.symbol
+    assert q.meaning
+    assert to_si(from_si(1.0, q.unit, q.si), q.unit, q.si) == pytest.approx(1.0)
+
+
+def test_signs_are_said():
+    assert "forward positive" in CHANNELS["a_x"].meaning
+    assert "left positive" in CHANNELS["steering"].meaning
+    assert "negative slows" in CHANNELS["T_drive_f"].meaning
+
+
+def test_truth_channels():
+    assert TRUTH_UNITS["true_Tb"] == "N*m"
+    assert TRUTH_UNITS["true_Fx"] == "N"
+    assert not set(TRUTH_UNITS) & set(CHANNELS)
+
+
+def test_wheels_and_gravity():
+    assert WHEELS == ("fl", "fr", "rl", "rr")
+    assert G == 9.80665  # CGPM 1901

@@ -1,0 +1,35 @@
+"""Plain names: every metric of a file has one, and a value keeps what matters."""
+
+import pytest
+
+from calib.base.plain import METRICS, NBSP, plain
+from calib.estimation.metrics import METRICS as OF_STOPS
+from calib.line.fleet.columns import COLUMNS, ColumnKind
+from calib.line.station.metrics import METRICS as OF_CAR
+
+
+def test_every_metric_has_a_plain_name():
+    of_fleet = {
+        c.name for columns in COLUMNS.values() for c in columns if c.kind is ColumnKind.NUMBER
+    }
+    assert {*OF_CAR, *OF_STOPS, *of_fleet} <= {*METRICS}
+    assert not {*METRICS} & {shown.name for shown in METRICS.values()}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "text"),
+    [
+        ("valid_share", 0.95164, "95.2 %"),
+        ("ramp_eta_zero", -0.001176, "-0.12 %"),
+        ("side_difference_f", -0.0001, "0.0 %"),
+        ("pad_friction_f", 0.38123, "0.381"),
+        ("pressure_max", 41.23e5, "41.2 bar"),
+        ("valid_share", None, "not known"),
+    ],
+)
+def test_a_value_is_shown_in_the_unit_that_people_read(key, value, text):
+    assert plain(key).with_unit(value).replace(NBSP, " ") == text
+
+
+def test_a_limit_is_not_rounded():
+    assert plain("interval_f").bounds(None, 0.1234).replace(NBSP, " ") == "at most 12.34 %"

@@ -1,0 +1,72 @@
+"""Work in other processes has the results of work in this one, and its errors."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from calib.base.errors import BatchError
+from calib.base.processes import one_blas_thread, side_by_side
+
+PRELOAD = "calib.base.processes"
+
+
+def process(_):
+    return os.getpid()
+
+
+def killed(_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_results_come_in_the_order_of_the_items(count):
+    with side_by_side(count, PRELOAD) as mapped:
+        assert list(mapped(abs, range(-20, 0))) == list(range(20, 0, -1))
+        assert list(mapped(abs, [])) == []
+        with pytest.raises(TypeError, match="bad operand"):
+            list(mapped(abs, ["a"]))
+
+
+def test_one_is_this_process_and_more_are_others():
+    with side_by_side(1, PRELOAD) as mapped:
+        assert set(mapped(process, range(9))) == {os.getpid()}
+    with side_by_side(2, PRELOAD) as mapped:
+        assert os.getpid() not in set(mapped(process, range(9)))
+
+
+def test_a_process_that_dies_is_told():
+    with (
+        pytest.raises(BatchError, match=r"a worker process died.*--workers 1"),
+        side_by_side(2, PRELOAD) as mapped,
+    ):
+        list(mapped(killed, [0]))
+
+
+def blas_threads():
+    return {blas["num_threads"] for blas in threadpool_info() if blas["user_api"] == "blas"}
+
+
+def test_linear_algebra_has_one_thread_meanwhile():
+    with threadpool_limits(2, user_api="blas"):
+        with one_blas_thread():
+            assert blas_threads() == {1}
+        assert blas_threads() == {2}
+
+
+def test_linear_algebra_that_is_loaded_later_has_one_thread_too():
+    free = {name: value for name, value in os.environ.items() if "NUM_THREADS" not in name}
+    program = """
+from threadpoolctl import threadpool_info
+from calib.base.processes import one_blas_thread
+with one_blas_thread():
+    import scipy.linalg
+    print(sum(blas["num_threads"] != 1 for blas in threadpool_info()))
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", program], env=free, capture_output=True, text=True, check=True
+    )
+    assert ended.stdout.strip() == "0"

@@ -1,0 +1,295 @@
+"""All files of a run or none, whatever is killed when, full or read-only."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from calib.base.publish import INTENT, publish, settle, workshop
+from calib.base.write import write_whole
+
+VERDICT = "verdict.json"
+CHANGES = ("replace", "unlink", "mkdir", "rmdir", "fsync")
+"""Functions of `os` with which a folder is changed."""
+
+
+class Killed(BaseException):
+    """The process is dead: nothing that it does afterwards has an effect."""
+
+
+def old(out):
+    """Files that an earlier run may have left."""
+    return ["old.txt", "sim/old.csv"]
+
+
+def run(out, name, content):
+    with workshop(out) as work:
+        (work / "sim").mkdir()
+        for file in (f"{name}.txt", f"sim/{name}.csv", "both.txt"):
+            (work / file).write_text(content)
+        (work / VERDICT).write_text(content)
+        return publish(work, out, VERDICT, old)
+
+
+def files(out):
+    return {p.relative_to(out).as_posix(): p.read_text() for p in out.rglob("*") if p.is_file()}
+
+
+def result_of(name, content):
+    return dict.fromkeys((f"{name}.txt", f"sim/{name}.csv", "both.txt", VERDICT), content)
+
+
+def seen(out):
+    """Files that people see."""
+    return {name: text for name, text in files(out).items() if not name.startswith(".")}
+
+
+@pytest.fixture
+def out(tmp_path):
+    out = tmp_path / "out"
+    run(out, "old", "1")
+    (out / "notes").write_text("mine")
+    return out
+
+
+def kill_at(monkeypatch, step):
+    """Let the process die before its change number ``step``; return the list of changes."""
+    done = []
+
+    def dying(function):
+        def change(*given, **named):
+            if len(done) >= step:
+                raise Killed
+            done.append(function.__name__)
+            return function(*given, **named)
+
+        return change
+
+    for name in CHANGES:
+        monkeypatch.setattr(os, name, dying(getattr(os, name)))
+    return done
+
+
+def test_files_of_the_next_run_take_the_place_of_the_earlier_ones(out):
+    paths = run(out, "new", "2")
+    assert paths[-1] == out / VERDICT
+    assert files(out) == {**result_of("new", "2"), "notes": "mine"}
+
+
+def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path, monkeypatch):
+    outcomes = set()
+    for step in range(1000):
+        out = tmp_path / str(step)
+        run(out, "old", "1")
+        with monkeypatch.context() as dying, suppress(Killed):
+            kill_at(dying, step)
+            run(out, "new", "2")
+            break  # it came to its end before this step
+        before = seen(out)
+        assert VERDICT not in before or before in (result_of("old", "1"), result_of("new", "2"))
+        settle(out)
+        assert files(out) in (result_of("old", "1"), result_of("new", "2")), step
+        assert not [p for p in out.iterdir() if p.name.startswith(".")], step
+        outcomes.add((before.get(VERDICT), files(out)[VERDICT]))
+        run(out, "third", "3")  # it does not know of "new": its files are none of `old`
+        assert seen(out).items() >= result_of("third", "3").items()
+    assert step > 20
+    assert outcomes == {("1", "1"), ("1", "2"), (None, "2"), ("2", "2")}
+
+
+def test_a_kill_while_the_next_start_settles_is_settled_by_the_one_after(tmp_path, monkeypatch):
+    for step in range(1000):
+        out = tmp_path / str(step)
+        run(out, "old", "1")
+        with monkeypatch.context() as dying, suppress(Killed):
+            dying.setattr("calib.base.publish._perform", lambda *_: (_ for _ in ()).throw(Killed))
+            dying.setattr("calib.base.publish._undo", lambda *_: None)
+            dying.setattr("calib.base.publish._delete", lambda *_: None)
+            run(out, "new", "2")
+        assert (out / INTENT).exists()
+        with monkeypatch.context() as dying, suppress(Killed):
+            kill_at(dying, step)
+            settle(out)
+            break
+        settle(out)
+        assert files(out) == result_of("new", "2"), step
+    assert step > 10
+
+
+def test_what_is_killed_at_random_is_never_mixed():
+    """`kill -9` on a process that publishes, 200 times; the study does it 1,000 times."""
+    script = Path(__file__).parents[1] / "studies" / "kill_publish.py"
+    ran = subprocess.run(
+        [sys.executable, script, "--count", "200", "--seed", "12"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(script.parents[2])},
+    )
+    rows = re.findall(r"(?m)^(\S.*?) +(\d+) +(\d+) +\d+$", ran.stdout)
+    counts = {name: (int(one), int(two)) for name, one, two in rows}
+    kills = {name: n for name, n in counts.items() if name.startswith("killed")}
+    assert len(kills) == 3
+    # They hit inside of a publish. Of two writers the second settles what the first one left.
+    assert min(one for one, _ in kills.values()) > 0, kills
+    flaws = {name: n for name, n in counts.items() if name not in kills}
+    assert len(flaws) == 4
+    assert flaws == dict.fromkeys(flaws, (0, 0))
+
+
+def test_the_work_of_a_run_that_is_alive_stays(out):
+    with workshop(out) as work:
+        (work / "a.txt").write_text("3")
+        assert not settle(out)
+        run(out, "new", "2")
+        assert (work / "a.txt").read_text() == "3"
+
+
+def test_the_work_of_a_dead_run_goes(out):
+    (out / ".making-0123").mkdir()
+    (out / ".making-0123" / "a.txt").write_text("1")
+    (out / ".making-4567.lock").touch()
+    assert settle(out)
+    assert not settle(out)
+    assert files(out) == {**result_of("old", "1"), "notes": "mine"}
+
+
+def test_a_folder_that_is_not_there_has_nothing_to_settle(tmp_path):
+    assert not settle(tmp_path / "none")
+
+
+def test_without_its_work_folder_a_killed_run_is_undone(out, monkeypatch):
+    with monkeypatch.context() as dying, suppress(Killed):
+        done = kill_at(dying, 10**6)
+        run(out, "new", "2")
+    moves = [i for i, name in enumerate(done) if name == "replace"]
+    run(out, "old", "1")
+    with monkeypatch.context() as dying, suppress(Killed):
+        kill_at(dying, moves[-1])  # all but the verdict is moved
+        run(out, "new", "2")
+    assert "new.txt" in files(out)
+    (work,) = (p for p in out.glob(".making-*") if p.is_dir())
+    for path in sorted(work.rglob("*"), reverse=True):
+        path.rmdir() if path.is_dir() else path.unlink()
+    work.rmdir()
+    assert settle(out)
+    assert files(out) == {"notes": "mine"}
+    assert not (out / "sim").exists()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"work": "sub"},
+        {"move": ["../victim"]},
+        {"remove": ["/victim"]},
+        {"move": []},
+        {"schema": 2},
+    ],
+)
+def test_a_foreign_intent_is_refused(out, change):
+    victim = out.parent / "victim"
+    victim.write_text("kept")
+    good = {"schema": 1, "work": ".making-0", "remove": [], "move": ["a"]}
+    (out / INTENT).write_text(json.dumps({**good, **change}))
+    with pytest.raises(OSError, match="damaged"):
+        settle(out)
+    assert victim.read_text() == "kept"
+    assert files(out).items() >= result_of("old", "1").items()
+
+
+def test_a_stale_name_cannot_lead_out_of_the_folder(out):
+    (out.parent / "victim").write_text("kept")
+    with workshop(out) as work:
+        (work / VERDICT).write_text("2")
+        publish(work, out, VERDICT, lambda _: ["../victim", str(out.parent / "victim")])
+    assert (out.parent / "victim").exists()
+
+
+@pytest.mark.parametrize("name", ["both.txt", "sim"])
+def test_what_is_in_the_way_is_found_before_anything_is_changed(tmp_path, name):
+    out = tmp_path / "out"
+    run(out, "old", "1")
+    if name == "sim":
+        (out / "sim" / "old.csv").unlink()
+        (out / "sim").rmdir()
+        (out / "sim").touch()
+    else:
+        (out / name).unlink()
+        (out / name).mkdir()
+    before = files(out)
+    with pytest.raises(OSError, match=name):
+        run(out, "new", "2")
+    assert files(out) == before
+
+
+def test_a_verdict_that_cannot_be_removed_keeps_its_files(out, monkeypatch):
+    unlink = os.unlink
+
+    def refused(path, **named):
+        if Path(path) == out / VERDICT:
+            raise PermissionError(1, "not permitted", str(path))
+        unlink(path, **named)
+
+    before = files(out)
+    monkeypatch.setattr(os, "unlink", refused)
+    with pytest.raises(PermissionError):
+        run(out, "new", "2")
+    assert files(out) == before
+
+
+@pytest.fixture
+def mounted(tmp_path):
+    """A small file system of its own, where this process may mount one."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    size = ["-o", "size=64k", "tmpfs"]
+    if sys.platform != "linux" or os.geteuid() != 0:
+        pytest.skip("only root can mount a file system")
+    if subprocess.run(["mount", "-t", "tmpfs", *size, place], capture_output=True).returncode:
+        pytest.skip("no mount is allowed here")
+    yield place
+    subprocess.run(["umount", "--lazy", place], check=True)
+
+
+def test_on_a_full_disk_the_earlier_run_stays(mounted):
+    out = mounted / "out"
+    run(out, "old", "1")
+    for size in (100, 60, 40, 30, 20, 10):  # kilobytes: at one of them it is the intent that fails
+        with suppress(OSError):
+            run(out, "new", "2" * 1000 * size)
+        assert files(out) == result_of("old", "1")
+    with pytest.raises(OSError, match="space"):
+        run(out, "new", "2" * 100_000)
+
+
+def test_a_disk_that_is_full_at_the_intent(out, monkeypatch):
+    def full(path, content):
+        raise OSError(28, "No space left on device", str(path))
+
+    before = files(out)
+    monkeypatch.setattr("calib.base.publish.write_whole", full)
+    with pytest.raises(OSError, match="No space"):
+        run(out, "new", "2")
+    assert files(out) == before
+
+
+def test_a_read_only_folder_is_told_at_once(mounted):
+    out = mounted / "out"
+    run(out, "old", "1")
+    subprocess.run(["mount", "-o", "remount,ro", mounted], check=True)
+    assert not settle(out)
+    with pytest.raises(OSError, match="Read-only"), workshop(out):
+        pytest.fail("the work has begun")
+    assert files(out) == result_of("old", "1")
+
+
+def test_what_a_killed_write_left_is_used_again(tmp_path):
+    (tmp_path / ".a.bin.new").write_bytes(b"a longer part of a file that was killed")
+    write_whole(tmp_path / "a.bin", b"whole")
+    assert files(tmp_path) == {"a.bin": "whole"}

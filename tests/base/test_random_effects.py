@@ -1,0 +1,159 @@
+"""Random effects against closed forms, a published example, and fleets drawn at random."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.optimize import minimize_scalar
+from scipy.stats import norm, t
+
+from calib.base.random_effects import (
+    as_sigma,
+    between_variance,
+    quantile95,
+    random_effects,
+)
+
+# Tuberculosis and not, vaccinated and not, of 13 trials: Colditz et al. 1994, JAMA 271, 698-702
+ILL = np.array([4, 6, 3, 62, 33, 180, 8, 505, 29, 17, 186, 5, 27])
+WELL = np.array([119, 300, 228, 13536, 5036, 1361, 2537, 87886, 7470, 1699, 50448, 2493, 16886])
+ILL_0 = np.array([11, 29, 11, 248, 47, 372, 10, 499, 45, 65, 141, 3, 29])
+WELL_0 = np.array([128, 274, 209, 12619, 5761, 1079, 619, 87892, 7232, 1600, 27197, 2338, 17825])
+RISK = np.log(ILL / (ILL + WELL)) - np.log(ILL_0 / (ILL_0 + WELL_0))
+VARIANCE = 1 / ILL - 1 / (ILL + WELL) + 1 / ILL_0 - 1 / (ILL_0 + WELL_0)
+
+
+def test_the_published_example_of_the_vaccine():
+    """REML and Hartung-Knapp of these trials, as the package metafor prints them."""
+    found = random_effects(RISK[:, None], VARIANCE[:, None])
+    assert found.between[0] == pytest.approx(0.3132, abs=5e-5)
+    assert found.mean[0] == pytest.approx(-0.7145, abs=5e-5)
+    assert found.sigma[0] == pytest.approx(0.1808, abs=5e-5)
+    low, high = found.mean[0] - found.half_width[0], found.mean[0] + found.half_width[0]
+    assert (low, high) == pytest.approx((-1.1084, -0.3206), abs=5e-5)
+
+
+def restricted_likelihood(between, x, v):
+    """Minus ln of the restricted likelihood, from contrasts of the data that are free of the mean.
+
+    Written with matrices: the contrasts are an orthonormal basis of all vectors with sum zero.
+    """
+    basis = np.linalg.svd(np.ones((1, x.size)))[2][1:]
+    S = basis @ np.diag(v + between) @ basis.T
+    y = basis @ x
+    return 0.5 * (np.linalg.slogdet(S)[1] + y @ np.linalg.solve(S, y))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_reml_is_the_maximum_of_the_restricted_likelihood(seed):
+    rng = np.random.default_rng(seed)
+    k = int(rng.integers(2, 9))
+    v = rng.uniform(0.3, 3.0, k)
+    x = rng.normal(0.0, 2.0 + np.sqrt(v))
+    best = minimize_scalar(
+        restricted_likelihood, bounds=(0.0, 200.0), args=(x, v), method="bounded",
+        options={"xatol": 1e-10},
+    )  # fmt: skip
+    found = between_variance(x[:, None], v[:, None])[0]
+    assert found == pytest.approx(best.x, rel=1e-4, abs=1e-5)
+
+
+@given(st.floats(0.01, 100.0), st.floats(0.0, 10.0), st.floats(-50.0, 50.0))
+def test_two_things_with_equal_errors_are_a_closed_form(apart, v, at):
+    found = random_effects(np.array([[at], [at + apart]]), np.full((2, 1), v))
+    scale = apart**2 + v
+    assert found.mean[0] == pytest.approx(at + 0.5 * apart, rel=1e-9, abs=1e-9)
+    assert found.between[0] == pytest.approx(max(0.5 * apart**2 - v, 0.0), abs=1e-6 * scale)
+    # Student's t of one degree of freedom, or the errors alone where the two agree by chance
+    by_errors = 1.96 * math.sqrt((found.between[0] + v) / 2.0)
+    expected = max(t.ppf(0.975, 1) * 0.5 * apart, by_errors)
+    assert found.half_width[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_without_scatter_the_errors_alone_say_how_well_the_mean_is_known():
+    found = random_effects(np.full((4, 1), 3.0), np.full((4, 1), 0.04))
+    assert (found.mean[0], found.between[0]) == (3.0, 0.0)
+    assert found.half_width[0] == pytest.approx(1.96 * 0.2 / 2.0)
+
+
+def test_things_without_errors_have_the_plain_mean_and_scatter():
+    x = np.array([1.0, 2.0, 6.0])[:, None]
+    found = random_effects(x, np.zeros((3, 1)))
+    assert found.mean[0] == pytest.approx(3.0)
+    assert found.between[0] == pytest.approx(7.0)
+    assert found.sigma[0] == pytest.approx(math.sqrt(7.0 / 3.0))
+    assert found.one_more[0] == pytest.approx(math.sqrt(7.0 + 7.0 / 3.0))
+
+
+VALUES = arrays(float, (4, 2), elements=st.floats(-5.0, 5.0))
+VARIANCES = arrays(float, (4, 2), elements=st.floats(0.01, 5.0))
+
+
+@given(VALUES, VARIANCES, st.permutations(range(4)))
+def test_the_order_does_not_matter(x, v, order):
+    a, b = random_effects(x, v), random_effects(x[order], v[order])
+    for name in ("mean", "sigma", "between", "own"):
+        np.testing.assert_allclose(getattr(a, name), getattr(b, name), rtol=1e-6, atol=1e-8)
+
+
+@given(VALUES, VARIANCES, st.floats(0.1, 10.0), st.floats(-10.0, 10.0))
+def test_another_unit_and_another_zero_change_nothing_else(x, v, scale, zero):
+    a, b = random_effects(x, v), random_effects(scale * x + zero, scale**2 * v)
+    np.testing.assert_allclose(scale * a.mean + zero, b.mean, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(scale * a.sigma, b.sigma, rtol=1e-5, atol=1e-7)
+    np.testing.assert_allclose(scale**2 * a.between, b.between, rtol=1e-5, atol=1e-6)
+
+
+def test_given_weights_are_kept():
+    x, v = np.array([[0.0], [0.0], [4.0]]), np.ones((3, 1))
+    found = random_effects(x, v, np.array([2.0, 1.0, 1.0]))
+    assert found.weights[:, 0].tolist() == [0.5, 0.25, 0.25]
+    assert found.mean[0] == 1.0
+    # the three scatter by 16/3 about 4/3; so does each, and the weights' squares add up to 3/8
+    assert found.sigma[0] == pytest.approx(math.sqrt(16.0 / 3.0 * 3.0 / 8.0))
+
+
+def test_one_thing_has_no_scatter():
+    with pytest.raises(ValueError, match="one thing alone"):
+        random_effects(np.ones((1, 1)), np.ones((1, 1)))
+
+
+@pytest.mark.parametrize("freedom", [1, 2, 9, 200])
+@pytest.mark.parametrize("value", [-8.0, -1.0, 0.0, 0.3, 4.0])
+def test_a_sigma_is_as_rare_as_the_t_that_it_stands_for(freedom, value):
+    sigma = as_sigma(value, freedom)
+    assert norm.sf(abs(sigma)) == pytest.approx(t.sf(abs(value), freedom), rel=1e-9)
+    assert math.copysign(1.0, sigma) == math.copysign(1.0, value)
+    assert quantile95(freedom) == pytest.approx(t.ppf(0.975, freedom))
+
+
+def test_an_infinite_t_is_a_large_finite_sigma():
+    assert 30.0 < as_sigma(math.inf, 1) < 40.0
+    assert as_sigma(-math.inf, 5) < -30.0
+
+
+@pytest.mark.parametrize(("first", "most"), [(1.0, 0.965), (2.0, 0.97), (6.0, 0.985)])
+def test_with_weights_that_are_not_the_best_the_interval_is_not_too_narrow(first, most):
+    rng = np.random.default_rng(8)
+    x = rng.normal(0.0, 2.0, (4, 4000))
+    found = random_effects(x, np.full_like(x, 0.01), np.array([first, 1.0, 1.0, 1.0]))
+    assert 0.94 < np.mean(np.abs(found.mean) <= found.half_width) < most
+
+
+@pytest.mark.parametrize("k", [2, 3, 5, 10])
+@pytest.mark.parametrize("between", [0.0, 1.0, 3.0])
+def test_the_interval_of_the_mean_holds_it_and_one_more_is_within_its_sigma(k, between):
+    """2000 fleets: 95 % within 1.5 %, or more; never above it by being infinitely wide."""
+    rng = np.random.default_rng([k, int(between)])
+    v = rng.uniform(0.5, 2.0, (k, 2000))
+    found = random_effects(rng.normal(0.0, np.sqrt(between**2 + v)), v)
+    held = np.mean(np.abs(found.mean) <= found.half_width)
+    assert held >= 0.935
+    one = rng.normal(0.0, np.sqrt(between**2 + rng.uniform(0.5, 2.0, 2000)))
+    t_of = np.abs(one - found.mean) / found.one_more
+    assert np.mean(t_of <= quantile95(k - 1)) >= 0.93
+    if between == 3.0 and k >= 5:
+        assert held <= 0.97

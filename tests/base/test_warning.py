@@ -1,0 +1,49 @@
+"""The one shape of a warning."""
+
+import json
+import math
+
+import pytest
+
+from calib.base.errors import NotFiniteError
+from calib.base.warning import UNITS, PlausibilityWarning, to_dict
+
+
+def made(code="pressure_zero", expected=(-0.5, 0.5)):
+    return PlausibilityWarning(code, "ramp", -2.0, expected, ("the zero of p_mc",), "zero it")
+
+
+def test_it_is_a_sentence_with_the_unit():
+    assert str(made()) == (
+        "ramp: pressure_zero is -2 bar, expected -0.5 to 0.5; likely the zero of p_mc; zero it"
+    )
+    assert UNITS["pressure_zero"] == "bar"
+
+
+@pytest.mark.parametrize(
+    ("expected", "words", "ends"),
+    [
+        ((0.0, 1.0), "0 to 1", [0.0, 1.0]),
+        ((0.0, None), "at least 0", [0.0, None]),
+        ((None, 1.0), "at most 1", [None, 1.0]),
+        ((0.0, 0.0), "0", [0.0, 0.0]),
+    ],
+)
+def test_a_bound_that_is_not_there_is_null(expected, words, ends):
+    warning = made(expected=expected)
+    assert warning.bounds == words
+    document = json.loads(json.dumps(to_dict(warning), allow_nan=False))
+    assert document["expected"] == ends
+    assert set(document) == {"code", "log", "measured", "expected", "causes", "do"}
+
+
+def test_a_metric_has_no_unit():
+    assert "interval_f is -2, expected" in str(made("interval_f"))
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
+def test_a_number_that_is_not_finite_is_an_error_with_its_name(wrong):
+    for numbers in ((wrong, (0.0, 1.0)), (0.0, (0.0, wrong))):
+        with pytest.raises(NotFiniteError, match=r"^ramp: pad_ratio ") as refused:
+            PlausibilityWarning("pad_ratio", "ramp", *numbers, (), "")
+        assert refused.value.exit_code == 3

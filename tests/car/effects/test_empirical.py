@@ -1,0 +1,83 @@
+"""Empirical terms: their drivers worked out by hand, and where a temperature comes from."""
+
+import numpy as np
+import pytest
+
+from calib.base.errors import ModelError
+from calib.car.effects.combined import pad_factors, total_axle_moment, total_body_force
+from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.effects.empirical import driver_along, drivers_of, value_along
+from calib.car.history import Motion
+from tests.support.effect_runs import SEDAN, made_history
+
+HEATED = made_history(3, temperature_f=np.full(3, 100.0), temperature_r=np.full(3, 400.0))
+
+
+def over_temperature(place):
+    """A thousandth less for each degree."""
+    return Effects(terms=(EmpiricalTerm(place, "temperature", (0.0, 500.0), (0.0, -0.5)),))
+
+
+@pytest.mark.parametrize(
+    ("driver", "expected"),
+    [
+        ("pressure", [0.0, 2e5, 3e5, 3e5, 1e5]),
+        ("speed", [20.0, 19.0, 18.0, 17.0, 16.0]),
+        ("deceleration", [0.0, 0.1, 0.2, 0.2, 0.1]),
+        ("constant", [0.0, 0.0, 0.0, 0.0, 0.0]),
+        ("elapsed", [0.0, 0.1, 0.2, 0.3, 0.4]),
+        ("time", [0.0, 0.1, 0.2, 0.3, 0.0]),  # the pads are free below 1.5 bar
+    ],
+)
+def test_drivers(driver, expected):
+    history = made_history(
+        5,
+        time=3.0 + 0.1 * np.arange(5),
+        v=20.0 - np.arange(5.0),
+        z=np.array([0.0, 0.1, 0.2, 0.2, 0.1]),
+        p_mc=np.array([0.0, 2e5, 3e5, 3e5, 1e5]),
+    )
+    assert driver_along(history, driver, "f") == pytest.approx(expected)
+    (one,) = drivers_of("brakes", driver, history)
+    assert one == pytest.approx(expected)
+
+
+def test_it_is_straight_between_knots_and_constant_beyond_them():
+    term = EmpiricalTerm("body", "speed", (10.0, 20.0), (0.1, 0.3))
+    history = made_history(4, v=np.array([5.0, 10.0, 15.0, 40.0]))
+    assert value_along(term, history, "f") == pytest.approx([0.1, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize(
+    ("place", "front", "rear"),
+    [("front_brakes", 0.9, 1.0), ("rear_brakes", 1.0, 0.6), ("brakes", 0.9, 0.6)],
+)
+def test_brakes_read_the_discs_of_their_own_axle(place, front, rear):
+    found = pad_factors(over_temperature(place), HEATED, np.ones(3), np.ones(3))
+    assert found[0] == pytest.approx(np.full(3, front))
+    assert found[1] == pytest.approx(np.full(3, rear))
+    both = [float(x[0]) for x in drivers_of(place, "temperature", HEATED)]
+    assert both == [t for t, k in ((100.0, front), (400.0, rear)) if k != 1.0]
+
+
+def test_wheels_read_the_discs_of_their_own_axle_and_the_body_those_in_front():
+    motion = Motion(HEATED.v, np.full(3, 1e4), np.full(3, 7e3), HEATED)
+    moments = {
+        place: total_axle_moment(SEDAN, over_temperature(place), motion)
+        for place in ("front_wheels", "rear_wheels")
+    }
+    front, rear = SEDAN.front.rolling_radius, SEDAN.rear.rolling_radius
+    assert moments["front_wheels"][0] == pytest.approx(np.full(3, -0.1 * SEDAN.weight * front))
+    assert moments["rear_wheels"][1] == pytest.approx(np.full(3, -0.4 * SEDAN.weight * rear))
+    assert not np.any(moments["front_wheels"][1])
+    assert not np.any(moments["rear_wheels"][0])
+    body = total_body_force(SEDAN, over_temperature("body"), motion)
+    assert body == pytest.approx(np.full(3, -0.1 * SEDAN.weight))
+
+
+def test_a_temperature_that_is_not_known_is_named():
+    cold = made_history(3, temperature_r=None, source="stop_7.csv")
+    with pytest.raises(ModelError, match=r"stop_7\.csv: .*rear discs.*T_disc_r"):
+        pad_factors(over_temperature("brakes"), cold, np.ones(3), np.ones(3))
+    front, _ = pad_factors(over_temperature("front_brakes"), cold, np.ones(3), np.ones(3))
+    assert front == pytest.approx(1.0 - 1e-3 * cold.temperature_f)

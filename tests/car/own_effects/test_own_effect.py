@@ -1,0 +1,158 @@
+"""Own effects are a part of the value that a car or a model is: where they are missing is told."""
+
+from dataclasses import replace
+
+import pytest
+
+from calib.base.errors import ModelError
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.combined import caliper_pressure, total_axle_moment, total_body_force
+from calib.car.effects.effects import DefinedIn, Effects
+from calib.car.model import default_model
+from calib.car.model_file import read_model, write_model
+from calib.car.own_effects.own_effect import definition, every_effect, with_own
+from calib.car.own_effects.read import read_own_effect
+from calib.store.record_file import from_content
+from tests.support.effect_runs import SEDAN, made_history, made_motion
+from tests.support.own_effects import EXAMPLE, MOMENT, retarder
+from tests.support.tables import made_table
+
+FLAP = read_own_effect(EXAMPLE)
+WITH = with_own(SEDAN, [FLAP])
+ACTS = {"air_brake_flap": {"flap_area": 0.5}}
+MODEL = replace(default_model(WITH), effects=Effects(ACTS, own=WITH.effects.own))
+
+
+def own_of(tmp_path, text, name="mine.py"):
+    path = tmp_path / name
+    path.write_text(text)
+    return read_own_effect(path)
+
+
+def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
+    assert definition(WITH.effects, "air_brake_flap") is FLAP.effect
+    assert list(every_effect(WITH.effects)) == [*CATALOGUE, "air_brake_flap"]
+    assert list(every_effect(SEDAN.effects)) == list(CATALOGUE)
+    with pytest.raises(ModelError, match=r"unknown effect 'air_brake_flap'.*give --effect FILE"):
+        definition(SEDAN.effects, "air_brake_flap")
+
+
+def test_given_is_not_acting():
+    assert not WITH.effects
+    assert not total_body_force(WITH, WITH.effects, made_motion([30.0])).any()
+
+
+def test_it_adds_to_those_of_the_catalogue():
+    drag = {"aerodynamic_drag": {"drag_area": 0.5}}
+    motion = made_motion([30.0, 20.0])
+    force = [
+        total_body_force(SEDAN, Effects(parts, own=WITH.effects.own), motion)
+        for parts in (drag, ACTS, {**drag, **ACTS})
+    ]
+    assert force[2] == pytest.approx(force[0] + force[1])
+    assert force[1].all()
+
+
+def test_two_files_with_one_name_are_refused(tmp_path):
+    one, other = own_of(tmp_path, retarder(), "a.py"), own_of(tmp_path, retarder(), "b.py")
+    with pytest.raises(ModelError, match=r"b\.py: .*'rear_retarder' is also defined in a\.py"):
+        with_own(SEDAN, [one, other])
+
+
+def test_a_pressure_of_ones_own_comes_after_those_of_the_catalogue(tmp_path):
+    """The pads of the catalogue's effect press first: (p - 1 bar), and then its double."""
+    text = retarder().replace("axle_moment(vehicle, parameters, motion)", "half(p, history, f, r)")
+    text = text.replace(MOMENT, "return f * (1.0 + p['torque']), r * (1.0 + p['torque'])")
+    own = own_of(tmp_path, text.replace("axle_moment=axle_moment", "pressure=half"))
+    both = {"rear_retarder": {"torque": 1.0}, "brake_threshold_pressure": {"threshold": 1e5}}
+    history = made_history(p_mc=0.0 * made_history().time + 10e5)
+    front, rear = caliper_pressure(
+        Effects(both, own={own.name: own}), history, history.p_mc, history.p_mc
+    )
+    assert front == pytest.approx(18e5, rel=1e-3)
+    assert rear == pytest.approx(18e5, rel=1e-3)
+
+
+def test_effects_keep_their_definitions_when_they_are_chosen_and_joined():
+    effects = MODEL.effects
+    for kept in (
+        effects.only("air_brake_flap"),
+        Effects().with_(effects),
+        effects.with_(Effects()),
+    ):
+        assert definition(kept, "air_brake_flap") is FLAP.effect
+    assert effects.defined_in == {"air_brake_flap": DefinedIn(FLAP.file, FLAP.sha256)}
+    assert effects.without("air_brake_flap").defined_in == {}
+
+
+# A model file ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def model_file(tmp_path):
+    path = tmp_path / "model.toml"
+    write_model(MODEL, path)
+    return path
+
+
+def test_a_model_is_read_back_exactly_where_the_file_is_given(model_file):
+    assert read_model(model_file, WITH) == MODEL
+
+
+def test_a_model_without_the_file_is_refused_and_names_file_and_option(model_file):
+    with pytest.raises(ModelError) as caught:
+        read_model(model_file, SEDAN)
+    for part in ("model.toml", "'air_brake_flap'", "give --effect air_brake_flap.py"):
+        assert part in str(caught.value)
+
+
+def test_a_model_whose_file_has_changed_is_refused_unless_it_says_any(model_file, tmp_path):
+    changed = own_of(tmp_path, EXAMPLE.read_text() + "\n# more\n", "air_brake_flap.py")
+    car = with_own(SEDAN, [changed])
+    with pytest.raises(ModelError, match=r"air_brake_flap\.py has changed since"):
+        read_model(model_file, car)
+    kept = [line for line in model_file.read_text().splitlines() if "sha256" not in line]
+    model_file.write_text("\n".join(kept))
+    assert read_model(model_file, car).effects.parameters == ACTS
+
+
+def test_a_wrong_parameter_of_an_own_effect_is_told_as_that_of_any(model_file):
+    model_file.write_text(model_file.read_text().replace("0.5 m^2", "5 m^2"))
+    with pytest.raises(ModelError, match=r"flap_area: 5 m\^2 is not believable; expected 0 to 1.5"):
+        read_model(model_file, WITH)
+
+
+def test_a_vehicle_file_may_name_it_too():
+    car = replace(SEDAN, effects=Effects(ACTS))
+    with pytest.raises(ModelError, match="unknown effect 'air_brake_flap'"):
+        default_model(car)
+    assert default_model(with_own(car, [FLAP])).effects.parameters == ACTS
+
+
+# A table -----------------------------------------------------------------------------------------
+
+
+def test_the_record_of_a_table_holds_name_and_digest_and_no_code():
+    table = made_table()
+    plain = table.content()[0]
+    assert "own_effects" not in plain
+    table = replace(table, vehicle=replace(table.vehicle, effects=MODEL.effects))
+    record, curves = table.content()
+    assert record["own_effects"] == {
+        "air_brake_flap": {"file": "air_brake_flap.py", "sha256": FLAP.sha256}
+    }
+    read = from_content(record, curves)
+    assert read.digest == table.digest
+    with pytest.raises(ModelError, match=r"defined in air_brake_flap\.py, which was not given"):
+        total_axle_moment(read.vehicle, read.vehicle.effects, made_motion([30.0]))
+    given = replace(read, vehicle=with_own(read.vehicle, [FLAP]))
+    assert given.digest == table.digest
+    assert default_model(given.vehicle).effects.parameters == ACTS
+
+
+def test_a_table_refuses_a_file_that_has_changed(tmp_path):
+    table = replace(made_table(), vehicle=replace(SEDAN, effects=MODEL.effects))
+    read = from_content(*table.content())
+    changed = own_of(tmp_path, EXAMPLE.read_text() + "\n# more\n")
+    with pytest.raises(ModelError, match="has changed since"):
+        with_own(read.vehicle, [changed])

@@ -1,0 +1,66 @@
+"""From the pedal to the torques: what acts where, in which order, on which wheel."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.car.brakes import brakes_of
+from calib.car.effects.effects import Effects
+from calib.car.history import at_rest
+from calib.car.model import default_model
+from tests.support.effect_runs import SEDAN
+
+TIME = np.arange(100) * 0.01
+PRESSURE = 30e5 * np.sin(2.0 * TIME)
+
+
+def brakes(effects, own=None, p=PRESSURE):
+    rest = at_rest(TIME, p, 20.0)
+    return brakes_of(replace(default_model(SEDAN), effects=Effects(effects)), rest, own or {}), rest
+
+
+def test_without_effects_the_clamp_is_the_pedal_and_two_wheels_stand_for_four():
+    found, rest = brakes({})
+    assert found.wheels == ("fl", "rl")
+    assert found.clamp["rl"] is rest.p_mc
+    assert [found.twin(w) for w in ("fl", "fr", "rl", "rr")] == ["fl", "fl", "rl", "rl"]
+    gain = 0.38 * 2 * 28.84e-4 * 0.1309  # Table I
+    assert found.torques(rest)["fl"] == pytest.approx(gain * PRESSURE)
+
+
+def test_the_fluid_meets_valve_before_seal_whatever_the_order_of_the_file():
+    valve = {"rear_proportioning": {"knee_slope": 0.5, "knee": 10e5}}
+    seal = {"brake_threshold_pressure": {"threshold": 2e5}}
+    for effects in (valve | seal, seal | valve):
+        found, _ = brakes(effects, p=np.full(100, 20e5))
+        assert found.clamp["fl"] == pytest.approx(18e5)
+        assert found.clamp["rl"] == pytest.approx(13e5)  # 10 + 0.5 * 10 - 2
+
+
+def test_a_logged_wheel_pressure_is_behind_the_line_and_before_the_caliper():
+    effects = {
+        "hydraulic_delay": {"delay": 0.05},
+        "brake_threshold_pressure": {"threshold": 1e5},
+    }
+    own = {"rl": PRESSURE + 5e5}
+    found, _ = brakes(effects, own)
+    assert found.wheels == ("fl", "fr", "rl", "rr")
+    assert found.clamp["rl"] == pytest.approx(PRESSURE + 4e5)
+    assert found.clamp["rr"][5:] == pytest.approx(np.maximum(PRESSURE[:-5] - 1e5, 0.0))
+    assert np.array_equal(found.clamp["fl"], found.clamp["fr"])
+
+
+def test_only_the_axle_that_is_uneven_has_four_hands():
+    found, rest = brakes({"side_imbalance": {"imbalance": 0.2, "rear_share": 0.0}})
+    assert found.wheels == ("fl", "fr", "rl")
+    torques = found.torques(rest)
+    assert torques["fl"] == pytest.approx(1.5 * torques["fr"])
+    assert found.twin("rr") == "rl"
+
+
+def test_pads_feel_the_pressure_of_their_own_side():
+    slope = {"pad_pressure_dependence": {"pressure_slope": 5e-8}}
+    found, rest = brakes(slope, {"fr": PRESSURE + 10e5})
+    left, right = found.pads(rest, "l")[0], found.pads(rest, "r")[0]
+    assert right - left == pytest.approx(0.38 * 5e-8 * 10e5)

@@ -1,0 +1,67 @@
+"""Linear responses against closed forms and against another program's solver."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import lsim
+
+from calib.car.lag import first_order, integral, low_pass, second_order
+
+TIME = np.arange(500) * 0.01
+
+
+def bumpy(seed=0):
+    return np.cumsum(np.random.default_rng(seed).standard_normal(TIME.size))
+
+
+def test_integral_of_what_runs_straight_is_exact():
+    uneven = np.array([0.0, 0.1, 0.5, 0.6, 2.0])
+    assert integral(uneven, 3.0 - 2.0 * uneven) == pytest.approx(3.0 * uneven - uneven**2)
+
+
+@given(st.floats(1e-4, 100.0))
+def test_first_order_is_what_lsim_finds(lag):
+    x = bumpy()
+    _, y, _ = lsim(([1.0], [lag, 1.0]), x - x[0], TIME)
+    assert first_order(TIME, x, lag) == pytest.approx(y + x[0], abs=1e-7)
+
+
+@given(st.floats(0.5, 60.0), st.floats(0.0, 0.95))
+def test_second_order_is_what_lsim_finds(frequency, damping):
+    x = bumpy(1)
+    system = ([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2])
+    _, y, _ = lsim(system, x - x[0], TIME)
+    assert second_order(TIME, x, frequency, damping) == pytest.approx(y + x[0], abs=1e-6)
+
+
+@given(st.floats(0.005, 1.0), st.floats(0.0, 0.6))
+def test_low_pass_is_what_lsim_finds(lag, bend):
+    x = bumpy(3)
+    system = ([1.0], [bend * lag**2, lag, 1.0] if bend > 1e-6 else [lag, 1.0])
+    _, y, _ = lsim(system, x - x[0], TIME)
+    assert low_pass(TIME, x, lag, bend * lag**2) == pytest.approx(y + x[0], abs=2e-5 * np.ptp(x))
+
+
+@pytest.mark.parametrize("around", [1e-12, 1e-7, 0.25, 0.25 + 0.25e-6])
+def test_low_pass_has_no_step_in_its_bend(around):
+    below, at, above = (low_pass(TIME, bumpy(4), 1.0, around + d) for d in (-1e-13, 0.0, 1e-9))
+    assert np.max(np.abs(at - below)) < 1e-5
+    assert np.max(np.abs(above - at)) < 1e-5
+
+
+@pytest.mark.parametrize(
+    "respond", [lambda t, x: first_order(t, x, 0.2), lambda t, x: second_order(t, x, 9.0, 0.3)]
+)
+def test_more_samples_on_the_same_lines_change_nothing(respond):
+    rng = np.random.default_rng(2)
+    fine = np.sort(np.concatenate([TIME, rng.uniform(0.0, TIME[-1], 300)]))
+    x = bumpy(2)
+    again = respond(fine, np.interp(fine, TIME, x))
+    assert np.interp(TIME, fine, again) == pytest.approx(respond(TIME, x), abs=1e-8)
+
+
+def test_at_rest_it_stays():
+    x = np.full(TIME.size, 3.7)
+    assert np.array_equal(first_order(TIME, x, 0.1), x)
+    assert second_order(TIME, x, 9.0, 0.3) == pytest.approx(x, rel=1e-14)

@@ -1,0 +1,129 @@
+"""The tyre's closed forms against its definition."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.car.magic_formula import MagicFormula
+
+tyres = st.builds(
+    MagicFormula,
+    stiffness=st.floats(5.0, 60.0),
+    peak=st.floats(0.1, 1.2),
+    shape=st.floats(1.1, 1.95),
+    load_exponent=st.floats(-0.5, 0.5),
+    bend=st.floats(0.0, 0.8),
+    peak_exponent=st.floats(-0.2, 0.2),
+)
+loads = st.floats(0.3, 1.7)
+
+
+@given(tyres, loads, st.floats(-0.999, 0.999))
+def test_slip_and_force_are_inverse_on_the_rising_branch(tyre, load, fraction):
+    force = np.array([fraction * tyre.peak_at(load)])
+    assert tyre.force(tyre.slip(force, load), load) == pytest.approx(force, rel=1e-9, abs=1e-12)
+
+
+@given(tyres, loads)
+def test_initial_slope_is_the_stiffness_softened_by_the_load(tyre, load):
+    step = 1e-9
+    measured = tyre.force(np.array([step]), load)[0] / step
+    expected = tyre.stiffness * load**-tyre.load_exponent
+    assert measured == pytest.approx(expected, rel=1e-6)
+    assert tyre.slope(np.array([0.0]), load)[0] == pytest.approx(expected, rel=1e-12)
+
+
+@given(tyres, loads, st.floats(-0.3, 0.3))
+def test_slope_is_the_derivative_of_the_force(tyre, load, slip):
+    h = 1e-8
+    low, high = tyre.force(np.array([slip - h, slip + h]), load)
+    slope = tyre.slope(np.array([slip]), load)[0]
+    assert (high - low) / (2.0 * h) == pytest.approx(slope, rel=1e-5, abs=1e-5)
+
+
+@given(tyres, loads)
+def test_no_slip_carries_more_than_the_peak(tyre, load):
+    force, peak = tyre.force(np.linspace(-1.0, 1.0, 501), load), tyre.peak_at(load)
+    assert np.all(np.abs(force) <= peak * (1.0 + 1e-12))
+    assert np.isnan(tyre.slip(np.array([1.001 * peak]), load)[0])
+    assert np.isnan(tyre.slip(np.array([-1.001 * peak]), load)[0])
+
+
+@given(tyres, loads)
+def test_the_peak_is_where_the_slope_vanishes(tyre, load):
+    peak = tyre.slip_at(1.0, load)
+    assert tyre.force(peak, load) == pytest.approx(tyre.peak_at(load), rel=1e-12)
+    assert abs(tyre.slope(peak, load)) < 1e-9 * tyre.stiffness
+
+
+def test_the_peak_of_a_tyre_with_twice_the_load_worked_by_hand():
+    """mu 2^-0.05 = 0.9 x 0.9659: 3.4 % less, and as much more with half the load."""
+    tyre = MagicFormula(25.0, 0.9, peak_exponent=0.05)
+    largest = [float(np.max(tyre.force(np.linspace(0.0, 1.0, 20001), load))) for load in (2.0, 0.5)]
+    assert largest == pytest.approx([0.9 * 0.96594, 0.9 * 1.03526], rel=1e-5)
+    step = np.array([1e-9])
+    assert tyre.force(step, 2.0) / step == pytest.approx(25.0, rel=1e-6)
+
+
+def test_a_far_peak_leaves_a_straight_line():
+    """mu -> infinity at constant K: F -> K lambda."""
+    slip = np.linspace(-0.02, 0.02, 9)
+    assert MagicFormula(25.0, 1e5).force(slip) == pytest.approx(25.0 * slip, rel=1e-9)
+
+
+def test_force_at_a_slip_worked_by_hand():
+    """K = 33, mu = 1, C = 1.65 give B = 20; at lambda = 0.05, B lambda = 1 and atan is pi/4."""
+    tyre = MagicFormula(33.0, 1.0, 1.65)
+    assert tyre.force(np.array([0.05]))[0] == pytest.approx(math.sin(1.65 * math.pi / 4.0))
+
+
+@given(st.floats(0.3, 1.2), st.floats(1.1, 1.9))
+def test_a_bend_of_a_third_of_the_shape_begins_as_a_brush(peak, shape):
+    """Brush with parabolic pressure: F = mu (1 - (1 - K s/(3 mu))^3), to second order."""
+    tyre = MagicFormula(25.0, peak, shape, bend=shape / 3.0)
+    slip = np.array([0.02, 0.01]) * peak / tyre.stiffness
+    brush = peak * (1.0 - (1.0 - tyre.stiffness * slip / (3.0 * peak)) ** 3)
+    straight = replace(tyre, bend=0.0).force(slip)
+    bent = tyre.force(slip)
+    assert np.abs(bent - brush) / slip == pytest.approx(0.0, abs=4e-4 * tyre.stiffness)
+    assert np.all((straight - brush) / slip > 3e-3 * tyre.stiffness)
+
+
+def test_surface_factors_may_vary_along_the_run():
+    factors = np.array([1.0, 0.5])
+    tyre = MagicFormula(25.0, 0.9).on_surface(factors, factors)
+    assert tyre.slip_at(1.0).shape == (2,)
+    assert tyre.force(np.array([0.01, 0.01]))[1] == pytest.approx(
+        MagicFormula(12.5, 0.45).force(np.array([0.01]))[0]
+    )
+
+
+def test_a_slip_leads_by_the_way_that_the_force_needs():
+    """The linear tyre of ch. 7: sigma ds'/dt + v s' = v s."""
+    time, v = np.linspace(0.0, 2.0, 401), np.full(401, 15.0)
+    carried = 0.01 * time**2
+    slip = MagicFormula(25.0, 0.9, relaxation=0.3).leading(carried, v, time)
+    assert slip[1:-1] == pytest.approx((carried + 0.3 / 15.0 * 0.02 * time)[1:-1], abs=1e-9)
+    assert MagicFormula(25.0, 0.9).leading(carried, v, time) is carried
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.5])
+def test_slip_and_slope_at_a_force_are_those_of_the_curve(bend):
+    tyre = MagicFormula(28.0, 1.1, 1.6, 0.1, bend, peak_exponent=0.06)
+    load = np.array([0.7, 1.0, 1.3])
+    slip, slope, held = tyre.rising(np.array([-0.6, 0.3, 0.9]), load)
+    assert not held.any()
+    assert tyre.force(slip, load) == pytest.approx(np.array([-0.6, 0.3, 0.9]), rel=1e-9)
+    assert slope == pytest.approx(tyre.slope(slip, load), rel=1e-9)
+
+
+def test_a_force_past_the_edge_is_held_there():
+    tyre, load = MagicFormula(28.0, 1.1, 1.6, peak_exponent=0.06), np.array([0.7, 1.3, 1.0])
+    slip, _, held = tyre.rising(np.array([-2.0, 5.0, 0.5]), load, 0.9)
+    assert held.tolist() == [True, True, False]
+    edge = 0.9 * np.array([-1.0, 1.0]) * tyre.peak_at(load[:2])
+    assert tyre.force(slip, load)[:2] == pytest.approx(edge, rel=1e-9)

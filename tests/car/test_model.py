@@ -1,0 +1,229 @@
+"""The model file: what it says, what it leaves out, and every slip it must not let through."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.base.errors import ModelError
+from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.effects.empirical import DRIVERS, PLACES
+from calib.car.magic_formula import MagicFormula
+from calib.car.model import WET_ASPHALT, Model, Surface, default_model
+from calib.car.model_file import read_model, write_model
+from calib.car.vehicle_file import read_vehicle
+from tests.support.refusals import refusal
+
+SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
+KNOWN = replace(SEDAN, effects=Effects({"rolling_resistance": {"coefficient": 0.012}}))
+
+WHOLE = """
+schema = 1
+[pads]
+front = 0.30
+rear = "34 %"
+[tyre]
+stiffness = 20.0
+peak = 0.5
+shape = 1.5
+load_exponent = 0.1
+bend = 0.3
+relaxation = "25 cm"
+peak_exponent = 0.04
+[effects.aerodynamic_drag]
+drag_area = "6600 cm^2"
+[[surfaces]]
+start = "60 m"
+stiffness = 0.8
+peak = 0.5
+[[surfaces]]
+start = "4500 ms"
+stiffness = 1.0
+peak = 1.0
+"""
+
+
+def read(tmp_path, text, vehicle=SEDAN):
+    path = tmp_path / "model.toml"
+    path.write_text(text)
+    return read_model(path, vehicle)
+
+
+def refused(tmp_path, text):
+    return refusal(read, tmp_path, text, kind=ModelError)
+
+
+def test_reads_every_section_in_si(tmp_path):
+    model = read(tmp_path, WHOLE, KNOWN)
+    assert (model.pad_friction_f, model.pad_friction_r) == (0.30, pytest.approx(0.34))
+    assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3, 0.25, 0.04)
+    drag = {"drag_area": pytest.approx(0.66), "load_share": 1.0}  # (6) where it is not given
+    assert model.effects == Effects({"aerodynamic_drag": drag})
+    assert model.surfaces == (Surface(60.0, "m", 0.8, 0.5), Surface(4.5, "s", 1.0, 1.0))
+
+
+def test_what_is_left_out_is_the_default(tmp_path):
+    assert read(tmp_path, "schema = 1", KNOWN) == default_model(KNOWN)
+    model = read(tmp_path, "schema = 1\n[tyre]\npeak = 0.4\n[pads]\nrear = 0.3", KNOWN)
+    assert model.tyre == replace(WET_ASPHALT, peak=0.4)
+    assert (model.pad_friction_f, model.pad_friction_r) == (0.38, 0.3)
+
+
+def test_the_default_is_the_vehicle_as_it_is_known():
+    model = default_model(KNOWN)
+    assert (model.pad_friction_f, model.pad_friction_r) == (0.38, 0.38)
+    assert model.effects == Effects({"rolling_resistance": {"coefficient": 0.012}})
+    with pytest.raises(ModelError, match="aerodynamic_dragg"):
+        default_model(replace(SEDAN, effects=Effects({"aerodynamic_dragg": {"drag_area": 0.6}})))
+
+
+def test_an_effects_section_is_the_whole_list(tmp_path):
+    assert read(tmp_path, "schema = 1\n[effects]", KNOWN).effects == Effects()
+
+
+models = st.builds(
+    Model,
+    vehicle=st.just(KNOWN),
+    pad_friction_f=st.floats(0.05, 0.9),
+    pad_friction_r=st.floats(0.05, 0.9),
+    tyre=st.builds(
+        MagicFormula,
+        stiffness=st.floats(1.0, 100.0),
+        peak=st.floats(0.05, 1.5),
+        shape=st.floats(1.05, 1.95),
+        load_exponent=st.floats(-0.9, 0.9),
+        bend=st.floats(0.0, 1.0),
+        relaxation=st.floats(0.0, 2.0),
+        peak_exponent=st.floats(-0.9, 0.9),
+    ),
+    effects=st.builds(
+        Effects,
+        parameters=st.fixed_dictionaries(
+            {},
+            optional={
+                "aerodynamic_drag": st.fixed_dictionaries(
+                    {"drag_area": st.floats(0.0, 5.0), "load_share": st.floats(-0.5, 1.5)}
+                ),
+                "rolling_resistance": st.fixed_dictionaries(
+                    {"coefficient": st.floats(0.0, 0.04), "rolling_growth": st.floats(-0.2, 0.5)}
+                ),
+            },
+        ),
+        terms=st.lists(
+            st.builds(
+                EmpiricalTerm,
+                st.sampled_from(sorted(PLACES)),
+                st.sampled_from(sorted(DRIVERS)),
+                st.just((0.0, 0.1, 1e5)),
+                st.tuples(*[st.floats(-0.9, 0.9)] * 3),
+            ),
+            max_size=2,
+        ).map(tuple),
+        sigma=st.just({}),
+    ),
+    surfaces=st.lists(
+        st.builds(
+            Surface,
+            st.floats(0.0, 1e3),
+            st.sampled_from(["m", "s"]),
+            st.floats(0.1, 3.0),
+            st.floats(0.1, 3.0),
+        ),
+        max_size=2,
+    ).map(tuple),
+)
+
+
+@given(models)
+def test_written_and_read_back_it_is_the_same(tmp_path_factory, model):
+    path = tmp_path_factory.mktemp("model") / "model.toml"
+    write_model(model, path)
+    assert read_model(path, KNOWN) == model
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("schema = 1", "", "no schema"),
+        ("schema = 1", "schema = 2", "schema 2"),
+        ("schema = 1", "schema = ", "not TOML"),
+        ("[pads]", "[pad]", "did you mean 'pads'"),
+        ("front", "frnt", "did you mean 'front'"),
+        ("stiffness = 20.0", "stifness = 20.0", "did you mean 'stiffness'"),
+        ("aerodynamic_drag", "aero_drag", "did you mean 'aerodynamic_drag'"),
+        ("drag_area", "drag_aera", "did you mean 'drag_area'"),
+        ('drag_area = "6600 cm^2"', "", "'drag_area' is missing"),
+        ("6600 cm^2", "0.66 m", "length"),
+        ("6600 cm^2", "0.66", "no unit"),
+        ("6600 cm^2", "-1 m^2", "drag_area: -1 m^2 is not believable; expected 0 to 12 m^2"),
+        ("front = 0.30", "front = 30", "pads.front: 30 is not believable; expected 0.02 to 1"),
+        ("shape = 1.5", "shape = 2.5", "tyre.shape: 2.5 is not believable"),
+        ("peak = 0.5\nshape", "peak = true\nshape", "is not a quantity"),
+        ("60 m", "60 kg", "neither a distance nor a time"),
+        ('start = "60 m"', "", "'start' is missing"),
+    ],
+)
+def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
+    assert old in WHOLE
+    message = refused(tmp_path, WHOLE.replace(old, new, 1))
+    assert says in message
+    assert "model.toml" in message
+
+
+def test_all_errors_of_a_file_come_in_one_message(tmp_path):
+    text = WHOLE
+    for old, new in (
+        ("front = 0.30", "front = 30"),
+        ("6600 cm^2", "6600 cm"),
+        ("4500 ms", "4500 kg"),
+        ("[[surfaces]]", '[empirical]\nplace = "roof"\ndriver = "spede"\n[[surfaces]]'),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    head, *lines = refused(tmp_path, text).splitlines()
+    assert head == f"{tmp_path / 'model.toml'}: 7 errors"
+    assert [line.split(": ")[0] for line in lines] == [
+        "  pads.front",
+        "  effects.aerodynamic_drag.drag_area",
+        "  surfaces[1].start",
+        "  empirical[0].place",
+        "  empirical[0].driver",
+        "  empirical[0]",
+        "  empirical[0]",
+    ]
+    assert lines[4].endswith("did you mean 'speed'?")
+    assert lines[5].endswith("key 'knots' is missing; expected a value for 'knots'")
+
+
+def test_effects_come_in_the_order_of_the_file(tmp_path):
+    names = ["rolling_resistance", "aerodynamic_drag", "accelerometer_bias"]
+    keys = ["coefficient = 0.01", 'drag_area = "1 m^2"', 'bias = "0.1 m/s^2"']
+    parts = [f"[effects.{name}]\n{key}" for name, key in zip(names, keys, strict=True)]
+    assert list(read(tmp_path, "\n".join(["schema = 1", *parts])).effects.parameters) == names
+
+
+def test_an_empirical_term_comes_back(tmp_path):
+    term = EmpiricalTerm("rear_brakes", "temperature", (20.0, 1e2 / 3), (0.0, -1e-7))
+    path = tmp_path / "model.toml"
+    write_model(replace(default_model(SEDAN), effects=Effects(terms=(term,))), path)
+    assert read_model(path, SEDAN).effects.terms == (term,)
+
+
+def test_every_part_has_its_header(tmp_path):
+    path = tmp_path / "model.toml"
+    write_model(default_model(KNOWN), path)
+    headers = [line for line in path.read_text().splitlines() if line.startswith("[")]
+    assert headers == ["[pads]", "[tyre]", "[effects]", "[effects.rolling_resistance]"]
+
+
+def test_refuses_what_is_no_section(tmp_path):
+    assert "double brackets" in refused(tmp_path, "schema = 1\n[surfaces]\nstart = 1")
+    assert "not a table" in refused(tmp_path, "schema = 1\npads = 1")
+    assert "not a table" in refused(tmp_path, "schema = 1\neffects = 1")
+
+
+def test_refuses_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(ModelError, match="no such file"):
+        read_model(tmp_path / "none.toml", SEDAN)

@@ -1,0 +1,129 @@
+"""Cars of the road pass; ordinary mistakes in their files do not."""
+
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import pytest
+
+from calib.base.warning import UNITS
+from calib.car.plausible import LEAST_FRONT_BIASED, plausible, to_confirm
+from calib.car.vehicle import Axle, Vehicle
+from calib.car.vehicle_file import read_vehicle
+from calib.line.station.advice import BY_FIGURE
+
+LOGS = Path(__file__).parents[2] / "sample_logs"
+SEDAN = read_vehicle(LOGS / "sedan/vehicle.toml")
+
+
+def car(mass, wheelbase, front, height, track, radius, wheel, piston, disc):
+    """From a data sheet: ``front`` share of the load, pistons [mm] of one side, discs [mm]."""
+    axles = [
+        Axle(R, 0.6 * m * R * R, sum(pi / 4 * (d / 1e3) ** 2 for d in pistons), r / 1e3, 2, 0.4)
+        for R, m, pistons, r in zip(radius, wheel, piston, disc, strict=True)
+    ]
+    ends = ((1.0 - front) * wheelbase, front * wheelbase)
+    return Vehicle("car", mass, *ends, height, track, *axles)
+
+
+CARS = {
+    "hatchback": car(1280, 2.55, 0.61, 0.54, 1.50, (0.302, 0.302),
+        (18, 17), ([54], [34]), (111, 93)),
+    "compact with EBD": car(1450, 2.63, 0.59, 0.54, 1.53, (0.312, 0.312),
+        (20, 19), ([54], [38]), (117, 113)),
+    "limousine": car(2250, 3.11, 0.52, 0.56, 1.65, (0.345, 0.345),
+        (28, 29), ([42, 42], [44]), (158, 147)),
+    "off-road": car(2450, 3.02, 0.50, 0.80, 1.70, (0.388, 0.388),
+        (38, 38), ([42, 46], [45]), (147, 140)),
+    "van, laden": car(3300, 3.66, 0.44, 0.85, 1.71, (0.345, 0.345),
+        (30, 30), ([48, 48], [50]), (123, 128)),
+    "rear engine": car(1620, 2.45, 0.39, 0.46, 1.58, (0.332, 0.345),
+        (23, 27), ([28, 30, 36], [28, 34]), (148, 142)),
+    "electric": car(1950, 2.875, 0.48, 0.45, 1.58, (0.335, 0.335),
+        (26, 30), ([42, 42], [43]), (133, 144)),
+    "microcar": car(1010, 1.873, 0.43, 0.56, 1.38, (0.285, 0.285),
+        (14, 15), ([42], [30]), (102, 98)),
+}  # fmt: skip
+
+
+def both(**factors):
+    """The sedan with keys of both axles times a factor."""
+    return axles(factors, factors)
+
+
+def axles(front, rear):
+    changed = [
+        replace(axle, **{k: type(getattr(axle, k))(getattr(axle, k) * f) for k, f in by.items()})
+        for axle, by in ((SEDAN.front, front), (SEDAN.rear, rear))
+    ]
+    return replace(SEDAN, front=changed[0], rear=changed[1])
+
+
+MISTAKES = {
+    "piston area of both sides": (both(piston_area=2.0), "pressure_per_g"),
+    "one piston of two": (both(piston_area=0.5), "pressure_per_g"),
+    "one friction face": (both(friction_faces=0.5), "friction_faces_f"),
+    "one friction face, rear": (axles({}, {"friction_faces": 0.5}), "friction_faces_r"),
+    "area of both sides, rear": (axles({}, {"piston_area": 2.0}), "front_biased_up_to"),
+    "diameter of the disc": (both(effective_radius=2.0), "disc_ratio_f"),
+    "diameter of the wheel": (both(rolling_radius=2.0), "rolling_radius_f"),
+    "radius of the rim": (both(rolling_radius=0.63), "rolling_radius_r"),
+    "inertia in another unit": (both(wheel_inertia=10.0), "wheel_mass_f"),
+    "pounds": (replace(SEDAN, mass=2.2 * SEDAN.mass), "pressure_per_g"),
+    "mass of one axle": (replace(SEDAN, mass=0.5 * SEDAN.mass), "pressure_per_g"),
+    "height above the axles": (replace(SEDAN, cg_height=SEDAN.cg_height - 0.322), "cg_height"),
+    "height of the roof": (replace(SEDAN, cg_height=1.5), "cg_height_ratio"),
+    "half of the track": (replace(SEDAN, track_width=0.775), "track_width"),
+    "distances swapped": (
+        replace(SEDAN, cg_to_front_axle=1.6494, cg_to_rear_axle=1.1556), "lock_efficiency",
+    ),
+    "axles swapped": (replace(SEDAN, front=SEDAN.rear, rear=SEDAN.front), "brake_share_f"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CARS)
+def test_a_good_car_has_no_warning(name):
+    assert plausible(CARS[name]) == ()
+
+
+def test_the_cars_of_the_samples_have_no_warning():
+    files = [*LOGS.glob("*/vehicle.toml"), *LOGS.glob("hidden/*/vehicle.toml")]
+    assert len(files) > 5
+    assert [w for path in files for w in plausible(read_vehicle(path))] == []
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_told_with_its_causes(name):
+    vehicle, code = MISTAKES[name]
+    found = {w.code: w for w in plausible(vehicle)}
+    assert code in found
+    assert set(found) <= set(UNITS)
+    assert all(w.causes and w.do and w.log == vehicle.name for w in found.values())
+
+
+def test_a_value_is_told_in_the_unit_of_the_key():
+    found = {w.code: w for w in plausible(both(effective_radius=2.0))}
+    assert "effective_radius_f is 262 mm, expected 80 to 190" in found["effective_radius_f"].text
+
+
+def test_what_only_some_cars_have_is_for_a_person_to_confirm():
+    """A compact car with EBD, its distances swapped by hand: 41 % of the load in front."""
+    compact = CARS["compact with EBD"]
+    swapped = replace(
+        compact,
+        cg_to_front_axle=compact.cg_to_rear_axle,
+        cg_to_rear_axle=compact.cg_to_front_axle,
+    )
+    assert plausible(swapped) == ()
+    assert "41 % of the load is on the front axle" in " ".join(to_confirm(swapped))
+    assert "locks first beyond 0.4" in " ".join(to_confirm(compact))
+    assert to_confirm(SEDAN) == to_confirm(CARS["limousine"]) == ()
+    asked = {name for name, one in CARS.items() if to_confirm(one)}
+    assert asked == {"compact with EBD", "van, laden", "rear engine", "microcar"}
+
+
+def test_the_check_and_the_station_have_one_limit():
+    found = {w.code: w for w in plausible(MISTAKES["area of both sides, rear"][0])}
+    warning = found["front_biased_up_to"]
+    assert warning.expected[0] == BY_FIGURE["front_biased_up_to"].limit.low == LEAST_FRONT_BIASED
+    assert "brake-cal station" in warning.do

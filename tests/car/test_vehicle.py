@@ -1,0 +1,182 @@
+"""The vehicle file: what it says in SI, and every slip it must not let through."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.base.errors import VehicleError
+from calib.base.schema import quantities
+from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.vehicle import Axle, Vehicle
+from calib.car.vehicle_file import AxleSection, ChassisSection, read_vehicle, write_vehicle
+from tests.support.refusals import refusal
+
+CHASSIS, AXLE = quantities(ChassisSection), quantities(AxleSection)
+SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
+TEXT = SEDAN.read_text()
+
+
+def write(tmp_path, *changes):
+    text = TEXT
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = tmp_path / "car.toml"
+    path.write_text(text)
+    return path
+
+
+def refused(path):
+    return refusal(read_vehicle, path, kind=VehicleError, names=path)
+
+
+def test_reads_tables_i_and_ii():
+    car = read_vehicle(SEDAN)
+    assert car.name == "sedan-2up"
+    assert car.mass == 1744
+    assert car.wheelbase == pytest.approx(2.805)
+    assert car.front == Axle(0.322, 1.20, 28.84e-4, pytest.approx(0.1309), 2, 0.38)
+    assert car.rear.piston_area == pytest.approx(11.34e-4)
+    assert isinstance(car.front.friction_faces, int)
+    assert car.mass_tolerance == 0.03  # the load that nobody wrote down
+    assert car.effects == Effects()
+
+
+def test_other_units_mean_the_same_car(tmp_path):
+    path = write(
+        tmp_path,
+        ('"1744 kg"', '"1.744 t"'),
+        ('"0.615 m"', '"61.5cm"'),
+        ('"28.84 cm^2"', '"2884 mm²"'),
+        ("pad_friction = 0.38", 'pad_friction = "38 %"'),
+        ("friction_faces = 2", "friction_faces = 2.0"),
+    )
+    there, here = read_vehicle(path), read_vehicle(SEDAN)
+    assert there.mass == pytest.approx(here.mass)
+    assert there.cg_height == pytest.approx(here.cg_height)
+    assert there.front.piston_area == pytest.approx(here.front.piston_area)
+    assert there.front.pad_friction == pytest.approx(here.front.pad_friction)
+    assert isinstance(there.front.friction_faces, int)
+
+
+def test_known_effects_and_tolerance_come_in_si(tmp_path):
+    path = write(tmp_path, ("[front]", 'mass_tolerance = "1.5 %"\nmotor_odds = 0\n\n[front]'))
+    text = path.read_text() + (
+        '\n[effects.aerodynamic_drag]\ndrag_area = "6600 cm^2"\n'
+        "[effects.rolling_resistance]\ncoefficient = 0.012\n"
+    )
+    path.write_text(text)
+    car = read_vehicle(path)
+    assert car.mass_tolerance == pytest.approx(0.015)
+    assert car.motor_odds == 0.0
+    assert car.effects == Effects(
+        {
+            "aerodynamic_drag": {"drag_area": pytest.approx(0.66)},
+            "rolling_resistance": {"coefficient": 0.012},
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('mass = "1744 kg"', 'mass = "-1744 kg"', ("chassis.mass", "-1744", "300 to 60000 kg")),
+        ('mass = "1744 kg"', 'mas = "1744 kg"', ("'mas'", "did you mean 'mass'?")),
+        ('mass = "1744 kg"', "", ("chassis", "'mass' is missing")),
+        ('mass = "1744 kg"', "mass = 1744", ("chassis.mass", "no unit", "1744 kg")),
+        ('mass = "1744 kg"', 'mass = "1744 m"', ("'m'", "length", "mass")),
+        ('mass = "1744 kg"', 'mass = "1744 g"', ("'g'", "mass")),
+        ('mass = "1744 kg"', 'mass = "heavy"', ("'heavy'", "1.5 kg")),
+        ('mass = "1744 kg"', "mass = nan", ("chassis.mass", "not finite")),
+        ('mass = "1744 kg"', 'mass = "1e999 kg"', ("chassis.mass", "not finite")),
+        ('mass = "1744 kg"', "mass = true", ("True", "chassis.mass")),
+        ('"0.615 m"', '"2.9 m"', ("cg_height", "wheelbase")),
+        ('"0.615 m"', '"61.5 m"', ("cg_height", "0.1 to 3 m")),
+        ("pad_friction = 0.38", "pad_friction = 3.8", ("front.pad_friction", "0.05 to 1")),
+        ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces: 2.5", "whole")),
+        ('"130.9 mm"', '"330.9 mm"', ("front", "fits into the wheel")),
+        ('name = "sedan-2up"', 'name = "a/b"', ("'a/b'", "name")),
+        ('name = "sedan-2up"', "name = 5", ("name: 5", "text")),
+        ('name = "sedan-2up"', "", ("'name' is missing",)),
+        ("[rear]", "[raer]", ("'raer'", "did you mean 'rear'?")),
+        ("schema = 1", "schema = 2", ("schema 2", "schema = 1")),
+        ("schema = 1", "", ("no schema",)),
+        ("[chassis]", "[chassis", ("not TOML",)),
+        ("[chassis]", "[effects]\ndrag = 1\n[chassis]", ("drag", "[effects.drag]")),
+    ],
+)
+def test_slips_are_named(tmp_path, old, new, words):
+    message = refused(write(tmp_path, (old, new)))
+    assert [word for word in words if word not in message] == []
+
+
+def test_no_file_and_no_text(tmp_path):
+    assert "no such file" in refused(tmp_path / "none.toml")
+    assert "a directory" in refused(tmp_path)
+    binary = tmp_path / "car.toml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    assert "not TOML" in refused(binary)
+
+
+def test_a_replaced_value_is_checked_before_it_is_written(tmp_path):
+    car, path = read_vehicle(SEDAN), tmp_path / "car.toml"
+    with pytest.raises(VehicleError, match=r"sedan-2up: chassis\.mass"):
+        write_vehicle(replace(car, mass=-1.0), path)
+    broken = Effects({"aerodynamic_drag": {"drag_area": float("nan")}})
+    with pytest.raises(VehicleError, match=r"effects\.aerodynamic_drag\.drag_area"):
+        write_vehicle(replace(car, effects=broken), path)
+
+
+inside = {key: st.floats(bound.low, bound.high) for key, bound in {**CHASSIS, **AXLE}.items()}
+
+
+@st.composite
+def vehicles(draw):
+    """Any believable vehicle."""
+
+    def axle():
+        values = {key: draw(inside[key]) for key in AXLE}
+        values["effective_radius"] = draw(st.floats(0.03, 0.0999))
+        values["friction_faces"] = draw(st.integers(1, 12))
+        return Axle(**values)
+
+    chassis = {key: draw(inside[key]) for key in CHASSIS}
+    chassis["cg_height"] = draw(st.floats(0.1, 0.399))
+    name = draw(st.text("abcXYZ019_-äß", min_size=1))
+    number = st.floats(-1e6, 1e6)
+    parameters = st.dictionaries(st.text("ab c.\"'", min_size=1), number, max_size=2)
+    effects = draw(st.dictionaries(st.sampled_from(["road_grade", "odd one"]), parameters))
+    return Vehicle(name=name, front=axle(), rear=axle(), effects=Effects(effects), **chassis)
+
+
+@given(car=vehicles())
+def test_written_and_read_back_is_the_same(tmp_path_factory, car):
+    path = tmp_path_factory.getbasetemp() / "round.toml"
+    write_vehicle(car, path)
+    assert read_vehicle(path) == car
+
+
+def test_an_empirical_term_is_not_lost_in_a_vehicle_file(tmp_path):
+    term = EmpiricalTerm("body", "constant", (0.0,), (0.01,))
+    car = replace(read_vehicle(SEDAN), effects=Effects(terms=(term,)))
+    with pytest.raises(VehicleError, match="cannot hold an empirical term"):
+        write_vehicle(car, tmp_path / "car.toml")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_refused_vehicle_leaves_no_file(tmp_path):
+    car = replace(read_vehicle(SEDAN), mass=0.0)
+    with pytest.raises(VehicleError):
+        write_vehicle(car, tmp_path / "car.toml")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_static_loads_are_the_moments_about_the_other_axle():
+    """(6), (7) at z = 0, with Table II."""
+    car = read_vehicle(SEDAN)
+    front, rear = car.static_loads
+    assert front + rear == pytest.approx(1744 * 9.80665)
+    assert front * 1.1556 == pytest.approx(rear * 1.6494)

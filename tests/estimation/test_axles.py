@@ -1,0 +1,159 @@
+"""Swapped axles are refused, weak front pads are estimated; both by the independent plant."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.errors import LogError
+from calib.estimation.axles import judge_axles
+from calib.estimation.estimator import estimate
+from calib.estimation.exchanged import exchanged
+from calib.estimation.settings import SETTINGS
+from calib.estimation.validate import validate
+from calib.fitting.fit import fit
+from calib.run.check import check
+from tests.support.balanced import balanced
+from tests.support.one_axle import one_axle
+from tests.support.plant import Plant, as_log, drive, magic
+from tests.support.reference_car import (
+    CAR,
+    REAL,
+    WET,
+    noisy,
+    stop,
+    swapped,
+    with_pads,
+    without,
+)
+from tests.support.refusals import refusal
+
+SOFT = replace(REAL, tyre=magic(15.0, 0.6))
+"""The car on a road where its tyres are softer."""
+
+
+@pytest.fixture(scope="module")
+def table(fitted):
+    return fitted
+
+
+def of(table, log):
+    """Look at the axles of a log, with its estimate."""
+    judge_axles(table, log, estimate(table, log))
+
+
+def refused(table, log):
+    return refusal(of, table, log, kind=LogError)
+
+
+def weak(plant, share, seed=3):
+    """A whole stop with front pads of ``share`` of their friction on the ramp."""
+    pads = share * CAR.front.pad_friction, CAR.rear.pad_friction
+    return noisy(stop(with_pads(plant, *pads), duration=20.0), seed)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_swapped_axles_are_refused(table, seed):
+    """The filter would find pads for them: 0.30 in front and 0.58 behind, with 3 % of error."""
+    log = swapped(noisy(stop(WET), seed))
+    message = refusal(validate, table, [log], kind=LogError)
+    assert "times their friction on the ramp" in message
+    places = [
+        message.index(word) for word in ("swapped?", "T_drive_r", "all-wheel drive", "pads weak")
+    ]
+    assert places == sorted(places)
+
+
+def test_swapped_axles_are_refused_without_a_reference_speed(table):
+    assert "swapped?" in refused(table, without(swapped(noisy(stop(WET), 0)), "v"))
+
+
+def test_swapped_axles_are_refused_with_the_pads_of_the_ramp(table):
+    assert "swapped?" in refused(table, swapped(noisy(stop(REAL), 0)))
+    assert "swapped?" in refused(table, swapped(noisy(stop(SOFT), 0)))
+
+
+def test_rear_wheels_that_slip_far_more_than_a_swap_explains_are_told_so(table):
+    """A motor that brakes the rear wheels by four times the difference of the axles."""
+    log = noisy(stop(WET), 0)
+    z = np.maximum(-log["a_x"] / 9.81, 0.0)
+    slower = {w: log[w] * (1.0 - 0.08 * z) for w in ("omega_rl", "omega_rr")}
+    message = refused(table, replace(log, channels={**log.channels, **slower}))
+    assert message.index("T_drive_r") < message.index("swapped?")
+
+
+@pytest.mark.parametrize("plant", [REAL, SOFT], ids=["asphalt", "soft"])
+@pytest.mark.parametrize("share", [0.5, 0.6, 0.7])
+def test_weak_front_pads_are_estimated(table, plant, share):
+    """At half their friction eta falls as far as with swapped axles; the estimate holds them."""
+    log = weak(plant, share)
+    (found,) = validate(table, [log])
+    e = found.estimate
+    assert found.figures["valid_share"] > 0.75
+    for axle, truth in ((e.front, share), (e.rear, 1.0)):
+        held = (axle.change_lower < truth) & (truth < axle.change_upper)
+        assert np.mean(held[e.valid]) > 0.9
+    (warning,) = (w for w in found.warnings if w.code == "pads_changed_apart")
+    assert "wheel speeds that are swapped" in warning.text
+    verdicts = {v.purpose: v.usable for v in check(log).verdicts}
+    assert verdicts["validate"]
+
+
+def test_weak_front_pads_are_estimated_without_a_reference_speed(table):
+    of(table, without(weak(SOFT, 0.5), "v"))
+
+
+def test_the_check_names_weak_pads_too():
+    (warning,) = (w for w in check(weak(REAL, 0.5)).warnings if w.code == "axles_swapped")
+    assert any("front pads that are weak" in cause for cause in warning.causes)
+
+
+@pytest.mark.parametrize(
+    ("front", "rear"), [(0.28, 0.38), (0.22, 0.37), (0.20, 0.20), (0.38, 0.28)]
+)
+def test_pads_that_fade_unequally_are_not_taken_for_swapped(table, front, rear):
+    """Front pads at 0.6 of the rear ones bring eta below one, by a third of the table's rise."""
+    of(table, noisy(stop(with_pads(REAL, front, rear)), 0))
+
+
+def test_a_stop_with_the_rear_axle_only_is_not_taken_for_swapped(table):
+    """Its eta falls by as much as that of a normal stop rises; its wheel pressures say why."""
+    log = noisy(one_axle(REAL, "r"), 0)
+    of(table, log)
+    pressures = (f"p_{a}{s}" for a in "fr" for s in "lr")
+    assert "are the axles swapped?" in refused(table, without(log, *pressures))
+
+
+def test_hard_stops_past_the_peak_of_eta_are_not_taken_for_swapped(table):
+    """At 0.7 g this car is rear-biased: eta falls below one, as it must."""
+    log = noisy(stop(replace(REAL, tyre=magic(25.0, 1.3)), pressure=49e5), 0)
+    assert np.max(-log["a_x"]) > 0.65 * 9.81
+    of(table, log)
+
+
+def test_abs_on_the_rear_axle_is_not_taken_for_swapped(table):
+    log = noisy(stop(WET), 3)
+    cycle = (log.time > 2.5) & ((log.time * 4.0) % 1.0 < 0.4)
+    hit = {f"omega_r{s}": np.where(cycle, 0.7, 1.0) * log[f"omega_r{s}"] for s in "lr"}
+    of(table, replace(log, channels={**log.channels, **hit}))
+
+
+def test_weak_pads_on_a_road_with_more_grip_than_that_of_the_ramp_are_no_swap():
+    """Exchanged, the pads would be three times apart; as it is they are those of the ramp."""
+    car = balanced(CAR, 0.6)
+    plant = Plant(car, tyre=magic(25.0, 0.95), drag_area=0.66, rolling_resistance=0.011)
+    slippery = replace(plant, surface=lambda x: (0.65, 0.55))
+    weak = replace(plant, pads=lambda t: (0.19, 0.19))
+    rising = drive(slippery, lambda t: 5e5 * max(t - 1.5, 0.0), 33.0, duration=8.5, stop_speed=8.0)
+    light = drive(
+        weak, lambda t: 5e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0), 42.0, duration=30.0,
+        stop_speed=3.0,
+    )  # fmt: skip
+    coast = drive(plant, lambda t: 0.0, 33.0, duration=12.0)
+    runs = [as_log(run, name) for run, name in ((rising, "ramp"), (coast, "coast"))]
+    table = fit(car, [noisy(log, seed) for seed, log in enumerate(runs, 1)])
+    log = noisy(as_log(light, "light"), 3)
+    found = estimate(table, log)
+    assert found.basis is not None
+    assert exchanged(found, found.basis).log_odds > SETTINGS.axles_doubt
+    assert judge_axles(table, log, found) is None

@@ -1,0 +1,89 @@
+"""Stops with a foot that pumps, in a plant whose brakes follow late."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.intervals import Z95
+from calib.estimation.budget import budget
+from calib.estimation.delay import with_delay
+from calib.estimation.estimator import estimate
+from calib.estimation.validate import validate
+from calib.fitting.fit import fit
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
+
+LATE = replace(REAL, hydraulic_lag=0.03)
+PRESSURE, SWING = 28e5, 18e5
+
+
+def pumped(plant, swing=SWING, frequency=1.5):
+    """A stop at 28 bar, up and down by 18 bar at 1.5 Hz."""
+
+    def pressure(t):
+        turn = math.sin(2.0 * math.pi * frequency * (t - 1.5))
+        return (PRESSURE + swing * turn) * min(max((t - 1.5) / 0.25, 0.0), 1.0)
+
+    return as_log(drive(plant, pressure, 27.0, duration=9.0, stop_speed=1.5), "pumped")
+
+
+@pytest.fixture(scope="module")
+def table():
+    return fit(CAR, [noisy(ramp(LATE), 1)])
+
+
+def held(e, where):
+    """Share of samples whose intervals hold the pads of the plant, front and rear."""
+    axles = ((e.front, CAR.front.pad_friction), (e.rear, CAR.rear.pad_friction))
+    return [np.mean(((a.lower <= mu) & (mu <= a.upper))[where]) for a, mu in axles]
+
+
+@pytest.mark.parametrize("frequency", [0.6, 1.5])
+def test_the_intervals_hold_the_pads_of_a_foot_that_pumps(table, frequency):
+    e = estimate(table, noisy(pumped(LATE, frequency=frequency), 2), with_laws=False)
+    wider = with_delay(e)
+    assert min(held(e, e.valid)) < 0.9
+    assert min(held(wider, e.valid)) > 0.85
+
+
+def test_a_foot_that_pumps_where_brakes_are_very_late_has_no_valid_sample(table):
+    (result,) = validate(table, [noisy(pumped(replace(LATE, hydraulic_lag=0.15)), 2)])
+    assert result.figures["valid_share"] < 0.1
+    front, _ = result.limiting
+    assert front.largest == "delay"
+
+
+def test_a_foot_that_holds_loses_no_sample(table):
+    for log in (stop(LATE, PRESSURE), pumped(LATE, swing=1e5)):
+        e = estimate(table, noisy(log, 3), with_laws=False)
+        wider = with_delay(e)
+        assert np.mean(wider.valid[e.valid]) > 0.98
+        assert np.median((wider.front.half_width / e.front.half_width)[wider.valid]) < 1.05
+
+
+def test_brakes_that_follow_at_once_may_be_pumped(table):
+    """Their delay is measured as nearly none, whatever the pressure does."""
+    e = estimate(table, noisy(pumped(REAL), 4), with_laws=False)
+    assert np.mean(with_delay(e).valid[e.valid]) > 0.9
+
+
+def test_half_a_per_cent_of_the_delay_costs_a_few_samples(table):
+    e = estimate(table, noisy(pumped(LATE), 5), with_laws=False)
+    shares = []
+    for delay in np.geomspace(0.02, 0.1, 322):
+        late = replace(e)
+        late.__dict__["response"] = replace(e.response, delay=float(delay))
+        shares.append(np.mean(with_delay(late).valid[e.valid]))
+    assert shares[0] > 0.95
+    assert shares[-1] < 0.05
+    assert np.max(-np.diff(shares)) < 0.05
+
+
+def test_the_budget_has_the_delay_and_adds_up(table):
+    e = with_delay(estimate(table, noisy(pumped(LATE), 6), with_laws=False))
+    for axle, made_of in zip((e.front, e.rear), budget(e), strict=True):
+        widths = np.sort((np.log(axle.upper / axle.lower) / (2.0 * Z95))[e.valid])
+        assert made_of.parts["delay"] > 0.0
+        assert made_of.sigma == pytest.approx(widths[(widths.size - 1) // 2], rel=1e-9)

@@ -1,0 +1,202 @@
+"""Limits: read with care, judged without."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.base.errors import LimitsError
+from calib.estimation.limits import DEFAULTS, Judgement, Limit, judge
+from calib.estimation.limits_file import read_limits
+from calib.estimation.metrics import METRICS
+from tests.support.refusals import refusal
+
+KNOWN = set(METRICS)
+
+
+def write(tmp_path, text):
+    path = tmp_path / "limits.toml"
+    path.write_text(text)
+    return path
+
+
+def refused(path):
+    return refusal(read_limits, path, KNOWN, kind=LimitsError, names=path)
+
+
+def test_read_in_the_order_of_the_file(tmp_path):
+    path = write(
+        tmp_path,
+        "schema = 1\n[limits]\nvalid_share = { min = 0.7 }\n"
+        "torque_error_f = { max = 0.05 }\neta_zero = { min = -1, max = 1 }\n",
+    )
+    assert read_limits(path, KNOWN) == (
+        Limit("valid_share", 0.7, None),
+        Limit("torque_error_f", None, 0.05),
+        Limit("eta_zero", -1.0, 1.0),
+    )
+
+
+def test_the_example_of_the_docstring_is_valid(tmp_path):
+    from calib.estimation import limits_file
+
+    text = "\n".join(
+        line[4:] for line in str(limits_file.__doc__).splitlines() if line.startswith("    ")
+    )
+    assert len(read_limits(write(tmp_path, text), KNOWN)) == 2
+
+
+def test_defaults_are_known_figures():
+    assert {limit.figure for limit in DEFAULTS} <= KNOWN
+
+
+def test_unknown_figure_is_suggested(tmp_path):
+    path = write(tmp_path, "schema = 1\n[limits]\ntorque_eror_f = { max = 0.05 }\n")
+    assert "limits: unknown key 'torque_eror_f'; did you mean 'torque_error_f'?" in refused(path)
+
+
+def test_figure_like_no_other_gets_the_list(tmp_path):
+    assert "expected one of covered_share, " in refused(
+        write(tmp_path, "schema = 1\n[limits]\nzzz = { max = 1 }\n")
+    )
+
+
+def test_min_above_max(tmp_path):
+    path = write(tmp_path, "schema = 1\n[limits]\nvalid_share = { min = 0.9, max = 0.8 }\n")
+    assert "min 0.9 lies above max 0.8" in refused(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "no schema"),
+        ("schema = 2\n[limits]\nvalid_share = { min = 0.7 }\n", "schema 2"),
+        ("schema = true\n[limits]\nvalid_share = { min = 0.7 }\n", "schema True"),
+        ("schema = 1\n", "key 'limits' is missing"),
+        ("schema = 1\n[limits]\n", "no limits in it"),
+        ("schema = 1\nlimits = 3\n", "limits: 3 is not a table; expected [limits]"),
+        ("schema = 1\n[limit]\nvalid_share = { min = 0.7 }\n", "unknown key 'limit'"),
+        ("schema = 1\n[limits\n", "not TOML"),
+        ("schema = 1\n[limits]\nvalid_share = 0.7\n", "expected { min = NUMBER }"),
+        ("schema = 1\n[limits]\nvalid_share = {}\n", "expected { min = NUMBER }"),
+        ("schema = 1\n[limits]\nvalid_share = { mn = 0.7 }\n", "did you mean 'min'?"),
+        (
+            "schema = 1\n[limits]\nvalid_share = { min = '0.7' }\n",
+            "valid_share.min: '0.7'; expected a number",
+        ),
+        (
+            "schema = 1\n[limits]\nvalid_share = { min = true }\n",
+            "valid_share.min: True; expected a number",
+        ),
+        ("schema = 1\n[limits]\nvalid_share = { max = nan }\n", "a finite number"),
+        ("schema = 1\n[limits]\nvalid_share = { min = -inf }\n", "a finite number"),
+    ],
+)
+def test_what_is_no_limits_file(tmp_path, text, says):
+    assert says in refused(write(tmp_path, text))
+
+
+def test_all_errors_of_a_file_come_in_one_message(tmp_path):
+    path = write(
+        tmp_path,
+        "schema = 1\n[limits]\nvalid_share = { min = 0.9, max = 0.8 }\neta_zero = 0.1\n"
+        "torque_eror_f = { max = 0.05 }\ninterval_f = { fail = [1], warn = [2, 1], max = nan }\n",
+    )
+    head, *lines = refused(path).splitlines()
+    assert head == f"{path}: 6 errors"
+    assert [line.split(": ")[0] for line in lines] == [
+        "  limits.eta_zero",
+        "  limits.interval_f.max",
+        "  limits.interval_f.fail",
+        "  limits.interval_f.warn",
+        "  limits.valid_share",
+        "  limits",
+    ]
+    assert lines[0].startswith("  limits.eta_zero: 0.1 is not a table; expected { min = NUMBER }")
+    assert lines[3] == "  limits.interval_f.warn: 2 to 1 is no range; expected [LOW, HIGH]; " + (
+        "-inf, inf: no limit"
+    )
+
+
+def test_no_file_and_no_text(tmp_path):
+    assert "no such file" in refused(tmp_path / "none.toml")
+    path = tmp_path / "limits.toml"
+    path.write_bytes(b"\xff\xfe schema")
+    assert "not TOML" in refused(path)
+
+
+@given(value=st.floats(-2, 2), low=st.none() | st.floats(-1, 0), high=st.none() | st.floats(0, 1))
+def test_a_figure_passes_within_its_ends(value, low, high):
+    (judged,) = judge((Limit("a", low, high),), {"a": value})
+    outside = (low is not None and value < low) or (high is not None and value > high)
+    assert judged == Judgement("a", value, low, high, not outside)
+
+
+def test_ends_belong_to_the_range():
+    both = (Limit("a", 1.0, 2.0),)
+    assert [judge(both, {"a": x})[0].passed for x in (1.0, 2.0, 0.999, 2.001)] == [
+        True,
+        True,
+        False,
+        False,
+    ]
+
+
+def test_a_warning_lies_between_pass_and_fail(tmp_path):
+    path = write(
+        tmp_path,
+        "schema = 1\n[limits]\neta_zero = { fail = [-2, 2], warn = [-1, inf] }\n"
+        "valid_share = { min = 0.5, warn = [0.8, inf] }\n",
+    )
+    limits = read_limits(path, KNOWN)
+    assert limits == (
+        Limit("eta_zero", -2.0, 2.0, -1.0, None),
+        Limit("valid_share", 0.5, None, 0.8, None),
+    )
+    verdicts = [judge(limits[:1], {"eta_zero": x})[0].verdict for x in (-3, -1.5, -1, 2, 2.1)]
+    assert verdicts == ["failed", "warning", "passed", "passed", "failed"]
+
+
+@given(
+    value=st.floats(-3, 3) | st.none(),
+    fail=st.floats(1, 2),
+    warn=st.floats(0, 1),
+    required=st.booleans(),
+)
+def test_a_wider_range_never_judges_harder(value, fail, warn, required):
+    order = ["passed", "warning", "failed"]
+    (narrow,) = judge((Limit("a", -fail, fail, -warn, warn, required),), {"a": value})
+    (wide,) = judge((Limit("a", -fail - 1, fail + 1, -warn - 1, warn + 1, required),), {"a": value})
+    if value is None:
+        assert narrow.verdict == wide.verdict == ("failed" if required else "not known")
+    else:
+        assert order.index(wide.verdict) <= order.index(narrow.verdict)
+
+
+@pytest.mark.parametrize(
+    ("spec", "says"),
+    [
+        ("{ fail = [0, 1], min = 0 }", "has both fail and min"),
+        ("{ fail = 3 }", "expected [LOW, HIGH]"),
+        ("{ fail = [0] }", "expected [LOW, HIGH]"),
+        ("{ fail = [0, nan] }", "expected [LOW, HIGH]"),
+        ("{ fail = ['0', 1] }", "expected [LOW, HIGH]"),
+        ("{ fail = [2, 1] }", "2 to 1 is no range"),
+        ("{ warn = [inf, inf] }", "is no range"),
+        ("{ fail = [0, 1], warn = [-1, 1] }", "warn -1 lies beyond fail 0"),
+        ("{ fail = [0, 1], warn = [0, 2] }", "warn 2 lies beyond fail 1"),
+        ("{ required = true }", "valid_share: no limit in it; expected { min = NUMBER }"),
+        ("{ min = 0, required = 1 }", "expected true or false"),
+    ],
+)
+def test_what_is_no_range(tmp_path, spec, says):
+    assert says in refused(write(tmp_path, f"schema = 1\n[limits]\nvalid_share = {spec}\n"))
+
+
+def test_what_is_not_there_is_not_judged():
+    judged = judge((Limit("a", 0.0, None), Limit("b", 0.0, None)), {"a": None})
+    assert [j.passed for j in judged] == [None, None]
+
+
+def test_nan_does_not_pass():
+    assert judge((Limit("a", 0.0, 1.0),), {"a": float("nan")})[0].passed is False
+    assert judge((Limit("a", None, 1.0),), {"a": float("nan")})[0].passed is False

@@ -1,0 +1,72 @@
+"""A passenger whom nobody stated, in a plant: the interval of the stop leaves room for one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.intervals import Z95
+from calib.estimation.budget import budget
+from calib.estimation.estimator import estimate
+from calib.estimation.load import USUAL, mean_square_of_load, with_load
+from calib.estimation.validate import validate
+from calib.fitting.fit import fit
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, with_pads
+
+PRESSURE = 28e5
+WEAK = (0.30, 0.29)
+
+
+def loaded(share, pads=None):
+    """A stop of the car with more mass, with the pads of the ramp unless given."""
+    plant = replace(REAL, vehicle=replace(CAR, mass=CAR.mass * (1.0 + share)))
+    return stop(plant if pads is None else with_pads(plant, *pads), PRESSURE)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return fit(CAR, [noisy(ramp(REAL), 1)])
+
+
+def held(e, pads):
+    axles = zip((e.front, e.rear), pads, strict=True)
+    return [np.mean(((a.lower <= mu) & (mu <= a.upper))[e.valid]) for a, mu in axles]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.04, 0.055])
+@pytest.mark.parametrize("pads", [None, WEAK])
+def test_intervals_hold_with_a_passenger(table, share, pads):
+    true = pads or (CAR.front.pad_friction, CAR.rear.pad_friction)
+    (result,) = validate(table, [noisy(loaded(share, pads), 7)])
+    assert min(held(result.estimate, true)) > 0.75
+    assert result.figures["valid_share"] > 0.8
+
+
+def test_a_stop_like_the_ramp_keeps_its_interval(table):
+    e = estimate(table, noisy(loaded(0.0), 3))
+    wider = np.log(with_load(e, stated=False).front.upper / e.front.upper)[e.valid]
+    assert 0.0 <= np.median(wider) < 0.01
+
+
+def test_a_stated_mass_leaves_nothing_open(table):
+    e = estimate(table, noisy(loaded(0.05), 3))
+    assert with_load(e, stated=True) is e
+    assert with_load(e, stated=False).front.upper[e.valid].mean() > e.front.upper[e.valid].mean()
+
+
+def test_the_lower_end_stays_and_the_budget_counts_the_load_as_mass(table):
+    e = estimate(table, noisy(loaded(0.05), 3))
+    open_ = with_load(e, stated=False)
+    assert np.array_equal(open_.front.lower, e.front.lower)
+    assert np.array_equal(open_.rear.change_lower, e.rear.change_lower)
+    front, before = budget(open_)[0], budget(e)[0]
+    assert front.relative["mass"] > before.relative["mass"]
+    half = np.median(np.log(open_.front.upper / open_.front.lower)[open_.valid]) / 2.0 / Z95
+    assert np.sqrt(sum(x**2 for x in front.relative.values())) == pytest.approx(half, rel=0.02)
+
+
+def test_pads_that_have_changed_hide_a_load():
+    """It is as likely as before; and one that is far from any load's size is none."""
+    assert mean_square_of_load(-0.6, 0.01) == pytest.approx(0.1 * USUAL**2, rel=0.01)
+    assert mean_square_of_load(0.0, 0.01) < 0.05 * 0.1 * USUAL**2 / 0.1
+    assert mean_square_of_load(-0.06, 0.01) > 0.4 * 0.06**2

@@ -1,0 +1,271 @@
+"""Every figure against what it must be by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.names import G
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
+from calib.estimation.metrics import (
+    METRICS,
+    accuracy,
+    baseline_errors,
+    consistency,
+    force_sum_error,
+    score,
+    truth_of,
+)
+from calib.estimation.pad_level import PadLevel
+from calib.estimation.pad_ratio import PadRatio
+from calib.logs.log import Log
+from calib.run.accelerometer import Accelerometer
+from calib.run.blocks import Blocks
+from tests.support.reference_car import CAR
+
+N = 1000
+TIME = np.arange(N) / 200.0
+GAIN_F, GAIN_R = 2 * 28.84e-4 * 0.1309, 2 * 11.34e-4 * 0.1240
+"""(3) of Table I, both pad faces [m^3]."""
+
+
+def axle(mu, gain, pressure, width=0.05):
+    """An axle that is told ``mu`` everywhere, with an interval of +-``width`` of it."""
+    mu = np.broadcast_to(np.asarray(mu, float), (N,)).copy()
+    return AxleEstimate(
+        mu, mu * (1 - width), mu * (1 + width), mu * gain * pressure, np.full(N, 0.3), mu, mu, mu
+    )
+
+
+def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation=None, **changed):
+    """5 s of braking at 0.3 g and 20 m/s; blocks of 50 ms, all braked."""
+    p = np.full(N, pressure)
+    blocks = 100
+    one = np.ones(blocks)
+    noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
+    split = PadRatio(
+        *9 * [one], noise, np.full(blocks, np.nan), one, changes=(2.5,), bumps=((3.0, 3.2),)
+    )
+    values = {
+        "plan": None,
+        "read": None,
+        "refused": {},
+        "time": TIME,
+        "z": np.full(N, 0.3),
+        "eta": np.full(N, 1.004),
+        "speed": np.full(N, 20.0),
+        "front": axle(mu_f, GAIN_F, p),
+        "rear": axle(mu_r, GAIN_R, p),
+        "valid": np.ones(N, bool) if valid is None else valid,
+        "braked": np.ones(N, bool),
+        "covered": np.ones(N, bool),
+        "baselines": {"nominal": (np.full(N, 0.38), np.full(N, 0.38))},
+        "split": split,
+        "blocks": Blocks(
+            end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
+            omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
+            lead_in=one < 0.0, samples=10, length=0.05,
+        ),
+        "level": PadLevel(np.ones(N), np.ones(N)),
+        "eta_zero": -0.001,
+        "accelerometer": Accelerometer(*np.zeros((12, blocks))),
+        "pressure_f": p,
+        "pressure_r": p,
+    }  # fmt: skip
+    return Estimate(**(values | changed))
+
+
+def truth_log(mu_f=0.40, mu_r=0.36, *, pressure=20e5, force=True, pads=True, **more):
+    """A log whose truth is known; loads (6), (7) at 0.3 g make F_x/F_z what is asked for."""
+    truth = {}
+    for side, mu, gain in (("f", mu_f, GAIN_F), ("r", mu_r, GAIN_R)):
+        for k in "lr":
+            truth[f"true_Tb_{side}{k}"] = np.broadcast_to(mu * gain * pressure, (N,)).copy()
+            if force:
+                truth[f"true_Fx_{side}{k}"] = np.full(N, -1000.0)
+        if pads:
+            truth[f"true_mu_pad_{side}"] = np.broadcast_to(np.asarray(mu, float), (N,)).copy()
+    return Log("made", "made.csv", "0" * 64, {"time": TIME}, truth={**truth, **more})
+
+
+def test_every_figure_is_there_and_explained():
+    figures = score(truth_log(), CAR, made_estimate(0.41))
+    assert set(figures) == set(METRICS)
+    assert all(METRICS.values())
+    assert all(value is not None for value in figures.values())
+
+
+def test_a_perfect_estimate():
+    figures = score(truth_log(), CAR, made_estimate())
+    for name in ("torque_error", "pad_friction_bias", "final_error", "pad_friction_drift"):
+        assert figures[f"{name}_f"] == pytest.approx(0.0, abs=1e-12)
+        assert figures[f"{name}_r"] == pytest.approx(0.0, abs=1e-12)
+    assert figures["truth_in_interval"] == 1.0
+    assert figures["gain_over_nominal"] is None  # over nothing
+    assert figures["valid_share"] == figures["covered_share"] == 1.0
+    assert figures["pad_friction_f"] == pytest.approx(0.40)
+    assert figures["pad_friction_r"] == pytest.approx(0.36)
+    assert figures["interval_f"] == pytest.approx(0.05)
+
+
+def test_errors_are_relative_and_by_axle():
+    """Front 5 % too high, rear 10 % too low, everywhere."""
+    figures = score(truth_log(), CAR, made_estimate(0.40 * 1.05, 0.36 * 0.90))
+    for side, error in (("f", 0.05), ("r", 0.10)):
+        assert figures[f"torque_error_{side}"] == pytest.approx(error)
+        assert figures[f"pad_friction_bias_{side}"] == pytest.approx(error)
+        assert figures[f"final_error_{side}"] == pytest.approx(error)
+    # +-5 % around 1.05: truth at its edge in front; outside behind
+    assert figures["truth_in_interval"] == pytest.approx(0.5)
+
+
+def test_gain_over_nominal_is_a_ratio_of_both_axles_errors():
+    """Nominal 0.38 against true 0.40 and 0.36, the estimate 1 % too high on both."""
+    figures = score(truth_log(), CAR, made_estimate(0.404, 0.3636))
+    nominal = np.hypot(0.02 * GAIN_F, 0.02 * GAIN_R)
+    own = np.hypot(0.004 * GAIN_F, 0.0036 * GAIN_R)
+    assert figures["gain_over_nominal"] == pytest.approx(nominal / own)
+
+
+def test_final_error_is_that_of_the_last_braked_sample():
+    mu = np.full(N, 0.40)
+    mu[-1] = 0.44
+    figures = score(truth_log(), CAR, made_estimate(mu))
+    assert figures["final_error_f"] == pytest.approx(0.1)
+    assert figures["pad_friction_bias_f"] == pytest.approx(0.1 / N)
+
+
+def test_drift_compares_the_last_with_the_first_third():
+    mu = np.repeat([0.40, 0.45, 0.36], [333, 334, 333])
+    figures = consistency(CAR, made_estimate(mu, 0.36))
+    assert figures["pad_friction_drift_f"] == pytest.approx(0.10)
+    assert figures["pad_friction_drift_r"] == pytest.approx(0.0)
+    assert figures["pad_friction_f"] == pytest.approx(np.mean(mu))
+
+
+def test_normalised_force_is_against_the_quasi_static_load():
+    weight = 1744.0 * G
+    load_f = weight * (1.6494 + 0.3 * 0.615) / 2.805
+    load_r = weight * (1.1556 - 0.3 * 0.615) / 2.805
+    figures = accuracy(CAR, made_estimate(), truth_of(truth_log(), CAR, made_estimate()))
+    # the estimate says 0.3 everywhere; both wheels of an axle carry 1000 N
+    assert figures["normalised_force_rmse_f"] == pytest.approx(0.3 - 2000.0 / load_f)
+    assert figures["normalised_force_rmse_r"] == pytest.approx(2000.0 / load_r - 0.3)
+    bare = truth_log(force=False)
+    assert "normalised_force_rmse_f" not in accuracy(
+        CAR, made_estimate(), truth_of(bare, CAR, made_estimate())
+    )
+
+
+def test_shares_count_braked_samples_above_3_metres_a_second():
+    valid = np.zeros(N, bool)
+    valid[200:500] = True
+    braked = np.arange(N) >= 100
+    speed = np.where(np.arange(N) < 700, 20.0, 2.0)
+    covered = np.arange(N) < 300
+    e = made_estimate(valid=valid, braked=braked, speed=speed, covered=covered)
+    figures = consistency(CAR, e)
+    assert figures["valid_share"] == pytest.approx(300 / 600)
+    assert figures["covered_share"] == pytest.approx(100 / 300)
+
+
+@pytest.mark.parametrize("why", ["never braked", "never valid"])
+def test_where_nothing_is_judged_the_share_is_nought(why):
+    """None would not be judged, and a log that shows nothing would pass."""
+    nowhere = np.zeros(N, bool)
+    e = made_estimate(**{"braked" if why == "never braked" else "valid": nowhere})
+    figures = score(truth_log(), CAR, replace(e, valid=nowhere))
+    assert figures["valid_share"] == 0.0
+    assert figures["covered_share"] is None
+    assert figures["torque_error_f"] is None
+    assert figures["pad_friction_f"] is None
+    assert figures["force_sum_error"] is None
+
+
+def test_a_log_without_truth_has_no_error():
+    figures = score(replace(truth_log(), truth={}), CAR, made_estimate())
+    assert figures["torque_error_f"] is None
+    assert figures["truth_in_interval"] is None
+    assert figures["pad_friction_f"] == pytest.approx(0.40)
+
+
+def test_true_pads_follow_from_torque_and_pressure():
+    log = truth_log(0.33, 0.29, pads=False)
+    front, rear = truth_of(log, CAR, made_estimate())
+    assert front.pad_friction == pytest.approx(np.full(N, 0.33))
+    assert rear.pad_friction == pytest.approx(np.full(N, 0.29))
+    # below a bar there is nothing to divide by
+    low = truth_of(log, CAR, made_estimate(pressure_f=np.full(N, 0.5e5)))
+    assert np.all(np.isnan(low[0].pad_friction))
+
+
+def test_truth_of_nought_is_nothing_to_compare_with():
+    log = truth_log()
+    log = replace(log, truth={name: np.zeros(N) for name in log.truth})
+    figures = score(log, CAR, made_estimate())
+    for name in ("torque_error_f", "pad_friction_bias_r", "final_error_f"):
+        assert figures[name] is None
+
+
+def test_true_torque_is_the_mean_of_the_sides():
+    log = truth_log()
+    log = replace(log, truth={**log.truth, "true_Tb_fl": 1.2 * log.truth["true_Tb_fr"]})
+    front, _ = truth_of(log, CAR, made_estimate())
+    assert front.torque == pytest.approx(1.1 * log.truth["true_Tb_fr"])
+
+
+def test_sign_of_the_true_force_does_not_matter():
+    """ISO 8855 has a braking force negative; others do not."""
+    log = truth_log()
+    positive = {k: -x if "Fx" in k else x for k, x in log.truth.items()}
+    for other in (log, replace(log, truth=positive)):
+        front, _ = truth_of(other, CAR, made_estimate())
+        assert front.force == pytest.approx(np.full(N, 2000.0))
+
+
+def test_innovation_of_white_noise():
+    white = 0.8 * np.random.default_rng(3).standard_normal(100)
+    figures = consistency(CAR, made_estimate(innovation=white))
+    assert figures["innovation_rms"] == pytest.approx(np.sqrt(np.mean(white**2)))
+    assert abs(figures["innovation_lag1"]) < 0.25  # 2.5 / sqrt(100)
+    assert abs(figures["innovation_colour"]) < 0.25 * 0.8**2
+
+
+def test_innovation_that_is_slow():
+    """The mean of sin^2 is a half; the colour knows how large it is, the autocorrelation not."""
+    slow = np.sin(np.arange(100) * 2.0 * np.pi / 50.0)
+    for size in (1.0, 0.1):
+        figures = consistency(CAR, made_estimate(innovation=size * slow))
+        assert figures["innovation_lag1"] > 0.9
+        assert figures["innovation_colour"] == pytest.approx(0.5 * size**2, rel=0.03)
+
+
+def test_innovation_leaves_out_the_lead_in_and_what_was_not_measured():
+    values = np.concatenate([np.full(50, 9.0), np.tile([1.0, -1.0], 20), np.full(10, np.nan)])
+    e = made_estimate(innovation=values)
+    e = replace(e, blocks=replace(e.blocks, lead_in=np.arange(100) < 50))
+    assert consistency(CAR, e)["innovation_rms"] == pytest.approx(1.0)
+
+
+def test_force_sum():
+    """(17): with brakes that carry all of the deceleration the sum is right."""
+    z = 2.0 * (0.40 * GAIN_F + 0.36 * GAIN_R) * 20e5 / 0.322 / (1744.0 * G)
+    assert force_sum_error(CAR, made_estimate(z=np.full(N, z))) == pytest.approx(0.0, abs=1e-12)
+    assert force_sum_error(CAR, made_estimate(z=np.full(N, z / 1.1))) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.1, -0.2])
+def test_force_sum_says_nothing_of_the_split(shift):
+    """Front up, rear down by the same torque: the check of Fig. 13(f) sees nothing of 20 %."""
+    z = np.full(N, 2.0 * (0.40 * GAIN_F + 0.36 * GAIN_R) * 20e5 / 0.322 / (1744.0 * G))
+    e = made_estimate(0.40 * (1 + shift), 0.36 - 0.40 * shift * GAIN_F / GAIN_R, z=z)
+    assert force_sum_error(CAR, e) == pytest.approx(0.0, abs=1e-12)
+    assert score(truth_log(), CAR, e)["torque_error_f"] == pytest.approx(abs(shift))
+
+
+def test_rivals_are_measured_by_the_same_rule():
+    e = made_estimate(0.42, 0.36)
+    errors = baseline_errors(CAR, e, truth_of(truth_log(), CAR, e))
+    assert errors["kalman"] == pytest.approx((0.05, 0.0))
+    assert errors["nominal"] == pytest.approx((0.05, 0.02 / 0.36))

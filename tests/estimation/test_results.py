@@ -1,0 +1,138 @@
+"""What `validate --out` leaves: the contract of the columns, whole or not at all."""
+
+import json
+import os
+from dataclasses import replace
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from calib.estimation import results
+from calib.estimation.results import write_result, write_results
+from calib.estimation.validate import to_dict
+from tests.estimation.test_metrics import N, made_estimate
+from tests.estimation.test_validate import made
+from tests.support.tables import stored_as
+
+CONTRACT = {
+    "time": "s",
+    "z": "1",
+    "eta": "1",
+    "normalised_force_f": "1",
+    "normalised_force_r": "1",
+    "pad_friction_f": "1",
+    "pad_friction_r": "1",
+    "pad_friction_f_lower": "1",
+    "pad_friction_f_upper": "1",
+    "pad_friction_r_lower": "1",
+    "pad_friction_r_upper": "1",
+    "brake_torque_fl": "N*m",
+    "brake_torque_fr": "N*m",
+    "brake_torque_rl": "N*m",
+    "brake_torque_rr": "N*m",
+    "valid": "1",
+    "pad_change_f": "1",
+    "pad_change_f_lower": "1",
+    "pad_change_f_upper": "1",
+    "pad_change_r": "1",
+    "pad_change_r_lower": "1",
+    "pad_change_r_upper": "1",
+}
+"""As the brief has them, and what was added after them: others read these files."""
+
+
+def test_columns_are_those_of_the_contract(tmp_path):
+    path = tmp_path / "a.parquet"
+    write_result(made_estimate(), path)
+    schema = pq.read_schema(path)
+    assert schema.names == list(CONTRACT)
+    assert {f.name: f.metadata[b"unit"].decode() for f in schema} == CONTRACT
+    kinds = {f.name: str(f.type) for f in schema}
+    assert kinds.pop("valid") == "bool"
+    assert set(kinds.values()) == {"double"}
+
+
+def test_one_row_per_sample_with_the_numbers_of_the_estimate(tmp_path):
+    valid = np.arange(N) % 3 == 0
+    e = made_estimate(0.41, 0.35, valid=valid)
+    path = tmp_path / "a.parquet"
+    write_result(e, path)
+    table = pq.read_table(path)
+    assert table.num_rows == N
+    read = {name: table.column(name).to_numpy() for name in table.column_names}
+    assert np.array_equal(read["time"], e.time)
+    assert np.array_equal(read["valid"], valid)
+    assert read["pad_friction_f"] == pytest.approx(np.full(N, 0.41))
+    assert read["pad_friction_r_lower"] == pytest.approx(np.full(N, 0.35 * 0.95))
+    assert read["pad_friction_f_upper"] == pytest.approx(np.full(N, 0.41 * 1.05))
+    # per wheel, positive when it brakes: (2) with Table I
+    assert read["brake_torque_fl"] == pytest.approx(np.full(N, 2 * 0.41 * 28.84e-4 * 0.1309 * 20e5))
+    assert np.array_equal(read["brake_torque_fl"], read["brake_torque_fr"])
+    assert np.array_equal(read["brake_torque_rl"], e.rear.torque)
+
+
+def test_bounds_lie_around_the_estimate():
+    c = made_estimate().columns()
+    for side in "fr":
+        assert np.all(c[f"pad_friction_{side}_lower"] <= c[f"pad_friction_{side}"])
+        assert np.all(c[f"pad_friction_{side}"] <= c[f"pad_friction_{side}_upper"])
+        assert np.all(c[f"pad_change_{side}_lower"] <= c[f"pad_change_{side}"])
+        assert np.all(c[f"pad_change_{side}"] <= c[f"pad_change_{side}_upper"])
+
+
+def test_every_log_and_the_summary(tmp_path):
+    logs = [made("first"), made("second")]
+    out = tmp_path / "deep" / "results"
+    paths = write_results(logs, to_dict(stored_as("t@1"), logs), out)
+    assert [p.name for p in paths] == ["first.parquet", "second.parquet", "summary.json"]
+    assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in paths)
+    summary = json.loads((out / "summary.json").read_text())
+    assert [log["log"] for log in summary["logs"]] == ["first", "second"]
+
+
+def test_written_again_it_replaces_and_leaves_the_rest(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    for mu in (0.40, 0.30):
+        logs = [replace(made("a"), estimate=made_estimate(mu))]
+        write_results(logs, to_dict(stored_as("t@1"), logs), tmp_path)
+    assert pq.read_table(tmp_path / "a.parquet")["pad_friction_f"][0].as_py() == 0.30
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.parquet", "notes.txt", "summary.json"]
+
+
+@pytest.mark.parametrize("there_before", [True, False])
+@pytest.mark.parametrize("what", ["second log", "summary"])
+def test_a_failure_leaves_nothing(tmp_path, monkeypatch, there_before, what):
+    out = tmp_path / "out"
+    if there_before:
+        out.mkdir()
+    logs = [made("first"), made("second")]
+    summary = to_dict(stored_as("t@1"), logs)
+    if what == "summary":
+        summary["agreement"] = float("nan")  # no JSON
+    else:
+        whole = results.write_result
+
+        def full(e, path):
+            if path.name == "second.parquet":
+                raise OSError(28, "No space left on device")
+            whole(e, path)
+
+        monkeypatch.setattr(results, "write_result", full)
+    with pytest.raises((OSError, ValueError)):
+        write_results(logs, summary, out)
+    assert out.exists() == there_before
+    assert not any(tmp_path.rglob("*.parquet"))
+    assert not there_before or os.listdir(out) == []
+
+
+def test_a_frame_has_the_columns_of_the_file_and_their_units(tmp_path):
+    e = made_estimate(0.41, 0.35, valid=np.arange(N) % 3 == 0)
+    write_result(e, tmp_path / "a.parquet")
+    frame = e.to_frame()
+    assert list(frame.columns) == list(CONTRACT)
+    assert frame.attrs["units"] == CONTRACT
+    read = pq.read_table(tmp_path / "a.parquet")
+    for name in CONTRACT:
+        assert np.array_equal(frame[name], read[name], equal_nan=name != "valid")

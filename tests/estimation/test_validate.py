@@ -1,0 +1,381 @@
+"""Validation: whose log it is, what passes, what the summary says."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.errors import LogError, VehicleError
+from calib.base.intervals import Z95
+from calib.car.mass import MassUsed
+from calib.car.vehicle import Axle
+from calib.estimation.limits import DEFAULTS, Judgement, Limit
+from calib.estimation.metrics import METRICS
+from calib.estimation.validate import (
+    Validation,
+    agreement,
+    require_same_vehicle,
+    to_dict,
+    validate,
+)
+from tests.estimation.test_metrics import made_estimate
+from tests.support.made_runs import made_run
+from tests.support.made_runs import stop as made_stop
+from tests.support.plant import magic
+from tests.support.reference_car import (
+    CAR,
+    REAL,
+    WET,
+    cut,
+    noisy,
+    ramp,
+    stop,
+    without,
+)
+from tests.support.refusals import refusal
+from tests.support.tables import stored_as
+
+
+@pytest.fixture(scope="module")
+def run():
+    return noisy(ramp(REAL), 1)
+
+
+@pytest.fixture(scope="module")
+def table(fitted):
+    return fitted
+
+
+@pytest.fixture(scope="module")
+def wet():
+    return noisy(stop(WET), 3)
+
+
+@pytest.fixture(scope="module")
+def passed(table, wet):
+    return validate(table, [wet])[0]
+
+
+MASS = MassUsed(1744.0, 0.03, False)
+
+
+def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), road=0.0, **figures):
+    estimate = made_estimate()
+    on = np.full(estimate.split.sigma.size, road)
+    split = replace(
+        estimate.split, changes=(), log_stiffness=on, log_stiffness_sigma=0.0 * on + 0.04
+    )
+    values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
+    return Validation(
+        name,
+        "ab" * 32,
+        "hold-out",
+        replace(estimate, split=split),
+        values,
+        tuple(judgements),
+        {},
+        MASS,
+    )
+
+
+def refused(table, log, vehicle=None):
+    return refusal(validate, table, [log], vehicle, kind=(LogError, VehicleError))
+
+
+def test_a_good_stop_passes_with_all_its_figures(passed):
+    assert passed.passed
+    assert passed.role == "hold-out"
+    assert set(passed.figures) == set(METRICS)
+    assert [j.figure for j in passed.judgements] == [limit.figure for limit in DEFAULTS]
+    assert all(j.passed for j in passed.judgements)
+    assert passed.figures["pad_friction_f"] == pytest.approx(0.31, rel=0.03)
+
+
+def test_the_estimate_beats_nominal_pads_where_pads_are_wet(passed):
+    assert passed.figures["gain_over_nominal"] > 5.0
+    assert passed.baselines["kalman"][0] < 0.2 * passed.baselines["nominal"][0]
+    assert {"mean_gain", "gradient_paper", "rls_tyre"} <= set(passed.baselines)
+
+
+def test_a_calibration_log_is_told_from_a_hold_out(table, run, wet):
+    roles = [v.role for v in validate(table, [run, wet])]
+    assert roles == ["calibration", "hold-out"]
+
+
+@pytest.mark.parametrize("done", ["cut", "thinned", "late", "rounded"])
+def test_a_copy_of_the_ramp_is_no_hold_out(table, run, done):
+    """The table alone knows it, by the fingerprint in its record."""
+    rows = {"cut": slice(0, -60), "thinned": slice(None, None, 2)}.get(done, slice(None))
+    late = {"time": run.time[rows] + 10.0 * (done == "late")}
+    digits = 2 if done == "rounded" else 9
+    channels = {name: np.round(x[rows], digits) for name, x in run.channels.items()}
+    copy = replace(run, channels=channels | late, truth={}, digest="ab" * 32)
+    (found,) = validate(table, [copy])
+    assert found.role == "calibration"
+    assert not found.passed
+
+
+def test_a_table_without_fingerprints_knows_the_file_only(table, run):
+    logs = tuple(replace(log, fingerprint=None) for log in table.provenance.logs)
+    older = replace(table, provenance=replace(table.provenance, logs=logs))
+    roles = [v.role for v in validate(older, [run, replace(run, digest="ab" * 32)])]
+    assert roles == ["calibration", "hold-out"]
+
+
+def test_missing_samples_are_named_and_no_signal_is_called_a_copy(table, wet):
+    part = np.r_[0:500, 560 : wet.time.size]
+    gap = replace(wet, channels={k: x[part] for k, x in wet.channels.items()}, truth={})
+    (found,) = validate(table, [gap])
+    codes = {one.code: one for one in found.warnings}
+    assert codes["clock_gaps"].measured == pytest.approx(61 * wet.sample_time)
+    assert "same_signal" not in codes
+
+
+def swapped_wheels(log, a, b):
+    return replace(
+        log, channels={**log.channels, f"omega_{a}": log[f"omega_{b}"],
+                       f"omega_{b}": log[f"omega_{a}"]}, truth={}
+    )  # fmt: skip
+
+
+def test_wheels_of_one_side_in_the_wrong_columns_are_refused(table):
+    dry = noisy(stop(REAL), 5)
+    assert "omega_fl and omega_rl have changed places" in refused(
+        table, swapped_wheels(dry, "fl", "rl")
+    )
+
+
+def test_wheels_of_a_diagonal_in_the_wrong_columns_leave_no_valid_sample(table):
+    dry = noisy(stop(REAL), 5)
+    (found,) = validate(table, [swapped_wheels(dry, "fr", "rl")])
+    assert not found.estimate.valid.any()
+    assert "the wheel speeds fit with fr and rl exchanged" in found.refused
+    assert "wheels_crossed" in [one.code for one in found.warnings]
+    (right,) = validate(table, [dry])
+    assert right.passed
+    assert "wheels_crossed" not in [one.code for one in right.warnings]
+
+
+def test_without_truth_there_are_no_errors_and_no_rivals(table, wet):
+    blind = validate(table, [replace(wet, truth={})])[0]
+    assert blind.figures["torque_error_f"] is None
+    assert blind.baselines == {}
+    assert blind.passed
+    assert {j.figure for j in blind.judgements if j.passed is None} == {
+        "torque_error_f",
+        "torque_error_r",
+        "truth_in_interval",
+    }
+
+
+def test_a_limit_that_cannot_be_held_fails(table, wet):
+    result = validate(table, [wet], limits=(Limit("torque_error_f", None, 1e-6),))[0]
+    assert not result.passed
+    assert result.judgements[0].passed is False
+
+
+def test_a_table_of_another_stiffness_shows(table, wet):
+    """A tyre that is believed twice as soft gives other pads than the true ones."""
+    known = table.posterior
+    shift = {"log_compliance": 0.7, "log_pad_ratio": -0.5}
+    mean = tuple(known.value(name) + shift.get(name, 0.0) for name in known.names)
+    off = replace(table, posterior=replace(known, mean=mean))
+    result = validate(off, [wet])[0]
+    assert not result.passed
+
+
+def test_braking_too_soft_to_judge_does_not_pass(table):
+    """1.9 bar brake the car, and no figure comes of it: that is no proof."""
+    soft = validate(table, [noisy(stop(REAL, pressure=1.9e5), 0)])[0]
+    assert soft.figures["valid_share"] == 0.0
+    assert not soft.passed
+
+
+# Whose log, whose vehicle.
+
+
+def test_other_pads_are_accepted(table, wet, passed):
+    wrong = replace(CAR, front=replace(CAR.front, pad_friction=0.5))
+    result = validate(table, [wet], wrong)[0]
+    assert result.figures["pad_friction_f"] == pytest.approx(
+        passed.figures["pad_friction_f"], rel=0.05
+    )
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"name": "other name"},
+        {"mass_tolerance": 0.02},
+        {"motor_odds": 0},
+        {"effects": {"aerodynamic_drag": {"drag_area": 0.6}}},
+    ],
+)
+def test_what_may_differ(table, changed):
+    require_same_vehicle(table, replace(CAR, **changed))
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"mass": 1800.0}, "mass 1800 for 1744"),
+        ({"cg_height": 0.55}, "cg_height 0.55 for 0.615"),
+        ({"track_width": 1.5}, "track_width"),
+    ],
+)
+def test_what_may_not_differ(table, changed, says):
+    with pytest.raises(VehicleError, match=says) as error:
+        require_same_vehicle(table, replace(CAR, **changed), "V.toml")
+    assert str(error.value).startswith("V.toml: ")
+
+
+@pytest.mark.parametrize("key", [f for f in Axle.__dataclass_fields__ if f != "pad_friction"])
+@pytest.mark.parametrize("side", ["front", "rear"])
+def test_no_geometry_of_an_axle_may_differ(table, side, key):
+    axle = getattr(CAR, side)
+    other = replace(CAR, **{side: replace(axle, **{key: 2 * getattr(axle, key)})})
+    with pytest.raises(VehicleError, match=f"{side}.{key}"):
+        require_same_vehicle(table, other)
+
+
+def test_vehicle_of_another_mass_is_refused_with_a_log(table, wet):
+    assert "another car" in refused(table, wet, replace(CAR, mass=1500.0))
+
+
+def test_log_of_a_car_with_other_wheels(table, wet):
+    """The same stop with wheels of 0.30 m turns 7 % faster."""
+    faster = {f"omega_{w}": wet[f"omega_{w}"] * 0.322 / 0.30 for w in ("fl", "fr", "rl", "rr")}
+    other = replace(wet, channels={**wet.channels, **faster})
+    assert "radius of 0.300 m" in refused(table, other)
+    assert validate(table, [without(other, "v")])  # without v it cannot be told
+
+
+def test_logs_that_will_not_do(table, wet):
+    assert "roll for a second before the stop" in refused(table, cut(wet, 1.8))
+    assert "no braking" in refused(table, made_run(lambda t: 0.0 * t))
+    assert "brake for 1 s or more" in refused(table, made_run(made_stop(end=2.0)))
+
+
+# What is said of all together.
+
+
+def test_agreement_of_the_stops():
+    together = agreement([made("a", 0.30, 0.40), made("b", 0.34, 0.40), made("c", 0.32, 0.34)])
+    assert together.mean_f == pytest.approx(0.32)
+    assert together.mean_r == pytest.approx(0.38)
+    assert together.spread_f == pytest.approx(0.02 / 0.32)
+    assert together.spread_r == pytest.approx(0.04 / 0.38)
+
+
+def test_stops_are_compared_with_those_of_their_road():
+    tile, asphalt = {"road": -0.25}, {"road": 0.03}
+    stops = [
+        made("a", 0.40, 0.40, **asphalt), made("x", 0.20, 0.30, **tile),
+        made("b", 0.42, 0.40, **asphalt), made("y", 0.20, 0.36, **tile),
+    ]  # fmt: skip
+    together = agreement(stops)
+    assert [road.stops for road in together.roads] == [("x", "y"), ("a", "b")]
+    assert together.spread_f == pytest.approx(0.01 / 0.41)
+    assert together.spread_r == pytest.approx(0.03 / 0.33)
+    assert agreement(stops[:2]) is None
+    assert to_dict(stored_as("t@1"), stops[:2])["agreement"] is None
+
+
+def test_agreement_needs_two_stops_with_an_answer():
+    assert agreement([]) is None
+    assert agreement([made("a")]) is None
+    assert agreement([made("a"), made("b", None, None)]) is None
+    assert agreement([made("a"), made("b", None, None), made("c")]).spread_f == 0.0
+
+
+def test_a_log_passes_unless_a_judged_figure_fails():
+    good = Judgement("valid_share", 0.9, 0.7, None, True)
+    bad = Judgement("valid_share", 0.5, 0.7, None, False)
+    unknown = Judgement("torque_error_f", None, None, 0.03, None)
+    assert made(judgements=[good, unknown]).passed
+    assert not made(judgements=[good, bad]).passed
+
+
+def test_verdict_is_that_of_the_worst_log():
+    bad = Judgement("valid_share", 0.5, 0.7, None, False)
+    summary = to_dict(stored_as("sedan@3"), [made("a"), made("b", judgements=[bad])])
+    assert summary["verdict"] == "failed"
+    assert [log["verdict"] for log in summary["logs"]] == ["passed", "failed"]
+    assert to_dict(stored_as("sedan@3"), [made("a")])["verdict"] == "passed"
+
+
+def test_summary_holds_everything_and_is_json(table, wet, passed):
+    other = validate(table, [replace(wet, name="blind", truth={})])[0]
+    summary = json.loads(
+        json.dumps(to_dict(stored_as("sedan@1"), [passed, other]), allow_nan=False)
+    )
+    assert summary["schema"] == 1
+    assert summary["table"] == "sedan@1"
+    first = summary["logs"][0]
+    assert set(first["figures"]) == set(METRICS)
+    for side in ("front", "rear"):
+        parts = first["budget"][side]
+        half = Z95 * math.sqrt(sum(x**2 for x in parts.values()))
+        axle, valid = getattr(passed.estimate, side), passed.estimate.valid
+        widths = np.sort(0.5 * np.log(axle.upper / axle.lower)[valid])
+        assert half == pytest.approx(widths[(widths.size - 1) // 2], rel=1e-9)
+        width = np.median((0.5 * (axle.upper - axle.lower) / axle.pad_friction)[valid])
+        assert passed.figures[f"interval_{side[0]}"] == pytest.approx(width, rel=1e-9)
+        assert first["budget"]["largest"][side]["part"] == max(parts, key=parts.get)
+    assert first["digest"] == wet.digest
+    assert first["rms_error_by_method"]["kalman"]["front"] == passed.baselines["kalman"][0]
+    assert first["limits"][0] == {
+        "figure": "valid_share",
+        "value": passed.figures["valid_share"],
+        "min": 0.7,
+        "max": None,
+        "warn": [None, None],
+        "passed": True,
+        "warned": False,
+    }
+    assert summary["agreement"]["largest_departure_f"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_is_not_finite_becomes_null():
+    odd = made("a", interval_f=math.inf, judgements=[Judgement("x", math.nan, None, 1.0, False)])
+    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)}, estimate=made_estimate())
+    log = json.loads(json.dumps(to_dict(stored_as("t@1"), [odd]), allow_nan=False))["logs"][0]
+    assert log["figures"]["interval_f"] is None
+    assert log["limits"][0]["value"] is None
+    assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
+    assert log["surface_changes"] == [2.5]
+    assert log["bumps"] == [[3.0, 3.2]]
+
+
+def test_why_samples_are_not_valid_is_told(table):
+    """A wheel that is turned by 20 degrees all along: nothing is valid, for one reason."""
+    log = noisy(stop(REAL), 2)
+    turned = replace(log, channels={**log.channels, "steering": np.full(log.time.size, 0.35)})
+    (straight,), (bent,) = (validate(table, [one]) for one in (log, turned))
+    assert straight.refused == {}
+    assert bent.figures["valid_share"] == 0.0
+    assert max(bent.refused, key=bent.refused.get) == "the wheel is turned"
+    assert bent.refused["the wheel is turned"] == 1.0
+
+
+def test_pads_that_no_brake_has_are_not_valid(table):
+    """The car said to be ten times as heavy, by the vehicle file of its table."""
+    heavy = replace(table, vehicle=replace(table.vehicle, mass=10.0 * CAR.mass))
+    (result,) = validate(heavy, [noisy(stop(REAL), 2)])
+    assert not result.passed
+    assert "no pad has such a friction" in result.refused
+
+
+@pytest.mark.parametrize("logged", ["with v", "without v"])
+def test_locked_wheels_fail_by_themselves(table, wet, logged):
+    """All wheels lock on a slippery road; the stop beside it is judged."""
+    log = noisy(stop(replace(REAL, tyre=magic(25.0, 0.5)), 60e5, "locked"), 4)
+    pair = [log, wet] if logged == "with v" else [without(one, "v") for one in (log, wet)]
+    locked, good = validate(table, pair)
+    assert good.figures["valid_share"] > 0.9
+    assert not locked.passed
+    assert not locked.estimate.valid.any()
+    assert [w.code for w in locked.warnings] == ["locked_wheels"]
+    assert locked.refused["a wheel locks, or ABS works"] > 0.5

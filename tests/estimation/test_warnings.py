@@ -1,0 +1,177 @@
+"""What is warned about, by numbers set by hand and by a plant with one thing wrong."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.warning import PlausibilityWarning
+from calib.estimation.estimator import estimate
+from calib.estimation.gates import Gates
+from calib.estimation.validate import to_dict, validate
+from calib.estimation.warnings import warnings_of
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads, without
+from tests.support.tables import stored_as
+
+
+def codes(log, estimate):
+    return [warning.code for warning in warnings_of(log, estimate)]
+
+
+def test_a_warning_is_one_sentence_that_names_the_log_and_the_causes():
+    warning = PlausibilityWarning(
+        "a_x_scale", "stop_3", 0.05, (-0.02, 0.02), ("one", "two"), "do x"
+    )
+    assert (
+        str(warning)
+        == "stop_3: a_x_scale is 0.05, expected -0.02 to 0.02; likely one, or two; do x"
+    )
+
+
+# On the plant
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return stop(REAL)
+
+
+def misread(log, scale=1.0, offset=0.0):
+    return replace(log, channels={**log.channels, "a_x": scale * log["a_x"] + offset})
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_clean_stop_is_not_warned_about(fitted, clean, seed):
+    log = noisy(clean, seed)
+    assert codes(log, estimate(fitted, log)) == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("scale", [0.92, 1.08])
+def test_a_scale_of_a_x_is_named_and_measured(fitted, clean, seed, scale):
+    log = misread(noisy(clean, seed), scale)
+    found = warnings_of(log, estimate(fitted, log))
+    (warning,) = [one for one in found if one.code == "a_x_scale"]
+    assert warning.measured == pytest.approx(scale - 1.0, abs=0.025)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("offset", [-0.4, 0.4])
+def test_an_offset_of_a_x_is_named_and_measured(fitted, clean, seed, offset):
+    log = misread(noisy(clean, seed), offset=offset)
+    found = warnings_of(log, estimate(fitted, log))
+    (warning,) = [one for one in found if one.code == "a_x_offset"]
+    assert warning.measured == pytest.approx(offset, abs=0.1)
+
+
+def test_pads_wet_on_one_axle_are_named(fitted):
+    log = noisy(stop(with_pads(REAL, 0.38, 0.24)), 3)
+    found = warnings_of(log, estimate(fitted, log))
+    (warning,) = [one for one in found if one.code == "pads_changed_apart"]
+    assert warning.measured == pytest.approx(0.38 / 0.24 - 1.0, rel=0.3)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_load_that_nobody_stated_is_named_and_measured(fitted, seed):
+    """The same pads under 1.12 times the mass seem weaker by 1/1.12; with --mass they do not."""
+    log = noisy(stop(replace(REAL, mass_scale=1.12)), seed)
+    (warning,) = warnings_of(log, estimate(fitted, log))
+    assert warning.code == "level_changed"
+    assert warning.measured == pytest.approx(1.0 / 1.12 - 1.0, abs=0.02)
+    assert codes(log, estimate(fitted, log, mass=1.12 * CAR.mass)) == []
+
+
+def test_a_level_is_told_where_the_ratio_of_the_pads_is_not(fitted):
+    """All pads at 0.88 of the ramp's, and a gate that no interval of the rear pads can pass."""
+    pads = (0.88 * axle.pad_friction for axle in (CAR.front, CAR.rear))
+    log = without(noisy(stop(with_pads(REAL, *pads)), 4), "v")
+    e = estimate(fitted, log, gates=Gates(interval_r=0.01))
+    assert not e.valid.any()
+    (warning,) = (w for w in warnings_of(log, e) if w.code == "level_changed")
+    assert warning.measured == pytest.approx(-0.12, abs=0.02)
+
+
+def with_passengers(mass):
+    """The plant with people on all seats, most of them behind the middle [kg]."""
+    total = CAR.mass + mass
+    front = (CAR.mass * CAR.cg_to_front_axle + mass * 0.62 * CAR.wheelbase) / total
+    rear = CAR.wheelbase - front
+    car = replace(CAR, mass=total, cg_to_front_axle=front, cg_to_rear_axle=rear)
+    return replace(REAL, vehicle=car)
+
+
+@pytest.mark.parametrize("logged", ["with v", "without v"])
+@pytest.mark.parametrize("pressure", [18e5, 30e5])
+def test_passengers_in_the_stops_only_are_named_first(fitted, pressure, logged):
+    """Most of their weight is on the rear axle: its pads seem to have lost more."""
+    log = noisy(stop(with_passengers(225.0), pressure), 7)
+    log = log if logged == "with v" else without(log, "v")
+    found = warnings_of(log, estimate(fitted, log))
+    assert "level_changed" in [one.code for one in found]
+    for one in found:
+        assert "load" in one.causes[0]
+        assert "--mass" in one.do
+
+
+def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
+    log = replace(misread(noisy(clean, 0), 1.08), name="wrong")
+    results = validate(fitted, [replace(noisy(clean, 1), name="right"), log], CAR)
+    summary = json.loads(json.dumps(to_dict(stored_as("sedan@1"), results), allow_nan=False))
+    assert summary["warnings"]
+    assert {one["log"] for one in summary["warnings"]} == {"wrong"}
+    first = next(one for one in summary["warnings"] if one["code"] == "a_x_scale")
+    assert set(first) == {"code", "log", "measured", "expected", "causes", "do"}
+    assert first["expected"] == [-0.025, 0.025]
+
+
+# The answer that is sharp
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_change_of_the_pads_is_held_by_its_interval(fitted, seed):
+    """0.38 all round on the ramp, 0.31 and 0.27 in the stop."""
+    e = estimate(fitted, noisy(stop(WET), seed))
+    for axle, true in ((e.front, 0.31 / 0.38), (e.rear, 0.27 / 0.38)):
+        held = (axle.change_lower <= true) & (true <= axle.change_upper)
+        assert np.mean(held[e.valid]) >= 0.9
+
+
+def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
+    """200 N m a wheel at the rear, with the pedal: force without pressure, and no answer."""
+
+    def pedal(t):
+        return 35e5 * min(max((t - 1.5) / 0.3, 0.0), 1.0) * (0.9 + 0.1 * math.sin(2.0 * t))
+
+    def motor(t):
+        return 0.0, -400.0 * min(max((t - 1.5) / 0.1, 0.0), 1.0)
+
+    run = as_log(drive(replace(REAL, motor=motor), pedal, 27.0, duration=9.0, stop_speed=1.5), "m")
+    silent = replace(run, channels={k: x for k, x in run.channels.items() if k[:2] != "T_"})
+    (result,) = validate(fitted, [noisy(silent, 1)])
+    (found,) = [one for one in result.warnings if one.code == "unexplained_braking_force"]
+    force = 400.0 / CAR.rear.rolling_radius
+    usual = float(np.median(-silent["a_x"][600:1200])) * CAR.mass
+    assert found.measured == pytest.approx(force / usual, rel=0.35)
+    assert not result.passed
+    assert result.figures["valid_share"] == 0.0
+    assert result.limiting[0].largest == "motor"
+    (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
+    assert told.figures["valid_share"] > 0.7
+    assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
+
+
+def test_a_table_with_a_motor_on_its_ramp_leaves_nothing_valid(fitted):
+    """What braked beside the pressure on the ramp stands in the table, so in every stop."""
+    motor = PlausibilityWarning("unexplained_braking_force", "ramp", 0.15, (-0.05, 0.045), (), "")
+    drag = replace(motor, code="unexplained_drag", measured=0.6)
+    little = replace(motor, measured=0.05)
+    stopped = noisy(stop(WET), 1)
+    for warning, valid in ((motor, False), (drag, False), (little, True)):
+        of_ramp = replace(warning, log=fitted.provenance.logs[0].name)
+        for warned in (of_ramp, replace(of_ramp, log="coast")):
+            table = replace(fitted, warnings=(warned,))
+            (result,) = validate(table, [stopped])
+            assert result.estimate.valid.any() == (valid or warned.log == "coast")

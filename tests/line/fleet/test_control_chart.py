@@ -1,0 +1,173 @@
+"""The chart against closed forms and published run lengths, the change against known changes."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import binom, norm
+
+from calib.line.fleet.control_chart import (
+    BY_CHANCE,
+    FEWEST_BY_CHANCE,
+    alarms,
+    change,
+    chart,
+    least_p,
+    likeness,
+)
+
+
+def run_lengths(rules, lines=1500, cars=2500, seed=1):
+    """Cars up to the first alarm on steady lines; the few lines without one count as their end."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for _ in range(lines):
+        broken = alarms(rng.normal(size=cars))
+        first = np.flatnonzero(np.logical_or.reduce([broken[rule] for rule in rules]))
+        found.append(first[0] + 1 if first.size else cars)
+    return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("rules", "published"),
+    # Champ and Woodall (1987), table 1: exact, by Markov chains
+    [((1,), 370.4), ((1, 2), 225.44), ((1, 3), 166.05), ((1, 4), 152.73), ((1, 2, 3, 4), 91.75)],
+)
+def test_run_lengths_are_the_published_ones(rules, published):
+    found = run_lengths(rules)
+    assert abs(found.mean() - published) < 4.0 * found.std() / np.sqrt(found.size)
+
+
+def test_shares_by_chance_are_those_of_the_closed_form():
+    """The last of the window must be a hit, and enough of those before it, on either side."""
+    one, two, three = norm.sf([1.0, 2.0, 3.0])
+    shares = {
+        1: 2.0 * three,
+        2: 2.0 * two * binom.sf(0, 2, two),
+        3: 2.0 * one * binom.sf(2, 4, one),
+        4: 2.0 * 0.5**8,
+    }
+    assert pytest.approx(shares, abs=5e-6) == BY_CHANCE
+
+
+def test_shares_by_chance_are_those_of_a_simulation():
+    z = np.random.default_rng(2).normal(size=1_000_000)
+    for rule, broken in alarms(z).items():
+        assert broken.mean() == pytest.approx(BY_CHANCE[rule], rel=0.06)
+
+
+def test_shares_by_chance_hold_for_limits_from_the_same_cars_where_they_are_told():
+    def broken(rule, cars, lines):
+        rng = np.random.default_rng(cars)
+        shares = [chart(rng.normal(size=cars)).alarms[rule].mean() for _ in range(lines)]
+        return np.mean(shares) / BY_CHANCE[rule]
+
+    for rule in BY_CHANCE:
+        assert broken(rule, FEWEST_BY_CHANCE, 2000) == pytest.approx(1.0, abs=0.3)
+    assert broken(1, 50, 2000) > 1.5
+    assert broken(4, 50, 2000) < 0.7
+
+
+def test_patterns_by_hand():
+    def at(rule, *z):
+        return np.flatnonzero(alarms(np.array(z))[rule]).tolist()
+
+    assert at(1, 0.0, 3.1, -3.1, 2.9) == [1, 2]
+    assert at(2, 2.1, 0.0, 2.1, 0.0, 2.1) == [2, 4]
+    assert at(2, 2.1, -2.1) == []
+    assert at(3, 1.1, 1.1, 0.0, 1.1, 1.1, 0.0) == [4]
+    assert at(4, *[0.1] * 9) == [7, 8]
+    assert at(4, *[0.1] * 7, -0.1, 0.1) == []
+
+
+@given(st.lists(st.floats(-5.0, 5.0), min_size=10, max_size=40))
+def test_sides_are_alike(values):
+    z = np.array(values)
+    for rule, broken in alarms(z).items():
+        assert np.array_equal(broken, alarms(-z)[rule])
+
+
+def test_the_chart_finds_the_scatter_and_is_not_widened_by_a_drift():
+    rng = np.random.default_rng(3)
+    noise = 0.2 * rng.normal(size=3000)
+    still, moving = chart(5.0 + noise), chart(5.0 + noise + np.linspace(0.0, 4.0, 3000))
+    assert still.centre == pytest.approx(5.0, abs=0.02)
+    for one in (still, moving):
+        assert one.sigma == pytest.approx(0.2, rel=0.06)
+    assert still.limits == pytest.approx((5.0 - 0.6, 5.0 + 0.6), abs=0.06)
+
+
+def test_no_chart_without_scatter_or_with_few():
+    assert chart(np.full(50, 0.38)) is None
+    assert chart(np.arange(9.0)) is None
+    assert change(np.full(50, 0.38)) is None
+    assert change(np.arange(9.0)) is None
+
+
+def test_a_coarse_figure_has_a_chart():
+    coarse = np.where(np.arange(100) % 5 == 0, 0.1, 0.0)
+    assert chart(coarse).sigma > 0.0
+
+
+@pytest.mark.parametrize("cars", [10, 17, 30])
+def test_no_line_shows_a_change_plainer_than_a_step(cars):
+    rng = np.random.default_rng(cars)
+    line = np.arange(cars)
+    assert change(line).p == pytest.approx(least_p(cars))
+    for _ in range(200):
+        line = np.where(rng.random(cars) < 0.3, rng.permutation(cars), np.arange(cars))
+        assert change(line + 1e-3 * rng.random(cars)).p >= least_p(cars) - 1e-12
+
+
+@pytest.mark.parametrize("size", [1.0, 1.5])
+def test_a_change_is_found_where_it_is(size):
+    rng = np.random.default_rng(4)
+    first = []
+    for _ in range(100):
+        y = rng.normal(size=300)
+        y[180:] += size
+        found = change(y)
+        assert found.p < 0.001
+        assert found.after - found.before == pytest.approx(size, abs=0.6)
+        first.append(found.first)
+    assert abs(np.median(first) - 180) <= 2
+    assert np.mean(np.abs(np.array(first) - 180) <= 15) > 0.9
+
+
+def test_a_steady_line_changes_as_rarely_as_said_whatever_its_law():
+    rng = np.random.default_rng(5)
+    for draw in (rng.normal, rng.standard_cauchy, rng.exponential):
+        p = np.array([change(draw(size=200)).p for _ in range(1000)])
+        assert 0.02 < np.mean(p < 0.05) < 0.08
+
+
+def test_one_wild_car_is_no_change():
+    y = np.random.default_rng(6).normal(size=100)
+    p = change(y).p
+    y[50] += 1e6
+    assert change(y).p == pytest.approx(p, abs=0.3)
+    assert change(y).p > 0.05
+
+
+@pytest.mark.parametrize("drift", ["none", "step", "line"])
+def test_the_likeness_of_neighbours_is_that_of_the_cars_and_not_of_the_drift(drift):
+    rng = np.random.default_rng(7)
+    n, r = 400, 0.6
+    moved = {"none": np.zeros(n), "step": np.arange(n) >= 150, "line": np.arange(n) / n}[drift]
+    found = []
+    for noise in rng.normal(size=(40, n)):
+        x = np.empty(n)
+        x[0] = noise[0]
+        for i in range(1, n):  # AR(1) with variance 1
+            x[i] = r * x[i - 1] + np.sqrt(1.0 - r * r) * noise[i]
+        x += 3.0 * moved
+        found.append(likeness(x - x.mean(), 150))
+    assert np.mean(found) == pytest.approx(r, abs=0.03)
+
+
+def test_a_slow_drift_is_found_among_cars_that_are_measured_twice():
+    rng = np.random.default_rng(8)
+    for _ in range(10):
+        y = np.repeat(rng.normal(size=100), 2) + 0.3 * rng.normal(size=200)
+        assert change(y + np.linspace(0.0, 4.0, 200)).p < 0.001
+    assert change(np.arange(200.0)).p == pytest.approx(least_p(200))

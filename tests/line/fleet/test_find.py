@@ -1,0 +1,85 @@
+"""What patterns, folders and paths name."""
+
+from pathlib import Path
+
+import pytest
+
+from calib.base.errors import LogError
+from calib.line.fleet.find import find_logs
+
+
+@pytest.fixture(autouse=True)
+def tree(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.csv", "deep/er/b.PARQUET", "deep/c.csv", ".hidden.csv", ".git/d.csv", "x.md"):
+        path = Path("logs", name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+
+
+def found(*arguments, command="check", out="out"):
+    return list(find_logs(arguments, command, Path(out)))
+
+
+def test_a_folder_is_all_logs_below_it():
+    assert found("logs") == ["logs/a.csv", "logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
+
+
+def test_patterns_and_paths_as_given(tmp_path):
+    assert found("logs/*.csv") == ["logs/a.csv"]
+    assert found("logs/**/*.csv") == ["logs/a.csv", "logs/deep/c.csv"]
+    assert found("logs/*") == ["logs/a.csv", "logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
+    assert found(str(tmp_path / "logs/a.csv")) == [str(tmp_path / "logs/a.csv")]
+    assert found("./logs/a.csv", "logs/gone.csv") == ["./logs/a.csv", "logs/gone.csv"]
+
+
+def test_a_name_with_brackets_is_a_name():
+    Path("logs/[1].csv").touch()
+    assert found("logs/[1].csv") == ["logs/[1].csv"]
+
+
+@pytest.mark.parametrize("argument", ["nolog", "logs/*.mf4", "logz/*.csv"])
+def test_what_names_no_log_is_told(argument):
+    with pytest.raises(LogError, match="no log found"):
+        found("logs", argument)
+
+
+def test_results_among_the_logs_are_no_logs():
+    Path("logs/out").mkdir()
+    Path("logs/out/results.parquet").touch()
+    assert "logs/out/results.parquet" not in found("logs", out="logs/out")
+    assert "logs/out/results.parquet" not in found("logs/**/*.*", "logs", out="logs/out")
+
+
+def test_for_a_diagnosis_a_log_is_a_folder():
+    for car in ("cars/1", "cars/more/2"):
+        for part in ("calibration", "holdout"):
+            Path(car, part).mkdir(parents=True)
+        Path(car, "vehicle.toml").touch()
+    Path("cars/none/calibration").mkdir(parents=True)
+    assert found("cars", command="diagnose") == ["cars/1", "cars/more/2"]
+    assert found("cars/*", command="diagnose") == ["cars/1", "cars/more/2"]
+    assert found("cars/1", command="diagnose") == ["cars/1"]
+
+
+def test_a_pattern_may_name_folders_at_any_depth():
+    test_for_a_diagnosis_a_log_is_a_folder()
+    assert {"cars/1", "cars/more/2"} == set(found("cars/**", command="diagnose"))
+    assert {"logs/deep/c.csv", "logs/deep/er/b.PARQUET"} == set(found("logs/**/deep"))
+
+
+@pytest.mark.parametrize("out", ["logs/deep", ".", "logs"])
+def test_results_may_lie_beside_logs(out):
+    Path(out, "results.parquet").touch()
+    inner = [] if out == "logs/deep" else ["logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
+    assert found("logs", out=out) == ["logs/a.csv", *inner]
+    assert found("logs/deep", out=out) == ["logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
+
+
+def test_a_folder_that_cannot_be_read_is_told(monkeypatch):
+    def scandir(path):
+        raise PermissionError(13, "Permission denied", path)
+
+    monkeypatch.setattr("os.scandir", scandir)
+    with pytest.raises(LogError, match="logs: cannot be read"):
+        found("logs")

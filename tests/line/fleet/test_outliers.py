@@ -1,0 +1,133 @@
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.stats import binom
+
+from calib.line.fleet import control_chart, outliers
+from calib.line.fleet.outliers import SHARE, effective, judge, named
+from tests.studies.fleet_alarms import alarms, long_tails, normal, repeated, shrunk, skewed
+
+
+def spread(values, least=0.0):
+    """One metric alone."""
+    return judge(values[None], [least]).spreads[0]
+
+
+def cars_named(values):
+    return np.flatnonzero(judge(np.atleast_2d(values)).named.any(axis=0)).tolist()
+
+
+def by_definition(p, share):
+    """Benjamini and Hochberg (1995), (1): the k smallest, k the last with p_(k) <= k/m share."""
+    ranked = sorted(p)
+    held = [k for k in range(1, len(p) + 1) if ranked[k - 1] <= k / len(p) * share]
+    return [x <= ranked[held[-1] - 1] for x in p] if held else [False] * len(p)
+
+
+@given(st.lists(st.floats(0.0, 1.0) | st.floats(0.0, 0.1), min_size=1, max_size=50))
+def test_named_is_the_rule_of_benjamini_and_hochberg(p):
+    expected = by_definition(p, SHARE * (1 - 1e-12))
+    assume(expected == by_definition(p, SHARE * (1 + 1e-12)))  # on the limit rounding decides
+    assert named(np.array(p), SHARE).tolist() == expected
+
+
+def test_what_is_not_known_is_never_named():
+    assert named(np.array([np.nan, 1e-9])).tolist() == [False, True]
+    assert named(np.array([np.nan])).tolist() == [False]
+
+
+FLEETS = 50
+
+
+def wrong(draw, metrics, cars):
+    """Number of pages of good cars, of `FLEETS`, that name a car or a drift."""
+    rng = np.random.default_rng([1, cars, metrics])
+    return sum(alarms(draw(rng, metrics, cars)) for _ in range(FLEETS))
+
+
+MOST = binom.ppf(0.999, FLEETS, 0.08)
+"""As many of them are wrong once in 1000 times at 8 %."""
+
+
+@pytest.mark.parametrize(
+    ("draw", "metrics", "cars"),
+    [(normal, 2, 12), (long_tails, 1, 60), (skewed, 1, 60), (shrunk, 1, 60), (repeated, 3, 60)],
+)
+def test_a_page_of_good_cars_seldom_names_a_car_or_a_drift(draw, metrics, cars):
+    """The study `fleet_alarms` measures it for all settings."""
+    assert wrong(draw, metrics, cars) <= MOST
+
+
+@pytest.mark.parametrize("draw", [long_tails, skewed])
+def test_a_rule_that_takes_every_metric_for_normal_names_too_many(monkeypatch, draw):
+    """So the test above can fail."""
+    monkeypatch.setattr(outliers, "TAIL_PRIOR", np.array([1.0, 1e-9, 1e-9, 1e-9]))
+    odds = np.where(np.arange(11) == 5, 1.0, 1e-9)
+    monkeypatch.setattr("calib.line.fleet.shapes.SKEW_PRIOR", odds)
+    assert wrong(draw, 1, 60) > MOST
+
+
+def test_a_rule_that_takes_all_logs_for_independent_sees_drifts(monkeypatch):
+    monkeypatch.setattr(control_chart, "likeness", lambda ranks, first: 0.0)
+    assert wrong(repeated, 3, 60) > MOST
+
+
+@pytest.mark.parametrize("cars", [12, 60])
+def test_beyond_its_edges_a_car_is_named_and_not_far_within_them(cars):
+    rng = np.random.default_rng(3)
+    seen = []
+    for _ in range(20):
+        x = rng.normal(size=cars)
+        median, (_, high) = np.median(x), spread(x).edges
+        moved = [median + share * (high - median) for share in (0.5, 1.3)]
+        seen.append([bool(cars_named(np.r_[x, value])) for value in moved])
+    near, far = np.mean(seen, axis=0)
+    assert near <= 0.2
+    assert far >= 0.9
+
+
+def test_a_car_that_is_six_sigma_off_is_named_once_with_all_its_reasons():
+    rng = np.random.default_rng(4)
+    x = rng.normal(size=(5, 60))
+    x[1] = x[0] + 0.1 * x[1]  # follows the first
+    x[:2, 17] += 8.0
+    found = judge(x)
+    assert np.flatnonzero(found.named.any(axis=0)).tolist() == [17]
+    assert np.flatnonzero(found.named[:, 17]).tolist() == [0, 1]
+    assert found.together < 4.8  # of five metrics two say the same
+
+
+def test_metrics_that_follow_each_other_count_as_one():
+    x = np.random.default_rng(5).normal(size=(4, 400))
+    assert effective(x) == pytest.approx(4.0, abs=0.01)
+    assert effective(np.array([x[0], 2.0 * x[0], -x[0]])) == pytest.approx(1.0)
+    assert effective(x[:1]) == 1.0
+
+
+def test_a_difference_that_does_not_matter_names_no_car():
+    x = 0.38 + 1e-6 * np.random.default_rng(6).normal(size=60)
+    x[5] += 1e-4
+    assert judge(x[None]).named[0, 5]
+    assert not judge(x[None], [0.001]).named.any()
+    x[5] += 0.05
+    assert judge(x[None], [0.001]).named[0, 5]
+
+
+def test_outliers_are_named_and_do_not_hide_each_other():
+    x = 0.38 + 0.01 * np.random.default_rng(8).normal(size=500)
+    x[[3, 50, 77]] = (0.45, 0.30, 0.50)
+    found = spread(x)
+    assert cars_named(x) == [3, 50, 77]
+    assert found.z[3] == pytest.approx(7.0, abs=2.5)  # the tails are not known for sure
+    assert found.scale == pytest.approx(0.01, rel=0.1)
+
+
+def test_gaps_few_cars_and_figures_without_scale():
+    x = np.r_[np.nan, np.arange(20.0)]
+    found = spread(x)
+    assert (found.count, found.median) == (20, 9.5)
+    assert np.isnan(found.z[0])
+    for values in (np.arange(3.0), np.r_[np.zeros(50), 1.0], np.full(4, np.nan)):
+        assert not np.isfinite(spread(values).z).any()
+        assert cars_named(values) == []

@@ -1,0 +1,58 @@
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from calib.base.errors import InputError
+from calib.line.fleet.columns import ColumnKind, ResultColumn
+from calib.line.fleet.results import open_fleet
+from tests.support.fleet_results import LOST, results
+
+
+def test_metrics_with_kind_and_unit(tmp_path):
+    fleet = open_fleet(results(tmp_path / "r.parquet"))
+    assert fleet.metrics == (
+        ResultColumn("pad_friction_f", ColumnKind.NUMBER, "1"),
+        ResultColumn("settling", ColumnKind.NUMBER, "s"),
+        ResultColumn("built", ColumnKind.NUMBER, "s"),
+        ResultColumn("usable", ColumnKind.YES_NO, "1"),
+        ResultColumn("verdict", ColumnKind.TEXT, "1"),
+    )
+    assert np.flatnonzero(np.isnan(fleet.numbers("pad_friction_f"))).tolist() == list(LOST)
+
+
+def test_the_line_is_in_the_natural_order_of_names_or_of_a_column(tmp_path):
+    path = results(tmp_path / "r.parquet", 12)
+    fleet = open_fleet(path)
+    assert fleet.logs[1:3] == ("line/car2.csv", "line/car3.csv")
+    assert fleet.logs[-1] == "line/car12.csv"
+    assert fleet.ordered_by == "the logs' names"
+    turned = open_fleet(path, "built")
+    assert turned.logs == fleet.logs[::-1]
+    assert turned.numbers("built").tolist() == sorted(fleet.numbers("built").tolist())
+
+
+def test_rows_without_the_ordering_value_go_to_the_end_and_it_is_told(tmp_path):
+    fleet = open_fleet(results(tmp_path / "r.parquet"), "pad_friction_f")
+    assert fleet.ordered_by == "pad_friction_f (3 rows without it at the end)"
+    assert np.isnan(fleet.numbers("pad_friction_f")[-3:]).all()
+
+
+def test_what_is_no_results_file_is_refused(tmp_path):
+    path = tmp_path / "r.parquet"
+    with pytest.raises(InputError, match="no such file"):
+        open_fleet(path)
+    path.write_bytes(results(tmp_path / "whole.parquet").read_bytes()[:500])
+    with pytest.raises(InputError, match="not a Parquet file"):
+        open_fleet(path)
+    pq.write_table(pa.table({"log": ["a"], "status": ["passed"]}), path)
+    with pytest.raises(InputError, match="no column 'error'"):
+        open_fleet(path)
+    strange = {"status": (["fine"] * 5, pa.string(), None)}
+    with pytest.raises(InputError, match="status 'fine'"):
+        open_fleet(results(path, 5, extra=strange))
+    with pytest.raises(InputError, match="did you mean 'built'"):
+        open_fleet(results(path, 5), "biult")
+    pq.write_table(pq.read_table(results(path, 5)).slice(0, 0), path)
+    with pytest.raises(InputError, match="no row"):
+        open_fleet(path)

@@ -1,0 +1,137 @@
+import re
+
+import numpy as np
+import pytest
+
+from calib.base.errors import InputError
+from calib.line.fleet.results import open_fleet
+from calib.line.fleet.summary import copies, failures, kind_of, summarise
+from calib.show.fleet_page import described
+from tests.support.fleet_results import DRIFT_AT, OUTLIER, results
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    return summarise(open_fleet(results(tmp_path_factory.mktemp("fleet") / "r.parquet")))
+
+
+def look(found, name):
+    return next(one for one in found.looks if one.metric.name == name)
+
+
+def test_the_drift_is_found_where_it_is_and_only_there(found):
+    pads = look(found, "pad_friction_f")
+    assert pads.drifts
+    assert abs(pads.rows[pads.change.first] - DRIFT_AT) <= 10
+    assert pads.change.after - pads.change.before == pytest.approx(0.01, abs=0.004)
+    assert not look(found, "settling").drifts
+
+
+def test_the_outlier_is_named(found):
+    worst = found.outliers[0]
+    assert (worst.log, worst.metric, worst.value) == (
+        f"line/car{OUTLIER + 1}.csv", "pad_friction_f", 0.55)  # fmt: skip
+    assert len(found.outliers) <= 2
+
+
+def test_statuses_shares_and_errors(found):
+    assert found.status == {"passed": 397, "error": 3}
+    shares = {s.metric.name: dict(s.counts) for s in found.shares}
+    assert shares == {"usable": {"yes": 300, "no": 100}, "verdict": {"no_gap": 266, "named": 134}}
+    (failure,) = found.failures
+    assert re.fullmatch(r"line/car\d+\.csv: <b>ends</b> at [\d.]+ s", failure.message)
+    assert failure.count == 3
+
+
+def test_no_limit_is_where_no_value_can_be(tmp_path):
+    """So few logs have wide limits: below 0 there is nothing that could be named."""
+    import pyarrow as pa
+
+    values = [0.9, 1.2, 1.0, 0.8, 1.1, 1.3, 0.7, 1.0, 0.9, 1.1, 1.2, 0.8]
+    names = ("residual_eta_rms_sigma", "own")
+    extra = {name: (values, pa.float64(), "1") for name in names}
+    found = summarise(open_fleet(results(tmp_path / "r.parquet", len(values), extra=extra)))
+    real, own = (look(found, name) for name in names)
+    assert own.spread.edges[0] < 0.0
+    assert real.spread.edges == (-np.inf, pytest.approx(own.spread.edges[1], rel=0.05))
+    assert "One more log is named above " in described(found, real)
+    assert "One more log is named below -" in described(found, own)
+
+
+def test_three_rows_and_a_column_of_nothing(tmp_path):
+    import pyarrow as pa
+
+    empty = {"never": ([None] * 3, pa.float64(), "1")}
+    found = summarise(open_fleet(results(tmp_path / "r.parquet", 3, extra=empty)))
+    assert found.outliers == ()
+    assert not any(one.drifts for one in found.looks)
+    assert look(found, "never").values.size == 0
+    assert look(found, "never").spread.count == 0
+
+
+def test_drift_is_tested_where_a_plain_step_would_be_found(tmp_path):
+    import pyarrow as pa
+
+    # p of a plain step: 0.011 of 15 logs, 0.0071 of 16; one among five figures needs 0.002
+    for n, figures, tested in ((15, 1, False), (16, 1, True), (16, 5, False), (30, 5, True)):
+        step = np.where(np.arange(n) < n // 2, 0.0, 1.0) + 1e-6 * np.arange(n)
+        noise = np.random.default_rng(n).normal(size=(figures - 1, n))
+        extra = {f"x{i}": (list(x), pa.float64(), "1") for i, x in enumerate([step, *noise])}
+        fleet = open_fleet(results(tmp_path / f"{n}_{figures}.parquet", n, extra=extra))
+        seen = look(summarise(fleet, tuple(extra)), "x0")
+        assert (seen.change is not None) == tested
+        assert seen.drifts == tested
+
+
+def test_only_what_is_wanted(tmp_path):
+    fleet = open_fleet(results(tmp_path / "r.parquet", 12))
+    assert [one.metric.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]
+    with pytest.raises(InputError, match="did you mean 'settling'"):
+        summarise(fleet, ("setling",))
+
+
+def test_errors_of_one_kind_meet():
+    errors = (
+        "a/run1.csv: ends at 3.2 s",
+        "a/run2.csv: ends at 11 s",
+        None,
+        "no channel p_mc in run4",
+    )
+    logs = tuple(f"a/run{i}.csv" for i in range(1, 5))
+    assert [(f.message, f.count) for f in failures(logs, errors)] == [
+        ("a/run1.csv: ends at 3.2 s", 2),
+        ("no channel p_mc in run4", 1),
+    ]
+    assert kind_of("omega_fl3 reads -2.5e-3 rad/s", "x.csv") == "omega_fl3 reads # rad/s"
+
+
+@pytest.mark.parametrize(
+    ("error", "log", "kind"),
+    [
+        ("s.csv: ends at 3.2 s", "s.csv", "LOG: ends at # s"),
+        ("/d/s.csv: ends at 3.2 s", "a/s.csv", "LOG: ends at # s"),
+        ("5.csv: ends at 5 s", "5.csv", "LOG: ends at # s"),
+        ("100.csv: ends at 100 s", "100.csv", "LOG: ends at # s"),
+        ("no channel p_mc in 'd/run.csv'", "d/run.csv", "no channel p_mc in 'LOG'"),
+        ("run of run.csv, rerun, runs, run-in", "d/run.csv", "LOG of LOG, rerun, runs, run-in"),
+        ("ends at 3 s", "", "ends at # s"),
+    ],
+)
+def test_only_whole_names_of_the_log_are_left_out(error, log, kind):
+    assert kind_of(error, log) == kind
+
+
+def test_every_row_is_where_its_log_is(found):
+    pads = look(found, "pad_friction_f")
+    at = int(np.argmax(pads.values))
+    assert found.logs[pads.rows[at]] == f"line/car{OUTLIER + 1}.csv"
+
+
+def test_copies_of_a_recording_are_told():
+    logs, digests = ("1.csv", "2.csv", "3.csv", "4.csv"), ("a", "b", "a", None)
+    assert copies(logs, digests) == (("1.csv", "3.csv"),)
+    assert copies(logs, (None, None, "a", "b")) == ()
+
+
+def test_a_good_fleet_has_no_copies(found):
+    assert found.copies == ()

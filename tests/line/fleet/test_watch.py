@@ -1,0 +1,189 @@
+"""A watched folder, with a clock and a bench of the test's own."""
+
+import os
+import sqlite3
+from functools import partial
+from pathlib import Path
+from threading import Event
+
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.base.errors import BatchError
+from calib.line.fleet.job import Job
+from calib.line.fleet.journal import NAME
+from calib.line.fleet.run import run_batch
+from calib.line.fleet.watch import Settled, watch
+from tests.support.fleet_logs import Here, validating
+
+
+class Bench(Event):
+    """Ends the watch after the last of ``acts``; does one of them between two looks."""
+
+    def __init__(self, *acts):
+        super().__init__()
+        self.acts, self.time = list(acts), 0.0
+
+    def wait(self, timeout=None):
+        self.time += timeout
+        if self.acts:
+            self.acts.pop(0)()
+        else:
+            self.set()
+        return self.is_set()
+
+
+def idle():
+    pass
+
+
+@pytest.fixture
+def seen(fitted, tmp_path, monkeypatch):
+    """Watch ``in`` while a bench acts; return rows told, names done, trouble, and how it ended."""
+    monkeypatch.chdir(tmp_path)
+    Path("in").mkdir()
+
+    def run(*acts, settle=2.0, executor=None, job=None):
+        bench, told, trouble = Bench(*acts), [], []
+        executor = executor or Here()
+        ended = watch(
+            job or validating(fitted),
+            Path("in"),
+            Path("out"),
+            executor,
+            bench,
+            told.append,
+            trouble.append,
+            settle=settle,
+            clock=lambda: bench.time,
+        )
+        return told, executor.done, trouble, ended
+
+    return run
+
+
+def dropped(name, data):
+    def act():
+        Path("in", name).write_bytes(data)
+
+    return act
+
+
+def test_a_log_is_done_once_when_it_is_whole(seen, six):
+    data = Path(six, "car_00000.csv").read_bytes()
+    parts = [dropped("a.csv", data[: len(data) * i // 4]) for i in (1, 2, 3, 4)]
+    told, done, _, ended = seen(*parts, *[idle] * 10)
+    assert [(row.log, row.status) for row in told] == [("a.csv", "passed")]
+    assert done == ["a.csv"]
+    assert ended.counts == {"passed": 1}
+
+
+def test_rows_are_those_of_a_batch(seen, six, fitted, monkeypatch):
+    acts = [dropped(path.name, path.read_bytes()) for path in sorted(Path(six).iterdir())]
+    told, done, _, ended = seen(*acts, *[idle] * 5)
+    assert len(told) == len(done) == 6
+    monkeypatch.chdir("in")
+    batch = run_batch(validating(fitted), ["*.csv"], Path("../batch"), Here())
+    assert ended.counts == batch.counts
+    monkeypatch.chdir("..")
+    assert pq.read_table(ended.results).equals(pq.read_table("batch/results.parquet"))
+
+
+def test_what_was_done_is_not_done_again_after_a_stop(seen, six):
+    data = Path(six, "car_00000.csv").read_bytes()
+    seen(dropped("a.csv", data), idle, idle, idle)
+    journal = Path("out", NAME).read_bytes()
+    told, _, _, ended = seen(*[idle] * 4)
+    assert told == []
+    assert Path("out", NAME).read_bytes() == journal
+    assert ended.counts == {"passed": 1}
+
+
+def test_a_row_that_a_crash_took_away_is_made_again(seen, six):
+    data = Path(six, "car_00000.csv").read_bytes()
+    _, _, _, whole = seen(dropped("a.csv", data), idle, idle, idle)
+    results = whole.results.read_bytes()
+    journal = sqlite3.connect(Path("out", NAME))
+    journal.execute("DELETE FROM rows")
+    journal.commit()
+    journal.close()
+    told, _, _, again = seen(*[idle] * 4)
+    assert [row.log for row in told] == ["a.csv"]
+    assert again.results.read_bytes() == results
+
+
+def test_a_log_that_changes_is_done_again_and_one_taken_away_keeps_its_row(seen, six):
+    first, other = (Path(six, f"car_0000{i}.csv").read_bytes() for i in (0, 2))
+    changes = [dropped("a.csv", first), *[idle] * 4, dropped("a.csv", other), *[idle] * 4]
+    told, _, _, ended = seen(*changes, Path("in/a.csv").unlink, idle)
+    assert [row.log for row in told] == ["a.csv", "a.csv"]
+    assert told[0].digest != told[1].digest
+    (row,) = pq.read_table(ended.results).to_pylist()
+    assert row["digest"] == told[1].digest
+
+
+def test_a_touched_log_is_looked_at_and_not_told_again(seen, six):
+    data = Path(six, "car_00000.csv").read_bytes()
+    touch = partial(os.utime, "in/a.csv", ns=(1, 1))
+    told, done, _, _ = seen(dropped("a.csv", data), *[idle] * 4, touch, *[idle] * 4)
+    assert (len(told), len(done)) == (1, 2)
+
+
+def test_a_folder_that_is_away_for_a_while_is_told_once(seen, six):
+    data = Path(six, "car_00000.csv").read_bytes()
+    away, back = partial(os.rename, "in", "gone"), partial(os.rename, "gone", "in")
+    told, _, trouble, _ = seen(
+        away, idle, idle, back, dropped("a.csv", data), *[idle] * 4, away, idle
+    )
+    assert [row.log for row in told] == ["a.csv"]
+    assert len(trouble) == 2
+    assert "in" in trouble[0]
+
+
+def test_results_may_lie_in_the_folder_and_are_no_logs(fitted, six, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    bench, told = Bench(*[idle] * 5), []
+    job = validating(fitted)
+    folder = Path(six)
+    ended = watch(job, folder, folder / "out", Here(), bench, told.append, clock=lambda: bench.time)
+    assert len(told) == 6
+    assert ended.results == folder / "out" / "results.parquet"
+
+
+def test_no_log_no_results(seen):
+    told, _, _, ended = seen(idle)
+    assert (told, ended.results, ended.counts) == ([], None, {})
+
+
+def test_two_watches_of_one_place_are_refused(seen, fitted):
+    def second():
+        with pytest.raises(BatchError, match="another run uses this folder"):
+            watch(validating(fitted), Path("in"), Path("out"), Here(), Event())
+
+    seen(second)
+
+
+def test_diagnose_is_refused(seen):
+    with pytest.raises(ValueError, match="complete"):
+        seen(job=Job("diagnose"))
+
+
+@given(st.lists(st.integers(0, 3), min_size=1, max_size=30), st.integers(1, 4))
+def test_a_file_is_given_once_for_each_rest(tmp_path_factory, sizes, settle):
+    """Looked at every second: ready when it was the same for ``settle`` seconds, once for each."""
+    path = tmp_path_factory.mktemp("s") / "a.csv"
+    settled, given_at, expected, rest = Settled(settle), [], [], 0
+    for now, size in enumerate(sizes):
+        changed = now == 0 or size != sizes[now - 1]
+        if changed:
+            path.write_bytes(b"x" * size)
+            os.utime(path, ns=(now, now))
+        rest = 0 if changed else rest + 1
+        if rest == settle:
+            expected.append(now)
+        for ready in settled.look([str(path)], float(now)):
+            settled.give(ready)
+            given_at.append(now)
+    assert given_at == expected

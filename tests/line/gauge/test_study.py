@@ -1,0 +1,138 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.errors import InputError
+from calib.estimation.limits import Limit
+from calib.fitting.fit import fit
+from calib.line.gauge.study import (
+    METRICS,
+    GaugeReading,
+    known_limits,
+    metrics_of,
+    refuse_repeated,
+    study,
+)
+from calib.run.fingerprint import fingerprint_of
+from calib.table.table import LogReference
+from tests.support.made_runs import made_run, stop
+from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads
+
+
+def readings(cars=10, stations=2, repeats=3, sd=(1.0, 0.05, 0.05), seed=4):
+    """Made-up figures of known scatter: car, station, repeat."""
+    rng = np.random.default_rng(seed)
+    of_car, of_station = sd[0] * rng.normal(size=cars), sd[1] * rng.normal(size=stations)
+    return tuple(
+        GaugeReading(
+            f"{i}-{j}-{k}",
+            f"car {i}",
+            f"line {j}" if stations > 1 else "",
+            {"x": 5.0 + of_car[i] + of_station[j] + sd[2] * rng.normal(), "same": 2.0},
+        )
+        for i in range(cars)
+        for j in range(stations)
+        for k in range(repeats)
+    )
+
+
+def test_figures_of_a_ramp():
+    log = noisy(ramp(with_pads(REAL, 0.36, 0.36)), 1)
+    table = fit(CAR, [log])
+    found = metrics_of(table, log)
+    assert set(found) == set(METRICS)
+    assert found["pad_friction_f"] == pytest.approx(0.36, rel=0.02)
+    assert found["pad_scale"] == pytest.approx(0.36 / 0.38, rel=0.02)
+    assert found["eta_zero"] == pytest.approx(1.0 / 1.0008 - 1.0, abs=1e-4)  # the plant's radii
+    assert found["slip_stiffness"] == pytest.approx(25.0, rel=0.15)
+    assert found["f1"] - found["f2"] == pytest.approx(found["difference"], rel=1e-3)  # (11), (12)
+    with pytest.raises(InputError, match="at most"):
+        metrics_of(table, log, 0.05)
+
+
+def test_a_good_gauge_and_what_does_not_scatter():
+    found = study(readings())
+    by_name = {result.name: result for result in found.results}
+    assert found.passed
+    assert by_name["x"].verdict == "good"
+    assert by_name["x"].gauge.components["car"].sd == pytest.approx(1.0, rel=0.6)
+    assert by_name["same"].verdict == "not judged"
+    assert found.cars[0] == "car 0"
+    assert found.stations == ("line 0", "line 1")
+    assert any("2 stations are few" in note for note in found.notes)
+
+
+def test_a_bad_gauge_fails():
+    found = study(readings(sd=(1.0, 0.05, 0.7)))
+    assert found.results[0].gauge.cars_differ
+    assert not found.passed
+    assert found.results[0].verdict == "bad"
+
+
+def of_pads(made):
+    return tuple(replace(r, metrics={"pad_scale": r.metrics["x"]}) for r in made)
+
+
+def test_cars_that_do_not_differ_show_nothing_of_a_gauge():
+    """Then %GRR is near 100 % for any gauge: only a tolerance can judge it."""
+    alike = of_pads(readings(sd=(0.0, 0.0, 0.05)))
+    found = study(alike)
+    assert not found.passed
+    assert found.results[0].verdict == "the cars do not differ"
+    assert all(j.value is None for j in found.results[0].judgements if j.figure != "x")
+    assert any("do not differ in pad_scale" in note for note in found.notes)
+    wide, narrow = (study(alike, (Limit("pad_scale", -w, w),)) for w in (2.0, 0.2))
+    assert wide.passed
+    assert wide.results[0].verdict == "good"  # 6 * 0.05 / 4
+    assert narrow.results[0].verdict == "bad"  # 6 * 0.05 / 0.4
+
+
+def test_tolerances_alone_leave_the_usual_limits():
+    found = study(of_pads(readings()), (Limit("pad_scale", 0.0, 10.0),))
+    assert [j.figure for j in found.results[0].judgements] == ["grr", "ndc", "grr_of_tolerance"]
+
+
+def test_limits_of_one_figure_come_before_the_common_ones():
+    strict = (Limit("grr", None, 0.3), Limit("x_grr", None, 0.001), Limit("ndc", 1.0, None))
+    assert study(readings(), strict).results[0].verdict == "bad"
+    assert study(readings(), (Limit("grr", None, 0.3),)).results[0].verdict == "good"
+    assert {"grr", "ndc", "pad_scale_grr", "f2_ndc", "f2", "grr_of_tolerance"} < known_limits()
+
+
+def test_one_way_and_unequal_numbers_work_and_are_told():
+    alone = study(readings(stations=1))
+    assert "reproducibility" not in alone.results[0].gauge.components
+    assert any("reproducibility is not measured" in note for note in alone.notes)
+    some = readings()[:-7]
+    assert any("type I" in note for note in study(some).notes)
+    without = tuple(r for r in readings() if (r.car, r.station) != ("car 0", "line 0"))
+    assert any("1 of 20 car-station cells empty" in note for note in study(without).notes)
+
+
+def test_stations_that_share_no_car_are_told_as_such():
+    nested = tuple(replace(r, station=f"line {int(r.car[-1]) % 2}") for r in readings(6, 1, 2))
+    found = study(nested)
+    assert any("no car was on two stations" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("made", "says"),
+    [
+        (readings(cars=1), "all ramps are of one car"),
+        (readings(stations=1, repeats=1), "no car has a second ramp"),
+        (readings(cars=2, stations=2, repeats=1)[:3], "no degree of freedom left"),
+    ],
+)
+def test_a_design_that_cannot_do_is_refused(made, says):
+    with pytest.raises(InputError, match=says):
+        study(made)
+
+
+def test_a_copy_of_a_run_is_no_repeat():
+    run = made_run(stop(level=20.0))
+    seen = [LogReference("first", "ab" * 32, "ramp", fingerprint=fingerprint_of(run))]
+    thinned = {name: x[::2] for name, x in run.channels.items()}
+    with pytest.raises(InputError, match="the same run as first"):
+        refuse_repeated(replace(run, channels=thinned), seen)
+    refuse_repeated(made_run(stop(level=21.0)), seen)

@@ -1,0 +1,84 @@
+"""JUnit XML, counted by the standard library's parser."""
+
+import re
+from dataclasses import replace
+from xml.etree import ElementTree
+
+from calib.line.station.junit import junit_xml
+from tests.support.station_run import MARKUP
+
+ALLOWED = {
+    "testsuites": ({"name", "time", "tests", "failures", "errors"}, {"testsuite"}),
+    "testsuite": (
+        {
+            *("name", "tests", "failures", "errors", "group", "time", "skipped", "timestamp"),
+            *("hostname", "id", "package", "file", "log", "url"),
+        },
+        {"testsuite", "properties", "testcase", "system-out", "system-err"},
+    ),
+    "properties": (set(), {"property"}),
+    "property": ({"name", "value"}, set()),
+    "testcase": (
+        {"name", "time", "classname", "group"},
+        {"skipped", "error", "failure", "system-out", "system-err"},
+    ),
+    "failure": ({"type", "message"}, set()),
+    "skipped": ({"type", "message"}, set()),
+    "system-out": (set(), set()),
+}
+"""Attributes and children of each element by junit-10.xsd of Jenkins' xUnit plugin, as rules: see
+https://github.com/jenkinsci/xunit-plugin, org/jenkinsci/plugins/xunit/types/model/xsd."""
+
+REQUIRED = {
+    "testsuite": {"name", "tests", "failures", "errors"},
+    "testcase": {"name"},
+    "property": {"name", "value"},
+}
+
+
+def test_jenkins_takes_it(found, kept):
+    root = ElementTree.fromstring(junit_xml(found, kept))
+    assert root.tag == "testsuites"
+    assert {element.tag for element in root.iter()} >= {"failure", "skipped", "property"}
+    for element in root.iter():
+        attributes, children = ALLOWED[element.tag]
+        assert set(element.attrib) <= attributes, element.tag
+        assert set(element.attrib) >= REQUIRED.get(element.tag, set())
+        assert {child.tag for child in element} <= children, element.tag
+        assert re.fullmatch(r"[0-9]*(\.[0-9]*)?", element.get("time", ""))
+
+
+def test_counts_are_those_of_the_cases(found, kept):
+    root = ElementTree.fromstring(junit_xml(found, kept))
+    (suite,) = root
+    cases = suite.findall("testcase")
+    assert len(cases) == int(suite.get("tests")) == len(found.checks)
+    for tag, total, word in (
+        ("failure", "failures", "failed"),
+        ("skipped", "skipped", "not known"),
+    ):
+        n = sum(case.find(tag) is not None for case in cases)
+        assert n == int(suite.get(total)) == found.counts()[word]
+    assert int(root.get("failures")) == int(suite.get("failures"))
+    assert int(suite.get("failures")) >= 2  # wet pads do not agree with dry ones
+
+
+def test_a_failure_says_value_limit_and_what_to_do(found, kept):
+    suite = ElementTree.fromstring(junit_xml(found, kept))[0]
+    case = next(c for c in suite.iter("testcase") if c.get("name") == "repeatability_f")
+    assert "the limit is at most 0.15" in case.find("failure").get("message")
+    assert "Drive two stops again" in case.find("failure").text
+
+
+def test_names_and_identifiers_survive(found, kept):
+    suite = ElementTree.fromstring(junit_xml(found, kept))[0]
+    told = {p.get("name"): p.get("value") for p in suite.iter("property")}
+    assert told["serial"] == MARKUP
+    assert told["vin"] == "WVWZZZ1JZXW000001"
+    assert MARKUP in {case.get("classname") for case in suite.iter("testcase")}
+
+
+def test_what_xml_cannot_hold_is_replaced(found, kept):
+    checks = (replace(found.checks[0], stop="a\x01b\ud800"),)
+    suite = ElementTree.fromstring(junit_xml(replace(found, checks=checks), kept))[0]
+    assert suite.find("testcase").get("classname") == "a\ufffdb\ufffd"

@@ -1,0 +1,25 @@
+"""The file that `limits init` writes says what the program does."""
+
+from calib.estimation.limits_file import read_limits
+from calib.estimation.metrics import METRICS as OF_STOPS
+from calib.line.station.advice import ADVICE, LIMITS
+from calib.line.station.limits_file import limits_file
+from calib.line.station.metrics import METRICS as OF_CAR
+
+
+def test_it_reads_back_as_the_defaults(tmp_path):
+    path = tmp_path / "line.toml"
+    path.write_text(limits_file())
+    assert read_limits(path, {*OF_CAR, *OF_STOPS}) == LIMITS
+
+
+def test_every_limit_has_its_meaning_and_reason_above_it():
+    lines = limits_file().splitlines()
+    for row in ADVICE:
+        i = next(i for i, line in enumerate(lines) if line.startswith(f"{row.limit.figure} = "))
+        assert lines[i - 1] == f"# why: {row.reason}"
+        assert {**OF_STOPS, **OF_CAR}[row.limit.figure] in lines[i - 2]
+
+
+def test_every_figure_stands_in_it():
+    assert all(name in limits_file() for name in {*OF_CAR, *OF_STOPS})

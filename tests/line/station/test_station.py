@@ -1,0 +1,193 @@
+"""The verdict on a car: the right check fails, and only that."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from calib.base.errors import LogError
+from calib.car.vehicle_file import read_vehicle
+from calib.estimation.limits import Limit
+from calib.estimation.metrics import METRICS as OF_STOPS
+from calib.line.station.advice import ADVICE, LIMITS
+from calib.line.station.document import to_dict
+from calib.line.station.identity import Identity
+from calib.line.station.metrics import METRICS as OF_CAR
+from calib.line.station.metrics import Car
+from calib.line.station.station import outcome, table_of, validated
+from calib.line.station.words import in_full, sentence
+from calib.logs.read import read_log
+from calib.store.merge import merge
+from calib.store.version import Stored
+from calib.table.table import LogReference, Value
+from tests.support.station_run import SEDAN
+
+GOOD = ("dry_asphalt_stop", "transition_dry_to_basalt")
+
+
+def run(vehicle, limits=LIMITS, golden=None):
+    ramp, coast = (read_log(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast"))
+    stops = [read_log(SEDAN / f"{n}.csv") for n in GOOD]
+    table = table_of(vehicle, [ramp], [coast], Identity())
+    results = [validated(table, log, limits) for log in stops]
+    return outcome(Car(table, [ramp], stops, results, golden), [coast], limits, Identity())
+
+
+def with_pads(front, rear):
+    """The sample car, whose pads are 0.38 all round, with other ones in its file."""
+    car = read_vehicle(SEDAN / "vehicle.toml")
+    return replace(
+        car,
+        front=replace(car.front, pad_friction=front),
+        rear=replace(car.rear, pad_friction=rear),
+    )
+
+
+SIGMA = {f"golden_sigma_{name}" for name in ("d", "level", "ratio", "stiffness")}
+GOLDEN = SIGMA | {
+    f"golden_{name}" for name in ("distance", "bands", "pads_f", "pads_r", "stiffness")
+}
+
+REPEATABILITY = {"repeatability_f", "repeatability_r"}
+"""Not known: one of the two stops goes over two roads."""
+
+
+@pytest.fixture(scope="module")
+def good():
+    return run(with_pads(0.38, 0.38))
+
+
+def test_the_sample_car_passes(good):
+    assert good.verdict == "passed"
+    unknown = GOLDEN | REPEATABILITY
+    assert good.counts() == {"passed": len(good.checks) - len(unknown), "warning": 0, "failed": 0,
+                             "not known": len(unknown)}  # fmt: skip
+    assert {c.figure for c in good.with_verdict("not known")} == unknown
+    assert good.figures["pad_scale"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_every_figure_is_one_of_the_car_or_of_a_stop():
+    assert not set(OF_CAR) & set(OF_STOPS)
+    assert {row.limit.figure for row in ADVICE} <= {*OF_CAR, *OF_STOPS}
+    assert set(OF_CAR) <= {row.limit.figure for row in ADVICE}
+
+
+@pytest.mark.parametrize(
+    ("file", "verdict"), [(0.38 / 0.75, "failed"), (0.38 / 0.87, "warning"), (0.38, "passed")]
+)
+def test_weak_pads_fail_the_level_of_the_pads_and_nothing_else_of_the_car(file, verdict):
+    found = run(with_pads(file, file))
+    assert found.figures["pad_scale"] == pytest.approx(0.38 / file, rel=0.02)
+    bad = {c.figure for c in found.checks if c.of_car and c.verdict in ("failed", "warning")}
+    assert bad == ({"pad_scale"} if verdict != "passed" else set())
+    assert found.verdict == verdict
+
+
+def test_weak_front_pads_fail_their_ratio():
+    found = run(with_pads(0.38 / 0.7, 0.38))
+    assert found.figures["pad_ratio"] == pytest.approx(0.7, rel=0.05)
+    assert "pad_ratio" in {c.figure for c in found.with_verdict("failed")}
+
+
+def test_a_golden_table_of_its_own_lies_close_and_one_of_another_tyre_does_not(good):
+    same = run(with_pads(0.38, 0.38), golden=good.table)
+    assert same.figures["golden_distance"] == 0.0
+    d = good.table.difference
+    other = replace(good.table, difference=replace(d, D=0.6 * d.D))
+    far = run(with_pads(0.38, 0.38), golden=other)
+    assert far.figures["golden_distance"] == pytest.approx(0.4 / 0.6)
+    assert "golden_distance" in {c.figure for c in far.with_verdict("failed")}
+
+
+@pytest.fixture(scope="module")
+def fleet(good):
+    """A golden table of the sample car and of two with other pads and tyres."""
+    cars = [good.table, changed(good.table, 0.02, "ab"), changed(good.table, -0.02, "cd")]
+    return merge([Stored(t, "sedan", n, t.digest, Path()) for n, t in enumerate(cars, 1)], "golden")
+
+
+def changed(table, by, digest):
+    """The table of another car: its pads and its tyres are ``by`` off, in logarithms."""
+    cal, posterior = table.calibration, table.posterior
+    pads = {
+        name: Value(getattr(cal, name).value * math.exp(by), getattr(cal, name).sigma)
+        for name in ("pad_friction_f", "pad_friction_r")
+    }
+    at = posterior.names.index("log_compliance")
+    return replace(
+        table,
+        calibration=replace(cal, **pads),
+        posterior=replace(
+            posterior, mean=tuple(m + by * (i == at) for i, m in enumerate(posterior.mean))
+        ),
+        provenance=replace(
+            table.provenance, logs=(LogReference("other.csv", digest * 32, "ramp"),)
+        ),
+    )
+
+
+def test_a_golden_table_of_several_cars_knows_the_sigma_of_its_fleet(fleet):
+    found = run(with_pads(0.38, 0.38), golden=fleet)
+    sigma = {name: found.figures[name] for name in SIGMA}
+    assert all(value is not None and abs(value) < 0.5 for value in sigma.values())
+    assert {c.figure for c in found.with_verdict("passed")} >= SIGMA
+    stored = Stored(found.table, "sedan", 1, found.table.digest, Path())
+    assert to_dict(found, stored, [])["golden_cars"] == 3
+    assert to_dict(found, stored, [])["figures"]["golden_sigma_d"] == sigma["golden_sigma_d"]
+
+
+def test_sigma_of_the_fleet_can_be_limited(fleet):
+    """The mean pads of the fleet are 12 % above those of the car: six standard deviations."""
+    cal = fleet.calibration
+    front = replace(cal.pad_friction_f, value=1.12 * cal.pad_friction_f.value)
+    rear = replace(cal.pad_friction_r, value=1.12 * cal.pad_friction_r.value)
+    pads = replace(fleet.calibration, pad_friction_f=front, pad_friction_r=rear)
+    limits = (Limit("golden_sigma_level", -2.0, 2.0), Limit("golden_sigma_ratio", -2.0, 2.0))
+    found = run(with_pads(0.38, 0.38), limits, replace(fleet, calibration=pads))
+    assert {c.figure: c.verdict for c in found.checks} == {
+        "golden_sigma_level": "failed",
+        "golden_sigma_ratio": "passed",
+    }
+
+
+def test_a_golden_table_of_one_car_has_no_sigma(good):
+    found = run(with_pads(0.38, 0.38), golden=good.table)
+    assert {c.figure for c in found.with_verdict("not known")} == SIGMA | REPEATABILITY
+    stored = Stored(found.table, "sedan", 1, found.table.digest, Path())
+    assert "golden_cars" not in to_dict(found, stored, [])
+
+
+def test_a_required_figure_that_is_not_known_fails():
+    limits = (Limit("golden_distance", None, 0.2, required=True),)
+    found = run(with_pads(0.38, 0.38), limits)
+    assert [c.verdict for c in found.checks] == ["failed"]
+
+
+def test_a_hold_out_that_was_fitted_on_proves_nothing(good):
+    with pytest.raises(LogError, match="proves nothing") as error:
+        validated(good.table, read_log(SEDAN / "ramp_wet_asphalt.csv"), LIMITS)
+    assert error.value.exit_code == 3
+
+
+def test_a_stop_may_be_called_car(good):
+    ramp = read_log(SEDAN / "ramp_wet_asphalt.csv")
+    stop = replace(read_log(SEDAN / f"{GOOD[0]}.csv"), name="car")
+    result = validated(good.table, stop, LIMITS)
+    found = outcome(Car(good.table, [ramp], [stop], [result]), [], LIMITS, Identity())
+    told = {check.figure: (check.of_car, check.meaning) for check in found.checks}
+    assert told["pad_scale"] == (True, OF_CAR["pad_scale"])
+    assert told["valid_share"] == (False, OF_STOPS["valid_share"])
+    assert {check.scope for check in found.checks} == {"car"}
+    assert "valid_share of the stop car" in sentence(
+        next(c for c in found.checks if c.figure == "valid_share")
+    )
+
+
+def test_without_a_rear_brake_no_front_bias_is_told_as_measured(good):
+    cal = good.table.calibration
+    bare = replace(cal, pad_friction_r=replace(cal.pad_friction_r, value=0.0))
+    limits = (Limit("front_biased_up_to", None, 1.0),)
+    found = outcome(Car(replace(good.table, calibration=bare), [], [], []), [], limits, Identity())
+    assert "is 9.99 or more; the limit is at most 1" in sentence(found.checks[0])
+    assert "9.99\xa0g or more; limit: at most 1" in in_full(found.checks[0])

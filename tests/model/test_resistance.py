@@ -1,0 +1,172 @@
+"""Drag and rolling resistance found again in the coasting of a plant that has them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.errors import ModelError
+from calib.car.effects import aerodynamic_drag, rolling_resistance
+from calib.car.effects.effects import Effects
+from calib.model.resistance import MODEL_ERROR, identify
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
+from tests.support.plant import Plant, as_log, drive
+from tests.support.tables import VEHICLE
+
+CAR = replace(VEHICLE, effects=Effects())
+TRUE = (0.80, 0.015)
+PRIOR = tuple(effect.EFFECT.card.parameters[0] for effect in (aerodynamic_drag, rolling_resistance))
+
+
+def coasted(v0, duration, pressure=lambda t: 0.0):
+    plant = Plant(VEHICLE, drag_area=TRUE[0], rolling_resistance=TRUE[1])
+    return drive(plant, pressure, v0, duration=duration)
+
+
+@pytest.fixture(scope="module")
+def coast():
+    return coasted(38.0, 60.0)
+
+
+@pytest.fixture(scope="module")
+def ramp():
+    return coasted(30.0, 5.0, lambda t: 6e5 * max(t - 2.0, 0.0))
+
+
+def seen(run, seed=0):
+    """Blocks and noise density of z, with sensor noise: 0.05 m/s^2 and 0.02 rad/s, white."""
+    rng = np.random.default_rng(seed)
+    sd = {"a_x": 0.05, "v": 0.02, **dict.fromkeys([k for k in run if k.startswith("omega")], 0.02)}
+    noisy = {k: x + sd.get(k, 0.0) * rng.normal(size=x.size) for k, x in run.items()}
+    log = as_log(noisy)
+    b = blocks(signals(log, CAR))
+    return b, sensor_noise(log, b).z
+
+
+def deceleration(found, v):
+    """What slows the car at v [1], written out here."""
+    return 0.6 * found[0] * v**2 / (1744.0 * 9.80665) + found[1]
+
+
+def test_a_coast_separates_the_two_within_their_sigma(coast):
+    found = [identify(CAR, [seen(coast, seed)]) for seed in range(20)]
+    off = [(np.array(f.mean) - TRUE) / np.sqrt(np.diag(f.covariance)) for f in found]
+    # sigma counts what a real coast is off by besides noise, so noise alone scatters less
+    assert np.max(np.abs(off)) < 2.0
+    for i in (0, 1):
+        assert np.sqrt(found[0].covariance[i][i]) < 0.2 * PRIOR[i].spread
+
+
+def test_the_parameters_that_were_not_usual_are_found(coast):
+    """Within 3 %, while the cards' usual values are 19 and 27 % away."""
+    assert identify(CAR, [seen(coast)]).mean == pytest.approx(TRUE, rel=0.03)
+
+
+def test_an_engine_that_drags_and_is_logged_is_no_resistance(coast):
+    """150 N m at the front wheels, as an engine in gear: as much as half of the rolling."""
+    plant = Plant(VEHICLE, drag_area=TRUE[0], rolling_resistance=TRUE[1])
+    engine = replace(plant, motor=lambda t: (-150.0, 0.0))
+    run = drive(engine, lambda t: 0.0, 38.0, duration=60.0)
+    logged = identify(CAR, [seen(run)]).mean
+    assert logged == pytest.approx(TRUE, rel=0.03)
+    assert logged == pytest.approx(identify(CAR, [seen(coast)]).mean, rel=0.03)
+    silent = {k: x for k, x in run.items() if k != "T_drive_f"}
+    assert identify(CAR, [seen(silent)]).mean[1] > 1.3 * TRUE[1]
+
+
+def test_a_lead_in_gives_the_sum_and_leaves_the_parts(ramp):
+    b, density = seen(ramp)
+    found = identify(CAR, [(b, density)])
+    v = np.array([30.0])
+    off = deceleration(found.mean, 30.0) - deceleration(TRUE, 30.0)
+    assert abs(off) < 3.0 * found.sigma_z(CAR, v)[0]
+    alone = identify(CAR, [])
+    assert found.sigma_z(CAR, v)[0] < 0.3 * alone.sigma_z(CAR, v)[0]
+    for i in (0, 1):
+        assert found.covariance[i][i] > 0.2 * PRIOR[i].spread ** 2
+    correlation = found.covariance[0][1] / np.sqrt(found.covariance[0][0] * found.covariance[1][1])
+    assert correlation < -0.8
+
+
+def test_a_coast_helps_the_ramps(coast, ramp):
+    both = identify(CAR, [seen(ramp), seen(coast)])
+    assert both.mean == pytest.approx(TRUE, rel=0.03)
+
+
+@pytest.mark.parametrize("runs", [1, 4])
+def test_a_long_quiet_coast_is_still_off_by_what_is_not_modelled(coast, runs):
+    """Wind and crown last a whole run: only other runs average them, however long this one is."""
+    b, _ = seen(coast)
+    found = identify(CAR, [(b, 1e-6)] * runs)
+    speeds = np.linspace(15.0, 40.0, 101)
+    assert np.min(found.sigma_z(CAR, speeds)) == pytest.approx(MODEL_ERROR / runs**0.5, rel=0.02)
+
+
+def test_without_coasting_it_is_what_is_usual():
+    found = identify(CAR, [])
+    assert found.mean == pytest.approx([p.typical for p in PRIOR], rel=1e-9)
+    assert np.asarray(found.covariance) == pytest.approx(np.diag([p.spread**2 for p in PRIOR]))
+    assert not found.known
+
+
+def test_the_load_share_of_a_known_drag_is_kept_as_it_is_given(coast):
+    given = {"drag_area": 0.66, "load_share": 0.2}
+    car = replace(VEHICLE, effects=Effects({"aerodynamic_drag": given}))
+    found = identify(car, [seen(coast)]).effects
+    assert found.parameters["aerodynamic_drag"]["load_share"] == 0.2
+    assert found.sigma["aerodynamic_drag"]["load_share"] == 0.0
+
+
+def test_known_effects_are_kept(coast):
+    told = replace(
+        CAR,
+        effects=Effects(
+            {
+                "aerodynamic_drag": {"drag_area": 0.66},
+                "rolling_resistance": {"coefficient": 0.011},
+            }
+        ),
+    )
+    found = identify(told, [seen(coast)])
+    assert found.known
+    assert found.mean == (0.66, 0.011)  # though the coast says 0.80 and 0.015
+    assert found.effects.parameters == told.effects.parameters
+
+
+@pytest.mark.parametrize(
+    ("effects", "says"),
+    [
+        ({"fad": {"area": 1.0}}, "fad"),
+        ({"aerodynamic_drag": {"area": 0.66}}, "area"),
+        ({"rolling_resistance": {"coefficient": 0.6}}, "0.6 is not believable"),
+    ],
+)
+def test_an_effect_that_is_not_known_is_not_passed_over(effects, says):
+    with pytest.raises(ModelError, match=says):
+        identify(replace(CAR, effects=Effects(effects)), [])
+
+
+def test_one_known_effect_gives_the_other_from_a_lead_in(ramp):
+    told = replace(CAR, effects=Effects({"aerodynamic_drag": {"drag_area": TRUE[0]}}))
+    found = identify(told, [seen(ramp)])
+    assert not found.known
+    assert found.mean[0] == TRUE[0]
+    assert abs(found.mean[1] - TRUE[1]) < 3.0 * np.sqrt(found.covariance[1][1])
+    assert np.sqrt(found.covariance[1][1]) < 0.2 * PRIOR[1].spread
+
+
+def test_neither_is_ever_negative(coast):
+    b, density = seen(coast)
+    pushed = replace(b, z=b.z - 0.05)  # a driven car
+    assert min(identify(CAR, [(pushed, density)]).mean) == 0.0
+
+
+def test_sigma_of_the_deceleration_is_that_of_draws(coast):
+    found = identify(CAR, [seen(coast)])
+    rng = np.random.default_rng(1)
+    draws = rng.multivariate_normal(found.mean, found.covariance, 20_000).T
+    speeds = np.array([3.0, 20.0, 40.0])
+    spread = [np.std(deceleration(draws, v)) for v in speeds]
+    assert found.sigma_z(CAR, speeds) == pytest.approx(spread, rel=0.03)

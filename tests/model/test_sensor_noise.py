@@ -1,0 +1,95 @@
+"""Sensor noise against the law that it is drawn from."""
+
+import numpy as np
+import pytest
+
+from calib.logs.log import Log
+from calib.model.sensor_noise import LEVELS, TIME_CONSTANT, NoiseLevel, add_noise, reading
+
+N, DT = 200_000, 0.005
+
+
+def noise(level, seed=1, dt=DT):
+    return reading(np.zeros(N), level, dt, np.random.default_rng(seed))
+
+
+def made_log(**more):
+    time = np.arange(2000) * DT
+    channels = {"time": time, "a_x": -3.0 + 0.0 * time, "omega_fl": 80.0 - time, **more}
+    return Log("made", "test", "d", channels, truth={"true_Tb_fl": time}, notes=("first",))
+
+
+@pytest.mark.parametrize("coloured", [0.0, 0.2, 0.45, 1.0])
+@pytest.mark.parametrize("dt", [0.001, 0.025])
+def test_variance_and_correlation_are_those_of_the_law(coloured, dt):
+    """r(k) = c a^k for k > 0; a sample of N has sd sqrt(2 tau/(N dt)) in r, five of it allowed."""
+    x = noise(NoiseLevel(0.05, coloured), dt=dt)
+    a = np.exp(-dt / TIME_CONSTANT)
+    scatter = np.sqrt((1.0 + a * a) / (1.0 - a * a) / N) if coloured else 1.0 / np.sqrt(N)
+    assert np.var(x) == pytest.approx(0.05**2, rel=5.0 * np.sqrt(2.0) * scatter)
+    for lag in (1, 5, 20):
+        r = np.mean(x[lag:] * x[:-lag]) / np.var(x)
+        assert r == pytest.approx(coloured * a**lag, abs=5.0 * scatter)
+
+
+def test_spectrum_is_white_plus_a_first_order_low_pass():
+    """Mean of m periodogram bins has relative sd 1/sqrt(m); five of it are allowed."""
+    x = noise(NoiseLevel(1.0, 0.45))
+    power = np.abs(np.fft.rfft(x)) ** 2 / N
+    f = np.fft.rfftfreq(N, DT)
+    a = np.exp(-DT / TIME_CONSTANT)
+    law = 0.55 + 0.45 * (1.0 - a * a) / np.abs(1.0 - a * np.exp(-2j * np.pi * f * DT)) ** 2
+    for low, high in ((0.1, 1.0), (1.0, 5.0), (5.0, 20.0), (20.0, 100.0)):
+        band = (f > low) & (f < high)
+        ratio = np.mean(power[band] / law[band])
+        assert ratio == pytest.approx(1.0, abs=5.0 / np.sqrt(np.sum(band)))
+
+
+def test_the_first_sample_is_as_noisy_as_the_others():
+    first = [
+        reading(np.zeros(3), NoiseLevel(1.0, 1.0), DT, np.random.default_rng(s))[0]
+        for s in range(2000)
+    ]
+    assert np.var(first) == pytest.approx(1.0, rel=5.0 * np.sqrt(2.0 / 2000))
+
+
+def test_rounding_adds_a_twelfth_of_its_step_squared():
+    x = noise(NoiseLevel(0.1, 0.0, 0.1))
+    assert x / 0.1 == pytest.approx(np.round(x / 0.1), abs=1e-9)
+    assert np.var(x) == pytest.approx(0.1**2 + 0.1**2 / 12.0, rel=5.0 * np.sqrt(2.0 / N))
+
+
+def test_a_sensor_with_a_floor_reads_nothing_below_it():
+    x = noise(NoiseLevel(1.0, floor=0.0))
+    assert np.min(x) == 0.0
+    assert np.mean(x) == pytest.approx(1.0 / np.sqrt(2.0 * np.pi), rel=0.02)
+
+
+def test_same_seed_same_noise_and_every_channel_its_own():
+    log = made_log(omega_fr=80.0 - np.arange(2000) * DT)
+    once, again, other = add_noise(log, 3), add_noise(log, 3), add_noise(log, 4)
+    assert np.array_equal(once["a_x"], again["a_x"])
+    assert once.digest == again.digest != other.digest
+    assert not np.array_equal(once["a_x"], other["a_x"])
+    assert not np.array_equal(once["omega_fl"], once["omega_fr"])
+
+
+def test_one_more_channel_changes_no_other():
+    more = add_noise(made_log(v=np.full(2000, 20.0)), 3)
+    assert np.array_equal(add_noise(made_log(), 3)["a_x"], more["a_x"])
+
+
+def test_clock_truth_and_channels_without_a_level_are_left_alone():
+    log = made_log(steering=np.zeros(2000))
+    noisy = add_noise(log, 1)
+    for channel in ("time", "steering"):
+        assert np.array_equal(noisy[channel], log[channel])
+    assert np.array_equal(noisy.truth["true_Tb_fl"], log.truth["true_Tb_fl"])
+    assert noisy.notes == ("first", "sensor noise added with seed 1")
+
+
+def test_the_usual_levels_are_those_of_the_log():
+    noisy = add_noise(made_log(), 1)
+    error = noisy["omega_fl"] - made_log()["omega_fl"]
+    expected = np.hypot(LEVELS["omega_fl"].sd, LEVELS["omega_fl"].quantum / np.sqrt(12.0))
+    assert np.std(error) == pytest.approx(expected, rel=0.15)

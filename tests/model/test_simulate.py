@@ -1,0 +1,395 @@
+"""The simulation against closed forms, balances, and a plant that shares nothing with it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from calib.base.errors import ModelError
+from calib.base.names import WHEELS, G
+from calib.car import forces
+from calib.car.effects.effects import Effects
+from calib.car.magic_formula import MagicFormula
+from calib.car.model import Model, Surface, default_model
+from calib.car.vehicle_file import read_vehicle
+from calib.model.simulate import simulate
+from tests.support import effect_runs
+from tests.support.plant import Plant, drive, magic
+
+SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
+DRAG = {"aerodynamic_drag": {"drag_area": 0.66}}
+ROLLING = {"rolling_resistance": {"coefficient": 0.011}}
+BOTH = DRAG | ROLLING
+TYRE = MagicFormula(25.0, 0.9, 1.65, 0.1)
+
+
+def model(effects=BOTH, vehicle=SEDAN, tyre=TYRE, **changes) -> Model:
+    return replace(default_model(vehicle), effects=Effects(effects), tyre=tyre, **changes)
+
+
+def clock(duration, rate=200):
+    return np.arange(round(duration * rate) + 1) / rate
+
+
+def ramp(t):
+    return max(t - 1.0, 0.0) * 6e5
+
+
+def sampled(pressure, time):
+    return np.array([pressure(t) for t in time])
+
+
+def rotating_mass(vehicle):
+    return sum(2.0 * a.wheel_inertia / a.rolling_radius**2 for a in (vehicle.front, vehicle.rear))
+
+
+def apart(log, run, channel):
+    n = min(log.time.size, run["time"].size)
+    mine = log.channels[channel] if channel in log.channels else log.truth[channel]
+    return np.max(np.abs(mine[:n] - run[channel][:n]))
+
+
+# Closed forms ------------------------------------------------------------------------------------
+
+
+def test_without_pressure_and_effects_nothing_happens():
+    log = simulate(model({}), clock(5), np.zeros(1001), 20.0)
+    assert log["v"] == pytest.approx(20.0, abs=1e-12)
+    assert log["omega_rl"] == pytest.approx(20.0 / SEDAN.rear.rolling_radius)
+    assert np.all(log["a_x"] == 0.0)
+
+
+def test_coasting_against_drag_alone():
+    """(M + J/R^2) dv/dt = -k v^2 gives v = v0/(1 + k v0 t/m)."""
+    log = simulate(model(DRAG), clock(20), np.zeros(4001), 33.0)
+    k = 0.5 * 1.2 * 0.66 / (SEDAN.mass + rotating_mass(SEDAN))
+    assert log["v"] == pytest.approx(33.0 / (1.0 + k * 33.0 * log.time), rel=1e-6)
+    assert np.all(log.truth["true_Fx_fl"] < 0.0)  # the road slows the wheels, they push the car
+
+
+def test_coasting_against_rolling_resistance_alone():
+    """(M + J/R^2) dv/dt = -c_rr M g, and every tyre brakes by what its bearing does not need."""
+    log = simulate(model(ROLLING), clock(20), np.zeros(4001), 33.0)
+    z = 0.011 * SEDAN.mass / (SEDAN.mass + rotating_mass(SEDAN))
+    assert log["a_x"] == pytest.approx(-G * z, rel=1e-4)
+    force = log.truth["true_Fx_fl"]
+    spin = np.gradient(log["omega_fl"], log.time)
+    moment = 0.011 * log.truth["true_Fz_fl"] * SEDAN.front.rolling_radius
+    assert force == pytest.approx(forces.tyre_force(SEDAN.front, 0.0, spin, moment), abs=0.02)
+    assert np.all(force > 0.0)
+
+
+def test_without_wheel_inertia_the_torque_is_the_force():
+    bare = replace(
+        SEDAN,
+        front=replace(SEDAN.front, wheel_inertia=0.0),
+        rear=replace(SEDAN.rear, wheel_inertia=0.0),
+    )
+    time = clock(6)
+    pressure = sampled(ramp, time)
+    log = simulate(model({}, bare), time, pressure, 33.0)
+    gain = 2.0 * (
+        bare.front.pad_friction * bare.front.torque_gain / bare.front.rolling_radius
+        + bare.rear.pad_friction * bare.rear.torque_gain / bare.rear.rolling_radius
+    )
+    z = gain * pressure / bare.weight
+    assert log["a_x"] == pytest.approx(-G * z, abs=1e-8)
+    F_zf = forces.axle_loads(bare, z)[0]
+    F_f = log.truth["true_Tb_fl"] / bare.front.rolling_radius / (0.5 * F_zf)
+    slip = TYRE.slip(F_f, 2.0 * F_zf / bare.weight)
+    assert forces.slip(bare.front, log["omega_fl"], log["v"]) == pytest.approx(slip, abs=1e-9)
+
+
+# Balances ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ramped():
+    time = clock(12)
+    return simulate(model(), time, sampled(ramp, time), 33.0)
+
+
+def test_forces_sum_to_mass_times_deceleration(ramped):
+    total = sum(ramped.truth[f"true_Fx_{w}"] for w in WHEELS)
+    drag = 0.5 * 1.2 * 0.66 * ramped["v"] ** 2
+    assert total + drag == pytest.approx(-SEDAN.mass * ramped["a_x"], rel=1e-8)
+
+
+def test_loads_sum_to_the_weight_and_follow_the_live_deceleration(ramped):
+    total = sum(ramped.truth[f"true_Fz_{w}"] for w in WHEELS)
+    assert total == pytest.approx(SEDAN.weight, rel=1e-12)
+    F_zf, _ = forces.axle_loads(SEDAN, -ramped["a_x"] / G)
+    assert 2.0 * ramped.truth["true_Fz_fr"] == pytest.approx(F_zf, rel=1e-8)
+
+
+@pytest.mark.parametrize("w", WHEELS)
+def test_equation_1_holds_in_every_sample(ramped, w):
+    axle = SEDAN.front if w[0] == "f" else SEDAN.rear
+    spin = np.diff(ramped[f"omega_{w}"]) / np.diff(ramped.time)
+    moment = 0.011 * ramped.truth[f"true_Fz_{w}"] * axle.rolling_radius
+    asked = forces.tyre_force(axle, ramped.truth[f"true_Tb_{w}"][1:], spin, moment[1:])
+    assert asked == pytest.approx(ramped.truth[f"true_Fx_{w}"][1:], abs=1e-3)
+
+
+def energy_missing(rate):
+    """Share of the kinetic energy lost that brakes, rolling, slip and drag do not account for."""
+    time = clock(12, rate)
+    log = simulate(model(), time, sampled(ramp, time), 33.0)
+    v, heat = log["v"], 0.5 * 1.2 * 0.66 * log["v"] ** 3
+    kinetic = 0.5 * SEDAN.mass * v**2
+    for w in WHEELS:
+        axle = SEDAN.front if w[0] == "f" else SEDAN.rear
+        omega, load = log[f"omega_{w}"], log.truth[f"true_Fz_{w}"]
+        moment = log.truth[f"true_Tb_{w}"] + 0.011 * load * axle.rolling_radius
+        sliding = v - axle.rolling_radius * omega
+        heat = heat + moment * omega + log.truth[f"true_Fx_{w}"] * sliding
+        kinetic = kinetic + 0.5 * axle.wheel_inertia * omega**2
+    lost = kinetic[0] - kinetic[-1]
+    return (lost - np.trapezoid(heat, log.time)) / lost
+
+
+def test_energy_is_accounted_for():
+    """A backward difference loses J (d omega)^2/2 a step, so what is missing goes with the step."""
+    coarse, fine = energy_missing(200), energy_missing(400)
+    assert coarse < 1e-4
+    assert 2.0 * fine - coarse == pytest.approx(0.0, abs=1e-6)
+
+
+# Against the plant -------------------------------------------------------------------------------
+
+PLANT = Plant(
+    SEDAN, tyre=magic(25.0, 0.9, 1.65, 0.0, 0.1), drag_area=0.66, rolling_resistance=0.011
+)
+
+
+def step(t):
+    return min(max(t - 1.0, 0.0) * 200e5, 35e5)
+
+
+def wave(t):
+    return 25e5 + 10e5 * np.sin(5.0 * t)
+
+
+@pytest.mark.parametrize("pressure", [ramp, step, wave])
+@pytest.mark.parametrize("rate", [40, 200, 1000])
+def test_follows_the_plant(pressure, rate):
+    """The wheel's lag is known to half a sample: of that size, and no more, is the difference."""
+    run = drive(PLANT, pressure, 30.0, duration=5.0, rate=rate)
+    log = simulate(model(), run["time"], sampled(pressure, run["time"]), 30.0)
+    assert log.time.size == run["time"].size
+    fastest = np.max(np.abs(np.diff(run["p_mc"]))) * 0.5
+    force = 2.0 * SEDAN.front.pad_friction * SEDAN.front.torque_gain / SEDAN.front.rolling_radius
+    assert apart(log, run, "true_Fx_fl") < force * fastest
+    # The wheels' momentum, half a sample late; twice, because the slip is late as well.
+    late = rotating_mass(SEDAN) / SEDAN.mass * np.max(np.abs(run["a_x"])) / rate
+    assert apart(log, run, "v") < late
+    eta = run["omega_rl"] / run["omega_fl"]
+    off = np.abs(log["omega_rl"] / log["omega_fl"] - eta)
+    assert np.median(off) < 0.05 * np.max(np.abs(np.diff(eta)))
+    assert apart(log, run, "true_Tb_rr") < 1e-6
+
+
+def test_half_the_step_halves_the_difference():
+    found = []
+    for rate in (200, 400):
+        run = drive(PLANT, ramp, 30.0, duration=5.0, rate=rate, rtol=1e-10)
+        log = simulate(model(), run["time"], sampled(ramp, run["time"]), 30.0)
+        found.append(apart(log, run, "v"))
+    assert found[0] / found[1] == pytest.approx(2.0, abs=0.2)
+
+
+def test_follows_the_plant_with_a_pressure_of_its_own_on_one_wheel():
+    own = {"fl": lambda t: 0.8 * ramp(t)}
+    run = drive(PLANT, ramp, 30.0, duration=5.0, wheel_pressure=own)
+    log = simulate(model(), run["time"], run["p_mc"], 30.0, wheel_pressure={"fl": run["p_fl"]})
+    assert apart(log, run, "omega_fl") < 2e-3
+    assert apart(log, run, "omega_fr") < 2e-3
+    assert np.max(log["omega_fl"] - log["omega_fr"]) > 0.1
+    assert np.array_equal(log["p_fl"], run["p_fl"])
+    assert "p_fr" not in log
+
+
+def test_follows_the_plant_over_a_change_of_road():
+    def road(x):
+        into = min(max((x - 60.0) / 0.3, 0.0), 1.0)
+        return 0.7**into, 0.6**into
+
+    run = drive(replace(PLANT, surface=road), lambda t: 25e5, 30.0, duration=5.0)
+    changed = model(surfaces=(Surface(60.0, "m", 0.7, 0.6),))
+    log = simulate(changed, run["time"], run["p_mc"], 30.0)
+    assert apart(log, run, "v") < 2e-3
+    eta = np.abs(log["omega_rl"] / log["omega_fl"] - run["omega_rl"] / run["omega_fl"])
+    assert np.median(eta) < 1e-6
+    same = simulate(model(), run["time"], run["p_mc"], 30.0)
+    assert np.max(np.abs(same["omega_fl"] - run["omega_fl"])) > 0.3
+
+
+def test_a_surface_may_begin_at_a_time():
+    time = clock(5)
+    pressure = np.full(time.size, 25e5)
+    by_time = simulate(model(surfaces=(Surface(2.0, "s", 0.7, 0.6),)), time, pressure, 30.0)
+    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (by_time["v"][1:] + by_time["v"][:-1]))])
+    there = float(np.interp(2.0, time, travelled / 200.0))
+    by_road = simulate(model(surfaces=(Surface(there, "m", 0.7, 0.6),)), time, pressure, 30.0)
+    assert by_road["omega_fl"] == pytest.approx(by_time["omega_fl"], abs=1e-4)
+
+
+# Ends --------------------------------------------------------------------------------------------
+
+
+def test_ends_at_the_stop_speed():
+    log = simulate(model(), clock(30), np.full(6001, 30e5), 20.0, stop_speed=2.0)
+    assert 2.0 <= log["v"][-1] < 2.05
+    assert log["v"][-1] + log["a_x"][-1] / 200.0 < 2.0
+    assert "slower than 2 m/s" in log.notes[-1]
+
+
+def test_ends_before_a_wheel_passes_the_peak_and_says_so():
+    time = clock(5)
+    log = simulate(model(), time, 15e5 * time, 33.0)
+    last = log.time.size
+    assert last < time.size
+    assert f"{time[last]:.3f} s" in log.notes[-1]
+    assert "peak of its tyre" in log.notes[-1]
+    named = [w for w in WHEELS if f"wheel {w}" in log.notes[-1]]
+    assert named
+    for w in named:
+        used = log.truth[f"true_Fx_{w}"][-1] / log.truth[f"true_Fz_{w}"][-1]
+        assert 0.98 * TYRE.peak < used < TYRE.peak
+
+
+def test_the_plant_locks_the_wheel_that_the_note_names():
+    run = drive(PLANT, lambda t: 15e5 * t, 33.0, duration=5.0)
+    log = simulate(model(), run["time"], run["p_mc"], 33.0)
+    slip = {w: 1.0 - 0.322 * run[f"omega_{w}"] / run["v"] for w in WHEELS}
+    peak = float(TYRE.slip_at(1.0, 0.7))
+    first = min(int(np.argmax(slip[w] > peak)) for w in WHEELS if np.any(slip[w] > peak))
+    assert abs(first - log.time.size) <= 4
+
+
+def test_a_note_is_there_when_the_pressure_ends_first():
+    log = simulate(model(), clock(2), np.full(401, 10e5), 20.0)
+    assert log.time.size == 401
+    assert "ends with its pressure at 2.000 s" in log.notes[-1]
+
+
+@settings(max_examples=20)
+@given(st.integers(50, 1500), st.floats(10e5, 80e5), st.floats(5.0, 40.0))
+def test_what_comes_later_does_not_change_what_was(cut, pressure, v0):
+    time = clock(8)
+    p = pressure * (1.0 + 0.3 * np.sin(7.0 * time))
+    try:
+        whole = simulate(model(), time, p, v0)
+    except ModelError:
+        return  # beyond the tyre from the start
+    part = simulate(model(), time[:cut], p[:cut], v0)
+    n = part.time.size
+    assert n == min(cut, whole.time.size)
+    for channel in ("v", "a_x", "omega_fl", "omega_rr"):
+        assert part[channel] == pytest.approx(whole[channel][:n], abs=1e-6)
+
+
+@given(st.floats(0.2, 0.5), st.floats(1.01, 1.2))
+@settings(max_examples=20)
+def test_more_friction_brakes_more_everywhere(friction, more):
+    time = clock(3)
+    p = np.full(time.size, 20e5)
+    weak = simulate(model(pad_friction_f=friction), time, p, 33.0)
+    strong = simulate(model(pad_friction_f=friction * more), time, p, 33.0)
+    assert np.all(strong["a_x"] < weak["a_x"])
+    assert np.all(strong["v"][1:] < weak["v"][1:])
+
+
+# Doors -------------------------------------------------------------------------------------------
+
+
+def test_equal_wheel_pressures_are_the_master_cylinder_pressure(ramped):
+    time = clock(12)
+    p = sampled(ramp, time)
+    log = simulate(model(), time, p, 33.0, wheel_pressure=dict.fromkeys(WHEELS, p))
+    for w in WHEELS:
+        assert log[f"omega_{w}"] == pytest.approx(ramped[f"omega_{w}"], abs=1e-9)
+
+
+def test_an_uneven_clock_gives_the_same_run(ramped):
+    time = np.sort(np.concatenate([clock(12), clock(11.9)[::3] + 0.0013]))
+    log = simulate(model(), time, sampled(ramp, time), 33.0)
+    at = np.interp(ramped.time, log.time, log["v"])
+    assert at == pytest.approx(ramped["v"], abs=1e-3)
+
+
+def test_noise_on_the_pressure_does_not_unsettle_it():
+    time = clock(8, 1000)
+    p = sampled(ramp, time) + np.random.default_rng(0).normal(0.0, 0.5e5, time.size)
+    quiet = simulate(model(), time, sampled(ramp, time), 33.0)
+    assert simulate(model(), time, p, 33.0)["v"] == pytest.approx(quiet["v"], abs=0.01)
+
+
+def test_truth_names_the_pads_and_digest_the_content(ramped):
+    assert set(ramped.truth["true_mu_pad_f"]) == {0.38}
+    time = clock(12)
+    again = simulate(model(), time, sampled(ramp, time), 33.0)
+    other = simulate(model(), time, sampled(ramp, time), 32.0)
+    assert again.digest == ramped.digest != other.digest
+
+
+@pytest.mark.parametrize(
+    ("time", "pressure", "v0", "says"),
+    [
+        (clock(1), np.zeros(201), 0.5, "first speed 0.5"),
+        (clock(1), np.zeros(201), np.nan, "first speed nan"),
+        (clock(1), np.zeros(200), 20.0, "shape"),
+        (clock(1), np.full(201, np.nan), 20.0, "not finite"),
+        (clock(1)[::-1], np.zeros(201), 20.0, "time does not increase"),
+        (np.zeros(1), np.zeros(1), 20.0, "time does not increase"),
+        (clock(1), np.full(201, 300e5), 20.0, "peak of its tyre"),
+    ],
+)
+def test_refuses_what_cannot_be_driven(time, pressure, v0, says):
+    with pytest.raises(ModelError, match=says):
+        simulate(model(), time, pressure, v0)
+
+
+def test_refuses_an_axle_that_lifts():
+    huge = {"aerodynamic_drag": {"drag_area": 100.0}}
+    with pytest.raises(ModelError, match="rear axle would lift"):
+        simulate(model(huge), clock(1), np.zeros(201), 33.0)
+
+
+def test_unknown_wheel_is_refused():
+    with pytest.raises(ModelError, match="fx"):
+        simulate(model(), clock(1), np.zeros(201), 20.0, wheel_pressure={"fx": np.zeros(201)})
+
+
+def test_disc_temperatures_are_handed_through_and_looked_at():
+    time, heat = clock(1), np.linspace(80.0, 120.0, 201)
+    log = simulate(model(), time, np.zeros(201), 20.0, temperature={"r": heat})
+    assert np.array_equal(log["T_disc_r"], heat)
+    assert "T_disc_f" not in log
+    with pytest.raises(ModelError, match="unknown axle 'x'"):
+        simulate(model(), time, np.zeros(201), 20.0, temperature={"x": heat})
+    with pytest.raises(ModelError, match="not finite"):
+        simulate(model(), time, np.zeros(201), 20.0, temperature={"f": heat * np.nan})
+
+
+def test_an_unknown_effect_is_refused():
+    with pytest.raises(ModelError, match="unknown effect 'fad'"):
+        simulate(model({"fad": {}}), clock(1), np.zeros(201), 20.0)
+
+
+def test_tyres_that_need_a_way_follow_the_plant():
+    def pedal(t):
+        return 10e5 * (1.0 - np.cos(6.0 * t))  # rises by up to 60 bar/s
+
+    run = effect_runs.on_the_plant(pedal, v0=20.0, duration=2.0, relaxation=0.4)
+    off = {}
+    for way in (0.0, 0.4):
+        tyre = replace(effect_runs.TYRE, relaxation=way)
+        model = replace(default_model(SEDAN), effects=Effects({}), tyre=tyre)
+        time = effect_runs.clock(2.0)
+        log = simulate(model, time, np.array([pedal(t) for t in time]), 20.0)
+        off[way] = max(effect_runs.apart(log, run, f"omega_{w}") for w in ("fl", "rl"))
+    assert off[0.4] < 0.25 * off[0.0]

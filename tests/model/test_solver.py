@@ -1,0 +1,95 @@
+"""The solver: sums over twins, what the history holds, where a run ends, and that it converges."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.errors import ModelError
+from calib.car.brakes import brakes_of
+from calib.car.effects.effects import Effects
+from calib.car.history import at_rest
+from calib.car.magic_formula import MagicFormula
+from calib.car.model import default_model
+from calib.model.solver import ITERATIONS, Drive, end_of, history_of, solve
+from tests.support.effect_runs import SEDAN
+
+TIME = np.arange(801) / 200.0
+NO_DRIVE = (np.zeros(TIME.size), np.zeros(TIME.size))
+DRAG = {"aerodynamic_drag": {"drag_area": 0.66}}
+
+
+def run_with(effects, pressure=25e5, **own):
+    model = replace(default_model(SEDAN), effects=Effects(effects))
+    rest = at_rest(TIME, np.full(TIME.size, pressure), 30.0)
+    return Drive(brakes_of(model, rest, own), rest, 30.0, 1.0, NO_DRIVE)
+
+
+def test_a_wheel_without_its_twin_counts_twice():
+    run = run_with({})
+    one = np.ones(3)
+    assert np.array_equal(run.total({"fl": one, "rl": 10.0 * one}), [22.0] * 3)
+    assert np.array_equal(run.total({"fl": one, "fr": 3.0 * one, "rl": 10.0 * one}), [24.0] * 3)
+
+
+def test_equal_twins_sum_to_the_last_bit_as_one_for_both():
+    front, rear = np.random.default_rng(0).normal(3000.0, 1000.0, (2, 1000))
+    run = run_with({})
+    four = run.total({"fl": front, "fr": front, "rl": rear, "rr": rear})
+    assert np.array_equal(four, run.total({"fl": front, "rl": rear}))
+
+
+def test_what_the_brakes_and_the_road_took_is_what_the_car_lost():
+    run = run_with(DRAG)
+    state = solve(run)
+    history = history_of(run, state)
+    R = SEDAN.front.rolling_radius
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (state.v[1:] + state.v[:-1])) / 200.0])
+    assert history.angle_f[-1] == pytest.approx(way[-1] / R, rel=0.02)  # less by the slip
+    assert history.angle_f[-1] < history.angle_r[-1] < way[-1] / R
+    spinning = SEDAN.front.wheel_inertia + SEDAN.rear.wheel_inertia
+    moving = (0.5 * SEDAN.mass + spinning / R**2) * (30.0**2 - state.v[-1] ** 2)
+    drag = np.trapezoid(0.6 * 0.66 * state.v**3, TIME)
+    heat = 2.0 * (history.energy_f[-1] + history.energy_r[-1])
+    assert heat == pytest.approx(moving - drag, rel=0.02)  # the rest is left on the road
+    assert heat < moving - drag
+
+
+def test_without_effects_no_history_is_made():
+    run = run_with({})
+    assert history_of(run, solve(run)) is run.rest
+
+
+def test_an_axle_lifts_when_its_load_has_left_and_not_before():
+    """Quasi-static the rear lifts at z = l_f/h; on slow springs the car brakes harder by then."""
+    tall = replace(SEDAN, cg_height=1.6, cg_to_front_axle=0.9, cg_to_rear_axle=1.7)
+    pitch = {"elastic_share": 1.0, "natural_frequency": 3.0, "damping": 0.9, "pitch_gradient": 0.0}
+    grip, reached = MagicFormula(60.0, 3.0), []
+    for effects in ({}, {"pitch_coupling": pitch}):
+        model = replace(
+            default_model(tall), effects=Effects(effects), tyre=grip, pad_friction_r=0.0
+        )
+        rest = at_rest(TIME, np.clip(TIME - 0.5, 0.0, None) * 60e5, 40.0)
+        run = Drive(brakes_of(model, rest, {}), rest, 40.0, 1.0, NO_DRIVE)
+        state = solve(run)
+        end, why = end_of(run, state)
+        assert "the rear axle would lift" in why
+        reached.append(state.z[end - 1])
+    assert reached[0] == pytest.approx((0.9 - 0.01 * 2.6) / 1.6, abs=0.002)  # 1 % of W is left
+    assert reached[1] > 1.1 * reached[0]
+
+
+@pytest.mark.parametrize("strength", [0.02, -0.02])
+def test_strong_effects_converge_with_iterations_to_spare(strength, monkeypatch):
+    monkeypatch.setattr("calib.model.solver.ITERATIONS", ITERATIONS // 2)
+    effects = {
+        "pad_speed_dependence": {"speed_slope": strength},
+        "wet_pad_recovery": {"wet_loss": 0.95, "dry_energy": 60e3},
+    }
+    solve(run_with(effects, 15e5))
+
+
+def test_refuses_what_has_not_converged(monkeypatch):
+    monkeypatch.setattr("calib.model.solver.ITERATIONS", 2)
+    with pytest.raises(ModelError, match="did not converge in 2 iterations"):
+        solve(run_with(DRAG))

@@ -1,0 +1,166 @@
+"""The accelerometer against runs worked out by hand: scale, bias, grade and drag told apart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.names import G
+from calib.run.accelerometer import accelerometer
+from calib.run.blocks import Blocks
+
+STEP, COUNT, LEAD = 0.05, 160, 30
+DENSITY_Z, DENSITY_V = 4e-3, 1.4e-3
+RESIST = 0.015
+TIME = STEP * np.arange(1, COUNT + 1)
+BRAKED = TIME > STEP * LEAD
+
+
+def run(seed=0, *, scale=0.0, bias=0.0, grade=0.0, drag=0.0, lag=0.0, noisy=True):
+    """1.5 s of rolling, then a stop at 0.4 g; returns the blocks and what the tyres feel in z [1].
+
+    ``scale`` of the reading, ``bias`` [g]; ``grade`` [g], uphill positive, one number or one for
+    each block; ``drag`` [g] besides the known resistance while the car rolls; ``lag`` [s] by which
+    v is late.
+    """
+    rng = np.random.default_rng(seed)
+    felt = np.where(BRAKED, 0.4, RESIST + drag)
+    speed = 35.0 - np.cumsum(G * (felt - grade)) * STEP
+    per_block = noisy / np.sqrt(STEP)
+    z = felt * (1.0 + scale) + bias + per_block * DENSITY_Z * rng.standard_normal(COUNT)
+    late = speed + G * (felt - grade) * lag
+    v = late + per_block * DENSITY_V * rng.standard_normal(COUNT)
+    zero = np.zeros(COUNT)
+    b = Blocks(
+        end=TIME,
+        p_f=np.where(BRAKED, 2e6, 0.0),
+        p_r=np.where(BRAKED, 2e6, 0.0),
+        drive_f=zero,
+        drive_r=zero,
+        z=z,
+        omega_f=v / 0.3,
+        omega_r=v / 0.3,
+        v=v,
+        speed=v,
+        spin_f=zero,
+        spin_r=zero,
+        lead_in=~BRAKED,
+        samples=10,
+        length=STEP,
+    )
+    return b, felt
+
+
+def judged(b):
+    return accelerometer(b, b.z - RESIST, np.full(COUNT, 1e-3), DENSITY_Z, DENSITY_V)
+
+
+def test_a_good_sensor_is_left_alone():
+    b, felt = run()
+    sensor = judged(b)
+    assert abs(sensor.scale[-1]) < 0.012
+    assert abs(sensor.bias[-1]) < 0.003
+    assert sensor.corrected(felt)[-1] == pytest.approx(0.4, rel=0.01)
+
+
+@pytest.mark.parametrize("scale", [-0.05, 0.05])
+def test_a_scale_is_taken_out(scale):
+    b, felt = run(scale=scale)
+    sensor = judged(b)
+    assert sensor.corrected(felt * (1.0 + scale))[-1] == pytest.approx(0.4, rel=0.02)
+    assert np.sqrt(sensor.variance_scale[-1]) < 0.012
+
+
+@pytest.mark.parametrize("size", [-0.03, 0.03])
+def test_a_bias_is_taken_out_and_a_grade_is_not(size):
+    """Both look alike against v; the rolling car reads a bias, and on a slope its resistance."""
+    b, felt = run(bias=size)
+    assert judged(b).corrected(felt + size)[-1] == pytest.approx(0.4, rel=0.02)
+    b, felt = run(grade=size)
+    sensor = judged(b)
+    assert sensor.corrected(felt)[-1] == pytest.approx(0.4, rel=0.02)
+    assert sensor.grade[-1] == pytest.approx(size, abs=0.008)
+
+
+def test_drag_on_the_lead_in_is_no_bias():
+    """v slows as a_x says, so nothing is wrong with a_x."""
+    sensor = judged(run(drag=0.04)[0])
+    assert abs(sensor.bias[-1]) < 0.008
+    assert sensor.drag[-1] == pytest.approx(0.04, abs=0.01)
+
+
+@pytest.mark.parametrize("lag", [-0.02, 0.02])
+def test_v_that_is_late_is_no_scale(lag):
+    """v is off by g z lag from the bite on: one step of 0.08 m/s and not a growing error."""
+    sensor = judged(run(lag=lag)[0])
+    # 0.08 of the 30 m/s that the stop takes off would be a scale of 0.3 %, were it not for the lag
+    assert abs(sensor.scale[-1]) < 2.0 * np.sqrt(sensor.variance_scale[-1])
+    assert abs(sensor.bias[-1]) < 0.003
+
+
+def test_without_v_a_bias_and_a_drag_stay_in_doubt():
+    b, _ = run(bias=0.03)
+    with_v, without = judged(b), judged(replace(b, v=None))
+    assert np.sqrt(without.variance_bias[-1]) > 2.0 * np.sqrt(with_v.variance_bias[-1])
+    assert np.sqrt(without.variance_scale[-1]) == pytest.approx(0.02, rel=0.02)
+
+
+def test_a_block_depends_on_earlier_ones_only():
+    b, _ = run(bias=0.02, scale=0.03)
+    later = np.arange(COUNT) >= 100
+    other = replace(b, z=np.where(later, 0.1, b.z), v=np.where(later, 50.0, b.v))
+    one, two = judged(b), judged(other)
+    assert np.array_equal(one.scale[:96], two.scale[:96])
+    assert np.array_equal(one.bias[:96], two.bias[:96])
+
+
+def test_the_sigma_is_that_of_the_errors():
+    """200 runs with scales, biases, grades and drags as the priors have them."""
+    rng = np.random.default_rng(5)
+    inside = []
+    for seed in range(200):
+        hidden = {
+            "scale": rng.normal(0.0, 0.02),
+            "bias": rng.normal(0.0, 0.03) * (rng.random() < 0.15),
+            "grade": rng.normal(0.0, 0.03) * (rng.random() < 0.3),
+            "drag": rng.normal(0.0, 0.03) * (rng.random() < 0.15),
+        }
+        b, felt = run(seed, **hidden)
+        sensor = judged(b)
+        read = felt * (1.0 + hidden["scale"]) + hidden["bias"]
+        error = sensor.corrected(read) - felt
+        inside.append(abs(error[-1]) < 1.96 * sensor.sigma(read)[-1])
+    assert 0.9 < np.mean(inside) < 0.995
+
+
+@pytest.mark.parametrize("size", [-0.04, 0.03])
+@pytest.mark.parametrize("turns", [0.6, 0.8])
+def test_a_slope_that_changes_is_felt_by_the_tyres_and_is_no_scale(size, turns):
+    b, felt = run(grade=size * np.sin(turns * TIME))
+    sensor = judged(b)
+    assert sensor.wanders[-1] > 0.99
+    assert sensor.disagrees[-1] > abs(size)
+    error = (sensor.corrected(felt) - felt)[BRAKED][40:]
+    assert np.mean(np.abs(error) < 1.96 * sensor.sigma(felt)[BRAKED][40:]) > 0.9
+    assert np.all(np.abs(error) < 0.4 * 0.04)
+
+
+def test_a_steady_slope_and_a_wrong_sensor_are_no_slope_that_changes():
+    for hidden in ({}, {"grade": 0.03}, {"scale": 0.03}, {"bias": 0.03}, {"lag": 0.02}):
+        assert judged(run(**hidden)[0]).wanders[-1] < 0.3
+
+
+@pytest.mark.parametrize("scale", [0.22, 0.5, -0.3])
+def test_a_scale_that_no_sensor_has_is_another_cause(scale):
+    sensor = judged(run(scale=scale)[0])
+    other = sensor.other_scale[-1]
+    assert other / (1.0 - other) == pytest.approx(scale, abs=0.04)
+
+
+@pytest.mark.parametrize("hidden", [{}, {"scale": 0.05}, {"grade": 0.15}, {"lag": 0.02}])
+def test_what_a_sensor_or_a_road_has_is_no_other_cause(hidden):
+    b, felt = run(**hidden)
+    sensor = judged(b)
+    assert sensor.other_scale[-1] == 0.0
+    error = (sensor.corrected(b.z) - felt)[BRAKED][40:]
+    assert abs(np.mean(error)) < 0.01  # a slope of 15 % is a slope

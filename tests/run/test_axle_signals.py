@@ -1,0 +1,119 @@
+"""Axle signals of made runs."""
+
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+
+from calib.base.errors import LogError
+from calib.run.axle_signals import signals
+from tests.support.made_runs import changed, made_run, stop
+from tests.support.tables import VEHICLE
+
+DT = 0.005
+floats = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
+RUN = made_run()
+
+
+def test_axle_means_and_signs():
+    s = signals(RUN, VEHICLE)
+    assert np.array_equal(s.omega_f, 0.5 * (RUN["omega_fl"] + RUN["omega_fr"]))
+    assert np.array_equal(s.omega_r, 0.5 * (RUN["omega_rl"] + RUN["omega_rr"]))
+    assert s.z == pytest.approx(-RUN["a_x"] / 9.80665)
+    assert s.speed is s.v is RUN["v"]
+    assert s.sample_time == pytest.approx(DT)
+    assert np.array_equal(s.p_f, RUN["p_mc"])
+
+
+def test_wheel_pressures_count_where_an_axle_has_both():
+    p = RUN["p_mc"]
+    both = changed(RUN, p_fl=0.9 * p, p_fr=0.8 * p, p_rl=0.5 * p, p_rr=0.6 * p)
+    s = signals(both, VEHICLE)
+    assert s.p_f == pytest.approx(0.85 * p)
+    assert s.p_r == pytest.approx(0.55 * p)
+    front = signals(changed(both, p_rl=None, p_rr=None), VEHICLE)
+    assert front.p_f == pytest.approx(0.85 * p)
+    assert np.array_equal(front.p_r, p)
+    left = signals(changed(both, p_fr=None, p_rr=None), VEHICLE)
+    assert np.array_equal(left.p_f, p)
+
+
+def test_speed_without_v_is_that_of_the_rear_wheels():
+    s = signals(changed(RUN, v=None), VEHICLE)
+    assert s.v is None
+    assert s.speed == pytest.approx(0.322 * s.omega_r)
+
+
+def test_a_car_that_stands_is_refused():
+    with pytest.raises(LogError, match=r"hardly moves: at most 2\.\d m/s"):
+        signals(made_run(lambda t: 0.0 * t, speed=2.0), VEHICLE)
+
+
+@pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
+@pytest.mark.parametrize("start", [0.8, 3.0])
+def test_lead_in_ends_just_before_the_brake(start, rate):
+    s = signals(made_run(stop(start), rate=rate), VEHICLE)
+    last = s.time[s.lead_in][-1]
+    assert start - 0.2 < last <= start
+    assert np.all(s.lead_in[s.time <= last])
+
+
+@pytest.mark.parametrize("slope", [2e5, 6e5, 20e5])
+@pytest.mark.parametrize("zero", [0.0, 0.8e5])
+def test_lead_in_ends_where_a_slow_pedal_begins_to_rise(slope, zero):
+    """At 2 bar/s it takes 0.75 s to the pressure that counts as braking."""
+    run = made_run(lambda t: slope * np.maximum(t - 2.0, 0.0))
+    s = signals(changed(run, p_mc=run["p_mc"] + zero), VEHICLE)
+    assert 1.7 < s.time[s.lead_in][-1] <= 2.0
+
+
+def test_no_lead_in_after_the_brake_is_released():
+    s = signals(made_run(stop(start=2.0, end=4.0)), VEHICLE)
+    assert not np.any(s.lead_in[s.time > 2.0])
+
+
+def test_all_of_a_coast_is_lead_in_while_the_car_moves():
+    s = signals(made_run(lambda t: 0.0 * t), VEHICLE)
+    assert np.all(s.lead_in)
+
+
+def test_a_driven_or_slow_car_gives_no_zero():
+    t = RUN.time
+    driven = changed(RUN, a_x=np.where(t < 0.5, 3.0, RUN["a_x"]))
+    s = signals(driven, VEHICLE)
+    assert not np.any(s.lead_in[t < 0.5])
+    assert np.any(s.lead_in)
+    slow = changed(RUN, v=np.where(t < 0.5, 2.0, RUN["v"]))
+    assert not np.any(signals(slow, VEHICLE).lead_in[t < 0.5])
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_clutch_that_engages_in_the_lead_in_moves_no_zero_of_eta(sign):
+    """For 0.2 s the front wheels turn 0.3 % faster or slower: the rest of the lead-in is kept."""
+    run = made_run(stop(start=2.0), noise=1.0)
+    t = run.time
+    engaged = (t > 0.8) & (t < 1.0)
+    slip = np.where(engaged, 1.0 + sign * 3e-3, 1.0)
+    s = signals(changed(run, **{w: run[w] * slip for w in ("omega_fl", "omega_fr")}), VEHICLE)
+    before = signals(run, VEHICLE)
+    assert not np.any(s.lead_in[engaged])
+    assert s.lead_in.sum() > 0.7 * before.lead_in.sum()
+    eta, clean = (np.mean((x.omega_r / x.omega_f)[x.lead_in]) for x in (s, before))
+    assert eta == pytest.approx(clean, abs=5e-5)  # 3e-4 and more with it
+
+
+def test_a_lead_in_of_noise_is_kept():
+    s = signals(made_run(stop(start=3.0), noise=1.0), VEHICLE)
+    rolling = (s.time > 0.3) & (s.time < 2.5)
+    assert np.mean(s.lead_in[rolling]) > 0.98
+
+
+@pytest.mark.parametrize("felt", [0.0, -0.5, -1.0])
+def test_a_car_under_power_is_no_lead_in(felt):
+    """Until 0.45 s before the bite the front wheels drive, by a slip of 0.3 %."""
+    run = made_run(stop(start=3.0), noise=1.0)
+    power = run.time < 2.55
+    driving = {w: np.where(power, 1.003, 1.0) * run[w] for w in ("omega_fl", "omega_fr")}
+    driven = changed(run, a_x=np.where(power, run["a_x"] - felt, run["a_x"]), **driving)
+    rolling = signals(driven, VEHICLE).lead_in
+    assert not np.any(rolling[run.time < 2.5])
+    assert np.count_nonzero(rolling) * run.sample_time > 0.2

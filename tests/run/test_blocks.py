@@ -1,0 +1,47 @@
+"""Blocks against numpy, and causality by changing the future."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from tests.support.made_runs import changed, made_run
+from tests.support.tables import VEHICLE
+
+DT = 0.005
+floats = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
+RUN = made_run()
+
+
+@pytest.mark.parametrize(("rate", "samples"), [(40.0, 2), (200.0, 10), (1000.0, 50)])
+def test_block_means_are_numpys(rate, samples):
+    log = made_run(rate=rate, duration=8.0 + 0.03)
+    s = signals(log, VEHICLE)
+    b = blocks(s)
+    assert (b.samples, b.length) == (samples, pytest.approx(0.05))
+    assert b.end.size == log.time.size // samples
+    for name in ("p_f", "p_r", "z", "omega_f", "omega_r", "v", "speed"):
+        parts = np.split(getattr(s, name)[: samples * b.end.size], b.end.size)
+        assert getattr(b, name) == pytest.approx([np.mean(part) for part in parts])
+    assert b.end == pytest.approx(s.time[samples - 1 :: samples][: b.end.size])
+    assert b.spin_f[1:] == pytest.approx(np.diff(b.omega_f) / 0.05)
+    assert b.eta == pytest.approx(b.omega_r / b.omega_f)
+    assert np.array_equal(b.lead_in, np.isin(b.end, s.time[s.lead_in]))
+
+
+@settings(max_examples=30)
+@given(st.integers(400, 1600), st.integers(0, 2**31))
+def test_a_block_knows_nothing_of_the_future(cut, seed):
+    """What comes after ``cut`` drawn anew: no block that is complete by then changes."""
+    rng = np.random.default_rng(seed)
+    other = {
+        name: np.where(np.arange(x.size) < cut, x, x * rng.uniform(0.5, 1.5, x.size))
+        for name, x in RUN.channels.items()
+        if name != "time"
+    }
+    before, after = (blocks(signals(log, VEHICLE)) for log in (RUN, changed(RUN, **other)))
+    known = cut // before.samples
+    for name in ("end", "p_f", "z", "omega_f", "omega_r", "v", "speed", "spin_f", "spin_r"):
+        assert np.array_equal(getattr(before, name)[:known], getattr(after, name)[:known])

@@ -1,0 +1,141 @@
+"""Delay and force without pressure, from forces that are made by the formula."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from calib.car.lag import first_order
+from calib.run.axle_signals import Signals
+from calib.run.brake_balance import BrakeBalance
+from calib.run.brake_response import brake_response
+from tests.support.forces import made_balance
+
+TIME = np.arange(0.0, 8.0, 0.005)
+WEIGHT = 16000.0
+
+
+def pedal(t):
+    """Nominal brake force [N]: applied within 0.2 s at 1.5 s, waved, released at 6.5 s."""
+    on = np.clip((t - 1.5) / 0.2, 0.0, 1.0) * np.clip((6.7 - t) / 0.2, 0.0, 1.0)
+    return 5000.0 * on * (1.0 + 0.2 * np.sin(2.0 * t))
+
+
+def run(demanded, *, seed=0, noise=0.005, speed=20.0):
+    """The run and its forces; noise of z in g at 200 Hz."""
+    rest = noise * WEIGHT * np.random.default_rng(seed).standard_normal(TIME.size)
+    nominal = pedal(TIME)
+    one = np.ones_like(TIME)
+    s = Signals(
+        time=TIME, p_f=nominal * 1e3, p_r=nominal * 1e3, drive_f=0.0 * one, drive_r=0.0 * one,
+        z=one, omega_f=one, omega_r=one, v=None,
+        speed=speed * one, lead_in=TIME < 1.2, sample_time=0.005,
+    )  # fmt: skip
+    forces = BrakeBalance(
+        nominal_f=0.7 * nominal,
+        nominal_r=0.3 * nominal,
+        balance=made_balance(demanded + rest),
+        active=(nominal > 200.0),
+    )
+    return s, forces
+
+
+def made(level=0.8, force=0.0, lag=0.0, shift=0.0, fade=0.0, rest=0.0):
+    """Demanded brake force [N] of brakes with what is stated."""
+    n = pedal(TIME - shift)
+    n = first_order(TIME, n, lag) if lag else n
+    return level * n * (1.0 - fade * TIME) + force * (pedal(TIME - shift) > 200.0) + rest
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_brakes_that_only_follow_the_pressure(seed):
+    answer = brake_response(*run(made(), seed=seed))
+    assert abs(answer.force) < 3.5 * answer.force_sigma
+    assert abs(answer.share) < 0.03
+    assert abs(answer.delay) < 0.01
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("force", [-500.0, 300.0, 800.0])
+def test_force_without_pressure(force, seed):
+    answer = brake_response(*run(made(force=force), seed=seed))
+    assert answer.force == pytest.approx(force, abs=3.5 * answer.force_sigma)
+    assert answer.force_sigma < 100.0
+    assert answer.share == pytest.approx(
+        answer.force / np.median(made(force=force)[400:1200]), rel=0.1
+    )
+
+
+@pytest.mark.parametrize("shift", [-0.3, -0.1, 0.1, 0.3])
+def test_a_clock_that_is_off(shift):
+    answer = brake_response(*run(made(shift=shift)))
+    assert answer.delay == pytest.approx(shift, abs=0.01)
+    assert abs(answer.share) < 0.03
+
+
+@pytest.mark.parametrize("lag", [0.06, 0.15, 0.3])
+def test_a_hydraulic_lag(lag):
+    answer = brake_response(*run(made(lag=lag)))
+    assert answer.delay == pytest.approx(lag, abs=0.005 + 0.05 * lag)  # a slope tells the rest
+    assert abs(answer.share) < 0.03
+
+
+def test_fade_and_a_bias_are_not_taken_for_force():
+    answer = brake_response(*run(made(fade=0.03, rest=0.03 * WEIGHT)))
+    assert abs(answer.share) < 0.03
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.3, 3.0), st.floats(0.2, 5.0))
+def test_the_answer_does_not_depend_on_scale(pads, mass):
+    """Pads and mass scale forces; delay and share stay."""
+    one = brake_response(*run(mass * pads * made(force=400.0), noise=0.0))
+    other = brake_response(*run(made(force=400.0), noise=0.0))
+    assert one.delay == pytest.approx(other.delay, abs=1e-6)
+    assert one.share == pytest.approx(other.share, rel=1e-6)
+
+
+def stopping(force):
+    """Brakes to 1 m/s, with a force besides [N] that goes from 3 m/s on; noise of z 0.005 g."""
+    speed = np.maximum(22.0 - 4.3 * np.clip(TIME - 1.5, 0.0, None), 0.5)
+    fades = force * np.clip(speed - 1.0, 0.0, 2.0) / 2.0 * (pedal(TIME) > 200.0)
+    return run(made() + fades, speed=speed)
+
+
+@pytest.mark.parametrize("force", [0.0, 400.0, 800.0])
+def test_a_force_that_goes_as_the_car_gets_slow(force):
+    answer = brake_response(*stopping(force))
+    usual = np.median(made(force=force)[400:1200])
+    assert answer.fading_sigma < 0.03
+    assert answer.fading == pytest.approx(force / usual, abs=3.0 * answer.fading_sigma)
+    assert answer.force == pytest.approx(force, abs=3.5 * answer.force_sigma)
+
+
+def test_brakes_that_follow_the_pressure_and_fade_with_the_speed_show_no_force_without_it():
+    """A motor in proportion to the pressure: only the end of the stop tells it."""
+    s, forces = stopping(0.0)
+    speed = s.speed
+    share = 0.15 * np.clip(speed - 1.0, 0.0, 2.0) / 2.0
+    along = BrakeBalance(
+        forces.nominal_f,
+        forces.nominal_r,
+        made_balance(forces.balance.demanded + share * made()),
+        forces.active,
+    )
+    answer = brake_response(s, along)
+    assert abs(answer.share) < 3.0 * answer.share_sigma
+    assert answer.fading == pytest.approx(0.15 / 1.15, abs=3.0 * answer.fading_sigma)
+    assert answer.fading > 4.0 * answer.fading_sigma
+
+
+def test_of_a_run_that_stays_fast_nothing_is_said_of_a_force_that_goes():
+    answer = brake_response(*run(made(force=800.0)))
+    assert answer.fading == 0.0
+    assert answer.fading_sigma > 0.9
+
+
+def test_nothing_is_said_of_a_run_without_braking():
+    s, forces = run(made())
+    none = np.zeros_like(forces.active)
+    silent = BrakeBalance(forces.nominal_f, forces.nominal_r, forces.balance, none)
+    assert brake_response(s, silent) is None

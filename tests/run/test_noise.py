@@ -1,0 +1,91 @@
+"""Noise of sensors against its theory."""
+
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import NOISE_FLOOR, lead_in_noise, long_run_density, sensor_noise
+from tests.support.made_runs import RADIUS, changed, made_run, stop
+from tests.support.tables import VEHICLE
+
+DT = 0.005
+floats = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
+RUN = made_run()
+
+
+def coloured(rng, n, share, tau=0.1):
+    """White noise and an AR(1) of time constant ``tau`` [s], unit variance together."""
+    a = np.exp(-DT / tau)
+    slow = lfilter([np.sqrt(1.0 - a * a)], [1.0, -a], rng.normal(size=n + 2000))[2000:]
+    return np.sqrt(1.0 - share) * rng.normal(size=n) + np.sqrt(share) * slow
+
+
+def theory(share, tau=0.1):
+    """Square root of the spectrum at no frequency: the sum of all covariances times the step."""
+    a = np.exp(-DT / tau)
+    return np.sqrt(DT * (1.0 - share + share * (1.0 + a) / (1.0 - a)))
+
+
+@pytest.mark.parametrize(
+    ("share", "window", "reads"),
+    [(0.0, 4.0, 1.0), (0.45, 4.0, 0.9), (1.0, 4.0, 0.9), (0.0, 2.0, 0.95), (0.45, 2.0, 0.7)],
+)
+@pytest.mark.parametrize("seconds", [8, 60])
+def test_density_is_that_of_theory_as_far_as_it_says(share, window, reads, seconds):
+    """Mean of 60 runs; a slow drift and a companion are in the way and are taken out."""
+    rng = np.random.default_rng(seconds)
+    t = 0.05 * np.arange(20 * seconds)
+    companion = np.sin(5.0 * t) + np.sin(t / 3.0)
+    found = []
+    for _ in range(60):
+        x = coloured(rng, 200 * seconds, share).reshape(-1, 10).mean(axis=1)
+        found.append(long_run_density(x + 0.1 * t + 3.0 * companion, 0.05, companion, window))
+    assert np.mean(found) == pytest.approx(reads * theory(share), rel=0.1)
+
+
+@pytest.mark.parametrize("bite", [3.0, 30.0, 3e3])
+def test_a_brake_that_bites_in_one_window_is_hardly_noise(bite):
+    """It is out of the variance, and r stays below 0.8: at most sqrt(1.8/0.2) = 3 times."""
+    x = np.random.default_rng(3).normal(size=600)
+    x[210:] -= bite
+    assert 0.75 < long_run_density(x, 0.05) / np.sqrt(0.05) < 3.0 * 1.25
+
+
+def test_a_short_run_is_read_as_white():
+    x = np.random.default_rng(2).normal(size=24)
+    assert long_run_density(x, 0.05) == pytest.approx(np.std(x) * np.sqrt(0.05))
+    assert long_run_density(np.zeros(200), 0.05) == 0.0
+
+
+def test_noise_of_a_made_run_is_what_was_put_in():
+    """Sd 0.02 rad/s a wheel, 0.05 m/s^2, 0.02 m/s, all white."""
+    log = made_run(duration=40.0, speed=60.0, pressure=lambda t: np.minimum(0.7 * t, 9.0))
+    noise = sensor_noise(log, blocks(signals(log, VEHICLE)))
+    assert noise.omega_white == pytest.approx(0.02 / np.sqrt(2.0), rel=0.05)
+    # 40 s tell a density to 8 %
+    assert noise.omega == pytest.approx(0.02 / np.sqrt(2.0) * np.sqrt(DT), rel=0.24)
+    assert noise.z == pytest.approx(0.05 / 9.80665 * np.sqrt(DT), rel=0.24)
+    assert noise.v == pytest.approx(np.hypot(0.02, 0.02 * RADIUS / 1.4) * np.sqrt(DT), rel=0.24)
+
+
+def test_no_sensor_is_believed_to_be_without_noise():
+    log = made_run(noise=0.0)
+    noise = sensor_noise(log, blocks(signals(log, VEHICLE)))
+    assert noise.omega == NOISE_FLOOR["omega"]
+    without = changed(made_run(), v=None)
+    assert sensor_noise(without, blocks(signals(without, VEHICLE))).v == NOISE_FLOOR["v"]
+
+
+def test_lead_in_noise_is_the_white_part_with_a_usual_colour_and_nothing_later():
+    log = made_run(stop(start=4.0))
+    s = signals(log, VEHICLE)
+    noise = lead_in_noise(log, s)
+    assert noise.omega_white == pytest.approx(0.02 / np.sqrt(2.0), rel=0.1)
+    assert noise.omega == pytest.approx(1.5 * 0.02 / np.sqrt(2.0) * np.sqrt(DT), rel=0.1)
+    assert noise.z == pytest.approx(2.0 * 0.05 / 9.80665 * np.sqrt(DT), rel=0.1)
+    assert noise.v == pytest.approx(0.02 * np.sqrt(DT), rel=0.1)
+    rough = changed(log, omega_fl=np.where(log.time > 4.0, 1.1, 1.0) * log["omega_fl"])
+    assert lead_in_noise(rough, signals(rough, VEHICLE)) == noise

@@ -1,0 +1,83 @@
+"""A copy of a run is known whatever was done to it; two runs of one drive are two."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.run.same_run import same_run
+from tests.support.hidden.cases import draw
+from tests.support.made_runs import made_run, ramp, stop
+
+RUN = made_run(stop(level=20.0))
+STEPS = {"p_mc": 2e4, "a_x": 0.1, "v": 0.05}
+
+
+def run_of(channels):
+    return replace(RUN, channels=channels, digest="")
+
+
+def with_noise(seed):
+    """The same motion to the last digit, measured once more."""
+    rng, clean = np.random.default_rng(seed), made_run(stop(level=20.0), noise=0.0)
+    sigma = {"time": 0.0, "p_mc": 1e4, "a_x": 0.05}
+    return run_of(
+        {n: x + sigma.get(n, 0.02) * rng.normal(size=x.size) for n, x in clean.channels.items()}
+    )
+
+
+def at(time, origin=0.0):
+    """The run interpolated to other times; its clock begins at ``origin`` [s]."""
+    channels = {name: np.interp(time, RUN.time, x) for name, x in RUN.channels.items()}
+    return run_of(channels | {"time": time - time[0] + origin})
+
+
+def rounded():
+    return run_of({n: np.round(x / STEPS.get(n, 0.05)) * STEPS.get(n, 0.05) for n, x in
+                   RUN.channels.items() if n != "time"} | {"time": RUN.time})  # fmt: skip
+
+
+COPIES = {
+    "another digest": lambda: run_of(RUN.channels),
+    "rounded": rounded,
+    "cut": lambda: run_of({n: x[200:-200] for n, x in RUN.channels.items()}),
+    "cut, with a clock of its own": lambda: at(RUN.time[200:]),
+    "every second sample": lambda: run_of({n: x[::2] for n, x in RUN.channels.items()}),
+    "means of two": lambda: run_of(
+        {n: x.reshape(-1, 2).mean(axis=1) for n, x in RUN.channels.items()}
+    ),
+    "another rate": lambda: at(np.arange(0.0, 7.9, 1.0 / 70.0)),
+    "another rate and clock": lambda: at(np.arange(1.0032, 7.9, 1.0 / 70.0), 5.0),
+    "finer": lambda: at(np.arange(0.0, 7.9, 1e-3)),
+}
+
+
+@pytest.mark.parametrize("done", COPIES)
+def test_a_copy_is_known(done):
+    copy = COPIES[done]()
+    assert same_run(RUN, copy)
+    assert same_run(copy, RUN)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        with_noise(1),
+        made_run(stop(level=20.4)),
+        made_run(stop(level=20.0), speed=29.9),
+        made_run(ramp()),
+        made_run(lambda t: 0.0 * t),
+    ],
+    ids=["driven alike to the last digit", "pressure", "speed", "ramp", "coast"],
+)
+def test_two_runs_are_two(other):
+    other = replace(other, digest="")
+    assert not same_run(with_noise(2), other)
+    assert not same_run(other, with_noise(2))
+
+
+def test_two_stops_at_one_pressure_from_unlike_speeds_are_two_runs():
+    """40 Hz, a quarter of the noise: laid over each other, they agree in the wheels alone."""
+    logs = {log.name: log for log in draw("varied", 96).calibration}
+    assert not same_run(logs["hot:3"], logs["step_high:2"])
+    assert not same_run(logs["step_high:2"], logs["hot:3"])

@@ -1,0 +1,185 @@
+"""Sensors with a known resolution, noise and defect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.run.driving_record import driving_record
+from calib.run.sensors import noise_of, resolution_of, saturation, sensors_of
+from tests.support.made_runs import changed, made_run, ramp, stop
+
+
+def stuck(log):
+    found = sensors_of(log, driving_record(log))
+    return {s.channel: s.stuck for s in found if s.stuck}
+
+
+@pytest.mark.parametrize("step", [0.005, 0.1, 6103.5])
+def test_resolution_of_rounded_values(step):
+    x = np.random.default_rng(1).normal(size=500) * 20 * step
+    assert resolution_of(np.round(x / step) * step) == pytest.approx(step, rel=1e-6)
+
+
+def test_no_resolution_in_smooth_values():
+    assert resolution_of(np.random.default_rng(1).normal(size=500)) == 0.0
+    assert resolution_of(np.zeros(100)) == 0.0
+
+
+@pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
+def test_white_noise_is_measured(rate):
+    x = 0.3 * np.random.default_rng(2).normal(size=4000)
+    noise, white, colour = noise_of(x, np.ones(x.size, bool), 1 / rate)
+    assert noise == pytest.approx(0.3, rel=0.05)
+    assert white == pytest.approx(0.3, rel=0.15)  # the high-pass tilts it a little at 40 Hz
+    assert abs(colour) < 0.2
+
+
+def test_coloured_noise_is_told_from_white():
+    from scipy.signal import lfilter
+
+    x = lfilter([1.0], [1.0, -0.6], np.random.default_rng(3).normal(size=20000))
+    _, _, colour = noise_of(x, np.ones(x.size, bool), 1 / 1000)
+    assert colour == pytest.approx(0.6, abs=0.05)
+
+
+def test_slow_motion_and_a_spike_are_not_noise():
+    rng = np.random.default_rng(4)
+    t = np.arange(2000) / 200
+    x = 50 - 3 * t + 0.1 * rng.normal(size=t.size)
+    x[1000] += 3.0
+    noise, _, _ = noise_of(x, np.ones(t.size, bool), 1 / 200)
+    assert noise == pytest.approx(0.1, rel=0.1)
+
+
+def test_too_little_to_see_noise():
+    assert np.isnan(noise_of(np.ones(100), np.arange(100) < 19, 0.005)).all()
+
+
+def test_no_noise():
+    x = np.full(400, 101.3)
+    assert noise_of(x, np.ones(400, bool), 0.005) == (0.0, 0.0, 0.0)
+
+
+def test_saturated_value_is_held_as_no_other_is():
+    x = np.random.default_rng(5).normal(size=2000) + 10 * np.sin(np.arange(2000) / 200)
+    assert saturation(x, 0.005) == 0.0
+    assert saturation(np.minimum(x, 9.0), 0.005) == 0.0  # noise takes it off its limit again
+    assert saturation(np.minimum(x, 3.0), 0.005) > 1.0
+
+
+def test_held_pedal_without_noise_is_not_saturation():
+    log = made_run(stop(), noise=0.0)
+    assert all(s.saturated == 0.0 for s in sensors_of(log, driving_record(log)))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.parametrize("pressure", [ramp(), stop(), lambda t: 0.0 * t])
+def test_sound_runs_have_no_stuck_sensor(noise, pressure):
+    assert stuck(made_run(pressure, noise=noise)) == {}
+
+
+@pytest.mark.parametrize("channel", ["omega_fl", "omega_rr", "v", "a_x"])
+def test_constant_sensor(channel):
+    log = made_run(stop(end=5.0))
+    found = stuck(changed(log, **{channel: np.full(log.time.size, log[channel][0])}))
+    assert set(found) == {channel}
+
+
+@pytest.mark.parametrize("channel", ["omega_fl", "a_x", "p_mc"])
+def test_sensor_that_hangs_for_a_while(channel):
+    log = made_run(ramp(rate=12.0))
+    values = log[channel].copy()
+    values[400:700] = values[400]
+    ((start, end),) = stuck(changed(log, **{channel: values}))[channel]
+    assert start == pytest.approx(2.0, abs=0.01)
+    assert end == pytest.approx(3.5, abs=0.01)
+
+
+def test_wheels_that_stand_are_not_stuck_though_each_stops_at_another_sample():
+    """A brake control unit shows 0 below 1 m/s: the others still turn, for some samples."""
+    log = made_run(stop(end=20.0), duration=14.0)
+    stands = int(np.argmax(log["v"] < 1.0))
+    assert 0 < stands < log.time.size - 300
+    wheels = {}
+    for i, name in enumerate(("omega_fl", "omega_fr", "omega_rl", "omega_rr")):
+        turning = np.maximum(log[name], 1.0 / 0.32)
+        wheels[name] = np.where(np.arange(log.time.size) < stands + 3 * i, turning, 0.0)
+    assert stuck(changed(log, **wheels)) == {}
+
+
+def test_hanging_for_less_than_a_second_is_let_pass():
+    log = made_run()
+    values = log["omega_fl"].copy()
+    values[400:590] = values[400]
+    assert stuck(changed(log, omega_fl=values)) == {}
+
+
+def test_a_motor_back_at_rest_is_not_saturation():
+    log = made_run(stop())
+    share = np.clip((log.time - 1.0) / log.time[-1], 0.0, 0.3)
+    regenerating = -200.0 * share * (0.3 - share) + np.sin(40.0 * share) * (share - 0.3)
+    torque = np.minimum(regenerating, 0.0)
+    assert saturation(torque, log.sample_time) > 1.0
+    log = changed(log, T_drive_r=torque)
+    found = {s.channel: s.saturated for s in sensors_of(log, driving_record(log))}
+    assert found["T_drive_r"] == 0.0
+
+
+def held_on_changing_road(noise):
+    """Pads that are held at 40 bar, while their friction falls to half in the third second."""
+    log = made_run(lambda t: np.clip(30.0 * (t - 1.5), 0.0, 40.0), duration=6.0, noise=noise)
+    share = np.interp(log.time, [3.0, 4.0], [1.0, 0.5])
+    speed = np.maximum(30.0 + np.cumsum(share * log["a_x"]) / 200.0, 1.0)
+    wheels = dict.fromkeys(("omega_fl", "omega_fr", "omega_rl", "omega_rr"), speed / 0.32)
+    quantised = np.round(log["p_mc"] / 0.5e5) * 0.5e5
+    return changed(log, a_x=share * log["a_x"], v=speed, p_mc=quantised, **wheels)
+
+
+def test_a_pressure_that_is_held_is_not_stuck():
+    """The deceleration changes with the friction: that is no fault of p_mc."""
+    assert "p_mc" not in stuck(held_on_changing_road(0.0))
+
+
+def test_a_pressure_that_is_held_is_not_at_the_end_of_its_range():
+    log = made_run(lambda t: np.clip(40.0 * (t - 0.3), 0.0, 40.0), duration=6.0)
+    held = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
+    assert saturation(held["p_mc"], 0.005) > 1.0  # by its values alone it could be
+    found = {s.channel: s.saturated for s in sensors_of(held, driving_record(held))}
+    assert found["p_mc"] == 0.0
+
+
+def test_a_pressure_beyond_its_range_is_at_its_end():
+    log = made_run(ramp(start=0.5, rate=10.0, top=60.0))
+    beyond = changed(log, p_mc=np.minimum(log["p_mc"], 30e5))
+    found = {s.channel: s.saturated for s in sensors_of(beyond, driving_record(beyond))}
+    assert found["p_mc"] > 1.0
+
+
+@pytest.mark.parametrize("value", [30e5, 55e5])
+def test_a_pressure_that_hangs_to_the_end_is_stuck(value):
+    """It was released, or never applied, and does not say so."""
+    log = made_run(stop(start=1.5, end=4.0))
+    hanging = np.where(log.time > 2.0, value, log["p_mc"])
+    assert "p_mc" in stuck(changed(log, p_mc=hanging))
+
+
+@pytest.mark.parametrize("rate", [40.0, 200.0])
+def test_a_pressure_without_its_noise_is_stuck(rate):
+    """From 2 s to the end, while the driver lets go by two thirds: nothing is released."""
+    log = made_run(lambda t: np.interp(t, [1.0, 1.5, 3.5, 4.0], [0, 25, 25, 8]), rate=rate)
+    assert "p_mc" not in stuck(log)
+    hanging = np.where(log.time > 2.0, log["p_mc"][log.time > 2.0][0], log["p_mc"])
+    ((start, end),) = stuck(changed(log, p_mc=hanging))["p_mc"]
+    assert start == pytest.approx(2.0, abs=0.05)
+    assert end == pytest.approx(log.time[-1])
+
+
+def test_a_channel_that_was_interpolated_has_no_step():
+    log = made_run()
+    coarse = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
+    (found,) = [s for s in sensors_of(coarse, None) if s.channel == "p_mc"]
+    assert found.resolution == pytest.approx(1e5)
+    moved = replace(coarse, interpolated=("p_mc",))
+    (found,) = [s for s in sensors_of(moved, None) if s.channel == "p_mc"]
+    assert found.resolution == 0.0

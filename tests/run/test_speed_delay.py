@@ -1,0 +1,82 @@
+"""A speed that comes late is seen against a_x, put in time, and no scale, slope or zero is taken
+for it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.names import G
+from calib.run.axle_signals import signals
+from calib.run.speed_delay import speed_delay
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
+
+RUNS = {
+    "ramp": noisy(ramp(REAL, slope=10e5), 1),
+    "stop": noisy(stop(REAL), 2),
+    "stop on a slope": noisy(stop(replace(REAL, grade=0.12)), 3),
+}
+
+
+def changed(log, **channels):
+    return replace(log, channels={**log.channels, **channels})
+
+
+def late(log, delay):
+    """The log with v late by ``delay`` [s]."""
+    return changed(log, v=np.interp(log.time - delay, log.time, log["v"]))
+
+
+def delay_of(log):
+    return speed_delay(log.time, log["v"], log["a_x"], log.sample_time)
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("delay", [0.1, 0.2, 0.3, 0.45])
+def test_a_late_speed_is_put_in_time(name, delay):
+    log = RUNS[name]
+    found = delay_of(late(log, delay))
+    assert found.late
+    assert found.value == pytest.approx(delay, abs=max(3.0 * found.sigma, 0.01))
+    s = signals(late(log, delay), CAR)
+    inner = (log.time > 0.5) & (log.time < log.time[-1] - 0.5)
+    off = (s.v - log["v"])[inner]
+    assert np.sqrt(np.mean(off**2)) < 0.15  # late by 0.2 s it is 0.7 m/s
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda log: {},
+        lambda log: {"v": np.interp(log.time - 0.02, log.time, log["v"])},
+        lambda log: {"a_x": 1.03 * log["a_x"]},
+        lambda log: {"a_x": log["a_x"] + 0.02 * G},
+        lambda log: {"v": 1.01 * log["v"]},
+    ],
+    ids=["nothing", "usual delay", "scale", "zero", "radius"],
+)
+def test_what_is_no_delay_is_left_alone(name, change):
+    log = RUNS[name]
+    assert not delay_of(changed(log, **change(log))).late
+
+
+def test_what_is_not_sharp_is_not_used():
+    """A slow ramp bends v at the bite by so little that a slope which changes may do it, too."""
+    slow = late(noisy(ramp(REAL), 1), 0.2)
+    found = delay_of(slow)
+    assert found.late
+    assert not found.sharp
+    assert abs(found.value - 0.2) < 2.0 * found.sigma
+    assert signals(slow, CAR).v is None
+
+
+def test_a_run_without_braking_shows_no_delay():
+    coast = noisy(as_log(drive(REAL, lambda t: 0.0, 30.0, duration=10.0), "coast"), 4)
+    assert not delay_of(late(coast, 0.2)).late
+
+
+def test_a_speed_in_time_is_the_one_of_the_log():
+    log = RUNS["ramp"]
+    assert signals(log, CAR).v is log["v"]

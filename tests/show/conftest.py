@@ -1,0 +1,73 @@
+from pathlib import Path
+
+import pytest
+
+from calib.car.vehicle_file import read_vehicle
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import validate_one
+from calib.fitting.fit import fit
+from calib.logs.log import Log
+from calib.logs.read import read_log
+from calib.show import compare, simulation, stop, table
+from calib.show import log_figure as log
+from calib.show.ramp import measure
+from calib.show.trace import StopTrace, from_validation
+from calib.table.table import Table
+from tests.support.tables import made_table
+
+LOGS = Path(__file__).parents[2] / "sample_logs"
+SEDAN, SIMULATION = LOGS / "sedan", LOGS / "simulation_study"
+
+
+def traced(table, run, vehicle=None) -> StopTrace:
+    """The trace of a run with other methods beside the estimate."""
+    result = validate_one(table, run, vehicle, DEFAULTS)
+    return from_validation(table, "sedan@1", run, result, vehicle)
+
+
+@pytest.fixture(scope="session")
+def ramp() -> Log:
+    return read_log(SEDAN / "ramp_wet_asphalt.csv")
+
+
+@pytest.fixture(scope="session")
+def transition() -> Log:
+    return read_log(SEDAN / "transition_dry_to_basalt.csv")
+
+
+@pytest.fixture(scope="session")
+def sedan(ramp) -> Table:
+    return fit(read_vehicle(SEDAN / "vehicle.toml"), [ramp, read_log(SEDAN / "coast.csv")])
+
+
+@pytest.fixture(scope="session")
+def trace(sedan, transition) -> StopTrace:
+    return traced(sedan, transition)
+
+
+@pytest.fixture(scope="session")
+def simulated() -> StopTrace:
+    """The paper's Section IV: the estimator is told 0.5 and 0.6 where the pads are 0.4."""
+    found = fit(
+        read_vehicle(SIMULATION / "vehicle.toml"), [read_log(SIMULATION / "ramp_noisy.parquet")]
+    )
+    wrong = read_vehicle(SIMULATION / "vehicle_wrong_pads.toml")
+    run = read_log(SIMULATION / "stop_noisy.parquet")
+    return traced(found, run, wrong)
+
+
+SHEETS = ("table", "ramp", "stop", "simulation", "comparison", "log")
+
+
+@pytest.fixture(scope="session", params=SHEETS)
+def sheet(request, sedan, ramp, transition):
+    """One sheet of every family."""
+    made = made_table()
+    return {
+        "table": lambda: table.sheet(made, "sedan@1"),
+        "ramp": lambda: table.sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
+        "stop": lambda: stop.sheet(request.getfixturevalue("trace")),
+        "simulation": lambda: simulation.sheet(request.getfixturevalue("simulated")),
+        "comparison": lambda: compare.sheet(made, made_table(28.0), "sedan@1", "sedan@2"),
+        "log": lambda: log.sheet(transition),
+    }[request.param]()

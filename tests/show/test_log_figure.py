@@ -1,0 +1,170 @@
+"""All columns of a log in one picture."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+
+from calib.logs.read import read_log
+from calib.logs.whole import WholeColumn, WholeLog
+from calib.run.events import BITE, BRAKING, LEAD_IN, RunEvent
+from calib.show import log_figure as figures
+from calib.show.log_figure import BINS, MOST, envelope, figure, panels_of
+from tests.show.conftest import SEDAN
+from tests.support.plot_lines import axes, drawn, labels, line
+
+BRAKED, LED_IN = (figures.SPANS[kind]["facecolor"] for kind in (BRAKING, LEAD_IN))
+
+
+def without(log, *names):
+    return replace(log, channels={k: v for k, v in log.channels.items() if k not in names})
+
+
+def test_what_is_logged_is_drawn(transition):
+    ax = axes()
+    figures.speeds(ax, transition)
+    assert np.array_equal(line(ax, "rl")[1], transition["omega_rl"])
+    ax = axes()
+    figures.pressure(ax, transition)
+    assert drawn(ax, transition.time, transition["p_mc"] / 1e5)
+    ax = axes()
+    figures.deceleration(ax, transition)
+    assert drawn(ax, transition.time, -transition["a_x"] / 9.80665)
+
+
+def test_the_right_hand_axis_is_the_speed_in_kmh(transition):
+    ax = axes()
+    figures.speeds(ax, transition)
+    (right,) = ax.child_axes
+    assert right.get_ylabel() == "$V$ [km/h]"
+    ax.set_ylim(0.0, 100.0)
+    ax.figure.draw_without_rendering()
+    # 100 rad/s at the radius of Table I, within what drag and tyres move it while rolling
+    assert right.get_ylim() == pytest.approx((0.0, 100.0 * 0.322 * 3.6), rel=2e-3)
+    assert "$V/R$, $R$ = 0.3223 m from the unbraked part" in labels(ax)
+
+
+def test_eta_is_raw_and_ends_where_the_car_stands(transition):
+    found = figures.raw_eta(transition)
+    rear = transition["omega_rl"] + transition["omega_rr"]
+    front = transition["omega_fl"] + transition["omega_fr"]
+    assert found[0] == pytest.approx(100.0 * (rear / front - 1.0)[0])
+    standing = without(transition, "v")
+    slow = {f"omega_{w}": np.zeros(transition.time.size) for w in ("fl", "fr", "rl", "rr")}
+    standing = replace(standing, channels=standing.channels | slow)
+    assert np.isnan(figures.raw_eta(standing)).all()
+    assert len(figures.sheet(standing).overview().axes) == 4
+
+
+@pytest.mark.parametrize(
+    ("missing", "panels"),
+    [
+        (("v",), ("speeds", "pressure", "deceleration", "eta")),
+        (("p_mc",), ("speeds", "deceleration", "eta")),
+        (("a_x",), ("speeds", "pressure", "eta")),
+        (("omega_rl",), ("speeds", "pressure", "deceleration")),
+    ],
+)
+def test_what_is_not_logged_has_no_panel_and_is_named(transition, missing, panels):
+    sheet = figures.sheet(without(transition, *missing))
+    assert sheet.names == panels
+    assert f"Not in this log: {', '.join(missing)}." in sheet.note
+    assert len(sheet.overview().axes) == len(panels)
+
+
+def test_wheel_pressures_are_drawn_where_logged(transition):
+    more = {"p_fl": 0.9 * transition["p_mc"]}
+    ax = axes()
+    figures.pressure(ax, replace(transition, channels=transition.channels | more))
+    assert labels(ax) == ["master cylinder", "fl"]
+    assert drawn(ax, transition.time, more["p_fl"] / 1e5)
+
+
+def test_a_coasting_car_does_not_slip():
+    coast = read_log(SEDAN / "coast.csv")
+    ax = axes()
+    figures.speeds(ax, coast)
+    speed = line(ax, labels(ax)[0])[1]
+    wheels = np.mean([line(ax, wheel)[1] for wheel in ("fl", "fr", "rl", "rr")], axis=0)
+    assert np.mean(1.0 - wheels / speed) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_an_unknown_radius_says_so(transition):
+    held = {"p_mc": np.full(transition.time.size, 2e6)}  # never unbraked
+    ax = axes()
+    figures.speeds(ax, replace(transition, channels=transition.channels | held))
+    assert labels(ax)[0] == "$V/R$, $R$ = 0.32 m of a usual wheel"
+
+
+def spans(ax):
+    """Ends of what is shaded, in time, by colour."""
+    found = {}
+    for patch in ax.patches:
+        box = patch.get_extents().transformed(ax.transData.inverted())
+        found[to_hex(patch.get_facecolor()).upper()] = (box.x0, box.x1)
+    return found
+
+
+def test_lead_in_and_braking_are_marked(transition):
+    ax = axes()
+    figures.speeds(ax, transition)
+    assert {"lead-in", "braking"} < {*labels(ax)}
+    ax = axes()
+    figures.deceleration(ax, transition)
+    marked = spans(ax)
+    bite = transition.time[np.argmax(transition["p_mc"] > 1e5)]
+    start, end = marked[BRAKED]
+    assert start == pytest.approx(bite, abs=0.05)
+    assert end == pytest.approx(transition.time[-1], abs=0.05)
+    assert marked[LED_IN][0] == pytest.approx(transition.time[0], abs=0.01)
+    assert marked[LED_IN][1] < start
+    assert "Green: the lead-in, unbraked. Grey: braking" in figures.sheet(transition).note
+    coast = read_log(SEDAN / "coast.csv")
+    ax = axes()
+    figures.eta(ax, coast)
+    assert set(spans(ax)) == {LED_IN}
+    assert ax.get_ylim()[1] > 0.0  # a radius mismatch is read against zero
+    assert figures.sheet(without(coast, "a_x")).note.endswith("Nothing is zeroed or corrected. ")
+
+
+TIME = np.arange(200) / 100.0
+COLUMNS = (
+    WholeColumn("time", "s", TIME),
+    *(WholeColumn(f"omega_f{side}", "rad/s", 50.0 - TIME) for side in "lr"),
+    WholeColumn("omega_rl", "rpm", 500.0 - TIME),
+    WholeColumn("Gang", None, np.full(200, np.nan)),
+)
+LOG = WholeLog("run", "here", "", COLUMNS)
+
+
+def test_columns_of_one_kind_and_unit_share_a_panel():
+    assert {title: len(found) for title, found in panels_of(LOG).items()} == {
+        "omega [rad/s]": 2, "omega [rpm]": 1, "Gang [?]": 1,
+    }  # fmt: skip
+
+
+def test_events_are_marked_in_every_panel():
+    drawn = figure(LOG, (RunEvent(BITE, 0.5, 0.5), RunEvent(BRAKING, 0.5, 1.5)))
+    assert len(drawn.axes) == 3
+    for ax in drawn.axes:
+        assert any(np.allclose(line.get_xdata(), 0.5) for line in ax.lines)
+        assert ax.patches[0].get_x() == pytest.approx(0.5)
+        assert ax.get_xlim() == (TIME[0], TIME[-1])
+    assert [text.get_text() for text in drawn.legends[0].get_texts()] == [BITE, BRAKING]
+
+
+def test_no_peak_of_a_long_log_is_lost():
+    values = np.zeros(100_000)
+    values[43_210], values[70_000:80_000] = 7.0, np.nan
+    at, drawn = envelope(np.arange(100_000.0), values)
+    assert at.size == drawn.size == 2 * BINS
+    assert np.nanmax(drawn) == 7.0
+    assert abs(at[np.nanargmax(drawn)] - 43_210) <= 50
+    assert np.isnan(drawn).sum() == 2 * BINS // 10
+
+
+def test_too_many_columns_are_refused():
+    many = tuple(WholeColumn(f"x{i}", "bar", TIME) for i in range(MOST + 1))
+    with pytest.raises(ValueError, match=f"at most {MOST}"):
+        figure(WholeLog("run", "here", "", (COLUMNS[0], *many)))

@@ -1,0 +1,121 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.car.vehicle_file import read_vehicle
+from calib.fitting.fit import fit
+from calib.logs.read import read_log
+from calib.show import ramp as figures
+from calib.show.ramp import GROUP, grouped, measure
+from calib.show.style import FRONT
+from tests.show.conftest import SIMULATION
+from tests.support.plot_lines import axes, drawn, labels, line
+from tests.support.reference_car import CAR, REAL, ramp
+
+
+def test_pressure_is_drawn_in_bar(sedan, ramp):
+    ax, run = axes(), measure(sedan, ramp)
+    figures.pressure(ax, run)
+    x, y = line(ax, "greater of the axles' pressures")
+    assert np.array_equal(x, run.time)
+    # 40 bar at the end of this ramp, see the file
+    assert y[-1] == np.float64(run.pressure[-1] / 1e5)
+    assert 35.0 < y.max() < 45.0
+
+
+def test_forces_are_those_measured_with_the_deceleration_between(sedan, ramp):
+    ax, run = axes(), measure(sedan, ramp)
+    figures.forces(ax, run)
+    assert labels(ax) == ["front $F_f$", "$z$ as measured", "rear $F_r$", "$z$ less air drag"]
+    for values in (run.F_f, run.F_r, run.z, run.carried):
+        assert drawn(ax, run.time, values)
+    late = run.time > 3.0
+    middle = line(ax, "$z$ less air drag")[1][late]
+    assert np.all(line(ax, "front $F_f$")[1][late] > middle)
+    assert np.all(line(ax, "rear $F_r$")[1][late] < middle)
+
+
+def test_points_are_the_blocks_of_the_mask(sedan, ramp):
+    ax, run = axes(), measure(sedan, ramp)
+    figures.points(ax, run, run.eta, run.f1, run.braked, FRONT, "measured")
+    assert drawn(ax, run.eta[run.braked], run.f1[run.braked])
+    x, _ = line(ax, "measured")
+    assert x.size == run.braked.sum() // 5
+
+
+@pytest.fixture(scope="module")
+def run():
+    return read_log(SIMULATION / "ramp_noisy.parquet")
+
+
+@pytest.fixture(scope="module")
+def table(run):
+    return fit(read_vehicle(SIMULATION / "vehicle.toml"), [run])
+
+
+def test_forces_are_the_true_ones(table, run):
+    found = measure(table, run)
+    at = np.searchsorted(run.time, found.time - 0.025)  # the middle of each block
+    z = found.z
+    weight = 1744.0 * 9.80665
+    loads = {"f": weight * (1.6494 + 0.615 * z) / 2.805, "r": weight * (1.1556 - 0.615 * z) / 2.805}
+    hard = found.braked & (z > 0.15)
+    # the rear carries the error of the pad ratio, which the ramp knows to about 2 %
+    for axle, F, tolerance in (("f", found.F_f, 0.02), ("r", found.F_r, 0.04)):
+        true = (run.truth[f"true_Fx_{axle}l"] + run.truth[f"true_Fx_{axle}r"])[at] / loads[axle]
+        assert F[hard] == pytest.approx(true[hard], rel=tolerance)
+
+
+def test_f1_and_f2_satisfy_18(table, run):
+    found = measure(table, run)
+    braked = found.braked
+    front = 1.6494 + 0.615 * found.z_free
+    rear = 1.1556 - 0.615 * found.z_free
+    assert (found.f1 * front)[braked] == pytest.approx((-found.f2 * rear)[braked])
+    assert (found.f1 - found.f2)[braked] == pytest.approx(found.D[braked])
+
+
+def test_what_is_measured_lies_around_the_curves(table, run):
+    found = measure(table, run)
+    inside = found.braked & (found.z_free < 0.9 * table.paper.z[-1])
+    gap = found.eta - np.interp(found.D, table.difference.D, table.difference.eta)
+    assert abs(np.mean(gap[inside])) < 1e-4  # a fiftieth of the signal
+    curve = np.interp(found.slip_f, table.tyre.slip, table.tyre.force)
+    hard = found.braked & (found.z > 0.15)
+    assert np.mean((curve - found.F_f)[hard]) == pytest.approx(0.0, abs=0.005)
+
+
+def test_without_v_there_is_no_slip(table, run):
+    channels = {name: x for name, x in run.channels.items() if name != "v"}
+    found = measure(table, replace(run, channels=channels))
+    assert found.slip_f is None
+    assert found.slip_r is None
+
+
+def test_a_group_is_the_mean_of_its_blocks():
+    values = np.arange(2.0 * GROUP + 3.0)
+    mask = np.ones(values.size, bool)
+    assert list(grouped(values, mask)) == [(GROUP - 1) / 2, (3 * GROUP - 1) / 2]
+    assert grouped(values, ~mask).size == 0
+
+
+def test_points_of_a_clean_ramp_with_drag_lie_on_the_curves():
+    """The plant has 0.66 m^2 of drag and 0.011 of rolling resistance; the table has neither."""
+    log = ramp(REAL)
+    table = fit(CAR, [log])
+    found = measure(table, log)
+    inside = found.braked & (found.z_free > 0.05) & (found.z_free < 0.95 * table.paper.z[-1])
+    assert inside.sum() > 50
+    D = np.interp(found.eta, table.difference.eta, table.difference.D)[inside]
+    as_driven = (found.F_f - found.F_r)[inside]
+    # on the curve within 1 %; as driven the points are up to 8 % off it
+    assert np.max(np.abs(found.D[inside] / D - 1.0)) < 0.01
+    assert np.max(np.abs(as_driven / D - 1.0)) > 0.05
+    # what drag and rolling take of the deceleration at 33 m/s and less: 0.011 + 0.026
+    freed = found.z[inside] - found.z_free[inside]
+    assert np.all((freed > 0.008) & (freed < 0.05))
+    # F over slip is one curve for both axles, with drag or without
+    for slip, force in ((found.slip_f, found.F_f), (found.slip_r, found.F_r)):
+        g = np.interp(slip[inside], table.tyre.slip, table.tyre.force)
+        assert np.max(np.abs(g / force[inside] - 1.0)) < 0.02

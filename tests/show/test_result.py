@@ -1,0 +1,62 @@
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from calib.base.errors import InputError
+from calib.show.result import COLUMNS, is_result, read_result
+
+
+def written(path, **changes):
+    columns = {name: np.linspace(0.1, 1.0, 50) + i for i, name in enumerate(COLUMNS)}
+    columns["valid"] = np.arange(50) % 2 == 0
+    columns |= changes
+    pq.write_table(pa.table({k: v for k, v in columns.items() if v is not None}), path)
+    return columns
+
+
+def test_columns_are_those_of_the_contract():
+    assert set(COLUMNS) == {
+        *("time", "z", "eta", "normalised_force_f", "normalised_force_r"),
+        *("pad_friction_f", "pad_friction_f_lower", "pad_friction_f_upper"),
+        *("pad_friction_r", "pad_friction_r_lower", "pad_friction_r_upper"),
+        *("brake_torque_fl", "brake_torque_fr", "brake_torque_rl", "brake_torque_rr"),
+    }
+
+
+def test_a_result_is_read_as_written(tmp_path):
+    path = tmp_path / "stop.parquet"
+    columns = written(path)
+    assert is_result(path)
+    found = read_result(path)
+    assert found.name == "stop"
+    for name in COLUMNS:
+        assert np.array_equal(found[name], columns[name])
+    assert np.array_equal(found.valid, columns["valid"])
+
+
+def test_a_log_or_rubbish_is_no_result(tmp_path):
+    log = tmp_path / "log.parquet"
+    pq.write_table(pa.table({"time": [0.0, 1.0], "p_mc": [0.0, 1.0]}), log)
+    (tmp_path / "rubbish.parquet").write_bytes(b"PAR1 and no more")
+    (tmp_path / "log.csv").write_text("time [s],valid,pad_friction_f,pad_friction_r\n")
+    for name in ("log.parquet", "rubbish.parquet", "log.csv", "missing.parquet"):
+        assert not is_result(tmp_path / name)
+
+
+def test_a_missing_column_is_named(tmp_path):
+    written(tmp_path / "a.parquet", brake_torque_rl=None)
+    with pytest.raises(InputError, match="no column brake_torque_rl"):
+        read_result(tmp_path / "a.parquet")
+
+
+def test_a_result_of_one_sample_is_refused(tmp_path):
+    path = tmp_path / "a.parquet"
+    pq.write_table(pa.table({name: [1.0] for name in COLUMNS} | {"valid": [True]}), path)
+    with pytest.raises(InputError, match="fewer than two"):
+        read_result(path)
+
+
+def test_what_cannot_be_read_says_so(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        read_result(tmp_path / "missing.parquet")

@@ -1,0 +1,80 @@
+"""The index of a folder of runs: last cars first, and only new runs are read."""
+
+import json
+import os
+
+import pytest
+
+from calib.line.station import index
+from calib.line.station.document import to_dict, to_text
+from calib.line.station.index import runs_below
+from calib.show.station_index import index_html, worst_first, write_index
+
+
+@pytest.fixture
+def folder(found, kept, tmp_path):
+    document = to_dict(found, kept, [])
+    for i in range(3):
+        (tmp_path / f"day/car-{i}").mkdir(parents=True)
+        document["identity"] = {"serial": f"<b>{i}"}
+        document["figures"]["pad_scale"] = 1.0 + 0.01 * i
+        path = tmp_path / f"day/car-{i}" / "station.json"
+        path.write_text(to_text(document))
+        os.utime(path, (1000.0 + i, 1000.0 + i))
+    return tmp_path
+
+
+def test_the_last_car_is_first_with_its_verdict_and_next_step(folder):
+    assert write_index(folder) == 3
+    page = (folder / "index.html").read_text()
+    assert page.index("&lt;b&gt;2") < page.index("&lt;b&gt;1") < page.index("&lt;b&gt;0")
+    assert "Failed" in page
+    assert "Drive two stops again" in page
+    assert 'href="day/car-2/report.html"' in page
+    assert 'http-equiv="refresh"' not in page
+    assert 'http-equiv="refresh" content="10"' in (folder / "live.html").read_text()
+    assert page.count("<polyline") == 4
+    assert "102.0" in page  # the last pad scale
+
+
+def test_failed_runs_stand_on_top_of_the_recent_ones(folder):
+    """Of six runs, from the newest: passed, failed, warning, damaged, failed, refused."""
+    verdicts = ("passed", "failed", "warning", index.UNREADABLE, "failed", index.NO_VERDICT)
+    runs = [index.IndexedRun(f"car-{i}", 10.0 - i, word) for i, word in enumerate(verdicts)]
+    assert [run.place for run in worst_first(runs)] == [f"car-{i}" for i in (1, 3, 4, 5, 2, 0)]
+    page = index_html(runs, "line")
+    rows = page[page.index("<tbody>") :]
+    assert rows.index("car-4") < rows.index("car-2") < rows.index("car-0")
+    assert page.index("car-0: Passed") < page.index("<tbody>")  # the last car is the headline
+    assert "Failed and refused ones on top" in page
+
+
+def test_only_a_new_run_is_read(folder, monkeypatch):
+    write_index(folder)
+    read = []
+    real = index.read_run
+    monkeypatch.setattr(index, "read_run", lambda *a: read.append(a[1]) or real(*a))
+    before = (folder / "index.html").stat().st_mtime_ns
+    write_index(folder)
+    assert read == []
+    assert (folder / "index.html").stat().st_mtime_ns == before
+    os.utime(folder / "day/car-0/station.json", (2000.0, 2000.0))
+    write_index(folder)
+    assert read == ["day/car-0"]
+    assert runs_below(folder)[0][0].car == "<b>0"
+
+
+def test_a_damaged_run_is_shown_and_a_damaged_memory_is_made_again(folder):
+    (folder / "day/car-1/station.json").write_text("{")
+    (folder / "day/car-2/refused.json").write_text('{"identity": {}, "error": 3}')
+    (folder / ".index.json").write_text(json.dumps({"schema": 1, "runs": {"x": [1]}}))
+    runs, changed = runs_below(folder)
+    assert changed
+    assert sorted(run.verdict for run in runs) == ["failed", index.UNREADABLE, index.UNREADABLE]
+    assert write_index(folder) == 3
+    assert "run the car again" in (folder / "index.html").read_text()
+
+
+def test_a_folder_without_a_run(tmp_path):
+    assert write_index(tmp_path) == 0
+    assert "No run yet" in (tmp_path / "index.html").read_text()

@@ -1,0 +1,208 @@
+"""The report of a car, read as text and opened in a real browser."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from calib.line.station.words import in_full
+from calib.show.station_page import report_html, sheet
+from tests.support.browser import BROWSER, Browser
+from tests.support.station_run import MARKUP, failed_car
+
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium here; apt install chromium")
+
+
+@pytest.fixture(scope="module")
+def html(found, kept):
+    car = replace(found.table.vehicle, name=f"car {MARKUP}")
+    return report_html(replace(found, table=replace(found.table, vehicle=car)), kept)
+
+
+@pytest.fixture(scope="module")
+def page(html, tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(html)
+    return path
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with Browser(tmp_path_factory.mktemp("profile")) as opened:
+        yield opened
+
+
+class Reader(HTMLParser):
+    """Tags, texts and attributes as a parser finds them that knows nothing of the report."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.texts, self.attributes = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+def read(html):
+    reader = Reader()
+    reader.feed(html)
+    return reader
+
+
+def test_markup_in_names_stays_text(html):
+    seen = read(html)
+    assert "script" not in seen.tags
+    assert not any("onerror" in attributes for _, attributes in seen.attributes)
+    text = "".join(seen.texts)
+    assert text.count(MARKUP) >= 5  # serial, vehicle, stop, caveat, table of logs
+
+
+def test_every_figure_has_a_text_and_every_table_a_caption(html):
+    seen = read(html)
+    images = [attributes for tag, attributes in seen.attributes if tag == "img"]
+    assert len(images) == 6  # the second panel of a figure is told with the first
+    assert sum(len(image["alt"]) > 40 for image in images) == 4
+    assert seen.tags.count("table") == seen.tags.count("caption")
+    assert dict(seen.attributes)["html"] == {"lang": "en"}
+    levels = [int(tag[1]) for tag in seen.tags if re.fullmatch("h[1-6]", tag)]
+    assert levels[0] == 1
+    assert all(b - a <= 1 for a, b in pairwise(levels))
+
+
+def test_ids_are_unique_and_labels_point_to_them(html):
+    seen = read(html)
+    ids = [attributes["id"] for _, attributes in seen.attributes if "id" in attributes]
+    assert len(ids) == len(set(ids))
+    assert {a["for"] for tag, a in seen.attributes if tag == "label"} == set(ids)
+
+
+def test_the_verdict_comes_first_and_each_failure_has_a_next_step(html, found):
+    texts = [text.strip() for text in read(html).texts if text.strip()]
+    assert texts.index("Failed") < texts.index("What to do next") < texts.index("Limits")
+    for check in found.with_verdict("failed"):
+        assert any(in_full(check) in text for text in texts)
+
+
+def test_the_same_car_gives_the_same_bytes(found, kept):
+    assert report_html(found, kept) == report_html(found, kept)
+
+
+@needs_browser
+@pytest.mark.parametrize(("width", "dark"), [(1000, False), (1000, True), (360, False)])
+def test_opens_quietly_and_fits_the_screen(browser, page, width, dark):
+    seen = browser.open(page, width, dark=dark)
+    assert seen.requests == []
+    assert seen.complaints == []
+    assert browser.ask("document.documentElement.scrollWidth") <= width
+    sizes = browser.ask(
+        "[...document.images].map(i => [i.complete, i.naturalWidth, i.clientWidth, i.clientHeight])"
+    )
+    assert len(sizes) == 6
+    assert all(done and wide > 300 and w > 300 and h > 100 for done, wide, w, h in sizes)
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [360, 1000])
+def test_no_table_is_cut_and_every_bar_has_its_mark(browser, page, width):
+    browser.open(page, width)
+    cut = "[...document.querySelectorAll('.wide')].filter(e => e.scrollWidth > e.clientWidth + 1)"
+    assert browser.ask(f"{cut}.length") == 0
+    bars = "[...document.querySelectorAll('.bar')]"
+    assert browser.ask(f"{bars}.length") > 15
+    assert browser.ask(f"{bars}.every(e => e.querySelector('.mark') && e.ariaLabel.length > 9)")
+
+
+@needs_browser
+def test_a_request_and_a_complaint_would_be_seen(browser, tmp_path):
+    bad = tmp_path / "bad.html"
+    bad.write_text("<script src='file:///nowhere.js'></script><script>nothing()</script>")
+    seen = browser.open(bad)
+    assert seen.requests
+    assert seen.complaints
+
+
+@needs_browser
+def test_a_figure_grows_when_its_box_is_ticked(browser, page):
+    browser.open(page)
+    width = "document.images[0].clientWidth"
+    before = browser.ask(width)
+    browser.ask("document.querySelector('.zoom').click()")
+    assert browser.ask(width) > 2 * before
+    assert browser.ask("document.documentElement.scrollWidth") <= 1000
+
+
+CONTRAST = """
+(() => {
+  const parts = c => c.match(/[\\d.]+/g).map(Number);
+  const light = c => {
+    const [r, g, b] = parts(c).map(x => x / 255)
+      .map(x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = e => {
+    for (; e; e = e.parentElement) {
+      const c = parts(getComputedStyle(e).backgroundColor);
+      if (c.length < 4 || c[3] > 0) return light(getComputedStyle(e).backgroundColor);
+    }
+    return 1;
+  };
+  return Math.min(...[...document.querySelectorAll('h1,h2,h3,p,td,th,dt,dd,li,caption,summary,'
+    + 'label,figcaption')].map(e => {
+      const [a, b] = [light(getComputedStyle(e).color), ground(e)];
+      return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  }));
+})()
+"""
+"""Least contrast of any text against its ground, by the formula of WCAG 2."""
+
+
+@needs_browser
+@pytest.mark.parametrize("dark", [False, True])
+def test_contrast_is_4_5_to_1_or_better(browser, page, dark):
+    browser.open(page, dark=dark)
+    assert browser.ask(CONTRAST) >= 4.5
+
+
+@pytest.fixture(scope="module")
+def failed():
+    return failed_car()
+
+
+def axes_of(sheet, name):
+    return sheet.figure(name).axes[0]
+
+
+def test_the_points_are_the_pads_of_the_stops(failed):
+    ax = axes_of(sheet(failed.table, failed.results), "pads")
+    points = {c.get_label(): c[0].get_xydata()[:, 1] for c in ax.containers}
+    assert np.allclose(points["front, stop"], [r.figures["pad_friction_f"] for r in failed.results])
+    assert np.allclose(points["rear, stop"], [r.figures["pad_friction_r"] for r in failed.results])
+
+
+def test_a_name_with_a_dollar_is_drawn_as_text(failed):
+    ax = axes_of(sheet(failed.table, failed.results), "stop-1")
+    assert ax.get_title(loc="left").count(r"\$") == 1
+
+
+def test_a_line_ends_where_the_estimate_is_not_valid(failed):
+    drawn = sheet(failed.table, failed.results)
+    line = axes_of(drawn, "stop-2").get_lines()[0].get_ydata()
+    valid = failed.results[1].estimate.valid[::5]
+    assert np.array_equal(np.isfinite(line), valid)
+
+
+def test_no_band_is_drawn_where_the_estimate_is_not_valid(failed):
+    ax = axes_of(sheet(failed.table, failed.results), "stop-2")
+    result = failed.results[1].estimate
+    first = result.time[np.argmax(result.valid)]
+    bands = [one for one in ax.collections if one.get_facecolor()[0][3] < 1.0]
+    assert len(bands) == 2
+    for band in bands:
+        assert band.get_paths()[0].vertices[:, 0].min() >= first

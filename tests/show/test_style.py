@@ -1,0 +1,82 @@
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from calib.show import style
+from calib.show.style import noisy, shade, smooth, styled, view
+from tests.support.plot_lines import axes, drawn, line
+
+TIME = np.arange(0.0, 2.0, 0.005)
+
+
+def test_settings_of_the_user_are_neither_used_nor_lost():
+    with mpl.rc_context({"font.size": 31.0, "lines.linewidth": 9.0, "axes.facecolor": "black"}):
+        with styled():
+            assert mpl.rcParams["font.size"] < 10.0
+            assert mpl.rcParams["axes.facecolor"] == "white"
+        assert mpl.rcParams["font.size"] == 31.0
+        assert mpl.rcParams["axes.facecolor"] == "black"
+
+
+def test_settings_are_restored_after_an_error():
+    before = dict(mpl.rcParams)
+    with pytest.raises(ZeroDivisionError), styled():
+        raise ZeroDivisionError
+    assert dict(mpl.rcParams) == before
+
+
+def test_the_mean_keeps_a_line_and_takes_noise():
+    straight = 3.0 * TIME - 1.0
+    inside = slice(20, -20)
+    assert smooth(TIME, straight)[inside] == pytest.approx(straight[inside])
+    noise = np.random.default_rng(0).normal(size=TIME.size)
+    # 21 samples: the standard deviation falls by sqrt(21)
+    assert np.std(smooth(TIME, noise)) == pytest.approx(np.std(noise) / np.sqrt(21), rel=0.3)
+
+
+def test_what_is_unknown_stays_unknown_and_spreads_not():
+    values = np.full(TIME.size, 2.0)
+    values[100:150] = np.nan
+    found = smooth(TIME, values)
+    assert np.array_equal(np.isnan(found), np.isnan(values))
+    assert np.nanmax(np.abs(found - 2.0)) < 1e-12
+
+
+def test_a_noisy_line_is_drawn_as_it_came_and_as_its_mean():
+    ax, values = axes(), np.sin(50.0 * TIME)
+    noisy(ax, TIME, values, style.REAR, "rear")
+    assert drawn(ax, TIME, values)
+    assert np.array_equal(line(ax, "rear")[1], smooth(TIME, values))
+
+
+def test_shade_covers_the_samples_of_the_mask_and_the_whole_height():
+    ax, mask = axes(), (TIME > 0.5) & (TIME < 1.0)
+    shade(ax, TIME, mask)
+    (area,) = ax.collections
+    corners = area.get_paths()[0].vertices
+    assert corners[:, 0].min() == TIME[mask][0]
+    assert corners[:, 0].max() == TIME[mask][-1]
+    assert set(corners[:, 1]) == {0.0, 1.0}
+
+
+@pytest.mark.parametrize("zero", [False, True])
+def test_view_holds_the_values_and_only_them(zero):
+    ax = axes()
+    ax.plot(TIME, 1e6 * TIME)
+    view(ax, np.array([2.0, np.nan, 3.0]), zero=zero)
+    low, high = ax.get_ylim()
+    assert low <= (0.0 if zero else 2.0)
+    assert 3.0 < high < 4.0
+
+
+def test_view_of_nothing_changes_nothing():
+    ax = axes()
+    before = ax.get_ylim()
+    view(ax, np.array([np.nan]))
+    view(ax)
+    assert ax.get_ylim() == before
+
+
+def test_every_stroke_differs_in_grey_from_its_partner():
+    for a, b in ((style.FRONT, style.REAR), (style.BODY, style.LEVEL), (style.TRUTH, style.FRONT)):
+        assert a["linestyle"] != b["linestyle"]

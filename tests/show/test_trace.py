@@ -1,0 +1,143 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.vehicle_file import read_vehicle
+from calib.estimation.delay import with_delay
+from calib.estimation.estimator import estimate
+from calib.estimation.limits import Limit
+from calib.estimation.results import write_result
+from calib.estimation.validate import validate, validate_one
+from calib.show.result import read_result
+from calib.show.trace import from_result, verdict_of
+from tests.show.conftest import SEDAN, traced
+from tests.support.stored_results import made_result
+
+WEIGHT = 1744.0 * 9.80665
+
+
+def test_a_trace_is_the_estimate(sedan, transition, trace):
+    found = with_delay(estimate(sedan, transition))
+    assert np.array_equal(trace.front.pad, found.front.pad_friction, equal_nan=True)
+    assert np.array_equal(trace.rear.upper, found.rear.upper, equal_nan=True)
+    assert np.array_equal(trace.rear.torque, 2.0 * found.rear.torque, equal_nan=True)
+    assert np.array_equal(trace.valid, found.valid)
+    assert trace.changes == found.split.changes
+    assert not trace.has_truth
+
+
+def test_the_sum_of_forces_is_that_of_the_deceleration(trace):
+    """(18) makes it so for any table; air drag is part of what slows the car."""
+    held = trace.valid
+    assert np.mean(trace.force_sum[held]) == pytest.approx(np.mean(trace.inertia[held]), rel=0.02)
+    assert trace.inertia == pytest.approx(WEIGHT * trace.z)
+
+
+def test_what_a_term_takes_is_in_the_sum_of_forces(sedan, transition):
+    """Two hundredths of the weight, 5 % of what slows the car, which was weighed to 0.5 %.
+
+    With a mass that is open by 3 %, pads at 0.96 of nominal may as well be nominal.
+    """
+    term = EmpiricalTerm("body", "constant", (0.0,), (0.02,))
+    car = replace(sedan.vehicle, effects=Effects(terms=(term,)), mass_tolerance=0.005)
+    table = replace(sedan, vehicle=car)
+    drawn = traced(table, transition)
+    held = drawn.valid
+    assert np.mean(drawn.force_sum[held]) == pytest.approx(np.mean(drawn.inertia[held]), rel=0.02)
+
+
+def test_nominal_torque_is_that_of_table_1_at_the_pressure(sedan, transition):
+    car = read_vehicle(SEDAN / "vehicle.toml")
+    found = traced(sedan, transition, car)
+    p = np.maximum(transition["p_mc"], 0.0)
+    per_wheel = 0.38 * 2 * 28.84e-4 * 0.1309 * p
+    assert found.front.nominal == 0.38
+    assert found.front.nominal_torque == pytest.approx(2.0 * per_wheel)
+    # what nominal pads brake more, in forces at the road
+    excess = (found.front.nominal_torque - found.front.torque) / 0.322
+    excess += (found.rear.nominal_torque - found.rear.torque) / 0.322
+    held = found.valid
+    gap = found.force_sum_nominal - found.force_sum
+    assert gap[held] == pytest.approx(excess[held])
+
+
+def test_a_simulation_knows_its_pads(simulated):
+    assert simulated.has_truth
+    for axle, nominal in ((simulated.front, 0.5), (simulated.rear, 0.6)):
+        assert axle.nominal == nominal
+        # the paper's Section IV: 0.4; the pressure is noisy
+        assert np.mean(axle.true_pad[simulated.valid]) == pytest.approx(0.4, rel=0.01)
+        assert np.isnan(axle.true_pad[0])
+
+
+def test_logged_truth_is_taken_as_it_is(sedan, transition):
+    truth = {"true_mu_pad_f": np.full(transition.time.size, 0.31)}
+    found = traced(sedan, replace(transition, truth=truth))
+    assert np.all(found.front.true_pad == 0.31)
+    assert found.rear.true_pad is None
+    assert not found.has_truth
+
+
+def test_without_v_there_is_neither_slip_nor_speed(sedan, transition):
+    log = replace(transition, channels={k: v for k, v in transition.channels.items() if k != "v"})
+    found = traced(sedan, log)
+    assert found.v_wheel is None
+    assert found.front.slip is None
+    assert found.rear.slip is None
+
+
+def test_a_result_alone_has_no_nominal_pads():
+    found = from_result(made_result())
+    assert found.front.nominal is None
+    assert found.force_sum is None
+    assert found.wheels == {}
+    assert np.all(found.front.torque == 200.0)
+    assert np.all(found.front.wheel_torque == 100.0)
+
+
+def test_a_vehicle_adds_nominal_pads_and_the_sum():
+    car = read_vehicle(SEDAN / "vehicle.toml")
+    found = from_result(made_result(), car)
+    assert found.front.nominal == 0.38
+    assert found.front.nominal_torque == pytest.approx(np.full(40, 200.0 * 0.38 / 0.4))
+    assert found.force_sum == pytest.approx(np.full(40, 0.4 * WEIGHT))  # F = 0.4 on both axles
+    assert found.force_sum_nominal == pytest.approx(found.force_sum - 2 * 10.0 / 0.322)
+
+
+def test_what_validate_writes_is_what_is_drawn(sedan, transition, trace, tmp_path):
+    (validated,) = validate(sedan, [transition])
+    write_result(validated.estimate, tmp_path / "stop.parquet")
+    found = from_result(read_result(tmp_path / "stop.parquet"))
+    for name in ("pad", "lower", "upper", "torque", "force"):
+        a, b = getattr(found.rear, name), getattr(trace.rear, name)
+        assert np.array_equal(a, b, equal_nan=True), name
+    assert np.array_equal(found.valid, trace.valid)
+
+
+def test_each_sample_is_valid_or_has_a_reason(trace):
+    reasons = np.any(list(trace.refused.values()), axis=0)
+    assert np.array_equal(reasons, ~trace.valid)
+
+
+def test_pads_of_a_result_are_counted_as_by_the_validation(sedan, transition, trace, tmp_path):
+    (validated,) = validate(sedan, [transition])
+    write_result(validated.estimate, tmp_path / "stop.parquet")
+    found = from_result(read_result(tmp_path / "stop.parquet"))
+    assert found.pads == trace.pads
+    assert found.verdict == ""
+
+
+def test_the_verdict_is_that_of_the_validation(sedan, transition, trace):
+    assert trace.verdict.startswith("passed")
+    strict = (Limit("interval_f", None, 0.01), Limit("valid_share", 0.5, None))
+    failed = validate_one(sedan, transition, None, strict, baselines=False)
+    width = failed.figures["interval_f"]
+    assert verdict_of(failed).startswith(f"failed: interval front {width:.3g}, at most 0.01")
+    assert "valid share" not in verdict_of(failed)
+
+
+def test_a_log_of_the_fit_has_no_verdict(sedan, ramp):
+    result = validate_one(sedan, ramp, None, (), baselines=False)
+    assert verdict_of(result) == "no verdict: the table was fitted on this log"

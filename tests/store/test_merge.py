@@ -1,0 +1,182 @@
+"""The mean of several cars, against closed forms and against cars that are one car."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import t
+
+from calib.estimation.estimator import estimate
+from calib.model.parameters import RampParameters, tyres_of
+from calib.store.merge import merge
+from calib.store.record_file import from_content
+from calib.store.store import Store
+from calib.table.invariants import violations
+from calib.table.pad_levels import pad_levels
+from calib.table.pads_budget import pads_budget
+from tests.support.cars_of_a_line import car_table, cars, version
+from tests.support.reference_car import WET, noisy, stop
+from tests.support.tables import VEHICLE
+
+STIFFNESS = st.lists(st.floats(22.0, 32.0), min_size=2, max_size=5, unique=True)
+
+
+@pytest.fixture(scope="module")
+def copies(runs):
+    """Twenty measurements of one car, taken for twenty cars."""
+    return [version(table, n) for n, table in enumerate(runs, start=1)]
+
+
+def test_the_mean_of_two_cars_is_a_closed_form():
+    """No errors of their own: equal weights, S^2 = 2, and Student's t of one degree."""
+    mean = merge(cars(26.0, 28.0), "golden")
+    d = mean.difference
+    np.testing.assert_allclose(d.D, 27.0 * (d.eta - 1.0), rtol=1e-12)
+    root2 = math.sqrt(2.0)
+    for at, scatter in zip(d.eta - 1.0, mean.spread.D, strict=True):
+        assert scatter.between == pytest.approx(root2 * at, rel=1e-6)
+        assert scatter.of_mean == pytest.approx(1.0 * at, rel=1e-6)
+    # one more car: (2 + 2/2) (eta - 1)^2; the bands of the cars, 2 (eta - 1), are shared by all
+    of_cars = t.ppf(0.975, 1) * math.sqrt(3.0)
+    np.testing.assert_allclose(d.upper - d.D, math.hypot(of_cars, 2.0) * (d.eta - 1.0), rtol=1e-6)
+
+
+def test_every_row_of_f1_and_f2_obeys_the_constraint_at_the_mean_z():
+    mean = merge(cars(25.0, 27.5, 28.0), "golden")
+    p, car = mean.paper, mean.vehicle
+    np.testing.assert_allclose(p.z, 60.0 * (p.eta - 1.0), rtol=1e-12)
+    front = car.cg_to_rear_axle + p.z * car.cg_height
+    rear = car.cg_to_front_axle - p.z * car.cg_height
+    np.testing.assert_allclose(p.f1, -(rear / front) * p.f2, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(p.f1 - p.f2, mean.difference.D, rtol=0.0, atol=1e-15)
+
+
+@settings(max_examples=15)
+@given(STIFFNESS, st.randoms(use_true_random=False))
+def test_the_mean_is_sound_and_the_order_of_the_cars_does_not_matter(stiffness, random):
+    parents = cars(*stiffness)
+    mean = merge(parents, "golden")
+    assert violations(mean) == ()
+    random.shuffle(parents)
+    assert merge(parents, "golden").digest == mean.digest
+    assert from_content(*mean.content()).digest == mean.digest
+
+
+def test_pads_and_stiffness_are_the_means_of_logarithms():
+    made = [car_table(1, 26.0, -0.03, 0.02), car_table(2, 28.0, 0.05, -0.04)]
+    mean = merge([version(table, n) for n, table in enumerate(made, 1)], "golden")
+    levels = [pad_levels(VEHICLE, table.calibration) for table in made]
+    found = pad_levels(VEHICLE, mean.calibration)
+    assert found.ratio == pytest.approx(-0.01)
+    assert found.level == pytest.approx(0.5 * (levels[0].level + levels[1].level))
+    assert mean.posterior.value("log_compliance") == pytest.approx(-0.5 * math.log(26.0 * 28.0))
+    spread = mean.spread
+    assert spread.pad_ratio.between == pytest.approx(0.06 / math.sqrt(2.0), rel=1e-6)
+    apart = levels[0].level - levels[1].level
+    assert spread.pad_level.between == pytest.approx(abs(apart) / math.sqrt(2.0), rel=1e-6)
+    of_tyres = math.log(28.0 / 26.0)
+    assert spread.stiffness.between == pytest.approx(of_tyres / math.sqrt(2.0), rel=1e-6)
+
+
+def test_axes_of_different_length_have_their_common_range_and_it_is_told():
+    short, long = car_table(1, 26.0), car_table(2, 28.0)
+    d, p, g = short.difference, short.paper, short.tyre
+    short = replace(
+        short,
+        difference=replace(d, **{name: getattr(d, name)[:15] for name in vars(d)}),
+        paper=replace(p, **{name: getattr(p, name)[:15] for name in vars(p)}),
+        tyre=replace(g, **{name: getattr(g, name)[:15] for name in vars(g)}),
+    )
+    mean = merge([version(short, 1), version(long, 2)], "golden")
+    assert mean.difference.eta[[0, -1]].tolist() == [1.0, d.eta[14]]
+    assert mean.tyre.slip[-1] == g.slip[14]
+    assert mean.difference.eta.size == 21
+    assert any("curves end at eta 1.00350, where sedan@1 ends" in r for r in mean.remarks)
+
+
+def test_the_record_names_the_parents_and_what_no_mean_shrinks(store):
+    kept = Store(store)
+    parents = [kept.save(version_.table) for version_ in cars(26.0, 27.0, 28.0)]
+    stored = kept.save(merge(parents, "golden"))
+    origin = kept.load("golden@1").table.provenance
+    assert [(p.id, p.digest) for p in origin.parents] == [(p.id, p.digest) for p in parents]
+    assert {log.name for log in origin.logs} == {"ramp_1.csv", "ramp_2.csv", "ramp_3.csv"}
+    assert any("vehicle file, the surface of the track" in r for r in stored.table.remarks)
+    assert any("2 degrees of freedom" in r for r in stored.table.remarks)
+    assert stored.table.spread.cars == 3
+    assert all(verdict.sound for verdict in kept.verify())
+    assert kept.save(merge(parents[::-1], "golden")).id == "golden@1"
+
+
+def test_cars_without_a_serial_number_are_named():
+    one, two = cars(26.0, 28.0)
+    nameless = replace(two.table, provenance=replace(two.table.provenance, identity={}))
+    mean = merge([one, version(nameless, 2)], "golden")
+    assert any(r.endswith("without a serial number or VIN: sedan@2") for r in mean.remarks)
+
+
+def test_copies_of_one_car_have_next_to_no_spread(copies):
+    """What scatters are the runs: next to nothing is left for the cars."""
+    mean = merge(copies, "golden")
+    spread, top = mean.spread, int(np.argmax(mean.difference.D))
+    assert spread.D[top].between < 0.01 * mean.difference.D[top]
+    assert spread.pad_level.between < 0.003
+    assert spread.pad_ratio.between < 0.01
+    assert spread.stiffness.between < 0.02  # one run has 0.022
+    for car in copies:
+        assert mean.calibration.pad_friction_f.value == pytest.approx(
+            car.table.calibration.pad_friction_f.value, rel=0.02
+        )
+
+
+def test_the_posterior_and_the_curves_of_the_mean_tell_the_same_tyre(copies):
+    """The mean of the parameters gives the mean of the curves, to second order in the scatter."""
+    mean = merge(copies, "golden")
+    curve = tyres_of(RampParameters(*mean.posterior.mean)).tyre
+    slip = curve.slip(mean.tyre.force, np.ones(()))
+    np.testing.assert_allclose(slip, mean.tyre.slip, rtol=0.005, atol=1e-6)
+
+
+def test_what_no_stop_learns_from_is_the_same_in_the_mean(copies):
+    """Pads and tyres of a line may all differ from the file alike."""
+    mean = merge(copies, "golden").posterior
+    own = np.mean([np.asarray(car.table.posterior.scatter) for car in copies], axis=0)
+    at = mean.names.index("log_pad_ratio")
+    assert mean.scatter[at][at] == pytest.approx(own[at, at], rel=0.05)
+    assert violations(merge(copies, "golden")) == ()
+
+
+def test_the_parts_of_the_budget_add_up_to_what_the_mean_leaves_open(copies):
+    mean = merge(copies, "golden")
+    parts = np.sum([np.asarray(part) for part in mean.budget.posterior.values()], axis=0)
+    np.testing.assert_allclose(parts, np.asarray(mean.posterior.covariance), rtol=1e-9, atol=1e-18)
+    cal = mean.calibration
+    for axle, pad in zip(pads_budget(mean), (cal.pad_friction_f, cal.pad_friction_r), strict=True):
+        assert axle.sigma == pytest.approx(pad.sigma / pad.value)
+    assert {"noise", "zeros"} & set(mean.budget.posterior) == set()
+
+
+def test_what_all_cars_share_does_not_shrink_with_their_number(copies):
+    few, many = merge(copies[:2], "golden"), merge(copies, "golden")
+    one = copies[0].table.budget
+    for mean in (few, many):
+        assert mean.budget.level["mass"] == pytest.approx(one.level["mass"])
+        assert mean.budget.front["mass"] == pytest.approx(one.front["mass"])
+    assert many.budget.front["cars"] < 0.5 * few.budget.front["cars"]
+
+
+def test_it_is_estimated_with_and_its_interval_holds_the_pads(copies):
+    found = estimate(merge(copies, "golden"), noisy(stop(WET), 3))
+    assert found.valid.sum() > 100
+    for axle, true in ((found.front, 0.31), (found.rear, 0.27)):
+        held = (axle.lower <= true) & (true <= axle.upper)
+        assert np.mean(held[found.valid]) >= 0.9
+
+
+def test_a_table_of_one_car_has_no_key_for_a_spread_or_for_parents(table):
+    record, _ = table.content()
+    assert not {"spread", "by_hand"} & set(record)
+    assert "parents" not in record["provenance"]
