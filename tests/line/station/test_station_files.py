@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime
 
-from calib.line.station import write
+from calib.show import station_files as write
 from calib.show.station_files import store_and_write
 from calib.store.store import Store
 
