@@ -1,7 +1,7 @@
 """`brake-cal tables export`: a table as the file of a calibration tool, an ECU, another program."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,7 +14,7 @@ from cli.project import STORE
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
-    from calib.exports.dataset import Dataset
+    from calib.exports.dataset import Axis, Dataset
     from calib.exports.export import Exported
     from calib.store.quality import Quality
     from calib.store.version import Stored
@@ -132,27 +132,25 @@ def _quality(path: Path | None, stored: "Stored") -> "Quality":
 
 def _report(written: "Exported", bits: int | None, json: bool) -> None:
     data = written.data
-    rounding = _rounding(data, bits)
+    rounding = _rounding(data)
     if json:
         emit_json(
             {
                 "schema": 1,
                 **data.facts(),
-                "version": data.version,
+                "version": data.stored.version,
                 "format": written.form,
                 "out": written.path,
                 "bytes": len(written.content),
                 "sha256": written.sha256,
-                "axes": [_axis(data, a.label) for a in data.axes],
+                "axes": [_axis(data, axis) for axis in data.axes],
                 "remarks": list(written.remarks),
                 "fixed_point": {"bits": bits, "objects": rounding} if rounding else None,
             }
         )
         return
-    from calib.exports.dataset import placed
-
     for axis in data.axes:
-        say(f"{axis.label}: {placed(axis)}")
+        say(f"{axis.label}: {axis.placed}")
     for row in rounding:
         if row["read_error"] is not None:
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
@@ -161,20 +159,26 @@ def _report(written: "Exported", bits: int | None, json: bool) -> None:
     emit(repr(written))
 
 
-def _axis(data: "Dataset", label: str) -> dict[str, object]:
-    axis = data.axis(label)
+def _axis(data: "Dataset", axis: "Axis") -> dict[str, object]:
     return {
-        "label": label,
+        "label": axis.label,
         "points": len(axis.values),
         "rows": axis.rows,
-        "curves": [c.label for c in data.over(axis)],
+        "curves": [c.label for c in data.curves if c.axis.label == axis.label],
         "worst": axis.misfit.worst,
         "worst_at": axis.misfit.at,
         "rms": axis.misfit.rms,
     }
 
 
-def _rounding(data: "Dataset", bits: int | None) -> list[dict[str, object]]:
-    from calib.exports.fixed_point import roundings
-
-    return [] if bits is None else [vars(r) for r in roundings(data, bits)]
+def _rounding(data: "Dataset") -> list[dict[str, Any]]:
+    return [
+        {
+            "label": one.label,
+            "step": one.fixed.step,
+            "error": one.fixed.error,
+            "read_error": getattr(one, "fixed_misfit", None),
+        }
+        for one in data.objects
+        if one.fixed is not None
+    ]

@@ -14,8 +14,8 @@ from cli.project import STORE
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.exports.dataset import Returned
-    from calib.exports.read import Difference
+    from calib.exports.compare import Difference
+    from calib.exports.read import Returned
     from calib.store.version import Stored
 
 EPILOG = example("brake-cal tables import sedan.dcm")
@@ -32,7 +32,8 @@ def import_table(
     is cut off, damaged or names no table, 4 if it does not agree with the table. Another tool may
     have saved it: labels are compared, and numbers that were rounded agree.
     """
-    from calib.exports.read import difference, parent, read_back, refuse
+    from calib.exports.compare import difference, parent, refuse
+    from calib.exports.read import read_back
 
     found = read_back(file)
     stored = parent(found, calib.Store(store))

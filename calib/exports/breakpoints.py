@@ -46,8 +46,6 @@ def place(x: Array, curves: Array, points: int) -> Indices:
     curves : the curves over it, (k, n), in one unit.
     points : 2 or more; all rows are kept where the axis has no more.
     """
-    if points < FEWEST:
-        raise ValueError(f"{points} breakpoints; expected {FEWEST} or more")
     n = len(x)
     if points >= n:
         return np.arange(n)

@@ -1,7 +1,6 @@
 """A table written as the file of a calibration tool, an ECU or another program."""
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,46 +8,20 @@ from pathlib import Path
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
-from calib.exports.a2l import write_a2l
-from calib.exports.addresses import Addresses, find_addresses
-from calib.exports.build import build
-from calib.exports.c_header import write_c_header
-from calib.exports.cdfx import write_cdfx
-from calib.exports.dataset import Dataset
-from calib.exports.dcm import write_dcm
-from calib.exports.plain import write_csv, write_inca_csv, write_json, write_parquet
+from calib.exports.addresses import NOWHERE, Addresses, find_addresses
+from calib.exports.dataset import Dataset, build
+from calib.exports.write import (
+    write_a2l,
+    write_c_header,
+    write_cdfx,
+    write_csv,
+    write_dcm,
+    write_inca_csv,
+    write_json,
+    write_parquet,
+)
 from calib.store.quality import UNPROVED, Quality
 from calib.store.version import Stored
-
-NOWHERE = Addresses()
-"""No program was given."""
-
-
-@dataclass(frozen=True)
-class Order:
-    """Input of a format: ``data`` of ``stored``, ``date``; integers if ``bits`` is set.
-
-    ``addresses`` of the objects in the linked program.
-    """
-
-    data: Dataset
-    stored: Stored
-    date: str
-    bits: int | None = None
-    addresses: Addresses = NOWHERE
-
-
-FORMATS: dict[str, Callable[[Order], bytes]] = {
-    "json": lambda o: write_json(o.data, o.stored),
-    "csv": lambda o: write_csv(o.data),
-    "parquet": lambda o: write_parquet(o.data),
-    "dcm": lambda o: write_dcm(o.data),
-    "cdfx": lambda o: write_cdfx(o.data, o.date),
-    "a2l": lambda o: write_a2l(o.data, o.bits, o.addresses),
-    "c-header": lambda o: write_c_header(o.data, o.bits),
-    "inca-csv": lambda o: write_inca_csv(o.data),
-}
-"""Each returns the whole file as bytes. Raises ExchangeError where it cannot hold the data."""
 
 ENDINGS = {
     "json": "json",
@@ -80,11 +53,11 @@ def format_named(written: str) -> str:
     """
     name = written.lower().replace("_", "-").lstrip(".")
     known = SPOKEN.get(name, name)
-    if known in FORMATS:
+    if known in ENDINGS:
         return known
-    near = did_you_mean(name, FORMATS)
+    near = did_you_mean(name, ENDINGS)
     what = f"unknown format {written!r}; {near} " if near else f"unknown format {written!r}; "
-    raise ExchangeError(f"{what}known: {', '.join(FORMATS)}")
+    raise ExchangeError(f"{what}known: {', '.join(ENDINGS)}")
 
 
 def format_of(name: str) -> str:
@@ -173,13 +146,27 @@ def export(
         raise ExchangeError(f"{form} has no fixed point", expected=", ".join(FIXED_POINT))
     if elf is not None and form not in ADDRESSED:
         raise ExchangeError(f"{form} has no addresses", expected=", ".join(ADDRESSED))
-    data = build(stored, points, quality)
-    addresses = NOWHERE if elf is None else find_addresses(Path(elf), data, bits)
-    today = date or datetime.now(UTC).date().isoformat()
-    order = Order(data, stored, today, bits, addresses)
-    content = FORMATS[form](order)
+    data = build(stored, points, quality, bits)
+    addresses = NOWHERE if elf is None else find_addresses(Path(elf), data)
+    content = _content(form, data, date or datetime.now(UTC).date().isoformat(), addresses)
     write_whole(path, content)
     return Exported(path, form, data, content, addresses.remarks if form in ADDRESSED else ())
+
+
+def _content(form: str, data: Dataset, date: str, addresses: Addresses) -> bytes:
+    if form == "cdfx":
+        return write_cdfx(data, date)
+    if form == "a2l":
+        return write_a2l(data, addresses)
+    plain = {
+        "json": write_json,
+        "csv": write_csv,
+        "parquet": write_parquet,
+        "dcm": write_dcm,
+        "c-header": write_c_header,
+        "inca-csv": write_inca_csv,
+    }
+    return plain[form](data)
 
 
 def _not_released(stored: Stored) -> StoreError:
