@@ -66,7 +66,7 @@ def _look(
     from calib.logs.formats import RECORDINGS, ending_of
     from calib.logs.read import read_opened
     from calib.run.check import check as look_at
-    from calib.run.computed_channels import computed_channels
+    from calib.run.copies import computed_channels
 
     found, errors = [], []
     for path, name in _watched(logs, named(logs)):

@@ -21,7 +21,7 @@ from cli.outputs import (
 
 if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
-    from calib.run.events import RunEvent
+    from calib.run.driving_record import RunEvent
 
 EPILOG = example(
     "brake-cal log view sample_logs/sedan/ramp_wet_asphalt.csv",
@@ -53,7 +53,7 @@ def view(
     mapping = channel_map_of(channel_map)
     found = []
     from calib.logs.whole import channels_log, inventory
-    from calib.run.events import run_events
+    from calib.run.driving_record import run_events
 
     for path in logs:
         whole = read_whole(path, mapping)

@@ -42,10 +42,8 @@ from calib.model.known_effects import remove_known_effects
 from calib.model.sensors import judge_accelerometer
 from calib.run.accelerometer import Accelerometer
 from calib.run.axle_signals import Signals, eta_of, signals
-from calib.run.block_balance import block_balance
-from calib.run.blocks import Blocks, blocks
-from calib.run.brake_balance import BrakeBalance, brake_balance
-from calib.run.brake_response import BrakeResponse, brake_response
+from calib.run.blocks import Blocks, block_balance, blocks
+from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
 from calib.run.filters import block_mean, block_slope
 from calib.run.lateral import lateral
 from calib.table.pads_budget import front_share

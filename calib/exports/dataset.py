@@ -13,14 +13,15 @@ from typing import ClassVar
 
 import numpy as np
 
+from calib.base.arrays import Array, Index
 from calib.base.errors import ExchangeError
 from calib.base.intervals import Z95
-from calib.exports.breakpoints import FEWEST, Indices, Misfit, misfit, place
+from calib.exports.breakpoints import FEWEST, Misfit, misfit, place
 from calib.exports.fixed_point import Fixed, fixed_axis, to_fixed
 from calib.store.quality import PRELIMINARY, UNPROVED, Quality
 from calib.store.version import Stored
 from calib.table.effect_figures import effect_figures
-from calib.table.table import BY_HAND, Array, Table
+from calib.table.table import BY_HAND, Table
 
 LONGEST, LONGEST_PREFIX = 31, 16
 """Characters of a label (significant in every C99 compiler), and of its first part."""
@@ -316,7 +317,7 @@ def _group(
     return axis, [_curve(first, axis, kept, *row) for row in over]
 
 
-def _curve(first: str, axis: Axis, kept: Indices, name: str, meaning: str, *arrays: Array) -> Curve:
+def _curve(first: str, axis: Axis, kept: Index, name: str, meaning: str, *arrays: Array) -> Curve:
     rows = int(np.count_nonzero(arrays[-1] == BY_HAND))
     if rows:
         meaning += f", {rows} row{'s' * (rows > 1)} {BY_A_PERSON}"

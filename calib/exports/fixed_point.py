@@ -8,10 +8,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index
 from calib.base.errors import ExchangeError
-from calib.table.table import Array
 
 BITS = (8, 16, 32)
 """Widths of the signed integer types of C [bit]."""
@@ -27,7 +26,7 @@ class Fixed:
     ``origin`` and ``error`` are in the unit of the values.
     """
 
-    raw: NDArray[np.int64]
+    raw: Index
     bits: int
     origin: float
     shift: int

@@ -169,7 +169,7 @@ def _filled(name: str, data: Dataset, text: Callable[[str], str], **more: object
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters |= {
+    filters: dict[str, Callable[..., object]] = {
         "text": text,
         "printable": printable,
         "comment": _commented,
@@ -179,6 +179,7 @@ def _filled(name: str, data: Dataset, text: Callable[[str], str], **more: object
         "type_limits": _type_limits,
         "display_format": _display_format,
     }
+    made.filters |= filters
     return made.get_template(f"{name}.j2").render(
         data=data,
         facts=list(data.facts().items()),

@@ -10,11 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
-
-Array = NDArray[np.float64]
 
 RISE = 400e5
 """Rise of the pressure in a step [Pa/s]; a driver in an emergency reaches 60 bar in 0.15 s."""

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import AXLES, WHEELS
 from calib.car.braking import BITE
@@ -11,7 +12,7 @@ from calib.car.disc_temperature import ALIKE
 from calib.car.effects.combined import as_driven, speed_delay
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.model.simulate import simulate
 from calib.run.driving_record import SETTLE
 from calib.run.pedal import as_pressed

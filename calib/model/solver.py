@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, G
 from calib.car import forces, wheel
@@ -24,8 +24,6 @@ from calib.car.effects.effect import Pair
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import integral
 from calib.car.road import tyres_along
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-9
 """Largest change of v (relative to the first speed) and of slip in the last iteration."""

@@ -24,8 +24,8 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index, Mask
 from calib.base.hypotheses import Mixture, weigh_hypotheses
 from calib.base.moving_average import second_differences
 from calib.base.names import G
@@ -33,8 +33,6 @@ from calib.car.braking import BITE
 from calib.run.blocks import Blocks
 from calib.run.filters import centred_mean
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,7 @@ class Accelerometer:
     other_scale: Array
     disagrees: Array
 
-    def at(self, blocks: NDArray[np.int64] | int) -> "Accelerometer":
+    def at(self, blocks: Index | int) -> "Accelerometer":
         """As known at these blocks."""
         return Accelerometer(*(np.asarray(getattr(self, f.name)[blocks]) for f in fields(self)))
 
@@ -174,7 +172,7 @@ logarithm of the likelihood where they are zero (m, 2)."""
 
 
 def _evidence(
-    read: Reading, smooth: Array, p: AccelerometerPriors, at: NDArray[np.int64]
+    read: Reading, smooth: Array, p: AccelerometerPriors, at: Index
 ) -> tuple[list["AgainstSpeed"], Evidence]:
     """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
     compared = _compared(read.b, smooth)
@@ -216,10 +214,10 @@ class AgainstSpeed:
         return -lag, 1.0 / self.own + spread / self.own**2
 
 
-Compared = tuple[Array, NDArray[np.bool_]]
+Compared = tuple[Array, Mask]
 
 
-def _usable(b: Blocks) -> NDArray[np.bool_]:
+def _usable(b: Blocks) -> Mask:
     """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
     return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
 
@@ -247,7 +245,7 @@ def _against_speed(
     density_z: float,
     density_v: float,
     p: AccelerometerPriors,
-    at: NDArray[np.int64],
+    at: Index,
     wander: float,
 ) -> AgainstSpeed:
     """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
@@ -294,7 +292,7 @@ def _so_far(x: Array) -> Array:
 
 
 def _on_lead_in(
-    b: Blocks, unexplained: Array, sigma: Array, density_z: float, at: NDArray[np.int64]
+    b: Blocks, unexplained: Array, sigma: Array, density_z: float, at: Index
 ) -> tuple[Array, Array]:
     """Mean of ``unexplained`` over the lead-in so far, and its variance [1]; inf without any."""
     free = b.lead_in & (b.speed > 3.0)
@@ -315,7 +313,7 @@ def _weighed(evidence: Evidence, p: AccelerometerPriors) -> Mixture:
     return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
 
 
-def _other_scale(read: Reading, p: AccelerometerPriors, last: NDArray[np.int64]) -> float:
+def _other_scale(read: Reading, p: AccelerometerPriors, last: Index) -> float:
     """The scale over all of the run where it is likelier that of no sensor, else 0.
 
     Without a grade that walks, which explains what such a scale does. It takes no part in what is
@@ -330,9 +328,7 @@ def _other_scale(read: Reading, p: AccelerometerPriors, last: NDArray[np.int64])
     return float(other.mean[0, 0]) if likelier[0] else 0.0
 
 
-def _mixture(
-    evidence: Evidence, there: NDArray[np.bool_], scale: float, p: AccelerometerPriors
-) -> Mixture:
+def _mixture(evidence: Evidence, there: Mask, scale: float, p: AccelerometerPriors) -> Mixture:
     """Mixture over cases, ``there`` (k, 4) whether bias, grade, drag and wandering are there."""
     still = (p.still_bias, p.still_grade, p.still_drag)
     spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
@@ -348,7 +344,7 @@ def _mixture(
     )
 
 
-def _disagreement(b: Blocks, scale: Array, at: NDArray[np.int64]) -> Array:
+def _disagreement(b: Blocks, scale: Array, at: Index) -> Array:
     """Largest less smallest mean over a second of z less the slowing of v [g] so far, (m,).
 
     Less what the ``scale`` (m,) explains, as it is known at ``at``.
@@ -377,7 +373,7 @@ def _columns(weighed: Mixture) -> tuple[Array, ...]:
     return c, bias, covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 0, 1], grade, drag
 
 
-def _held(rows: Array, at: NDArray[np.int64], count: int) -> Accelerometer:
+def _held(rows: Array, at: Index, count: int) -> Accelerometer:
     """Each judgement from its block on."""
     last = np.searchsorted(at, np.arange(count), side="right") - 1
     return Accelerometer(*rows[last].T)

@@ -18,16 +18,16 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
+from calib.car.balance import ForceBalance, brake_forces, force_balance
+from calib.car.braking import BITE
+from calib.car.effects.effects import Effects
 from calib.car.effects.regenerative_torque import FADE_OUT
 from calib.car.lag import first_order
+from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
-from calib.run.brake_balance import BrakeBalance
 from calib.run.filters import block_mean, since
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 STEP = 0.02
 """Step of the means that are compared [s]."""
@@ -115,6 +115,20 @@ class BrakeResponse:
     fading: float = 0.0
     fading_sigma: float = FADING
     step: ForceStep = NO_STEP
+
+
+@dataclass(frozen=True)
+class BrakeBalance:
+    """Forces of a run [N], shapes (n,).
+
+    ``nominal_f``, ``nominal_r`` brake forces of nominal pads; ``balance`` all others; ``active``
+    where the pads bite, after the lead-in.
+    """
+
+    nominal_f: Array
+    nominal_r: Array
+    balance: ForceBalance
+    active: Mask
 
 
 def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
@@ -266,3 +280,20 @@ def _variance(residual: Array) -> float:
     if residual.size < 4 * group:
         return short
     return max(short, group * float(np.var(block_mean(residual, group))))
+
+
+def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
+    """Balance of a run with the nominal pads of ``car`` and the known effects."""
+    nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
+    drive = (s.drive_f, s.drive_r)
+    return BrakeBalance(
+        nominal_f=nominal_f,
+        nominal_r=nominal_r,
+        balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f, drive),
+        active=_began(s) & (np.maximum(s.p_f, s.p_r) > BITE),
+    )
+
+
+def _began(s: Signals) -> Mask:
+    """From the end of the lead-in on; all along without one."""
+    return np.asarray(~np.logical_or.accumulate(s.lead_in[::-1])[::-1])

@@ -10,15 +10,13 @@ from calib.base.units import from_si, to_si
 from calib.base.warning import PlausibilityWarning
 from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
-from calib.run.computed_channels import ComputedChannel
+from calib.run.copies import ComputedChannel
 from calib.run.driving_record import BrakeEvent
-from calib.run.figures import figures
-from calib.run.observation import OPTIONAL, Observation, observe
-from calib.run.rules import PURPOSES, problems
+from calib.run.observation import OPTIONAL, Observation, figures, observe
+from calib.run.rules import PURPOSES, problems, uses
 from calib.run.sensors import Sensor
-from calib.run.uses import uses
 from calib.run.warnings import impossible_samples, warnings_of
-from calib.run.wheel_checks import IntervalEstimate
+from calib.run.wheels import IntervalEstimate
 
 
 @dataclass(frozen=True)
@@ -114,7 +112,7 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     ----------
     log : the run.
     copies : pressures of the log that were computed from another column, see
-        `calib.run.computed_channels`; they make it unusable for every purpose.
+        `calib.run.copies`; they make it unusable for every purpose.
 
     Returns
     -------

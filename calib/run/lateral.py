@@ -7,15 +7,13 @@ them.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
-
-Array = NDArray[np.float64]
 
 LATERAL_TIME = 0.2
 """Time constant [s] over which the wheels are compared: their noise alone is 1 m/s^2."""

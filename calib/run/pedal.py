@@ -7,13 +7,10 @@ does not read below zero has a positive mean, like a slight constant braking.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.intervals import NINETY, QUARTILE
 from calib.run.filters import centred_mean, third_difference, typical_differences
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 HOLD = 0.1
 """Width [s] over which a constant pressure is averaged."""

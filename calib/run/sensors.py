@@ -3,16 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.names import CHANNELS
 from calib.logs.log import Log
-from calib.run.driving_record import SMOOTH, DrivingRecord, Mask
+from calib.run.driving_record import SMOOTH, DrivingRecord
 from calib.run.filters import centred_mean, runs
 from calib.run.limits import LIMITS
-
-Array = NDArray[np.float64]
-
 
 RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""

@@ -17,14 +17,12 @@ than v is late.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.moving_average import noise_of, second_differences
 from calib.base.names import G
 from calib.car.lag import integral
 from calib.run.filters import block_mean
-
-Array = NDArray[np.float64]
 
 BLOCK = 0.05
 """Length of the means that are compared [s]."""
@@ -129,7 +127,7 @@ class _Seen:
     time: Array
     gained: Array
     v: Array
-    usable: NDArray[np.bool_]
+    usable: Mask
     size: int
     length: float
     noise: tuple[float, float]

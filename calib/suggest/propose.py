@@ -15,7 +15,7 @@ from calib.base.names import CHANNELS, WHEELS
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.source import ColumnSource
-from calib.run.computed_channels import factor_between, is_other_quantity
+from calib.run.copies import factor_between, is_other_quantity
 from calib.suggest.body import FoundChannel, find_acceleration, find_pressure, find_speed
 from calib.suggest.clock import find_clock, rising
 from calib.suggest.physics import ColumnClock, moving, rate_of

@@ -34,7 +34,7 @@ from calib.line.fleet.work import WorkItem, run_items  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.run.axle_signals import signals  # noqa: E402
 from calib.run.blocks import blocks  # noqa: E402
-from calib.run.brake_balance import brake_balance  # noqa: E402
+from calib.run.brake_response import brake_balance  # noqa: E402
 from calib.table.table import Table  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402
 from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402

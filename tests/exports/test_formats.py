@@ -120,10 +120,11 @@ def from_inca(data, folder):
     curves, scalars = {}, {}
     for part in write.write_inca_csv(data).decode().split("\r\n\r\n"):
         lines = [line for line in part.split("\r\n") if line and not line.startswith("*")]
-        (_, name), *rows = list(csv.reader(lines, delimiter=";"))[:4] or [("", "")]
-        if rows and rows[0][0] == "CURVE":
+        head, *rows = [*csv.reader(lines, delimiter=";"), []]
+        name = head[-1] if head else ""
+        if rows and rows[0] and rows[0][0] == "CURVE":
             curves[name] = [float(v) for v in rows[1][2:]], [float(v) for v in rows[2][2:]]
-        elif rows and rows[0][0] == "VALUE":
+        elif rows and rows[0] and rows[0][0] == "VALUE":
             scalars[name] = [float(rows[0][2]), rows[0][1].strip("[]")]
     return curves, scalars
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.run.check_clock import clock_of
+from calib.run.observation import clock_of
 
 
 @pytest.mark.parametrize("rate", [40.0, 100.0, 200.0, 1000.0])

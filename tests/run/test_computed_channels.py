@@ -6,7 +6,7 @@ import pytest
 from calib.logs.log import Log
 from calib.logs.source import Column, ColumnSource
 from calib.run.check import check
-from calib.run.computed_channels import computed_channels, factor_between
+from calib.run.copies import computed_channels, factor_between
 from tests.support.made_runs import made_run, stop
 
 RUN = made_run(stop())

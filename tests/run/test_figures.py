@@ -5,7 +5,7 @@ import pytest
 from calib.line.fleet.columns import COLUMNS, ColumnKind
 from calib.line.fleet.command import Command
 from calib.run.check import check, to_dict
-from calib.run.figures import figures
+from calib.run.observation import figures
 from tests.support.made_runs import made_run, ramp
 
 

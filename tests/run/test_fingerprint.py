@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from calib.run.fingerprint import Fingerprint, fingerprint_of
-from calib.run.same_run import same_as
+from calib.run.same_run import Fingerprint, fingerprint_of, same_as
 from tests.run.test_same_run import COPIES, RUN, with_noise
 from tests.support.made_runs import changed, made_run, ramp, stop
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.run.held import came_at, period_of, without_holds
+from calib.run.copies import came_at, period_of, without_holds
 from tests.support.measuring_chain import Message, chained
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import IDEAL

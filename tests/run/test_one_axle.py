@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.run.one_axle import braked_alone, braked_alone_in
+from calib.run.blocks import braked_alone, braked_alone_in
 from tests.support.one_axle import one_axle
 from tests.support.reference_car import IDEAL, noisy, ramp, without
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from calib.logs.read import read_log
-from calib.run.driving_record import driving_record
-from calib.run.rolling_radius import rolling_radius
+from calib.run.driving_record import driving_record, rolling_radius
 from tests.support.reference_car import IDEAL, SEDAN, stop, without
 
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.run.axle_signals import signals
-from calib.run.tone_ring import without_runout
+from calib.run.axle_signals import signals, without_runout
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
 STEP = 0.005

@@ -3,7 +3,7 @@
 import numpy as np
 
 from calib.run.observation import observe
-from calib.run.uses import uses
+from calib.run.rules import uses
 from tests.support.made_runs import changed, made_run, stop
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from calib.base.names import WHEELS
 from calib.run.driving_record import brake_events, driving_record
-from calib.run.wheel_checks import axles_of, mismatch, slipping
+from calib.run.wheels import axles_of, mismatch, slipping
 from tests.support.made_runs import RADIUS, SLIP_F, SLIP_R, changed, made_run, ramp, stop, with_slip
 
 

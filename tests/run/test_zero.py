@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.run.zero import WALK, aged
+from calib.run.noise import WALK, aged
 
 STEP = 0.05
 

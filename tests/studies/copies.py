@@ -21,9 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.logs.log import Log
 from calib.model.sensor_noise import LEVELS, add_noise
-from calib.run.fingerprint import fingerprint_of
-from calib.run.run_view import noise_of
-from calib.run.same_run import same_as, same_run
+from calib.run.same_run import fingerprint_of, noise_of, same_as, same_run
 from tests.studies.made_lines import Run, line
 from tests.support.plant import as_log, drive
 

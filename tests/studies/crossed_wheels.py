@@ -25,8 +25,8 @@ from calib.base.names import WHEELS
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.run.crossed_wheels import crossed_diagonal, crossed_side, wheel_parts
 from calib.run.driving_record import driving_record
+from calib.run.wheels import crossed_diagonal, crossed_side, wheel_parts
 from calib.table.table import Table
 from tests.studies.made_lines import Line, Run, line, recorded
 from tests.support.balanced import balanced

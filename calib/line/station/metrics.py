@@ -16,7 +16,7 @@ from calib.line.station.golden import distance, ratios_to
 from calib.line.station.sides import side_difference
 from calib.logs.log import Log
 from calib.run.driving_record import driving_record
-from calib.run.wheel_checks import axles_of
+from calib.run.wheels import axles_of
 from calib.store.listing import band_width
 from calib.table.table import MEASURED, Table
 
