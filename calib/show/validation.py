@@ -121,9 +121,11 @@ def _by_stop(stored: Stored, results: list[Validation]) -> Table:
         cells = []
         for axle, ramp in (("f", cal.pad_friction_f), ("r", cal.pad_friction_r)):
             mu, width = r.figures[f"pad_friction_{axle}"], r.figures[f"interval_{axle}"]
-            known = mu is not None and width is not None
-            cells.append(plus_minus(mu, mu * width) if known else "not known")
-            cells.append(signed_percent(mu / ramp.value - 1.0) if mu is not None else "")
+            if mu is None or width is None:
+                cells += ["not known", ""]
+            else:
+                change = signed_percent(mu / ramp.value - 1.0)
+                cells += [plus_minus(mu, mu * width), change]
         cells += [plain(name).with_unit(r.figures[name]) for name in ("valid_share", *truth)]
         rows.append((r.log, *cells, word(r)))
     since = "change"
