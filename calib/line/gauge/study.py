@@ -20,7 +20,6 @@ import numpy as np
 
 from calib.base.errors import InputError, LimitsError
 from calib.estimation.limits import Judgement, Limit, judge
-from calib.estimation.limits_file import read_limits
 from calib.line.gauge.gauge_rr import (
     INTERACTION,
     STATION,
@@ -182,6 +181,8 @@ def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
     """The limits of a file; the `DEFAULTS` without one. Raises LimitsError for a bad file."""
     if path is None:
         return DEFAULTS
+    from calib.estimation.limits_file import read_limits
+
     limits = read_limits(path, known_limits())
     _tolerances(limits, path)
     return limits
