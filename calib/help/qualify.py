@@ -11,7 +11,6 @@ from typing import Any
 
 from calib.base.digest import canonical_json
 from calib.base.program import NAME, PROGRAM, VERSION
-from calib.base.units import behind
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.estimation.estimator import Estimate
@@ -20,10 +19,11 @@ from calib.fitting.fit import fit
 from calib.help.doctor import environment, packages
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
-from calib.show.html import page
+from calib.show.facts import Facts, Table
+from calib.show.html import page_of
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.table import Table
+from calib.table.table import Table as LookUp
 
 SCHEMA = 1
 TOLD = ("name", "quantity", "unit", "expected", "tolerance", "truth")
@@ -40,7 +40,7 @@ class Material:
         self._used: set[Path] = set()
         # one result each for as long as this object lives; an error is not kept
         self.log = cache(lambda file: read_log(self._file(file)))
-        self.table: Callable[[str], Table] = cache(self._table)
+        self.table: Callable[[str], LookUp] = cache(self._table)
         self.stop: Callable[..., Estimate] = cache(self._stop)
         self.diagnosis: Callable[[str], Diagnosis] = cache(self._diagnosis)
 
@@ -65,7 +65,7 @@ class Material:
         self._used.add(self.samples / file)
         return self.samples / file
 
-    def _table(self, folder: str) -> Table:
+    def _table(self, folder: str) -> LookUp:
         """The table of the car in ``folder``, fitted from its ramp alone."""
         return fit(self.vehicle(f"{folder}/vehicle.toml"), [self.log(f"{folder}/{RAMPS[folder]}")])
 
@@ -214,36 +214,43 @@ def to_dict(found: Qualification, date: str) -> dict[str, Any]:
 
 def report_html(found: Qualification, document: dict[str, Any]) -> str:
     """The page: one HTML file that fetches nothing, with what `to_dict` says."""
-    return page(
-        "qualification",
-        title=f"{PROGRAM}: qualification",
-        tool=PROGRAM,
-        verdict=found.verdict,
-        headline=found.headline,
-        identity=[
-            ("Date", document["date"]),
-            ("Results, SHA-256", found.digest),
-            *((name.capitalize(), text) for name, text in document["environment"].items() if text),
-        ],
-        checks=[_row(one) for one in found.outcomes],
-        kinds=["passed" if one.held else "failed" for one in found.outcomes],
-        failures=[_failure(one) for one in found.failed],
-        truths=[
-            (o.check.name, f"{o.check.quantity} [{o.check.unit}]. Truth: {o.check.truth}.")
-            for o in found.outcomes
-        ],
-        packages=list(document["packages"].items()),
-        files=list(found.files.items()),
-    )
+    environment = document["environment"].items()
+    unkept = "Do not use the program on this machine for what the checks that fail stand for."
+    return page_of(
+        Facts(
+            title=f"Qualification of {PROGRAM} on this machine",
+            verdict=found.verdict,
+            word=found.verdict,
+            headline=found.headline + (f" {unkept}" if found.failed else ""),
+            rows=[
+                ("Date", document["date"]),
+                ("Results, SHA-256", found.digest),
+                *((name.capitalize(), text) for name, text in environment if text),
+            ],
+            tables=[
+                Table(CHECK_HEADS, [_row(one) for one in found.outcomes], "Checks.",
+                      ["" if one.held else "failed" for one in found.outcomes]),
+                Table(("package", "version"), list(document["packages"].items()),
+                      "What the program may load."),
+            ],
+            parts=[
+                Facts("What each check computes, and where its truth comes from", folded=True,
+                      rows=[_truth(one.check) for one in found.outcomes]),
+                Facts("Sample logs, with their SHA-256", folded=True,
+                      rows=list(found.files.items())),
+            ],
+        )
+    )  # fmt: skip
+
+
+CHECK_HEADS = ("check", "expected", "result", "value", "tolerance", "unit")
 
 
 def _row(one: Outcome) -> tuple[str, ...]:
-    check, value = one.check, "none" if one.value is None else f"{one.value:.6g}"
+    check, value = one.check, one.error if one.value is None else f"{one.value:.6g}"
     result = "holds" if one.held else "fails"
     return check.name, f"{check.expected:.6g}", result, value, f"{check.tolerance:.3g}", check.unit
 
 
-def _failure(one: Outcome) -> tuple[str, ...]:
-    check, unit = one.check, behind(one.check.unit)
-    came = one.error if one.value is None else f"{one.value:.6g}{unit}"
-    return check.name, check.quantity, f"{check.expected:.6g} +- {check.tolerance:.3g}{unit}", came
+def _truth(check: Check) -> tuple[str, str]:
+    return check.name, f"{check.quantity} [{check.unit}]. Truth: {check.truth}."
