@@ -9,6 +9,7 @@ a value comes cannot be known here: that is a delay (`calib.car.effects.speed_de
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from calib.logs.source import ColumnSource
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
+HELD = 1.5
+"""Samples for which a channel keeps its values, from which it is held between them."""
+
 
 def made_of_wheels(log: Log) -> bool:
     """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
@@ -33,21 +37,35 @@ def made_of_wheels(log: Log) -> bool:
     return float(explained_square(wheels, rough(log, "v"))) > LIMITS.copy_correlation**2
 
 
+def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
+    """Pairs of channels that are one signal, each with the correlation of their noise [1]."""
+    periods = {name: period_of(log[name]) for name in names}
+    whole = {name: rough(log, name) for name in names}
+    for one, other in combinations(names, 2):
+        sent, x, y = log, whole[one], whole[other]
+        if min(periods[one], periods[other]) >= HELD:
+            sent = as_sent(log, (one, other))
+            x, y = rough(sent, one), rough(sent, other)
+        if abs(float(x @ y)) > LIMITS.copy_correlation and is_noise(sent, one):
+            same = _alike(np.array([x, y]))
+            if same > LIMITS.copy_correlation:
+                yield one, other, same
+
+
 def as_sent(log: Log, channels: Sequence[str]) -> Log:
     """The log at the samples at which the first of ``channels`` changes, where all are held.
 
     Values that are kept over several samples all rest and step together, which says nothing of
     where they come from.
     """
-    if min(period_of(log[name]) for name in channels) < 1.5:
+    if min(period_of(log[name]) for name in channels) < HELD:
         return log
     came = np.flatnonzero(np.diff(log[channels[0]])) + 1
     return replace(log, channels={name: x[came] for name, x in log.channels.items()})
 
 
-def alike(log: Log, one: str, other: str) -> float:
-    """Correlation of the noise of two channels [1], 0 to 1; without the samples of a bump."""
-    x = np.array([rough(log, one), rough(log, other)])
+def _alike(x: Array) -> float:
+    """Correlation of two noises (2, n) [1], 0 to 1; without the samples of a bump."""
     far = np.sum(x**2, axis=0)
     x = x[:, far <= np.quantile(far, LIMITS.copy_calmer)]
     size = float(np.prod(np.linalg.norm(x, axis=1)))

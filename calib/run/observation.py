@@ -33,7 +33,7 @@ from calib.run.driving_record import (
 from calib.run.filters import centred_mean, since
 from calib.run.limits import LIMITS
 from calib.run.sensors import Sensor, sensors_of
-from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, wheel_parts
+from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, slips_of, wheel_parts
 
 
 @dataclass(frozen=True)
@@ -115,6 +115,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
     driving = driving_record(log)
     events = brake_events(driving)
+    slips = slips_of(log, driving)
     rolling = driving.lead_in & driving.moving
     steady = rolling & rolls(driving.z)
     wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
@@ -134,8 +135,8 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         explained=explained(log, driving) if "p_mc" in log else None,
         wheels_held=wheels_held(log),
         v_of_wheels="v" in log and made_of_wheels(log),
-        axles=axles_of(log, driving),
-        slipping=slipping(log, driving, events),
+        axles=axles_of(log, driving, slips),
+        slipping=slipping(slips, driving, events),
         wheels=wheel_parts(log, driving),
     )
 

@@ -12,6 +12,7 @@ fl with rr L = -E, fr with rl L = E. One wheel that brakes more or less moves |X
 X alone is no brake and no tyre, and no bend.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -88,8 +89,11 @@ class Axles:
     eta_most: IntervalEstimate | None
 
 
-def axles_of(log: Log, driving: DrivingRecord) -> Axles:
-    """Compare the wheels. The log must have ``a_x`` and the four wheel speeds."""
+def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
+    """Compare the wheels. The log must have ``a_x`` and the four wheel speeds.
+
+    ``slips`` of the wheels, as `slips_of` has them.
+    """
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
@@ -104,7 +108,7 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
         left_right_f=mismatch(fl, fr, free, driving.step),
         left_right_r=mismatch(rl, rr, free, driving.step),
         radius=_rolling_radius(log, driving),
-        slope=_against_wheels(driving, _all_roll(log, driving)),
+        slope=_against_wheels(driving, _all_roll(slips, driving)),
         eta_braked=braked if zero is not None else None,
         eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
     )
@@ -155,13 +159,13 @@ def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
     return float(np.cov(a, spin)[0, 1] / np.var(spin, ddof=1))
 
 
-def _all_roll(log: Log, driving: DrivingRecord) -> Mask:
+def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
     """Mask (n,): no wheel slips deeply against the unbraked part, within `near_lock`.
 
     A locked wheel says nothing of the speed, and one on its way to it slows faster than the car.
     """
     deep = np.zeros(driving.time.size, bool)
-    for slip in _slips(log, driving).values():
+    for slip in slips.values():
         free = float(np.median(slip[driving.unbraked])) if driving.unbraked.any() else 0.0
         deep |= slip - free > LIMITS.deep
     width = max(1, round(2.0 * LIMITS.near_lock / driving.step)) | 1
@@ -176,13 +180,14 @@ class Slipping:
     locked: tuple[str, ...]
 
 
-def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -> Slipping:
+def slipping(
+    slips: Mapping[str, Array], driving: DrivingRecord, events: tuple[BrakeEvent, ...]
+) -> Slipping:
     """Find ABS cycles and locked wheels within the brake events.
 
-    Slip is relative to the reference speed; without one, to the fastest wheel. Then it is not
+    ``slips`` are relative to the reference speed; without one, to the fastest wheel. Then it is not
     detected when all four wheels slip at the same time.
     """
-    slips = _slips(log, driving)
     inside = np.zeros(driving.time.size, bool)
     for event in events:
         inside[event.first : event.last + 1] = True
@@ -203,7 +208,7 @@ def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -
     return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
 
 
-def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
+def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     """Slip of each wheel [1], without single wild samples, smoothed over 30 ms.
 
     Zero on the unbraked part if there is one.
