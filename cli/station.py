@@ -282,7 +282,7 @@ def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
 
 def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
     """Say that the exports with addresses have none: the station knows no linked program."""
-    from calib.exports.addresses import NOWHERE
+    from calib.exports.dataset import NOWHERE
     from calib.exports.export import ADDRESSED
     from calib.line.station.folder import export_name
 

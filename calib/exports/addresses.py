@@ -4,44 +4,18 @@ The names are the labels. An object whose size or bytes in the program differ fr
 export is refused: the program holds another table, other points or another width.
 """
 
-from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from calib.base.errors import ProgramError
-from calib.exports.dataset import Dataset, Object
+from calib.exports.dataset import Addresses, Dataset, Object
 
 LARGEST_FILE = 512 * 1024**2
 """Largest program [byte]."""
 
-LARGEST_ADDRESS = 0xFFFF_FFFF
+_LARGEST_ADDRESS = 0xFFFF_FFFF
 """A2L holds addresses of 32 bits."""
-
-NONE_GIVEN = (
-    "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
-    "the linked program"
-)
-
-
-@dataclass(frozen=True)
-class Addresses:
-    """Address of each object by label, and the byte order; all are 0 where no file was given.
-
-    ``remarks`` say what was assumed, in sentences.
-    """
-
-    by_label: dict[str, int] = field(default_factory=dict)
-    big_endian: bool = False
-    remarks: tuple[str, ...] = (NONE_GIVEN,)
-
-    def of(self, name: str) -> int:
-        """Address of an object."""
-        return self.by_label.get(name, 0)
-
-
-NOWHERE = Addresses()
-"""No program was given."""
 
 
 def find_addresses(path: Path, data: Dataset) -> Addresses:
@@ -137,7 +111,7 @@ def _check_same(path: Path, data: Dataset, one: Object, elf: Any, symbol: Any) -
             do="export the version that the program holds, or build the program again",
         )
     address = symbol["st_value"]
-    if address > LARGEST_ADDRESS:
+    if address > _LARGEST_ADDRESS:
         expected = "addresses of 32 bits, as A2L has"
         raise ProgramError(f"{one.label} is at 0x{address:X}", where=path, expected=expected)
 

@@ -22,7 +22,7 @@ Of numbers written to a digit one in ten ends with a zero, which is not counted,
 COARSEST = 3
 """Significant digits below which a number is not called rounded."""
 
-SLACK = 1.0 + 1e-6
+_SLACK = 1.0 + 1e-6
 """Of half a unit of the last digit: the sums here round, too."""
 
 
@@ -35,14 +35,14 @@ class Pair:
     true: float
 
 
-def best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
+def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
     """The way in which the found numbers were rounded, and those that it does not explain.
 
     The way is empty where the numbers are those of the table to the last bit.
 
-    >>> best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
+    >>> _best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
     ('to 6 significant digits', [])
-    >>> best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
+    >>> _best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
     ('', [Pair(where='b', found=0.4, true=0.38)])
     """
     ways = _ways([pair.found for pair in pairs])
@@ -74,13 +74,13 @@ def _is_single(pair: Pair) -> bool:
     single = float(np.float32(pair.true))
     own = len(Decimal(repr(pair.found)).normalize().as_tuple().digits)
     same = np.float32(pair.found) == np.float32(pair.true)
-    return bool(same) and abs(pair.found - single) <= _half_unit(single, own) * SLACK
+    return bool(same) and abs(pair.found - single) <= _half_unit(single, own) * _SLACK
 
 
 def _within(pair: Pair, half: float) -> bool:
     """Whether a number lies within ``half`` of the table's, or of that in single precision."""
     near = min(abs(pair.found - x) for x in (pair.true, float(np.float32(pair.true))))
-    return near <= half * SLACK
+    return near <= half * _SLACK
 
 
 def _half_unit(x: float, digits: int) -> float:
@@ -88,7 +88,7 @@ def _half_unit(x: float, digits: int) -> float:
     return 0.5 * 10.0 ** (math.floor(math.log10(abs(x))) + 1 - digits) if x else 0.0
 
 
-EDITED = "the numbers do not agree with its checksum"
+_EDITED = "the numbers do not agree with its checksum"
 
 
 def parent(found: Returned, store: Store) -> Stored | None:
@@ -125,10 +125,10 @@ class Difference:
 def difference(found: Returned, stored: Stored | None) -> Difference:
     """Contradictions in a file: to the table of the store, or to its own checksum without one.
 
-    Numbers that a tool has rounded agree, see `best_rounding`. A file on fewer breakpoints
+    Numbers that a tool has rounded agree, see `_best_rounding`. A file on fewer breakpoints
     agrees when each of its rows is a row of the table. Raises ExchangeError where there is neither.
     """
-    edited = [EDITED] if found.unchanged is False else []
+    edited = [_EDITED] if found.unchanged is False else []
     if stored is None:
         if found.unchanged is None:
             raise ExchangeError(
@@ -136,9 +136,9 @@ def difference(found: Returned, stored: Stored | None) -> Difference:
                 do="give the store of that table with --store",
             )
         rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
-        return Difference([f"{EDITED}; {rounds}"] if edited else [])
+        return Difference([f"{_EDITED}; {rounds}"] if edited else [])
     content = build(stored).content()
-    rounded, changed = best_rounding(list(_pairs(found.content, content)))
+    rounded, changed = _best_rounding(list(_pairs(found.content, content)))
     wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
     wrong = [*([] if rounded else edited), *wrong, *_gaps(found, content)]
     claimed = found.facts.get("digest", stored.digest)

@@ -8,7 +8,7 @@ import hashlib
 import re
 import unicodedata
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -29,7 +29,7 @@ LONGEST, LONGEST_PREFIX = 31, 16
 MARK = 4
 """Digits of the digest behind a shortened name."""
 
-CLAMP = (
+_CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "
     "the estimator marks such samples as not valid"
 )
@@ -78,6 +78,32 @@ def label(*parts: str) -> str:
 def _marked(word: str, name: str, longest: int) -> str:
     mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:MARK]
     return f"{word[: longest - MARK - 1].rstrip('_')}_{mark}"
+
+
+_NONE_GIVEN = (
+    "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
+    "the linked program"
+)
+
+
+@dataclass(frozen=True)
+class Addresses:
+    """Address of each object by label, and the byte order; all are 0 where no file was given.
+
+    ``remarks`` say what was assumed, in sentences.
+    """
+
+    by_label: dict[str, int] = field(default_factory=dict)
+    big_endian: bool = False
+    remarks: tuple[str, ...] = (_NONE_GIVEN,)
+
+    def of(self, name: str) -> int:
+        """Address of an object."""
+        return self.by_label.get(name, 0)
+
+
+NOWHERE = Addresses()
+"""No program was given."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +222,10 @@ def _hex(values: Numbers) -> str:
 
 @dataclass(frozen=True)
 class Dataset:
-    """The exported data of ``stored``, in integers of ``bits`` or in double."""
+    """The exported data of ``stored``, in integers of ``bits`` or in double.
+
+    ``date`` of the export as ISO 8601, for CDF: a table has none. ``addresses`` for A2L.
+    """
 
     stored: Stored
     prefix: str
@@ -205,6 +234,8 @@ class Dataset:
     scalars: tuple[Scalar, ...]
     quality: Quality
     bits: int | None
+    date: str
+    addresses: Addresses = NOWHERE
 
     @property
     def id(self) -> str:
@@ -242,7 +273,7 @@ class Dataset:
             "vehicle": table.vehicle.name,
             **({"parents": parents} if parents else {}),
             **({BY_A_PERSON: "; ".join(map(str, table.by_hand))} if table.by_hand else {}),
-            "ends": CLAMP,
+            "ends": _CLAMP,
             **{f"breakpoints {a.label}": a.placed for a in self.axes},
             "validation": self.quality.words,
             "state": self.quality.state,
@@ -257,6 +288,7 @@ def build(
     points: int | None = None,
     quality: Quality = UNPROVED,
     bits: int | None = None,
+    date: str = "",
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
@@ -289,6 +321,7 @@ def build(
         scalars=tuple(_scalars(table, stored.version, first)),
         quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
         bits=bits,
+        date=date,
     )
     return data if bits is None else _rounded(data, bits)
 

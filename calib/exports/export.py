@@ -1,48 +1,24 @@
 """A table written as the file of a calibration tool, an ECU or another program."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
-from calib.exports.addresses import NOWHERE, Addresses, find_addresses
+from calib.exports.addresses import find_addresses
 from calib.exports.dataset import Dataset, build
-from calib.exports.write import (
-    write_a2l,
-    write_c_header,
-    write_cdfx,
-    write_csv,
-    write_dcm,
-    write_inca_csv,
-    write_json,
-    write_parquet,
-)
+from calib.exports.write import FORMATS
 from calib.store.quality import UNPROVED, Quality
 from calib.store.version import Stored
 
-ENDINGS = {
-    "json": "json",
-    "csv": "csv",
-    "parquet": "parquet",
-    "dcm": "dcm",
-    "cdfx": "cdfx",
-    "a2l": "a2l",
-    "c-header": "h",
-    "inca-csv": "inca.csv",
-}
+ENDINGS = {name: form.ending for name, form in FORMATS.items()}
 """Ending of the file name by format."""
 
-SPOKEN = {"c": "c-header", "h": "c-header", "cdf": "cdfx", "inca": "inca-csv", "asap2": "a2l"}
-"""Other accepted names of the formats."""
-
-FIXED_POINT = ("c-header", "a2l")
-"""Formats that can be in fixed point."""
-
-ADDRESSED = ("a2l",)
-"""Formats that hold addresses."""
+FIXED_POINT = tuple(name for name, form in FORMATS.items() if form.fixed)
+ADDRESSED = tuple(name for name, form in FORMATS.items() if form.addressed)
 
 
 def format_named(written: str) -> str:
@@ -52,12 +28,13 @@ def format_named(written: str) -> str:
     ('dcm', 'c-header', 'inca-csv')
     """
     name = written.lower().replace("_", "-").lstrip(".")
-    known = SPOKEN.get(name, name)
-    if known in ENDINGS:
-        return known
+    for known, form in FORMATS.items():
+        if name in (known, *form.names):
+            return known
     near = did_you_mean(name, ENDINGS)
-    what = f"unknown format {written!r}; {near} " if near else f"unknown format {written!r}; "
-    raise ExchangeError(f"{what}known: {', '.join(ENDINGS)}")
+    raise ExchangeError(
+        f"unknown format {written!r}; {f'{near} ' if near else ''}known: {', '.join(ENDINGS)}"
+    )
 
 
 def format_of(name: str) -> str:
@@ -75,19 +52,20 @@ def format_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class Exported:
-    """A file that was written: ``data`` in the format ``form``, as ``content``.
-
-    ``remarks`` say what the file assumes of the ECU's memory, in sentences.
-    """
+    """A file that was written: ``data`` in the format ``form``, as ``content``."""
 
     path: Path
     form: str
     data: Dataset
     content: bytes = field(repr=False)
-    remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"{self.path}: {self.data.id} as {self.form}, {len(self.content)} bytes"
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the file assumes of the ECU's memory, in sentences."""
+        return self.data.addresses.remarks if self.form in ADDRESSED else ()
 
     @property
     def sha256(self) -> str:
@@ -146,27 +124,12 @@ def export(
         raise ExchangeError(f"{form} has no fixed point", expected=", ".join(FIXED_POINT))
     if elf is not None and form not in ADDRESSED:
         raise ExchangeError(f"{form} has no addresses", expected=", ".join(ADDRESSED))
-    data = build(stored, points, quality, bits)
-    addresses = NOWHERE if elf is None else find_addresses(Path(elf), data)
-    content = _content(form, data, date or datetime.now(UTC).date().isoformat(), addresses)
+    data = build(stored, points, quality, bits, date or datetime.now(UTC).date().isoformat())
+    if elf is not None:
+        data = replace(data, addresses=find_addresses(Path(elf), data))
+    content = FORMATS[form].write(data)
     write_whole(path, content)
-    return Exported(path, form, data, content, addresses.remarks if form in ADDRESSED else ())
-
-
-def _content(form: str, data: Dataset, date: str, addresses: Addresses) -> bytes:
-    if form == "cdfx":
-        return write_cdfx(data, date)
-    if form == "a2l":
-        return write_a2l(data, addresses)
-    plain = {
-        "json": write_json,
-        "csv": write_csv,
-        "parquet": write_parquet,
-        "dcm": write_dcm,
-        "c-header": write_c_header,
-        "inca-csv": write_inca_csv,
-    }
-    return plain[form](data)
+    return Exported(path, form, data, content)
 
 
 def _not_released(stored: Stored) -> StoreError:

@@ -83,7 +83,7 @@ def _returned(
 AXIS, GROUP, LINE, VALUE = "STUETZSTELLENVERTEILUNG", "GRUPPENKENNLINIE", "KENNLINIE", "FESTWERT"
 FORMAT, FUNCTIONS, END = "KONSERVIERUNG_FORMAT", "FUNKTIONEN", "END"
 X, Y = "ST/X", "WERT"
-ARRAYS = {AXIS: (X,), GROUP: (X, Y), LINE: (X, Y), VALUE: (Y,), FUNCTIONS: ()}
+_ARRAYS = {AXIS: (X,), GROUP: (X, Y), LINE: (X, Y), VALUE: (Y,), FUNCTIONS: ()}
 """Arrays that an object of each kind must have."""
 
 TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
@@ -139,14 +139,14 @@ def _blocks(path: Path, lines: list[str], start: int) -> Iterator[_Block]:
             block.axis = line.split()[-1]
         elif not word or word[0] in "*!.":
             continue
-        elif word in ARRAYS and block is None:
+        elif word in _ARRAYS and block is None:
             block = _opened(f"{path}:{i}", word, rest)
         elif block is None:
             raise _bad(f"{path}:{i}", f"{word!r} outside of every object", "an object or a comment")
         elif word == END:
             yield _complete(block)
             block = None
-        elif word in ARRAYS:
+        elif word in _ARRAYS:
             break
         else:
             _take(f"{path}:{i}", word, rest, block)
@@ -163,7 +163,7 @@ def _opened(where: str, kind: str, rest: str) -> _Block:
 
 
 def _take(where: str, word: str, rest: str, block: _Block) -> None:
-    if word in ARRAYS[block.kind]:
+    if word in _ARRAYS[block.kind]:
         try:
             numbers = [float(number.replace(",", ".")) for number in rest.split()]
         except ValueError as error:
@@ -178,7 +178,7 @@ def _take(where: str, word: str, rest: str, block: _Block) -> None:
 
 
 def _complete(block: _Block) -> _Block:
-    for word in ARRAYS[block.kind]:
+    for word in _ARRAYS[block.kind]:
         count = len(block.numbers.get(word, []))
         if count != block.size:
             what = f"{block.kind} {block.name} has {count} of {block.size} numbers {word}"

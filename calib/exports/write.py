@@ -1,6 +1,6 @@
 """A data set as the bytes of each format: JSON, CSV and Parquet here, the others from templates.
 
-    json csv parquet   for programs that know no calibration
+    json csv parquet   for programs that know no calibration; a missing value is an empty cell
     dcm       conservation format 2.0 of ETAS, with German keywords; no range, digest or end mark:
               they are comments, and the number of objects betrays a file that was cut off
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
@@ -21,13 +21,13 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
 
 from calib.base.errors import ExchangeError
-from calib.exports.addresses import Addresses
 from calib.exports.dataset import BY_A_PERSON, UNIT, Axis, Curve, Dataset, Object, Scalar, label
 
 FUNCTION = "brake_torque"
@@ -48,20 +48,19 @@ TEXTS = ("label", "axis", "unit", "meaning")
 LONGEST_TEXT = 255
 """Most characters of a text of A2L."""
 
-BOM = b"\xef\xbb\xbf"
+_BOM = b"\xef\xbb\xbf"
 """Mark of UTF-8, which A2L demands where a file is not ASCII."""
 
 TYPES = {None: "FLOAT64_IEEE", 8: "SBYTE", 16: "SWORD", 32: "SLONG"}
 """Data type of A2L by width of the fixed point; None is double."""
 
-DIGITS = 7
+_DIGITS = 7
 """Significant digits that a tool shows of the largest number of an object in double."""
 
-MOST_DECIMALS = 15
+_MOST_DECIMALS = 15
 
 
-def write_json(data: Dataset) -> bytes:
-    """JSON file of ``data``, with the record of the table."""
+def _write_json(data: Dataset) -> bytes:
     record, _ = data.stored.table.content()
     arrays = ("values", "lower", "upper", "count", "flag")
     of_axis = ("label", "meaning", "unit", "values", "shared", "origin", "rows", "misfit")
@@ -103,8 +102,7 @@ def _rows(data: Dataset) -> Iterator[Row]:
         yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning)
 
 
-def write_csv(data: Dataset) -> bytes:
-    """CSV file of ``data``: UTF-8, ``#`` before comments; a missing value is an empty cell."""
+def _write_csv(data: Dataset) -> bytes:
     text = io.StringIO()
     text.writelines(f"# {key}: {printable(fact)}\n" for key, fact in data.facts().items())
     table = csv.writer(text, lineterminator="\n")
@@ -113,8 +111,7 @@ def write_csv(data: Dataset) -> bytes:
     return text.getvalue().encode()
 
 
-def write_parquet(data: Dataset) -> bytes:
-    """Parquet file of ``data``; null only where there is no value."""
+def _write_parquet(data: Dataset) -> bytes:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -131,39 +128,12 @@ def write_parquet(data: Dataset) -> bytes:
     return bytes(sink.getvalue().to_pybytes())
 
 
-def write_dcm(data: Dataset) -> bytes:
-    """DCM file of ``data``, UTF-8."""
-    return _filled("dcm", data, _quoted).encode()
-
-
-def write_inca_csv(data: Dataset) -> bytes:
-    """CSV file of INCA of ``data``, UTF-8 with CR LF."""
-    return _filled("inca.csv", data, printable).replace("\n", "\r\n").encode()
-
-
-def write_cdfx(data: Dataset, date: str) -> bytes:
-    """CDF 2.0 file of ``data``; ``date`` of the export as ISO 8601: a table has none."""
-    return _filled("cdfx", data, lambda text: escape(printable(text)), date=date).encode()
-
-
-def write_c_header(data: Dataset) -> bytes:
-    """C header of ``data``; ASCII."""
-    return _filled("h", data, _ascii, constants=list(_constants(data))).encode("ascii")
-
-
-def write_a2l(data: Dataset, addresses: Addresses) -> bytes:
-    """A2L file of ``data``; UTF-8. Raises ExchangeError where a text is too long."""
-    text = _filled("a2l", data, _short, addresses=addresses, type=TYPES[data.bits])
-    return (b"" if text.isascii() else BOM) + text.encode()
-
-
-def _filled(name: str, data: Dataset, text: Callable[[str], str], **more: object) -> str:
+def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     """The template of a format; ``text`` makes a text fit for it."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     made = Environment(
         loader=PackageLoader("calib.exports"),
-        autoescape=False,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -178,17 +148,23 @@ def _filled(name: str, data: Dataset, text: Callable[[str], str], **more: object
         "limits": _limits,
         "type_limits": _type_limits,
         "display_format": _display_format,
+        "constants": _constants,
     }
     made.filters |= filters
-    return made.get_template(f"{name}.j2").render(
-        data=data,
-        facts=list(data.facts().items()),
-        function=f"{data.prefix}_{FUNCTION}",
-        version=data.stored.version,
-        digest=data.stored.digest,
-        program=data.stored.table.provenance.program,
-        vehicle=data.stored.table.vehicle.name,
-        **more,
+    stored = data.stored
+    return (
+        made.get_template(f"{name}.j2")
+        .render(
+            data=data,
+            facts=list(data.facts().items()),
+            function=f"{data.prefix}_{FUNCTION}",
+            version=stored.version,
+            digest=stored.digest,
+            program=stored.table.provenance.program,
+            vehicle=stored.table.vehicle.name,
+            type=TYPES[data.bits],
+        )
+        .encode()
     )
 
 
@@ -258,9 +234,9 @@ def _limits(one: Object) -> tuple[float, float]:
 def _display_format(one: Object) -> str:
     """Format of A2L: the sign, the digits before the point, and decimals that show one step."""
     largest = float(np.abs(one.values).max())
-    finest = largest * 10.0**-DIGITS if one.fixed is None else one.fixed.step
+    finest = largest * 10.0**-_DIGITS if one.fixed is None else one.fixed.step
     decimals = math.ceil(-math.log10(finest)) if finest > 0.0 else 1
-    decimals = min(max(decimals, 0), MOST_DECIMALS)
+    decimals = min(max(decimals, 0), _MOST_DECIMALS)
     return f"%{len(str(int(largest))) + decimals + 2}.{decimals}"
 
 
@@ -308,3 +284,40 @@ def _escaped(byte: int) -> str:
     """A byte within a string constant: octal of three digits where it is not plain."""
     plain = byte < 128 and (chr(byte).isalnum() or chr(byte) in "@-_. ")
     return chr(byte) if plain else f"\\{byte:03o}"
+
+
+def _write_inca_csv(data: Dataset) -> bytes:
+    return _filled("inca.csv", printable, data).replace(b"\n", b"\r\n")
+
+
+def _write_a2l(data: Dataset) -> bytes:
+    text = _filled("a2l", _short, data)
+    return text if text.isascii() else _BOM + text
+
+
+@dataclass(frozen=True)
+class Format:
+    """``ending`` of the file name; ``write`` makes the whole file, ``names`` it has besides.
+
+    ``fixed``: can be in fixed point; ``addressed``: holds addresses of the ECU's memory.
+    ``write`` raises ExchangeError where the format cannot hold the data.
+    """
+
+    ending: str
+    write: Callable[[Dataset], bytes]
+    names: tuple[str, ...] = ()
+    fixed: bool = False
+    addressed: bool = False
+
+
+FORMATS = {
+    "json": Format("json", _write_json),
+    "csv": Format("csv", _write_csv),
+    "parquet": Format("parquet", _write_parquet),
+    "dcm": Format("dcm", partial(_filled, "dcm", _quoted)),
+    "cdfx": Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x))), ("cdf",)),
+    "a2l": Format("a2l", _write_a2l, ("asap2",), fixed=True, addressed=True),
+    "c-header": Format("h", partial(_filled, "h", _ascii), ("c", "h"), fixed=True),
+    "inca-csv": Format("inca.csv", _write_inca_csv, ("inca",)),
+}
+"""A new one is a template and a line here."""

@@ -228,7 +228,7 @@ def report_html(found: Qualification, document: dict[str, Any]) -> str:
                 *((name.capitalize(), text) for name, text in environment if text),
             ],
             tables=[
-                Table(CHECK_HEADS, [_row(one) for one in found.outcomes], "Checks.",
+                Table(_CHECK_HEADS, [_row(one) for one in found.outcomes], "Checks.",
                       ["" if one.held else "failed" for one in found.outcomes]),
                 Table(("package", "version"), list(document["packages"].items()),
                       "What the program may load."),
@@ -243,7 +243,7 @@ def report_html(found: Qualification, document: dict[str, Any]) -> str:
     )  # fmt: skip
 
 
-CHECK_HEADS = ("check", "expected", "result", "value", "tolerance", "unit")
+_CHECK_HEADS = ("check", "expected", "result", "value", "tolerance", "unit")
 
 
 def _row(one: Outcome) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
 
 @dataclass(frozen=True)
-class AccelerometerPriors:
+class _AccelerometerPriors:
     """What is believed of the sensor and the road before the log. Each with its reason.
 
     ``scale`` sigma of c: data sheets of car accelerometers give 1 to 3 % over life and temperature.
@@ -127,7 +127,7 @@ def accelerometer(
     sigma: Array,
     density_z: float,
     density_v: float,
-    priors: AccelerometerPriors | None = None,
+    priors: _AccelerometerPriors | None = None,
     smooth: Array | None = None,
 ) -> Accelerometer:
     """Judge the accelerometer of a log block by block.
@@ -137,7 +137,7 @@ def accelerometer(
     [m/s s^0.5] noise. ``smooth`` z of the blocks without jolts [1], (k,), tells scale and lag: in a
     jolt a_x and v may differ by other causes.
     """
-    p = priors or AccelerometerPriors()
+    p = priors or _AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
     read = Reading(b, unexplained, sigma, density_z, density_v)
     speeds, evidence = _evidence(read, b.z if smooth is None else smooth, p, at)
@@ -172,8 +172,8 @@ logarithm of the likelihood where they are zero (m, 2)."""
 
 
 def _evidence(
-    read: Reading, smooth: Array, p: AccelerometerPriors, at: Index
-) -> tuple[list["AgainstSpeed"], Evidence]:
+    read: Reading, smooth: Array, p: _AccelerometerPriors, at: Index
+) -> tuple[list["_AgainstSpeed"], Evidence]:
     """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
     compared = _compared(read.b, smooth)
     speeds = [
@@ -190,7 +190,7 @@ def _evidence(
 
 
 @dataclass(frozen=True)
-class AgainstSpeed:
+class _AgainstSpeed:
     """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
 
     ``precision`` (m, 3, 3), ``vector`` (m, 3); ``likelihood`` (m,) its logarithm where c, e and d
@@ -207,8 +207,8 @@ class AgainstSpeed:
 
     def lag_of(self, weighed: Mixture) -> tuple[Array, Array]:
         """Time by which a_x comes after v [s], and its variance, (m,)."""
-        moved = weighed.mean @ SENSED.T[:, :2]
-        covariance = SENSED[:2] @ weighed.covariance @ SENSED[:2].T
+        moved = weighed.mean @ _SENSED.T[:, :2]
+        covariance = _SENSED[:2] @ weighed.covariance @ _SENSED[:2].T
         lag = (self.side - np.sum(self.along * moved, axis=1)) / self.own
         spread = np.einsum("mi,mij,mj->m", self.along, covariance, self.along)
         return -lag, 1.0 / self.own + spread / self.own**2
@@ -244,10 +244,10 @@ def _against_speed(
     compared: Compared | None,
     density_z: float,
     density_v: float,
-    p: AccelerometerPriors,
+    p: _AccelerometerPriors,
     at: Index,
     wander: float,
-) -> AgainstSpeed:
+) -> _AgainstSpeed:
     """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
 
     The noise of v is white and that of the integral a random walk, and the grade walks by
@@ -258,7 +258,7 @@ def _against_speed(
     if compared is None:
         none = np.zeros(at.size)
         along = np.zeros((at.size, 2))
-        return AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
+        return _AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
     from scipy.signal import lfilter
 
     h = b.length
@@ -283,7 +283,7 @@ def _against_speed(
         side = side[:last] - along * right / own
     precision[:, :2, :2], vector[:, :2] = np.moveaxis(pair, -1, 0), side.T
     along = along.T
-    return AgainstSpeed(precision, vector, likelihood, own, right, along)
+    return _AgainstSpeed(precision, vector, likelihood, own, right, along)
 
 
 def _so_far(x: Array) -> Array:
@@ -304,16 +304,16 @@ def _on_lead_in(
     return mean[at], np.where(count > 0, variance, np.inf)[at]
 
 
-SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
+_SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
-def _weighed(evidence: Evidence, p: AccelerometerPriors) -> Mixture:
+def _weighed(evidence: Evidence, p: _AccelerometerPriors) -> Mixture:
     """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks; they go by turns."""
     return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
 
 
-def _other_scale(read: Reading, p: AccelerometerPriors, last: Index) -> float:
+def _other_scale(read: Reading, p: _AccelerometerPriors, last: Index) -> float:
     """The scale over all of the run where it is likelier that of no sensor, else 0.
 
     Without a grade that walks, which explains what such a scale does. It takes no part in what is
@@ -328,7 +328,7 @@ def _other_scale(read: Reading, p: AccelerometerPriors, last: Index) -> float:
     return float(other.mean[0, 0]) if likelier[0] else 0.0
 
 
-def _mixture(evidence: Evidence, there: Mask, scale: float, p: AccelerometerPriors) -> Mixture:
+def _mixture(evidence: Evidence, there: Mask, scale: float, p: _AccelerometerPriors) -> Mixture:
     """Mixture over cases, ``there`` (k, 4) whether bias, grade, drag and wandering are there."""
     still = (p.still_bias, p.still_grade, p.still_drag)
     spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
@@ -336,8 +336,8 @@ def _mixture(evidence: Evidence, there: Mask, scale: float, p: AccelerometerPrio
     walks = there[:, 3].astype(int)
     precision, vector, likelihood = evidence
     return weigh_hypotheses(
-        (SENSED.T @ precision @ SENSED)[:, walks],
-        (vector @ SENSED)[:, walks],
+        (_SENSED.T @ precision @ _SENSED)[:, walks],
+        (vector @ _SENSED)[:, walks],
         np.column_stack([np.full(len(there), scale), spread]),
         np.where(there, odds, 1.0 - odds).prod(axis=1),
         likelihood[:, walks],

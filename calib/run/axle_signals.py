@@ -126,7 +126,7 @@ HELD = 0.06
 """Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
 is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
 
-SLOWING = 1.0
+_SLOWING = 1.0
 """Deceleration [m/s^2] at which a v that is as fine as the wheel speeds changes."""
 
 
@@ -137,7 +137,7 @@ def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
     """
     if channel not in log or "a_x" not in log:
         return 0.0
-    x, slowing = log[channel], log["a_x"] < -SLOWING
+    x, slowing = log[channel], log["a_x"] < -_SLOWING
     slowing &= x > moving
     count = int(slowing.sum())
     if count * log.sample_time < 0.5:
@@ -184,7 +184,7 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     return np.asarray((time < first) & rolling & (speed > MOVING))
 
 
-DISTURBED = 4.0
+_DISTURBED = 4.0
 """Distance of eta from its median at the end of the lead-in, in its usual scatter, that no noise
 has: an axle is driven until the foot leaves the gas, or a wheel runs over something."""
 
@@ -209,7 +209,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     away = np.abs(smooth - np.median(known[bite:]))
     apart = np.abs(known[4 * width :] - known[: -4 * width])  # a step is in few of them
     usual = float(np.median(apart)) / QUARTILE / math.sqrt(2.0)
-    odd = away > DISTURBED * max(usual, FINEST)
+    odd = away > _DISTURBED * max(usual, FINEST)
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
 
 
@@ -227,7 +227,7 @@ def _leaves(p: Array) -> int:
 SLOWEST = 15.0
 """Wheel speed [rad/s] below which a turn takes longer than a brake needs to build up."""
 
-TURNS = 20
+_TURNS = 20
 """Least number of turns that tell an error of the ring from what the car does."""
 
 COARSEST = 0.5 * np.pi
@@ -244,7 +244,7 @@ ALIKE = 0.5
 """Difference of both halves of a log, over the error [1], up to which it is that of a ring. What
 goes with the car, as noise of a slow bus, has another phase in each half."""
 
-LEAST_ERROR = 2e-4
+_LEAST_ERROR = 2e-4
 """Error [1] below which a ring is good."""
 
 
@@ -257,7 +257,7 @@ def without_runout(omega: Array, step: float) -> Array:
     angle = integral(time, omega)
     inside = (omega > SLOWEST) & (omega * step < COARSEST)
     inside &= (angle > np.pi) & (angle < angle[-1] - np.pi)
-    if np.count_nonzero(inside) < FEWEST or angle[-1] < 2.0 * np.pi * TURNS:
+    if np.count_nonzero(inside) < FEWEST or angle[-1] < 2.0 * np.pi * _TURNS:
         return omega
     rising = np.maximum.accumulate(angle)
     turn = np.interp(angle + np.pi, rising, time) - np.interp(angle - np.pi, rising, time)
@@ -273,7 +273,7 @@ def without_runout(omega: Array, step: float) -> Array:
     halves = _fitted(columns[:, :half], apart[:half]), _fitted(columns[:, half:], apart[half:])
     size = _sizes(whole)
     sigma = float(np.std(apart - whole @ columns)) * np.sqrt(2.0 / apart.size)
-    sure = size > max(SURE * sigma, LEAST_ERROR)
+    sure = size > max(SURE * sigma, _LEAST_ERROR)
     lasting = _sizes(halves[0] - halves[1]) < ALIKE * size
     kept = np.repeat(sure & lasting, 2)
     return omega / (1.0 + (whole * kept) @ turning) if kept.any() else omega

@@ -29,7 +29,7 @@ class LogVerdict:
 
 
 @dataclass(frozen=True)
-class Taken:
+class _Taken:
     """Source of a channel: SI value = factor * written + offset; ``low``, ``high`` in SI."""
 
     channel: str
@@ -81,7 +81,7 @@ class Findings:
     notes: tuple[str, ...]
     warnings: tuple[PlausibilityWarning, ...]
     verdicts: tuple[LogVerdict, ...]
-    taken: tuple[Taken, ...] = ()
+    taken: tuple[_Taken, ...] = ()
     uses: tuple[str, ...] = ()
     bridged: tuple[ChannelHole, ...] = ()
 
@@ -146,9 +146,9 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     )
 
 
-def _taken(log: Log, origin: Origin) -> Taken:
+def _taken(log: Log, origin: Origin) -> _Taken:
     values = log[origin.channel]
-    return Taken(
+    return _Taken(
         **asdict(origin),
         si=CHANNELS[origin.channel].si,
         low=float(values.min()),

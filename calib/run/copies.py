@@ -30,8 +30,8 @@ HELD = 1.5
 
 def made_of_wheels(log: Log) -> bool:
     """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
-    log = as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
-    if not is_noise(log, "v"):
+    log = _as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
+    if not _is_noise(log, "v"):
         return False
     wheels = np.array([rough(log, f"omega_{w}") for w in WHEELS])
     return float(explained_square(wheels, rough(log, "v"))) > LIMITS.copy_correlation**2
@@ -44,15 +44,15 @@ def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     for one, other in combinations(names, 2):
         sent, x, y = log, whole[one], whole[other]
         if min(periods[one], periods[other]) >= HELD:
-            sent = as_sent(log, (one, other))
+            sent = _as_sent(log, (one, other))
             x, y = rough(sent, one), rough(sent, other)
-        if abs(float(x @ y)) > LIMITS.copy_correlation and is_noise(sent, one):
+        if abs(float(x @ y)) > LIMITS.copy_correlation and _is_noise(sent, one):
             same = _alike(np.array([x, y]))
             if same > LIMITS.copy_correlation:
                 yield one, other, same
 
 
-def as_sent(log: Log, channels: Sequence[str]) -> Log:
+def _as_sent(log: Log, channels: Sequence[str]) -> Log:
     """The log at the samples at which the first of ``channels`` changes, where all are held.
 
     Values that are kept over several samples all rest and step together, which says nothing of
@@ -86,7 +86,7 @@ def _differences(log: Log, channel: str) -> Array:
     return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
 
 
-def is_noise(log: Log, channel: str) -> bool:
+def _is_noise(log: Log, channel: str) -> bool:
     """Whether the second differences are more than rounding, and those of noise.
 
     Those of noise change their sign from one to the next, those of a smooth signal do not.
@@ -104,13 +104,13 @@ CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
 FEWEST = 20
 """Changes of a channel from which on its period can be told."""
 
-SOONER = 0.1
+_SOONER = 0.1
 """Share of the changes that may come sooner than a period: messages jitter."""
 
 LATER = 1.6
 """Longest time between two values that counts as one period [periods]: the next one is not lost."""
 
-SAME = 0.6
+_SAME = 0.6
 """Rest [periods] from which on an unchanged value counts as one more value, which was the same."""
 
 LONGEST = 0.25
@@ -122,7 +122,7 @@ def period_of(x: Array) -> float:
     ahead = np.diff(np.flatnonzero(np.diff(x)))
     if ahead.size < FEWEST:
         return 1.0
-    shortest = float(np.quantile(ahead, SOONER, method="lower"))
+    shortest = float(np.quantile(ahead, _SOONER, method="lower"))
     if shortest < 2.0:
         return 1.0
     return float(np.mean(ahead[ahead < LATER * shortest]))
@@ -142,7 +142,7 @@ def came_at(x: Array, longest: float) -> Index | None:
         return None
     first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     length = np.diff(np.append(first, x.size))
-    values = np.maximum(1, np.floor(length / period + 1.0 - SAME).astype(np.int64))
+    values = np.maximum(1, np.floor(length / period + 1.0 - _SAME).astype(np.int64))
     turn = np.arange(values.sum()) - np.repeat(np.cumsum(values) - values, values)
     came = np.repeat(first, values) + np.round(turn * period).astype(np.int64)
     return np.asarray(came[came < x.size])

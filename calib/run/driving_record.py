@@ -162,7 +162,7 @@ def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
     )
 
 
-STROKE = 0.25
+_STROKE = 0.25
 """Interval in which a rise is judged [s]: longer than pedal tremble, shorter than a ramp."""
 
 
@@ -177,7 +177,7 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     moving = driving.moving[part]
     drive = driving.z[part] if driving.pressure is None else driving.pressure[part]
     drive, z = drive[moving], driving.z[part][moving]
-    n = max(1, round(STROKE / driving.step))
+    n = max(1, round(_STROKE / driving.step))
     if drive.size < 2 * n:
         return 0.0, 0.0
     best = (0.0, 0.0)
@@ -197,7 +197,7 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
 
 LEAD_IN, BITES, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
 KINDS = (LEAD_IN, BITES, BRAKING, STANDSTILL)
-NEEDED = ("a_x", *(f"omega_{wheel}" for wheel in WHEELS))
+_NEEDED = ("a_x", *(f"omega_{wheel}" for wheel in WHEELS))
 """Channels without which no event is known."""
 
 
@@ -211,12 +211,12 @@ class RunEvent:
 
 
 def run_events(log: Log) -> tuple[RunEvent, ...]:
-    """The events in order of time; none without the channels of `NEEDED`.
+    """The events in order of time; none without the channels of `_NEEDED`.
 
     The lead-in is the longest steady, unbraked rolling before the first braking. Brakings are those
     of `check`: by the pressure, or by the deceleration where there is none.
     """
-    if any(name not in log for name in NEEDED):
+    if any(name not in log for name in _NEEDED):
         return ()
     return tuple(sorted(_events(log), key=lambda event: (event.start, KINDS.index(event.kind))))
 
@@ -239,7 +239,7 @@ def _spans(log: Log, where: Mask) -> list[tuple[float, float]]:
     return [(float(log.time[i]), float(log.time[j - 1])) for i, j in runs(where)]
 
 
-SHORTEST_ROLL = 0.2
+_SHORTEST_ROLL = 0.2
 """Time of rolling [s] from which the radius is given: the noise of v is then 0.1 % or less."""
 
 
@@ -251,7 +251,7 @@ def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
     wheels there, as an engine in gear does, is a part of it: 0.1 % at 0.03 g.
     """
     rolls = driving.unbraked
-    if "v" not in log or float(rolls.sum()) * driving.step < SHORTEST_ROLL:
+    if "v" not in log or float(rolls.sum()) * driving.step < _SHORTEST_ROLL:
         return None
     turning = float(np.mean([np.mean(log[f"omega_{w}"][rolls]) for w in WHEELS]))
     return float(np.mean(log["v"][rolls])) / turning if turning > 0.0 else None

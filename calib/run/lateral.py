@@ -15,7 +15,7 @@ from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
 
-LATERAL_TIME = 0.2
+_LATERAL_TIME = 0.2
 """Time constant [s] over which the wheels are compared: their noise alone is 1 m/s^2."""
 
 
@@ -40,7 +40,7 @@ def lateral(
     """
     geometric = track_width / np.maximum(s.speed, MOVING) ** 2
     turned = (sides(log) - straight) / (geometric + leaned(track_width, slip, height))
-    return low_pass(turned, s.sample_time, LATERAL_TIME)
+    return low_pass(turned, s.sample_time, _LATERAL_TIME)
 
 
 def leaned(track_width: float, slip: Array | float, height: float) -> Array:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class CheckLimits:
+class _CheckLimits:
     """Each is named after what it decides; the comments name the file."""
 
     # copies.py: computed pressures
@@ -186,4 +186,4 @@ class CheckLimits:
     """Slip of a wheel that rolls again [1]."""
 
 
-LIMITS = CheckLimits()
+LIMITS = _CheckLimits()

@@ -65,7 +65,7 @@ def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
     )
 
 
-COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
+_COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 """Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
@@ -75,7 +75,7 @@ FEW = 10
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Noise of the sensors from the lead-in: white part times a usual `COLOUR`.
+    """Noise of the sensors from the lead-in: white part times a usual `_COLOUR`.
 
     Uses only the lead-in, so that an online estimator may use it; one of a few samples tells none.
     """
@@ -88,9 +88,9 @@ def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
     pairs = [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
     omega = float(np.sqrt(np.mean([white(pair) ** 2 for pair in pairs])))
     return SensorNoise(
-        omega=COLOUR["omega"] * omega * step,
-        z=COLOUR["z"] * white(s.z) * step,
-        v=0.0 if s.v is None else COLOUR["v"] * white(s.v) * step,
+        omega=_COLOUR["omega"] * omega * step,
+        z=_COLOUR["z"] * white(s.z) * step,
+        v=0.0 if s.v is None else _COLOUR["v"] * white(s.v) * step,
         omega_white=omega,
     )
 
@@ -146,7 +146,7 @@ in five minutes rolls on a radius 0.1 % larger, 3e-6 a second. With usual wheel 
 is 3 s: the zero then lags by 1e-5 and has noise of 2e-5. A walk that makes 0.1 % in five minutes
 would forget a lead-in within half a second; a tyre that warms is steadier over seconds."""
 
-OLDEST = 12.0
+_OLDEST = 12.0
 """Age over tau past which all is forgotten: its weight is 6e-6."""
 
 
@@ -159,5 +159,5 @@ def aged(time: Array, rolling: Mask, density: Array) -> Array:
     if not rolling.any():
         return np.ones_like(time)
     age = (time[rolling][-1] - time) * WALK / density
-    factor = np.exp(0.5 * np.clip(age, 0.0, OLDEST))
-    return np.where(rolling, np.where(age > OLDEST, np.inf, factor), 1.0)
+    factor = np.exp(0.5 * np.clip(age, 0.0, _OLDEST))
+    return np.where(rolling, np.where(age > _OLDEST, np.inf, factor), 1.0)

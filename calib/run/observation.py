@@ -141,7 +141,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
     )
 
 
-SLOWS = 1.5 * BITE_Z
+_SLOWS = 1.5 * BITE_Z
 """Deceleration [g] that counts as braking whatever the pressure is: an engine in a low gear stays
 below it."""
 
@@ -164,7 +164,7 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     step = driving.step
     width = max(1, round(LIMITS.pressure_width / step)) | 1
     z = centred_mean(driving.z, width)
-    active = driving.braked | (z > SLOWS)
+    active = driving.braked | (z > _SLOWS)
     if not active.any():
         return None
     before = np.arange(z.size) < int(np.argmax(active))

@@ -12,7 +12,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.intervals import NINETY, QUARTILE
 from calib.run.filters import centred_mean, third_difference, typical_differences
 
-HOLD = 0.1
+_HOLD = 0.1
 """Width [s] over which a constant pressure is averaged."""
 
 NOTHING = 0.4e5
@@ -34,7 +34,7 @@ def as_pressed(p: Array, step: float) -> Array:
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter
 
-    width = max(1, round(HOLD / step))
+    width = max(1, round(_HOLD / step))
     if width < 3 or p.size < 2 * width:
         return p
     sigma = noise_of(p)

@@ -16,10 +16,10 @@ PURPOSES = ("fit", "validate", "coast", "diagnose")
 
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 
-SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
+_SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
 """Units of speed that are taken for each other [m/s]."""
 
-UNIT_KNOWN = 0.16
+_UNIT_KNOWN = 0.16
 """Largest distance (logarithm) from the factor between two units at which they are named; half of
 that between the closest two, 1.61 and 2.24, where the radius of the tyre is only about known."""
 
@@ -124,8 +124,8 @@ def _wrong_v(seen: Observation) -> Iterator[str]:
 
 def _right_unit(factor: float) -> str:
     """What to do about a ``v`` that is ``factor`` times too large [1]."""
-    for unit, read_as in permutations(SPEEDS, 2):
-        if factor > 0.0 and abs(math.log(factor * SPEEDS[unit] / SPEEDS[read_as])) < UNIT_KNOWN:
+    for unit, read_as in permutations(_SPEEDS, 2):
+        if factor > 0.0 and abs(math.log(factor * _SPEEDS[unit] / _SPEEDS[read_as])) < _UNIT_KNOWN:
             return f"v is in {unit} and was read as {read_as}; correct its unit"
     return "check the units of v and of the wheel speeds (rad/s or rpm)"
 

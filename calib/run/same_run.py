@@ -31,15 +31,15 @@ from calib.run.sensors import resolution_of
 
 COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
 
-NORMAL = 1.4826
+_NORMAL = 1.4826
 """Standard deviation over the median of the absolute values, of normal noise [1]."""
 
 
-ROUNDS = 3
+_ROUNDS = 3
 """Steps of Newton's method to a lag between the samples."""
 
 
-View = dict[str, Array]
+_View = dict[str, Array]
 """Channels [SI] on an even clock, and the mean of the ``wheels``."""
 
 
@@ -55,7 +55,7 @@ MOST = 2.0**40
 
 
 @dataclass(frozen=True)
-class FingerprintChannel:
+class _FingerprintChannel:
     """A channel: its whole numbers are of ``unit`` [SI].
 
     ``differences`` are their second differences as text; the two before the first count as 0.
@@ -75,7 +75,7 @@ class Fingerprint:
 
     version: int
     step: float
-    channels: tuple[FingerprintChannel, ...]
+    channels: tuple[_FingerprintChannel, ...]
 
     def __post_init__(self) -> None:
         """Raise ValueError for a fingerprint that is not one of this format."""
@@ -90,9 +90,9 @@ class Fingerprint:
             raise ValueError("the channels of a fingerprint are of one length")
 
     @cached_property
-    def view(self) -> View:
+    def view(self) -> _View:
         """The means of the channels [SI], each (n,), and of the wheels."""
-        return with_wheels({c.name: _decoded(c.differences) * c.unit for c in self.channels})
+        return _with_wheels({c.name: _decoded(c.differences) * c.unit for c in self.channels})
 
 
 def same_run(one: Log, other: Log) -> bool:
@@ -101,7 +101,7 @@ def same_run(one: Log, other: Log) -> bool:
         return True
     step = max(one.sample_time, other.sample_time)
     return any(
-        _agree(view_of(one, length, means=means), other, length, means=means)
+        _agree(_view_of(one, length, means=means), other, length, means=means)
         for length, means in (
             (max(LIMITS.run_grid, step), False),
             (max(LIMITS.run_means, 2.0 * step), True),
@@ -114,25 +114,25 @@ def same_as(fingerprint: Fingerprint, log: Log) -> bool:
     return _agree(fingerprint.view, log, fingerprint.step, means=True)
 
 
-def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
+def _agree(a: _View, other: Log, step: float, *, means: bool) -> bool:
     """Whether the channels agree, laid over each other where the wheel speeds agree best.
 
     The lag need not be a whole number of steps: ``other`` is read again between them.
     """
-    b = view_of(other, step, means=means)
+    b = _view_of(other, step, means=means)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
     lag = _best_lag(a["wheels"], b["wheels"])
     if _alike(a, b, lag):
         return True
     late = float(lag)
-    for _ in range(ROUNDS):
+    for _ in range(_ROUNDS):
         rest, far = _rest(a["wheels"], b["wheels"], lag)
         if far > LIMITS.run_far:
             return False
         late += rest
         lag = int(np.ceil(late))
-        b = view_of(other, step, means=means, offset=(lag - late) * step)
+        b = _view_of(other, step, means=means, offset=(lag - late) * step)
         if (
             b["wheels"].size < LIMITS.run_fewest
             or abs(lag) > max(a["wheels"].size, b["wheels"].size) - LIMITS.run_fewest
@@ -141,7 +141,7 @@ def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
     return _alike(a, b, lag)
 
 
-def _alike(one: View, other: View, lag: int) -> bool:
+def _alike(one: _View, other: _View, lag: int) -> bool:
     """Whether D and r say so, where ``other`` begins ``lag`` samples after ``one``."""
     pairs = {
         name: _over(one[name], other[name], lag)
@@ -216,7 +216,7 @@ def _best_lag(a: Array, b: Array) -> int:
 
 def fingerprint_of(log: Log) -> Fingerprint:
     """The fingerprint of a run, which must have its wheel speeds."""
-    view = view_of(log, LIMITS.run_means, means=True)
+    view = _view_of(log, LIMITS.run_means, means=True)
     return Fingerprint(
         VERSION,
         LIMITS.run_means,
@@ -224,10 +224,10 @@ def fingerprint_of(log: Log) -> Fingerprint:
     )
 
 
-def _channel(name: str, x: Array) -> FingerprintChannel:
+def _channel(name: str, x: Array) -> _FingerprintChannel:
     unit = _unit(x)
     whole = np.round(x / unit).astype(np.int64)
-    return FingerprintChannel(name, unit, " ".join(map(str, np.diff(whole, 2, prepend=[0, 0]))))
+    return _FingerprintChannel(name, unit, " ".join(map(str, np.diff(whole, 2, prepend=[0, 0]))))
 
 
 def _unit(x: Array) -> float:
@@ -245,7 +245,7 @@ def _decoded(text: str) -> Array:
     return np.cumsum(np.cumsum(differences)).astype(float)
 
 
-def view_of(log: Log, step: float, *, means: bool, offset: float = 0.0) -> View:
+def _view_of(log: Log, step: float, *, means: bool, offset: float = 0.0) -> _View:
     """The channels every ``step`` [s] from ``offset`` [s] on: interpolated, or means of a step."""
     time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
     channels = {}
@@ -254,17 +254,17 @@ def view_of(log: Log, step: float, *, means: bool, offset: float = 0.0) -> View:
             x = integral(log.time, log[name]) if means else log[name]
             at = np.interp(time, log.time, x)
             channels[name] = np.diff(at) / step if means else at
-    return with_wheels(channels)
+    return _with_wheels(channels)
 
 
-def with_wheels(channels: dict[str, Array]) -> View:
+def _with_wheels(channels: dict[str, Array]) -> _View:
     """The channels with the mean of the wheel speeds."""
     return channels | {"wheels": np.mean([channels[f"omega_{w}"] for w in WHEELS], axis=0)}
 
 
 def spread(x: Array) -> float:
     """Standard deviation from zero of most of the values: where a braking begins, lags count."""
-    return float(NORMAL * np.median(np.abs(x)))
+    return float(_NORMAL * np.median(np.abs(x)))
 
 
 def noise_of(x: Array) -> float:

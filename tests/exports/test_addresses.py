@@ -11,7 +11,7 @@ import pytest
 from calib.base.errors import ProgramError
 from calib.exports.addresses import LARGEST_FILE, find_addresses
 from calib.exports.dataset import build
-from calib.exports.write import write_a2l, write_c_header
+from calib.exports.write import FORMATS
 from tests.support.a2l import decoded, read_a2l
 from tests.support.programs import linked, made_elf, needs_gcc
 from tests.support.refusals import refusal
@@ -51,7 +51,7 @@ def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
     addresses = find_addresses(program(elf), data)
     assert (addresses.big_endian, addresses.remarks) == (order == ">", ())
     memory, at = b"".join(objects.values()), 0x8000_0000
-    module = read_a2l(write_a2l(data, addresses)).one("MODULE")
+    module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=addresses))).one("MODULE")
     found = decoded(module, lambda a, size: memory[a - at : a - at + size])
     assert found["sedan_f1"] == data.curves[0].values.tolist()
     assert found["sedan_mass"] == [1744.0]
@@ -59,13 +59,13 @@ def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
 
 @needs_gcc
 def test_an_object_file_a_stripped_program_and_a_moving_one(data, tmp_path):
-    elf = linked(tmp_path, write_c_header(data), data.prefix, "-c")
+    elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, "-c")
     assert "expected the linked program" in refusal(find_addresses, elf, data, names=elf)
-    elf = linked(tmp_path, write_c_header(data), data.prefix)
+    elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
     subprocess.run(["strip", elf], check=True)
     assert "before `strip`" in refusal(find_addresses, elf, data, names=elf)
     options = ("-pie", "-fPIE", "-nostdlib", "-Wl,-e,main")
-    elf = linked(tmp_path, write_c_header(data), data.prefix, *options)
+    elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, *options)
     assert "from where it is loaded" in find_addresses(elf, data).remarks[0]
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from calib.car.effects.effects import Effects
 from calib.exports.dataset import LONGEST, build
-from calib.exports.write import write_c_header
+from calib.exports.write import FORMATS
 from tests.support.tables import made_table
 
 COMPILER = shutil.which("gcc") or shutil.which("cc") or shutil.which("clang")
@@ -21,7 +21,7 @@ needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler (gcc
 
 def printed(folder, data, body):
     """Output of a program of two files that both include the header; one defines its objects."""
-    (folder / "table.h").write_bytes(write_c_header(data))
+    (folder / "table.h").write_bytes(FORMATS["c-header"].write(data))
     (folder / "table.c").write_text(f'#define {data.prefix.upper()}_DEFINE\n#include "table.h"\n')
     (folder / "main.c").write_text(
         '#include <stdio.h>\n#include "table.h"\n#include "table.h"\n'
@@ -56,7 +56,7 @@ def test_a_compiler_sees_the_table(real, tmp_path, points, width):
     data, seen = build(real, points, bits=width), {}
     for line in printed(tmp_path, data, shown(data)).splitlines():
         seen.setdefault(line.split()[0], []).append(float(line.split()[1]))
-    text = write_c_header(data).decode()
+    text = FORMATS["c-header"].write(data).decode()
     assert seen.keys() == {one.label for one in data.objects}
     for one in data.objects:
         error = np.abs(np.array(seen[one.label]) - one.values).max()
@@ -82,7 +82,9 @@ def test_names_differ_within_31_characters(stored):
     sigma = {"pad_pressure_dependence": {"exponent": 0.01, "excess": 0.1}}
     name = "a vehicle with a very long name"
     table = replace(made_table(name=name), effects=Effects(parameters, sigma=sigma))
-    text = write_c_header(build(replace(stored, name=name, table=table), bits=16)).decode()
+    text = (
+        FORMATS["c-header"].write(build(replace(stored, name=name, table=table), bits=16)).decode()
+    )
     labels = re.findall(r"extern const \w+ (\w+)", text)
     assert len(labels) > 20
     assert len({label[:LONGEST] for label in labels}) == len(labels)

@@ -17,9 +17,8 @@ import pyarrow.parquet as pq
 import pytest
 from lxml import etree
 
-from calib.exports import write
-from calib.exports.addresses import NOWHERE
 from calib.exports.dataset import build
+from calib.exports.write import FORMATS, TEXTS
 from calib.store.quality import UNPROVED, Quality
 
 DATE = "2026-05-04"
@@ -56,12 +55,12 @@ def dcm_reader(content, folder):
 
 
 def from_dcm(data, folder):
-    seen = dcm_reader(write.write_dcm(data), folder)
+    seen = dcm_reader(FORMATS["dcm"].write(data), folder)
     return seen["curves"], seen["scalars"]
 
 
 def from_json(data, folder):
-    document = json.loads(write.write_json(data))
+    document = json.loads(FORMATS["json"].write(data))
     axes = {a["label"]: a["values"] for a in document["axes"]}
     curves = {c["label"]: (axes[c["axis"]], c["values"]) for c in document["curves"]}
     return curves, {s["label"]: [s["value"], s["unit"]] for s in document["scalars"]}
@@ -72,13 +71,13 @@ NUMBERS = ("x", "value", "lower", "upper", "count", "flag")
 
 def frame_of(data):
     # As text first: pandas 2 reads some numbers one bit off, and pandas 3 has no option for it.
-    content = io.BytesIO(write.write_csv(data))
+    content = io.BytesIO(FORMATS["csv"].write(data))
     text = pd.read_csv(content, comment="#", dtype=dict.fromkeys(NUMBERS, str))
     return text.astype(dict.fromkeys(NUMBERS, float))
 
 
 def parquet_of(data):
-    return pq.read_table(pa.BufferReader(write.write_parquet(data)), use_threads=False)
+    return pq.read_table(pa.BufferReader(FORMATS["parquet"].write(data)), use_threads=False)
 
 
 def by_label(frame):
@@ -92,7 +91,7 @@ def by_label(frame):
 
 
 def cdf_of(data):
-    root = etree.fromstring(write.write_cdfx(data, DATE))
+    root = etree.fromstring(FORMATS["cdfx"].write(replace(data, date=DATE)))
     return root, {i.findtext("SHORT-NAME"): i for i in root.findall(f"{TREE}/SW-INSTANCE")}
 
 
@@ -118,7 +117,7 @@ def from_cdf(data, folder):
 
 def from_inca(data, folder):
     curves, scalars = {}, {}
-    for part in write.write_inca_csv(data).decode().split("\r\n\r\n"):
+    for part in FORMATS["inca-csv"].write(data).decode().split("\r\n\r\n"):
         lines = [line for line in part.split("\r\n") if line and not line.startswith("*")]
         head, *rows = [*csv.reader(lines, delimiter=";"), []]
         name = head[-1] if head else ""
@@ -168,27 +167,16 @@ def test_another_reader_sees_the_table_to_the_last_bit(real, tmp_path, form, poi
     assert scalars[f"{data.prefix}_drag_area"] == [drag, "m^2"]
 
 
-TEXTS = {
-    "json": write.write_json,
-    "csv": write.write_csv,
-    "dcm": write.write_dcm,
-    "cdfx": lambda data: write.write_cdfx(data, DATE),
-    "inca-csv": write.write_inca_csv,
-    "c-header": write.write_c_header,
-    "a2l": lambda data: write.write_a2l(data, NOWHERE),
-}
-
-
-@pytest.mark.parametrize("form", TEXTS)
+@pytest.mark.parametrize("form", sorted(FORMATS.keys() - {"parquet"}))
 def test_the_head_says_which_table_it_is_and_what_holds_at_the_ends(stored, form):
     data = build(stored, 5)
-    text = TEXTS[form](data).decode()
+    text = FORMATS[form].write(data).decode()
     for part in ("sedan@1", stored.digest, "clamped", "5 of 21 rows", data.content().checksum):
         assert part in text
 
 
 def test_json_has_the_record_of_the_table(stored):
-    assert json.loads(write.write_json(build(stored)))["record"] == stored.table.content()[0]
+    assert json.loads(FORMATS["json"].write(build(stored)))["record"] == stored.table.content()[0]
 
 
 def test_rows_have_their_bands_counts_and_flags(stored):
@@ -203,10 +191,12 @@ def test_rows_have_their_bands_counts_and_flags(stored):
 
 def test_no_text_of_a_csv_can_be_taken_for_a_number(stored):
     """Readers that guess types from the first rows would fail at a later one."""
-    body = [line for line in TEXTS["csv"](build(stored)).decode().splitlines() if line[0] != "#"]
+    body = [
+        line for line in FORMATS["csv"].write(build(stored)).decode().splitlines() if line[0] != "#"
+    ]
     for row in csv.DictReader(body):
         assert row["unit"]
-        for name in write.TEXTS:
+        for name in TEXTS:
             assert re.fullmatch(r"[-+0-9.eE]*[0-9][-+0-9.eE]*", row[name]) is None
 
 
@@ -220,7 +210,7 @@ def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, 
     library = pytest.importorskip(module)
     line = f'{module}.read_csv("car.csv", {option}="#")'
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "car.csv").write_bytes(write.write_csv(build(stored)))
+    (tmp_path / "car.csv").write_bytes(FORMATS["csv"].write(build(stored)))
     assert f"`{line}`" in PAGE.read_text()
     frame = eval(line, {module: library})
     units = dict(zip(frame["label"], frame["unit"], strict=True))
@@ -236,7 +226,7 @@ def test_an_axis_of_its_own_for_D_where_the_rows_differ(stored, tmp_path):
     d = stored.table.difference
     half = replace(d, **{k: v[::2] for k, v in vars(d).items()})
     other = replace(stored, table=replace(stored.table, difference=half))
-    seen = dcm_reader(write.write_dcm(build(other)), tmp_path)
+    seen = dcm_reader(FORMATS["dcm"].write(build(other)), tmp_path)
     assert seen["axes"]["sedan_D"] == "sedan_eta_D"
     assert bits(seen["curves"]["sedan_D"]) == bits((half.eta, half.D))
     assert seen["functions"] == [["sedan_brake_torque", "1", "sedan@1"]]

@@ -11,10 +11,10 @@ from calib.base.errors import ExchangeError
 from calib.exports.compare import Difference, difference, parent
 from calib.exports.dataset import build
 from calib.exports.read import read_back
-from calib.exports.write import write_cdfx, write_dcm
+from calib.exports.write import FORMATS
 from calib.store.store import Store
 
-WRITERS = {"DCM": write_dcm, "CDF": lambda data: write_cdfx(data, "2026-05-04")}
+WRITERS = {"DCM": FORMATS["dcm"].write, "CDF": FORMATS["cdfx"].write}
 
 
 @pytest.fixture(params=WRITERS)
@@ -91,7 +91,7 @@ def test_no_lost_line_is_overlooked(written):
 )  # fmt: skip
 def test_what_is_wrong_in_a_dcm_is_named(stored, tmp_path, old, new, says):
     path = tmp_path / "a.dcm"
-    text = write_dcm(build(stored)).decode()
+    text = FORMATS["dcm"].write(build(stored)).decode()
     assert old in text
     path.write_text(text.replace(old, new))
     with pytest.raises(ExchangeError, match=says):
@@ -114,7 +114,7 @@ def test_what_is_wrong_in_a_dcm_is_named(stored, tmp_path, old, new, says):
 )
 def test_what_is_wrong_in_a_cdf_is_named(stored, tmp_path, old, new, says):
     path = tmp_path / "a.cdfx"
-    text = write_cdfx(build(stored), "2026-05-04").decode()
+    text = FORMATS["cdfx"].write(build(stored)).decode()
     assert old in text
     path.write_text(text.replace(old, new))
     with pytest.raises(ExchangeError, match=says):

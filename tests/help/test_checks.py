@@ -12,7 +12,7 @@ from calib.base.units import QUANTITIES, Unit
 from calib.car import forces
 from calib.car.vehicle import Axle
 from calib.estimation import adaptive, validate
-from calib.exports import export
+from calib.exports.write import FORMATS
 from calib.help import checks, qualify
 from calib.help.checks import SUITE
 from calib.help.samples import sample_logs
@@ -107,13 +107,13 @@ def test_a_verdict_that_is_always_good_is_seen(monkeypatch):
 
 
 def test_an_export_of_a_rounded_curve_is_seen(monkeypatch):
-    right = export.FORMATS["dcm"]
+    right = FORMATS["dcm"]
 
-    def wrong(order):
-        curves = tuple(replace(c, values=np.round(c.values, 4)) for c in order.data.curves)
-        return right(replace(order, data=replace(order.data, curves=curves)))
+    def wrong(data):
+        curves = tuple(replace(c, values=np.round(c.values, 4)) for c in data.curves)
+        return right.write(replace(data, curves=curves))
 
-    monkeypatch.setitem(export.FORMATS, "dcm", wrong)
+    monkeypatch.setitem(FORMATS, "dcm", replace(right, write=wrong))
     assert failed("export_dcm") == {"export_dcm"}
 
 
