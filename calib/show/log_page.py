@@ -1,12 +1,28 @@
 """The page of a log: one HTML file with its columns, its events and their picture."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from calib.logs.whole import Inventory, WholeLog
 from calib.run.events import BITE, RunEvent
+from calib.show.facts import Facts, Table
 from calib.show.html import Report, picture
 
 HEADS = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
+
+
+Looked = tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]
+"""A log, what is in its columns, and the events of its run."""
+
+
+def facts(logs: Sequence[Looked]) -> Facts:
+    """Every column of logs, and the events of each run."""
+    parts = []
+    for log, columns, events in logs:
+        span = f"{log.time.size} rows, {log.time[0]:g} to {log.time[-1]:g} s"
+        rows = [(kind, when) for kind, when, _ in map(event_cells, events)]
+        table = Table(HEADS, [cells(column) for column in columns])
+        parts.append(Facts(f"{log.source}: {span}", tables=[table], rows=rows, notes=log.notes))
+    return Facts(parts=parts)
 
 
 def log_html(

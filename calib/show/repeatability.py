@@ -9,6 +9,9 @@ import numpy as np
 from calib.line.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION
 from calib.line.gauge.gauge_rr import GAUGE, TOTAL
 from calib.line.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy, GaugeVerdict
+from calib.line.gauge.words import conclusion
+from calib.show.facts import Facts
+from calib.show.facts import Table as Cells
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes
 
@@ -20,6 +23,8 @@ LABELS = {
     GAUGE: "gauge",
     CAR: "cars",
 }
+CAUSES = {"repeatability": "repeatability", "reproducibility": "reproducibility", "cars": "car"}
+"""Components that are printed, by their heads."""
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
 NAMED = 12
@@ -45,6 +50,38 @@ HEAT = {
     GaugeVerdict.NOT_JUDGED: "#FFFFFF",
 }
 """Colours of the verdicts; each cell says its verdict in words too."""
+
+
+def facts(found: GaugeStudy) -> Facts:
+    """How good a gauge each metric is; standard deviations [1], shares [%]."""
+    heads = ("figure", *CAUSES, "%GRR", "95 %", "ndc", "of tolerance", "verdict")
+    notes = []
+    for result in found.results:
+        if result.gauge is None:
+            notes.append(f"{result.name}: not judged, repeats do not scatter")
+        elif result.gauge.negative:
+            names = ", ".join(result.gauge.negative)
+            notes.append(
+                f"{result.name}: variances that came out negative count as zero: {names}"
+            )
+    rows = [(result.name, *_cells(result), result.verdict) for result in found.results]
+    return Facts(
+        headline=conclusion(found), tables=[Cells(heads, rows)], notes=[*notes, *found.notes]
+    )
+
+
+def _cells(result: GaugeResult) -> tuple[str, ...]:
+    if result.gauge is None:
+        return ("none",) * 7
+    g = result.gauge
+    sds = [
+        f"{g.components[name].sd:.3g}" if name in g.components else "none" for name in CAUSES.values()
+    ]
+    tolerance = "none" if g.tolerance is None else f"{100.0 * g.tolerance:.1f}"
+    if not g.cars_differ:
+        return *sds, "none", "none", "none", tolerance
+    low, high = (100.0 * end for end in g.grr95)
+    return *sds, f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories), tolerance
 
 
 def sheet(found: GaugeStudy) -> Sheet:
