@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from calib.show.facts import Facts
 
+    from calib.show.facts import Facts
+
 PIPED_WIDTH = 120
 """Columns of output that does not go to a terminal, if COLUMNS is not set."""
 
@@ -123,6 +125,14 @@ def _laid_out(text: str) -> Any:
 def emit_line(text: str) -> None:
     """Print a line on stdout at once."""
     print(printable(text), flush=True)  # noqa: T201
+
+
+def emit_facts(facts: "Facts") -> None:
+    """Print a result on stdout; its verdict is the last line."""
+    from calib.show.terminal import drawn
+
+    for one in drawn(facts):
+        emit(one)
 
 
 def emit_json(document: object) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.plain import counted
-from calib.line.fleet.command import Command
+from calib.line.fleet.rows import Command
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, plain, progress, say, this_run
 from cli.diagnose import stoppable
@@ -33,10 +33,10 @@ from cli.project import from_settings
 if TYPE_CHECKING:
     from calib.car.vehicle import Vehicle
     from calib.estimation.limits import Limit
-    from calib.line.fleet.job import Job
-    from calib.line.fleet.pool import Executor
-    from calib.line.fleet.row import Row
+    from calib.line.fleet.rows import Row
     from calib.line.fleet.summary import Summary
+    from calib.line.fleet.work import Job
+    from calib.line.fleet.workers import Executor
     from calib.show.html import Picture
 
     JobCar = Vehicle | None
@@ -110,30 +110,26 @@ def batch(
     started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
     if none could be read, 130 if stopped.
     """
-    from calib.line.fleet.find import find_logs
-    from calib.line.fleet.pace import words
-    from calib.line.fleet.run import run_batch
+    from calib.line.fleet.batch import run_batch
 
     if workers is not None and scheduler is not None:
         raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
     job = _job(command, out, table, store, vehicle, limits, channel_map)
-    for one in logs:  # names without a log are refused before any worker is started
-        next(find_logs([one], command, out))
     with stoppable("stopped; the same command continues where it was"):
         executor = _executor(workers, scheduler)
         say(f"{command.value} on {counted(executor.workers, 'worker')}")
         try:
             with progress() as step, writing(out):
                 done = run_batch(
-                    job, logs, out, executor, lambda p: step(words(p), p.done, p.total), fresh
+                    job, logs, out, executor, lambda p: step(str(p), p.done, p.total), fresh
                 )
         finally:
             executor.close()
-    say(words(done.pace))
+    say(str(done.pace))
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
     return Answer(
-        {"results": done.results, "logs": done.total, **done.document()},
-        f"{counted(done.total, 'log')}: {counts}; {done.results}",
+        done.document(),
+        f"{counted(done.counts.total(), 'log')}: {counts}; {done.results}",
         UNREADABLE if done.unreadable else FAILED * bool(done.failed),
     )
 
@@ -208,8 +204,8 @@ def _job(
     """The inputs for all logs. Refuses missing inputs and those that are not used."""
     from calib.estimation.limits import DEFAULTS
     from calib.estimation.validate import require_same_vehicle
-    from calib.line.fleet.job import Job
     from calib.line.fleet.results import NAME
+    from calib.line.fleet.work import Job
 
     validates, fits = command is Command.VALIDATE, command is Command.FIT
     for name, value, taken, needed in (
@@ -237,13 +233,9 @@ def _job(
 
 def _executor(workers: int | None, scheduler: str | None) -> "Executor":
     from calib.base.processes import cores
-    from calib.line.fleet.pool import Pool
+    from calib.line.fleet.workers import Cluster, Pool
 
-    if scheduler is None:
-        return Pool(workers or cores())
-    from calib.line.fleet.cluster import Cluster
-
-    return Cluster(scheduler)
+    return Cluster(scheduler) if scheduler else Pool(workers or cores())
 
 
 def _indexer(runs: Path | None) -> Callable[[], None]:
@@ -295,9 +287,9 @@ def _stopped() -> Iterator[Event]:
 
 def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
     """The function that prints a row: its status and error, and the pads where it has them."""
-    from calib.line.fleet.columns import COLUMNS
+    from calib.line.fleet.rows import columns_of
 
-    names = [column.name for column in COLUMNS[command]]
+    names = [column.name for column in columns_of(command)]
 
     def show(row: "Row") -> None:
         metrics = dict(zip(names, row.cells, strict=False))
