@@ -32,11 +32,11 @@ def check(logs: Annotated[list[Path], logs("logs to check")], *, channel_map: Ma
                 found.append(_findings(path, name, channel_map))
             except InputError as error:
                 errors.append((path, error))
-    for _, error in errors:
-        complain(str(error))
+    for _, wrong in errors:
+        complain(str(wrong))
     if found and not this_run().verbose:
         say("-v shows what is in each log")
-    failed = [{"source": path, "error": str(error)} for path, error in errors]
+    failed = [{"source": path, "error": str(wrong)} for path, wrong in errors]
     first = {"error": errors[0][1].to_dict()} if errors else {}
     useless = FAILED * (not all(findings.usable for findings in found))
     return Answer(

@@ -82,7 +82,7 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
         infos = {p.name: get_args(p.annotation)[1] for p in own}
         more: dict[str, Any] = {"report": Report} if report else {}
         writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
-        if any(i.param_decls != ("--report",) and i.writes != "folder" for i in writes.values()):
+        if any(i.writes != "folder" for i in writes.values()):
             more["force"] = Force
         more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in hints else {"json": Json})
         added = [
@@ -196,8 +196,10 @@ def _made(name: str, info: Any, value: Any) -> Any:
 
 
 def _flag_of(name: str, info: Any) -> str:
-    flags = getattr(info, "param_decls", None)
-    return flags[0] if flags else getattr(info, "metavar", None) or f"--{name}"
+    flags = getattr(info, "flags", None)
+    if flags is None:
+        return str(info.metavar)
+    return str(flags[0]) if flags else f"--{name.replace('_', '-')}"
 
 
 def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path, PurePath
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, ClassVar
 
 from calib.base.printable import printable
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from calib.show.facts import Facts
 
-    from calib.show.facts import Facts
 
 PIPED_WIDTH = 120
 """Columns of output that does not go to a terminal, if COLUMNS is not set."""
@@ -117,22 +116,15 @@ def _laid_out(text: str) -> Any:
             for line in str(self.text).rstrip().splitlines():
                 yield Text(f" {printable(line)}", "markdown.code_block", overflow="ignore")
 
-    page = Drawn(text, hyperlinks=False)
-    page.elements = {**Drawn.elements, "fence": WholeLines, "code_block": WholeLines}
-    return page
+    class Page(Drawn):
+        elements: ClassVar = {**Drawn.elements, "fence": WholeLines, "code_block": WholeLines}
+
+    return Page(text, hyperlinks=False)
 
 
 def emit_line(text: str) -> None:
     """Print a line on stdout at once."""
     print(printable(text), flush=True)  # noqa: T201
-
-
-def emit_facts(facts: "Facts") -> None:
-    """Print a result on stdout; its verdict is the last line."""
-    from calib.show.terminal import drawn
-
-    for one in drawn(facts):
-        emit(one)
 
 
 def emit_json(document: object) -> None:

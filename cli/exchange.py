@@ -1,4 +1,4 @@
-"""`brake-cal tables export`, `compare` and `merge`: tables leave a store, come back, are averaged."""
+"""`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -45,12 +45,8 @@ def export(
     points: Annotated[
         int | None, option("Breakpoints on each axis, least error; else all rows.", "N")
     ],
-    bits: Annotated[
-        int | None, option("8, 16 or 32; for c-header, a2l.", "BITS", "--fixed-point")
-    ],
-    elf: Annotated[
-        Path | None, option("Linked program (ELF), for addresses of an a2l.", "FILE")
-    ],
+    bits: Annotated[int | None, option("8, 16 or 32; for c-header, a2l.", "BITS", "--fixed-point")],
+    elf: Annotated[Path | None, option("Linked program (ELF), for addresses of an a2l.", "FILE")],
     validation: Annotated[
         Path | None, option("summary.json of `validate --out`, for the state.", "SUMMARY")
     ],
@@ -182,9 +178,7 @@ def _name(name: str) -> str:
     from calib.store.folders import NAME
 
     if not NAME.fullmatch(name) or ".." in name:
-        raise typer.BadParameter(
-            f"{name!r} cannot name a table; letters, digits and . _ - only"
-        )
+        raise typer.BadParameter(f"{name!r} cannot name a table; letters, digits and . _ - only")
     return name
 
 

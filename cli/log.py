@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-
 from cli.command import Answer, command
 from cli.console import Step, progress, say, this_run
 from cli.logs import named, read_whole
@@ -25,8 +24,8 @@ if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
     from calib.run.events import RunEvent
 
-    Seconds = float | None
-    From = Until = Seconds
+    From = float | None
+    Until = float | None
     Looked = tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]
 else:
     From, Until = (
@@ -61,9 +60,7 @@ def log(
     channel: Annotated[
         list[str], option("Show or draw only this column; may be repeated.", "NAME")
     ],
-    keep_names: Annotated[
-        bool, option("Leave names and values as they are, also those of a map.")
-    ],
+    keep_names: Annotated[bool, option("Leave names and values as they are, also those of a map.")],
     force: Annotated[bool, option("Replace a file that exists, whatever it holds.")],
     channel_map: Map,
 ) -> Answer:

@@ -42,9 +42,7 @@ def read_all(
     return found
 
 
-def read(
-    path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | None = None
-) -> "Log":
+def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | None = None) -> "Log":
     """Read a log, a file or that on stdin, and tell with -v what was read.
 
     Raises LogError as `calib.logs.read.read_log` does.

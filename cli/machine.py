@@ -107,9 +107,7 @@ def _terminal() -> "Iterator[Finding]":
 @command("brake-cal qualify --out qualification")
 def qualify(
     *,
-    out: Annotated[
-        Path, option(f"Write {DOCUMENT} and {REPORT} here.", "DIR", writes="folder")
-    ],
+    out: Annotated[Path, option(f"Write {DOCUMENT} and {REPORT} here.", "DIR", writes="folder")],
 ) -> Answer:
     """Try the program on this machine against known truths.
 

@@ -1,4 +1,4 @@
-"""`brake-cal batch`, `watch` and `fleet`: many logs by one command, and what they have in common."""
+"""`brake-cal batch`, `watch` and `fleet`: many logs, and what they have in common."""
 
 import json as json_module
 import signal
@@ -425,7 +425,9 @@ def _lines(found: "Summary") -> str:
     for failure in found.failures:
         others = f" (also {', '.join(failure.logs[1:])})" if failure.count > 1 else ""
         lines.append(f"{failure.count} x {failure.message}{others}")
-    lines += _first([f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies])
+    lines += _first(
+        [f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies]
+    )
     for look in found.looks:
         if look.drifts:
             name = plain(look.metric.name, look.metric.unit).name

@@ -42,10 +42,16 @@ def option(
     built_in : its value where nothing else gives one.
     more : for typer.
     """
-    made = typer.Option(*flags, metavar=metavar, help=text, **_completed(known), **more)
-    made.__dict__.update(
-        make=_one_of(known, make), always=always, writes=writes, built_in=built_in
-    )
+    typed: Any = typer.Option  # to typer the first flag is a default, as in all its examples
+    made = typed(*flags, **_given(text, metavar, known), **more)
+    extra = {
+        "flags": flags,
+        "make": _one_of(known, make),
+        "always": always,
+        "writes": writes,
+        "built_in": built_in,
+    }
+    made.__dict__.update(extra)
     return made
 
 
@@ -57,9 +63,14 @@ def argument(
     **more: Any,
 ) -> Any:
     """An argument; see `option`."""
-    made = typer.Argument(metavar=metavar, help=text, **_completed(known), **more)
+    made = typer.Argument(**_given(text, metavar, known), **more)
     made.__dict__.update(make=_one_of(known, make), always=False)
     return made
+
+
+def _given(text: str, metavar: str | None, known: str) -> dict[str, Any]:
+    completed = {"autocompletion": lambda incomplete: _known(known)} if known else {}
+    return {"help": text, "metavar": metavar, **completed}
 
 
 def require_known(written: str, known: Collection[str], what: str = "") -> None:
@@ -76,10 +87,6 @@ def _known(place: str) -> list[str]:
     module, _, name = place.partition(":")
     found = getattr(import_module(module), name)
     return [str(one) for one in (found() if callable(found) and name.islower() else found)]
-
-
-def _completed(known: str) -> dict[str, Any]:
-    return {"autocompletion": lambda incomplete: _known(known)} if known else {}
 
 
 def _one_of(place: str, make: Callable[[Any], Any] | None) -> Callable[[Any], Any] | None:

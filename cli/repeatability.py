@@ -14,6 +14,7 @@ from cli.outputs import check_folder, write_folder
 from cli.project import from_settings
 
 if TYPE_CHECKING:
+    from calib.car.vehicle import Vehicle
     from calib.line.gauge.plan import Place
     from calib.line.gauge.study import GaugeReading, GaugeResult, GaugeStudy
     from calib.table.table import LogReference
@@ -137,7 +138,7 @@ def _readings(
         raise typer.BadParameter(
             "needed: not every log has one in the plan", param_hint="--vehicle"
         )
-    cars = {file: read_vehicle(file) for file in files if file is not None}
+    cars: dict[Path | None, Vehicle] = {f: read_vehicle(f) for f in files if f is not None}
     readings: list[GaugeReading] = []
     parents: list[LogReference] = []
     with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
@@ -163,10 +164,9 @@ def _document(found: "GaugeStudy") -> dict[str, object]:
         "reference_eta_rise": found.reference,
         "notes": found.notes,
         "ramps": [
-            {"log": r.log, "car": r.car, "station": r.station, "figures": r.metrics,
-             "digest": r.digest}
+            {k: getattr(r, k) for k in ("log", "car", "station", "digest")} | {"figures": r.metrics}
             for r in found.readings
-        ],  # fmt: skip
+        ],
         "quantities": {result.name: _entry(result) for result in found.results},
     }
 

@@ -1,4 +1,4 @@
-"""`brake-cal tables sign`: a person signs a version of a table, with a key that may be made first."""
+"""`brake-cal tables sign`: a person signs a version of a table, or makes the keys for it."""
 
 import sys
 from getpass import getpass
@@ -100,7 +100,7 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
 
 
 def _typed(prompt: str) -> str:
-    """A password from the terminal, without echo, or one line of stdin where that is no terminal."""
+    """A password from the terminal, without echo, or else one line of stdin."""
     if sys.stdin.isatty():
         try:
             return getpass(prompt)

@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from calib.logs.log import Log
 
     MapOfLog = ChannelMap | None
-    Quantity = float | None
-    Speed = Pressure = Deceleration = Duration = Quantity
+    Speed = float | None
+    Pressure = float | None
+    Deceleration = float | None
+    Duration = float | None
 else:
     MapOfLog = Annotated[
         Path | None,

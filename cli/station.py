@@ -1,4 +1,4 @@
-"""`brake-cal station` and `limits`: one car, from its logs to a verdict and the files of the line."""
+"""`brake-cal station` and `limits`: one car, from its logs to a verdict."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -34,6 +34,8 @@ from cli.signed import check_signed, key_of
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
     from calib.line.station.identity import Identity
+    from calib.line.station.station import StationOutcome
+    from calib.show.facts import Facts
     from calib.store.version import Stored
 
     CarLimits = tuple[Limit, ...]
@@ -128,7 +130,6 @@ def station(
     from calib.line.station.station import outcome, table_of, validated
     from calib.run.gates import refuse_copies
     from calib.show.station_files import store_and_write
-    from calib.show.station_page import facts
 
     ramps = [ramp, *more]
     identity = Identity(serial, vin, name, rxswin)
@@ -174,7 +175,39 @@ def station(
     say(f"wrote {len(paths)} files to {out}")
     _tell_addresses(stored, export)
     tell_kin(store, stored)
-    return Answer(document, facts(found, stored), FAILED * (not found.passed))
+    return Answer(document, _facts(found, stored, export), FAILED * (not found.passed))
+
+
+def _facts(found: "StationOutcome", stored: "Stored", forms: list[str]) -> "Facts":
+    from calib.line.station.advice import action
+    from calib.line.station.words import HEADINGS, bounds, sentence, summary, value_of
+    from calib.show.facts import Facts
+    from calib.show.facts import Table as Cells
+    from calib.store.state import DRAFT
+
+    notes = [
+        f"{check.verdict}: {sentence(check)}. {action(check.figure)}"
+        for check in found.with_verdict("failed") + found.with_verdict("warning")
+    ]
+    notes.append(f"{stored.id} is {stored.state.why}")
+    if forms and not stored.state.released:
+        notes.append("no exports: only a released table may reach an ECU")
+    if found.passed and not stored.state.usable:
+        notes.append("a person decides: `brake-cal tables release` with this station.json")
+    if stored.state.word == DRAFT:
+        notes.append("release it with --accept-warnings REASON, or with `brake-cal tables release`")
+    rows = []
+    for check in found.checks:
+        j = check.judgement
+        warn, fail = bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
+        rows.append((check.scope, check.figure, value_of(check), warn, fail, check.verdict))
+    return Facts(
+        headline=f"{HEADINGS[found.verdict]}: {stored.id}, {summary(found)}",
+        rows=[("mass", str(found.results[0].mass))],
+        tables=[Cells(("scope", "figure", "value", "no warning", "limit", "verdict"), rows)],
+        notes=notes,
+        warnings=found.warnings,
+    )
 
 
 def _golden(store: Tables, reference: str) -> "Stored":

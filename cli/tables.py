@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-
 from cli.command import DAMAGED, Answer, add, command, group
 from cli.console import say
 from cli.exchange import compare, export, merge
@@ -29,15 +28,11 @@ def list_(
     *,
     state: Annotated[
         str | None,
-        option(
-            "draft, released, rejected or withdrawn.", "S", known="calib.store.minisign:STATES"
-        ),
+        option("draft, released, rejected or withdrawn.", "S", known="calib.store.minisign:STATES"),
     ],
     serial: Annotated[str | None, option("Serial number.", "S")],
     vin: Annotated[str | None, option("Vehicle identification.", "V")],
-    since: Annotated[
-        str | None, option("Stored on this day or later.", "YYYY-MM-DD", make=day)
-    ],
+    since: Annotated[str | None, option("Stored on this day or later.", "YYYY-MM-DD", make=day)],
     store: Tables,
 ) -> Answer:
     """List every version of every table, or those of a car."""

@@ -116,8 +116,8 @@ def check(files: Annotated[list[Path], argument("vehicle files to check", "FILE.
             continue
         warnings, open_ = plausible(car), to_confirm(car)
         warn(warnings)
-        found.append({"source": path, "vehicle": car.name, "plausible": not warnings,
-                      "warnings": [to_dict(one) for one in warnings], "to_confirm": open_})  # fmt: skip
+        told = {"warnings": [to_dict(one) for one in warnings], "to_confirm": open_}
+        found.append({"source": path, "vehicle": car.name, "plausible": not warnings, **told})
         verdict = "plausible, if you can confirm this" if open_ else "plausible"
         if warnings:
             verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"

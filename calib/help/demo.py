@@ -16,12 +16,12 @@ import numpy as np
 from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
+from calib.diagnosis.written.headline import headline
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import truth_of
 from calib.estimation.results import write_results
 from calib.estimation.validate import Agreement, Validation, agreement, to_dict, validate
 from calib.fitting.fit import fit
-from calib.diagnosis.written.headline import headline
 from calib.help.samples import sample_logs
 from calib.logs.log import Log
 from calib.logs.read import read_log

@@ -61,9 +61,7 @@ def facts(found: GaugeStudy) -> Facts:
             notes.append(f"{result.name}: not judged, repeats do not scatter")
         elif result.gauge.negative:
             names = ", ".join(result.gauge.negative)
-            notes.append(
-                f"{result.name}: variances that came out negative count as zero: {names}"
-            )
+            notes.append(f"{result.name}: variances that came out negative count as zero: {names}")
     rows = [(result.name, *_cells(result), result.verdict) for result in found.results]
     return Facts(
         headline=conclusion(found), tables=[Cells(heads, rows)], notes=[*notes, *found.notes]
@@ -75,7 +73,8 @@ def _cells(result: GaugeResult) -> tuple[str, ...]:
         return ("none",) * 7
     g = result.gauge
     sds = [
-        f"{g.components[name].sd:.3g}" if name in g.components else "none" for name in CAUSES.values()
+        f"{g.components[name].sd:.3g}" if name in g.components else "none"
+        for name in CAUSES.values()
     ]
     tolerance = "none" if g.tolerance is None else f"{100.0 * g.tolerance:.1f}"
     if not g.cars_differ:

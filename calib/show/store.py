@@ -146,7 +146,11 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
         notes=[
             *(f"{curve} has no common axis" for curve in found.apart),
             *([f"also different: {', '.join(rest)}; --json prints them"] if rest else []),
-            *(f"{stored.id}: {cell}" for stored in (first, second) for cell in stored.table.by_hand),
+            *(
+                f"{stored.id}: {cell}"
+                for stored in (first, second)
+                for cell in stored.table.by_hand
+            ),
             *map(_beyond, found.beyond),
         ],
     )

@@ -71,6 +71,7 @@ REWORDED: dict[str, str] = {"nought below": "zero below"}
 it: what was renamed may be named in a value, too, in a sentence or in a C header."""
 
 KEYS_LEFT_OUT = {
+    "arguments": "commands were renamed",
     "seconds": "a duration",
     "logs_per_second": "a duration",
     "program": "the version of the code",
@@ -125,9 +126,8 @@ FORMATS = {
 }
 COMMANDS = (
     *("check", "fit", "validate", "station", "plot", "simulate", "diagnose", "effects"),
-    *("repeatability", "batch", "watch", "demo", "map", "map suggest", "tables", "tables list"),
-    *("tables show", "tables diff", "tables verify", "tables export", "tables import"),
-    *("fleet", "fleet report", "limits", "limits init"),
+    *("repeatability", "batch", "watch", "demo", "map", "tables", "tables list", "fleet", "limits"),
+    *("tables show", "tables diff", "tables verify", "tables export", "tables compare"),
 )
 CRASH = b"Traceback"
 MANOEUVRES = ("ramp", "step", "wave", "staircase", "coast", "stop")
@@ -356,7 +356,7 @@ def exports() -> Chain:
             for car in ("sedan-2up", "escort")
         ),
         *(
-            f"import/{folder}_{form}: tables import export/{folder}/{form}/{FORMATS[form]} "
+            f"import/{folder}_{form}: tables compare export/{folder}/{form}/{FORMATS[form]} "
             f"--store {TABLES} {how}"
             for form in ("dcm", "cdfx")
             for folder, how in words
@@ -373,8 +373,8 @@ def stations(logs: Samples) -> Chain:
     out = "--store {here}/store --out {here}/out"
     other = f"--vehicle {LOGS}/third_party/vehicle.toml"
     return [
-        "limits/file: limits init --out {here}/line.toml --json",
-        "limits/words: limits init",
+        "limits/file: limits --out {here}/line.toml --json",
+        "limits/words: limits",
         f"station/passed: station {one} {dry} --coast {coast} {car} {told} {out} --json",
         f"station/failed: station {one} {dry} {wet} --ramp {two} --coast {coast} {car} {told} "
         f"--limits limits/file/line.toml {out} --json",
@@ -440,12 +440,9 @@ def batches(logs: Samples) -> Chain:
             f"batch/{name}: batch {words} --workers 2 --out {{here}}/out --json"
             for name, words in jobs.items()
         ),
-        *(
-            f"fleet/{name}: fleet report {results[name]} --out {{here}}/out --json"
-            for name in reported
-        ),
-        f"fleet/ordered: fleet report {results['check']} {ordered} --json",
-        f"fleet/words: fleet report {results['check']}",
+        *(f"fleet/{name}: fleet {results[name]} --out {{here}}/out --json" for name in reported),
+        f"fleet/ordered: fleet {results['check']} {ordered} --json",
+        f"fleet/words: fleet {results['check']}",
     ]
 
 
@@ -494,13 +491,13 @@ def maps(logs: Samples) -> Chain:
         calls += [
             f"check/{name}: check {log} --json",
             f"check/{name}_map: check {log} --map {written} --json",
-            f"map/{name}: map suggest {log} --out {{here}}/map.toml --json",
-            f"map/{name}_told: map suggest {log} --take p_mc= --radius 0.31 --json",
-            f"map/{name}_words: map suggest {log} --map {written}",
+            f"map/{name}: map {log} --out {{here}}/map.toml --json",
+            f"map/{name}_told: map {log} --take p_mc= --radius 0.31 --json",
+            f"map/{name}_words: map {log} --map {written}",
             f"check/{name}_suggested: check {log} --map map/{name}/map.toml --json",
         ]
     others = logs("sedan/*.csv", "simulation_study/*.parquet", "third_party/cal*")
-    return [*calls, *(f"map/{Path(log).stem}: map suggest {log} --json" for log in others)]
+    return [*calls, *(f"map/{Path(log).stem}: map {log} --json" for log in others)]
 
 
 def refused(logs: Samples) -> Chain:

@@ -1,4 +1,4 @@
-"""The documented limits file that `brake-cal limits init` writes, ready to be edited."""
+"""The documented limits file that `brake-cal limits` writes, ready to be edited."""
 
 from math import inf
 from typing import TYPE_CHECKING
