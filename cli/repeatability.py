@@ -74,8 +74,7 @@ def repeatability(
     up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
     is then given of that too.
     """
-    from calib.line.gauge.limits_file import read_gauge_limits
-    from calib.line.gauge.study import METRICS, study
+    from calib.line.gauge.study import METRICS, read_gauge_limits, study
     from calib.show.repeatability import facts, sheet
     from calib.show.sheet import render
 

@@ -6,10 +6,8 @@ bars     |  [==]--|    standard deviation of each cause over the total, 95 % int
 
 import numpy as np
 
-from calib.line.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION
-from calib.line.gauge.gauge_rr import GAUGE, TOTAL
-from calib.line.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy, GaugeVerdict
-from calib.line.gauge.words import conclusion
+from calib.line.gauge.gauge_rr import CAR, GAUGE, INTERACTION, REPEATABILITY, STATION, TOTAL
+from calib.line.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy, GaugeVerdict, conclusion
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
 from calib.show.sheet import Panel, Sheet
