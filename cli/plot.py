@@ -109,9 +109,12 @@ def _read(what: list[str], store: Tables, vehicle: OtherPads, channel_map: Map) 
             "only with a TABLE and a LOG, or with a RESULT", param_hint="--vehicle"
         )
     named(logs)
+    tables = tuple(store.load(name) for name in names)
+    for one in tables:
+        say(f"{one.id} is {one.state.words}")
     needed = REQUIRED if names else ()  # a log alone is drawn with the channels that it has
     return PlotInput(
-        tables=tuple(store.load(name) for name in names),
+        tables=tables,
         logs=tuple(read(path, channel_map, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
         vehicle=vehicle,
