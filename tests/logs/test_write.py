@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -51,12 +50,6 @@ def test_csv_is_the_same_to_the_printed_decimals(tmp_path):
         step *= 1e5 if CHANNELS.get(name) and CHANNELS[name].unit == "bar" else 1.0
         found = {**back.channels, **back.truth}[name]
         np.testing.assert_allclose(found, values, rtol=0, atol=0.5001 * step)
-
-
-def test_csv_written_twice_does_not_change(tmp_path):
-    write_csv(LOG, tmp_path / "a.csv")
-    write_csv(read_log(tmp_path / "a.csv"), tmp_path / "b.csv")
-    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
 values = arrays(float, ROWS, elements=st.floats(-1e7, 1e7))
@@ -169,14 +162,6 @@ def test_another_reader_sees_values_and_units_of_mdf(tmp_path):
             assert signal.unit == column.unit
             np.testing.assert_array_equal(signal.samples, column.values)
             np.testing.assert_array_equal(signal.timestamps, whole.time)
-
-
-def test_another_reader_sees_values_and_units_of_parquet(tmp_path):
-    whole = read_whole(Path(ramp().source))
-    write_log(whole, tmp_path / "run.parquet")
-    table = pq.read_table(tmp_path / "run.parquet")
-    assert table.schema.field("p_mc").metadata[b"unit"] == b"bar"
-    np.testing.assert_array_equal(table["p_mc"].to_numpy(), whole.columns[1].values)
 
 
 def test_mdf_needs_a_clock(tmp_path):
