@@ -27,10 +27,9 @@ from calib.car.vehicle_file import read_vehicle  # noqa: E402
 from calib.estimation import adaptive, estimator  # noqa: E402
 from calib.estimation.limits import DEFAULTS  # noqa: E402
 from calib.fitting.fit import fit  # noqa: E402
-from calib.line.fleet.job import Job  # noqa: E402
-from calib.line.fleet.pool import Pool  # noqa: E402
-from calib.line.fleet.run import run_batch  # noqa: E402
-from calib.line.fleet.work import WorkItem, run_items  # noqa: E402
+from calib.line.fleet.batch import run_batch  # noqa: E402
+from calib.line.fleet.work import Job, WorkItem, run_items  # noqa: E402
+from calib.line.fleet.workers import Pool  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.logs.write import write_csv  # noqa: E402
 from calib.model.manoeuvre import ramp  # noqa: E402
