@@ -216,19 +216,18 @@ def _with_time(require: tuple[str, ...]) -> tuple[str, ...]:
 def _checked(log: Log, require: tuple[str, ...]) -> Log:
     """The log with the channels that are whole, its truth apart. Raises LogError as `read_log`."""
     refuse_absurd(log.channels, log.source)
-    possible = without_impossible(log.channels, log.source)
-    cut, cut_notes = without_open_ends(possible.channels)
+    possible, marked, more = without_impossible(log.channels, log.source)
+    cut, cut_notes = without_open_ends(possible)
     values, notes = complete_channels(cut, _with_time(require), log.source)
     check_clock(values["time"], log.source)
-    bridged = (*log.bridged, *possible.bridged)
     return replace(
         log,
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         notes=log.notes + cut_notes + notes,
         origins=tuple(o for o in log.origins if o.channel in values),
-        bridged=tuple(gap for gap in bridged if gap.channel in values),
-        marked=possible.marked,
+        bridged=tuple(gap for gap in (*log.bridged, *more) if gap.channel in values),
+        marked=marked,
     )
 
 
