@@ -157,7 +157,8 @@ def as_source(
     """All channels of a recording on one clock, like a table; closes the recording.
 
     The clock is that of the columns that are ``taken`` as channels, by index; of all columns if
-    there are none. Reading a column that the recording refuses raises its LogError.
+    there are none. To be looked at, and not proposed from, counts are held where ``taken`` is
+    given. Reading a column that the recording refuses raises its LogError.
     """
     traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
     try:
@@ -168,11 +169,12 @@ def as_source(
                 refused[index] = error
     finally:
         opened.close()
+    held = {i for i, trace in traces.items() if taken is not None and _counts(opened, i, trace)}
     taken = taken or {}
     wanted = {
         i: taken[i].wanted(trace)
         if i in taken
-        else Wanted(opened.columns[i].full_name, trace, trace.state or _counts(opened, i, trace))
+        else Wanted(opened.columns[i].full_name, trace, trace.state or i in held)
         for i, trace in traces.items()
     }
     clocked = [i for i in wanted if i in taken] or list(wanted)

@@ -55,6 +55,7 @@ def test_csv_is_the_same_to_the_printed_decimals(tmp_path):
 values = arrays(float, ROWS, elements=st.floats(-1e7, 1e7))
 
 
+@settings(max_examples=30)
 @given(pressure=values, speed=values, torque=values)
 def test_parquet_is_the_same(tmp_path_factory, pressure, speed, torque):
     """Values that a car can have: others are marked when they are read."""
@@ -116,7 +117,7 @@ def bits(values):
 
 
 @pytest.mark.parametrize("ending", [".csv", ".parquet"])
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(log=logs())
 def test_a_table_is_read_back_to_the_last_bit(tmp_path_factory, ending, log):
     path = tmp_path_factory.mktemp("written") / f"run{ending}"
