@@ -57,9 +57,7 @@ def map_(
 
     from calib.logs.read import open_log
     from calib.show.facts import Facts
-    from calib.suggest.propose import suggest
-    from calib.suggest.tried import tried
-    from calib.suggest.written import to_lines, to_toml
+    from calib.suggest.propose import suggest, to_lines, to_toml, tried
 
     told = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
     source = open_log(log, channel_map).source
