@@ -13,10 +13,9 @@ from calib.base.intervals import Z95
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnose import Diagnosis
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
-from calib.diagnosis.written.headline import outcome
-from calib.diagnosis.written.printed import in_shown, unit_shown
-from calib.diagnosis.written.words import plain
 from calib.logs.log import Log
+from calib.show.diagnosis import heading
+from calib.show.numbers import in_shown, spaced, unit_shown
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BODY,
@@ -114,20 +113,6 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         panels=tuple(panels),
         rows=tuple(rows),
     )
-
-
-def heading(found: Diagnosis) -> str:
-    """The verdict in a few words."""
-    if found.verdict == "no_gap":
-        return "no gap"
-    names = " and ".join(plain(effect.name) for effect in found.effects)
-    if found.unexplained is not None:
-        if names:
-            return f"{names}, and something else"
-        return f"unknown, {plain(found.unexplained.term.place)}"
-    if outcome(found) == "worse":
-        return f"{names}, and the hold-outs are no better"
-    return f"{names} (ambiguous)" if found.verdict == "ambiguous" else names or found.verdict
 
 
 def replays_of(found: Diagnosis) -> list[Replay]:
@@ -267,26 +252,26 @@ def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
     if found.unexplained is not None and not found.effects:
         for place, driver, share in reversed(found.unexplained.runners_up):
             left = before - share * (before - 1.0)
-            rows.append((f"{plain(place)} over {driver}", left, BODY))
+            rows.append((f"{spaced(place)} over {driver}", left, BODY))
         term = found.unexplained.term
-        rows.append((f"{plain(term.place)} over {term.driver}, added", after, AFTER))
+        rows.append((f"{spaced(term.place)} over {term.driver}, added", after, AFTER))
         return rows
     seconds = {e.runner_up[0]: e.runner_up[1] for e in found.effects if e.runner_up is not None}
     for name, gained in sorted(seconds.items(), key=lambda item: item[1]):
-        rows.append((f"{plain(name)}, runner-up", before - gained, BODY))
+        rows.append((f"{spaced(name)}, runner-up", before - gained, BODY))
     if found.effects:
-        names = " + ".join(plain(effect.name) for effect in found.effects)
+        names = " + ".join(spaced(effect.name) for effect in found.effects)
         rows.append((f"{names}, added", after, AFTER))
         if found.unexplained is not None:
             term, share = found.unexplained.term, found.unexplained.explained
             left = after - share * (after - 1.0)
-            rows.append((f"{plain(term.place)} over {term.driver}, not added", left, BODY))
+            rows.append((f"{spaced(term.place)} over {term.driver}, not added", left, BODY))
     return rows
 
 
 def _term_panel(found: UnexplainedTerm) -> Panel:
     term = found.term
-    title = f"Empirical term on the {plain(term.place)} over {term.driver}"
+    title = f"Empirical term on the {spaced(term.place)} over {term.driver}"
     return Panel("term", title, empirical, (found,))
 
 

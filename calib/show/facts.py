@@ -20,6 +20,7 @@ Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
 """Verdicts, which set the colour of a page's head, of a section or of a row; "" for none."""
+WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 
 
 @dataclass(frozen=True)

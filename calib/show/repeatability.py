@@ -7,8 +7,9 @@ bars     |  [==]--|    standard deviation of each cause over the total, 95 % int
 import numpy as np
 
 from calib.line.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION
-from calib.line.gauge.gauge_rr import GAUGE, TOTAL
-from calib.line.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy, GaugeVerdict
+from calib.line.gauge.gauge_rr import GAUGE, REPRODUCIBILITY, TOTAL
+from calib.line.gauge.study import GOOD_GRR, REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
+from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes
 
@@ -47,6 +48,49 @@ HEAT = {
 """Colours of the verdicts; each cell says its verdict in words too."""
 
 
+def facts(found: GaugeStudy) -> Facts:
+    """A gauge study: the verdict, and each metric with its causes of scatter."""
+    judged = [one for one in found.results if one.verdict != GaugeVerdict.NOT_JUDGED]
+    held = sum(one.verdict not in REFUSED for one in judged)
+    told = [f"{held} of {len(judged)} metrics within the limits"]
+    for verdict in REFUSED:
+        bad = [one.name for one in judged if one.verdict == verdict]
+        told += [f"{verdict}: {', '.join(bad)}"] if bad else []
+    if not judged:
+        told = ["none of the metrics could be judged: their repeats do not scatter"]
+    heads = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc", "of tolerance")
+    rows = [(one.name, *_cells(one), one.verdict) for one in found.results]
+    caption = "Repeatability, reproducibility and cars: standard deviations [1]."
+    negative = [
+        f"{one.name}: variances that came out negative count as zero: {', '.join(names)}"
+        for one in found.results
+        if one.gauge and (names := one.gauge.negative)
+    ]
+    word = (PASSED if found.passed else FAILED) if judged else UNJUDGED
+    return Facts(
+        "Gauge study",
+        headline="; ".join(told),
+        verdict=word,
+        word=WORDS.get(word, "Not judged"),
+        tables=[Table(("metric", *heads, "verdict"), rows, caption)],
+        notes=[*negative, *found.notes],
+    )
+
+
+def _cells(result: GaugeResult) -> tuple[str, ...]:
+    g = result.gauge
+    if g is None:
+        return ("-",) * 7
+    names = (REPEATABILITY, REPRODUCIBILITY, CAR)
+    sds = [f"{g.components[name].sd:.3g}" if name in g.components else "-" for name in names]
+    of_tolerance = "-" if g.tolerance is None else f"{100.0 * g.tolerance:.1f}"
+    if not g.cars_differ:
+        return *sds, "-", "-", "-", of_tolerance
+    low, high = (100.0 * end for end in g.grr95)
+    share = (f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories))
+    return *sds, *share, of_tolerance
+
+
 def sheet(found: GaugeStudy) -> Sheet:
     """Return the sheet of a gauge study: two panels for every metric."""
     pairs = [_panels(found, result) for result in found.results]
@@ -78,8 +122,7 @@ def _result(found: GaugeStudy) -> str:
     """Passed, or the metrics for which it failed."""
     if found.passed:
         return "Passed"
-    bad = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
-    return f"Failed: {', '.join(title_of(r) for r in found.results if r.verdict in bad)}"
+    return f"Failed: {', '.join(title_of(r) for r in found.results if r.verdict in REFUSED)}"
 
 
 def _panels(found: GaugeStudy, result: GaugeResult) -> tuple[Panel, Panel]:

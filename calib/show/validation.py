@@ -20,7 +20,7 @@ from calib.estimation.validate import (
     all_warnings,
 )
 from calib.estimation.warnings import pads_apart
-from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
+from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Row, Table
 from calib.show.judged import judged
 from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
@@ -35,7 +35,6 @@ from calib.table.budget import advice_lines
 Change = tuple[float, float]
 """Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
 
-WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 BY_STOP = (
     "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
 )

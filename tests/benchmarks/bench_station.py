@@ -32,7 +32,7 @@ import matplotlib.figure, matplotlib.backends.backend_svg
 mark("imports: matplotlib")
 import cli.main
 from calib.logs.read import read_log
-from calib.line.station.advice import LIMITS
+from calib.line.station.limits_file import LIMITS
 from calib.line.station.metrics import Car
 from calib.base.publish import workshop
 from calib.line.station.folder import publish_run

@@ -24,8 +24,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from calib.base.errors import BrakeCalError
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, PASSED, WARNING
-from calib.line.station.advice import ADVICE
 from calib.line.station.identity import Identity
+from calib.line.station.limits_file import ADVICE
 from calib.line.station.metrics import Car
 from calib.line.station.station import outcome, table_of, validated
 from calib.logs.log import Log
