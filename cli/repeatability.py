@@ -80,8 +80,7 @@ def repeatability(
     up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
     is then given of that too.
     """
-    from calib.line.gauge.limits_file import read_gauge_limits
-    from calib.line.gauge.study import METRICS, study
+    from calib.line.gauge.study import METRICS, read_gauge_limits, study
 
     _check_names(quantity or [], list(METRICS))
     ready_folder(out, (DOCUMENT, PICTURE))

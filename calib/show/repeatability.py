@@ -6,8 +6,15 @@ bars     |  [==]--|    standard deviation of each cause over the total, 95 % int
 
 import numpy as np
 
-from calib.line.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION
-from calib.line.gauge.gauge_rr import GAUGE, REPRODUCIBILITY, TOTAL
+from calib.line.gauge.gauge_rr import (
+    CAR,
+    GAUGE,
+    INTERACTION,
+    REPEATABILITY,
+    REPRODUCIBILITY,
+    STATION,
+    TOTAL,
+)
 from calib.line.gauge.study import GOOD_GRR, REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.sheet import Panel, Sheet

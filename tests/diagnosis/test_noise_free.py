@@ -53,6 +53,7 @@ def test_the_noise_that_was_assumed_is_told(ideal):
     assert ideal.gap.by_channel["v"].noise >= 0.003
 
 
+@pytest.mark.slow
 def test_three_effects_of_a_real_car_are_named_with_intervals_that_hold_them():
     found = diagnose(CAR, *logs(REAL))
     told = {name: p.ci95 for effect in found.effects for name, p in effect.parameters.items()}

@@ -89,7 +89,10 @@ def grounds(case, name):
     return {log: g[name] for log, g in zip(logs, case.answer["variety"]["grounds"], strict=True)}
 
 
-@pytest.mark.parametrize(("seed", "named", "driven"), [(2, GRADE, "grade"), (0, ZERO, "bias")])
+@pytest.mark.parametrize(
+    ("seed", "named", "driven"),
+    [(2, GRADE, "grade"), pytest.param(0, ZERO, "bias", marks=pytest.mark.slow)],
+)
 def test_an_effect_is_named_beside_offsets_of_the_logs(seed, named, driven):
     """On the independent plant, whose braking has a cause of its own."""
     case = draw("offsets", seed, names=("pad_pressure_dependence",), severity=1)

@@ -50,6 +50,7 @@ def test_the_most_likely_pads_are_those_of_the_normal_equations(seed):
     assert_allclose(found.logarithms - at.logarithms, [*d, 0.0], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_effect_is_named_beside_pads_of_each_log():
     """On the independent plant, every run of which has pads and tyres of its own."""
     case = draw("unlike", 3, names=("pad_speed_dependence",), severity=1)
