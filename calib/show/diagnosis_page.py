@@ -52,7 +52,7 @@ def report(found: Diagnosis, title: str) -> Facts:
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
         *([_unexplained(found.unexplained, sheet)] if found.unexplained else []),
-        _search(found, sheet),
+        _search(found),
         Facts(
             "Logs with other pads or on another road",
             tables=[Table(("logs", "pads and road"), groups, STATE)],
@@ -70,7 +70,7 @@ def report(found: Diagnosis, title: str) -> Facts:
     return replace(told, pictures=[Picture(speed, sheet, ("speed",))], parts=parts)
 
 
-def _search(found: Diagnosis, sheet: Sheet) -> Facts:
+def _search(found: Diagnosis) -> Facts:
     """What each step added, what that brought, and what it left."""
     first = found.steps[0]
     rows = [("nothing", f"{first.innovation:.3f}", "", f"{first.left:.2f}", "")]
@@ -82,13 +82,37 @@ def _search(found: Diagnosis, sheet: Sheet) -> Facts:
         rows.append((name, f"{now.innovation:.3f}", gain, f"{now.left:.2f}", fall))
     heads = ("added", "unexplained error", "change", "left in replays", "change")
     caption = f"The search: {ERROR}, and lasting errors of the replays over the noise."
-    tried = [f"{label} leaves {left:.2f}" for label, left, _ in figures.explanations(found)]
+    leaves = [(name, f"{left:.2f}") for name, left in explanations(found)]
     return Facts(
         "Effects that were tried",
         headline="Every effect of the catalogue, with pads and tyres fitted again each time.",
-        tables=[Table(heads, rows if len(rows) > 1 else (), caption)],
-        pictures=[Picture(f"{ERROR.capitalize()}: {'; '.join(tried)}.", sheet, ("evidence",))],
+        tables=[
+            Table(("explanation", "leaves"), leaves, f"{ERROR.capitalize()} of each explanation."),
+            Table(heads, rows if len(rows) > 1 else (), caption),
+        ],
     )
+
+
+def explanations(found: Diagnosis) -> list[tuple[str, float]]:
+    """The explanations and the unexplained error that each leaves, the worst first."""
+    before, after, left = found.reduced_before, found.reduced_after, found.unexplained
+    seconds = dict(effect.runner_up for effect in found.effects if effect.runner_up is not None)
+    rows = [("nothing added", before)]
+    if left is not None and not found.effects:
+        rows += [
+            (f"{spaced(place)} over {driver}", before - share * (before - 1.0))
+            for place, driver, share in reversed(left.runners_up)
+        ]
+        return [*rows, (f"{spaced(left.term.place)} over {left.term.driver}, added", after)]
+    ordered = sorted(seconds.items(), key=lambda item: item[1])
+    rows += [(f"{spaced(name)}, runner-up", before - gained) for name, gained in ordered]
+    if found.effects:
+        names = " + ".join(spaced(effect.name) for effect in found.effects)
+        rows.append((f"{names}, added", after))
+        if left is not None:
+            rest = f"{spaced(left.term.place)} over {left.term.driver}, not added"
+            rows.append((rest, after - left.explained * (after - 1.0)))
+    return rows
 
 
 def _confusion(found: Confusion) -> Facts:

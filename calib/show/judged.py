@@ -9,8 +9,9 @@ failed | warning |        passed        | warning | failed
 import math
 from collections.abc import Sequence
 
-from calib.base.plain import plain
+from calib.base.plain import counted, plain
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
+from calib.estimation.validate import CALIBRATION, Validation
 from calib.show.facts import Bar, Table
 
 ROOM = 0.3
@@ -40,6 +41,23 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
         bars.append(bar([j.value for j in group], fail, warn, f"{text}; limit {limits[0]}"))
     table = Table(HEADS, rows, caption, [row[4] for row in rows], bars)
     return table, [f"Not known and so not judged: {', '.join(unknown)}."] * bool(unknown)
+
+
+def word(r: Validation) -> str:
+    """The verdict on one log in a word or two."""
+    if r.role == CALIBRATION:
+        return "no hold-out"
+    count = len(r.all_warnings)
+    return f"{r.verdict}, {counted(count, 'warning')}" if count else r.verdict
+
+
+def broken(r: Validation) -> list[str]:
+    """Name and value of each metric that breaks its limit, and the limit."""
+    return [
+        f"{shown.name} ({j.figure}) is {shown.with_unit(j.value)}, {shown.bounds(j.low, j.high)}"
+        for j in r.judgements
+        if j.passed is False and (shown := plain(j.figure))
+    ]
 
 
 def _worst(group: Sequence[Judgement]) -> str:

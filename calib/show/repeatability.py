@@ -20,7 +20,6 @@ from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes
 
-SUMMARY, SMALLER = "summary", "%GRR of each metric: the smaller, the better the gauge"
 LABELS = {
     REPEATABILITY: "repeatability",
     STATION: "station",
@@ -45,14 +44,6 @@ TITLES = {
     "f2": "$f_2$",
 }
 """The metrics in words; another one has its own name."""
-HEAT = {
-    GaugeVerdict.GOOD: "#BFE3D6",
-    GaugeVerdict.MARGINAL: "#F3E3A9",
-    GaugeVerdict.BAD: "#F0B08C",
-    GaugeVerdict.ALIKE: "#D9D9D9",
-    GaugeVerdict.NOT_JUDGED: "#FFFFFF",
-}
-"""Colours of the verdicts; each cell says its verdict in words too."""
 
 
 def facts(found: GaugeStudy) -> Facts:
@@ -115,12 +106,9 @@ def sheet(found: GaugeStudy) -> Sheet:
         name="repeatability",
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
         note=". ".join(s[0].upper() + s[1:] for s in sentences) + ".",
-        panels=(
-            Panel(SUMMARY, SMALLER, heat, (found,)),
-            *(panel for pair in pairs for panel in pair),
-        ),
-        rows=((SUMMARY,) * 3, *((values.name, values.name, parts.name) for values, parts in pairs)),
-        heights=(0.62, *(0.8 for _ in pairs)),
+        panels=tuple(panel for pair in pairs for panel in pair),
+        rows=tuple((values.name, values.name, parts.name) for values, parts in pairs),
+        heights=(0.8,) * len(pairs),
         result=_result(found),
     )
 
@@ -216,55 +204,3 @@ def components(ax: Axes, result: GaugeResult) -> None:
 def title_of(result: GaugeResult) -> str:
     """The metric in words."""
     return TITLES.get(result.name, result.name.replace("_", " "))
-
-
-def heat(ax: Axes, found: GaugeStudy) -> None:
-    """One cell for each metric with %GRR and ndc; below it %GRR of its tolerance, where known."""
-    from matplotlib.patches import Rectangle
-
-    rows = {"of the cars": _of_cars}
-    if any(_tolerance(result) is not None for result in found.results):
-        rows["of the tolerance"] = _of_tolerance
-    for j, cell in enumerate(rows.values()):
-        for i, result in enumerate(found.results):
-            text, verdict = cell(result)
-            place = (i - 0.48, j - 0.46)
-            ax.add_patch(Rectangle(place, 0.96, 0.92, color=HEAT[verdict], linewidth=0.0))
-            ax.text(i, j, text, ha="center", va="center", fontsize=7.0)
-    ax.set_xlim(-0.5, len(found.results) - 0.5)
-    ax.set_ylim(len(rows) - 0.5, -0.5)
-    words = {GaugeVerdict.ALIKE: "no verdict"}
-    names = [f"{title_of(r)}\n{words.get(r.verdict, r.verdict)}" for r in found.results]
-    ax.set_xticks(range(len(found.results)), names)
-    ax.set_yticks(range(len(rows)), list(rows))
-    ax.tick_params(length=0)
-    ax.grid(visible=False)
-    ax.spines[:].set_visible(False)
-
-
-def _tolerance(result: GaugeResult) -> float | None:
-    return None if result.gauge is None else result.gauge.tolerance
-
-
-def _of_cars(result: GaugeResult) -> tuple[str, GaugeVerdict]:
-    gauge = result.gauge
-    if gauge is None:
-        return "repeats do\nnot scatter", GaugeVerdict.NOT_JUDGED
-    if not gauge.cars_differ:
-        return "the cars\ndo not differ", GaugeVerdict.ALIKE
-    text = f"{100.0 * gauge.grr:.0f} %\nndc {gauge.categories}"
-    return text, _colour(result, gauge.grr, ("grr", "ndc"))
-
-
-def _of_tolerance(result: GaugeResult) -> tuple[str, GaugeVerdict]:
-    share = _tolerance(result)
-    if share is None:
-        return "not known", GaugeVerdict.NOT_JUDGED
-    return f"{100.0 * share:.0f} %", _colour(result, share, ("grr_of_tolerance",))
-
-
-def _colour(result: GaugeResult, share: float, figures: tuple[str, ...]) -> GaugeVerdict:
-    """The verdict of one cell: by its own limits."""
-    if any(j.passed is False for j in result.judgements if j.figure in figures):
-        return GaugeVerdict.BAD
-    return GaugeVerdict.GOOD if share <= GOOD_GRR else GaugeVerdict.MARGINAL

@@ -23,7 +23,7 @@ def test_the_lines_meet_where_the_bias_turns():
     brakes, used = drawn.axes
     by_label = {line.get_label(): line for line in brakes.lines}
     at = by_label["front locks first up to 0.64 g"].get_xydata()[0]
-    ideal = by_label["ideal: both axles use the same friction"].get_xydata()
+    ideal = by_label["I curve: both axles use the same friction"].get_xydata()
     assert np.interp(at[0], *ideal.T) == pytest.approx(at[1], rel=1e-3)
     front, rear, _ = used.lines
     cross = np.argmin(np.abs(front.get_ydata() - rear.get_ydata())[20:]) + 20
@@ -62,9 +62,11 @@ def test_the_beta_line_meets_the_i_curve_where_the_front_bias_ends():
 def test_the_figure_shows_the_lines_and_p():
     ax = axes()
     distribution(ax, made_table())
-    assert {"I curve: equal friction", r"$\beta$, pads as identified", r"$\beta$, nominal pads"} < {
-        *labels(ax)
-    }
+    assert {
+        "I curve: both axles use the same friction",
+        r"$\beta$, pads as identified",
+        r"$\beta$, nominal pads",
+    } < {*labels(ax)}
     front, rear = line(ax, r"$\beta$, pads as identified")
     # made_table: pads 0.4 and 0.39
     slope = 0.39 * 11.34 * 124.0 / (0.40 * 28.84 * 130.9)
@@ -81,7 +83,7 @@ def test_a_car_that_is_front_biased_throughout_has_no_end_of_it():
     table = replace(made_table(), vehicle=replace(VEHICLE, front=front))
     ax = axes()
     distribution(ax, table)
-    assert not any("front-biased" in label for label in labels(ax))
+    assert not any("front locks" in label for label in labels(ax))
 
 
 def test_the_end_of_the_table_is_marked_on_the_identified_line():
