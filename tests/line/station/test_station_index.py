@@ -45,7 +45,7 @@ def test_failed_runs_stand_on_top_of_the_recent_ones(folder):
     told = facts(runs, "line")
     assert told.word == "car-0: Passed"  # the last car is the headline
     assert [row[0] for row in told.tables[0].rows] == [f"car-{i}" for i in (1, 3, 4, 5, 2, 0)]
-    assert told.tables[0].links[2] == ""  # a refused car has no report
+    assert told.tables[0].links[3] == ""  # a refused car has no report
 
 
 def test_only_a_new_run_is_read(folder, monkeypatch):
