@@ -9,7 +9,6 @@ from calib.diagnosis.explanation.offsets import GRADE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
 from calib.diagnosis.runs.sides import USUAL
-from calib.diagnosis.search.groups import LogGroup
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, percent, spaced, span, with_unit
 
@@ -51,6 +50,9 @@ DRIVERS = {
     SLIP: "the slip, as brake control does",
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
+STATE = "Logs with other pads or on another road: a state of a log, no effect of the car."
+OF_LOGS = "What each log has of its own; what all have in common is in it."
+UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
 
@@ -64,20 +66,18 @@ def facts(found: Diagnosis, title: str) -> Facts:
             ("gap after, times the noise", f"{gap.after:.1f}"),
             ("of the gap closed", f"{100.0 * gap.closed:.1f} %"),
         ]
+    named = {effect.name for effect in found.effects}
     rows = (
         ("In the file", _known(found)),
         ("Left over", something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
-        ("Own effects", _own_effects(found)),
-        ("Rolling radii", _radii(found)),
+        *(
+            ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
+            for name, one in found.model_after.effects.own.items()
+        ),
         ("Left and right", _sides(found)),
-        ("Other pads or road", "; ".join(map(_group, found.groups[1:]))),
-        ("Heat at the start", _start_heats(found)),
-        ("Of each log", _offsets(found)),
-        ("Pads of each log", _own_pads(found)),
         ("Noise", _noise(found)),
-        ("Not shown", _not_resolved(found)),
     )
     return Facts(
         title,
@@ -86,7 +86,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
         word=word,
         numbers=[*numbers, ("hold-out logs", str(len(found.measured)))],
         rows=[row for row in rows if row[1]],
-        notes=_drives(found),
+        tables=[_groups(found), _of_logs(found), _unseen(found)],
         warnings=found.warnings,
         parts=[_effect(effect, found) for effect in found.effects],
     )
@@ -290,27 +290,6 @@ def _known(found: Diagnosis) -> str:
     return "; ".join(told)
 
 
-def _own_effects(found: Diagnosis) -> str:
-    named = {effect.name for effect in found.effects}
-    return ", ".join(
-        f"{spaced(name)} of {one.file} ({'named' if name in named else 'not named'})"
-        for name, one in found.model_after.effects.own.items()
-    )
-
-
-def _radii(found: Diagnosis) -> str:
-    """By how much the rolling radii differ from those of the vehicle file; empty if not free."""
-    if (factor := found.base.get("rolling_radius")) is None:
-        return ""
-    off, low, high = (100.0 * (x - 1.0) for x in (factor.value, *factor.ci95))
-    car = found.model_after.vehicle
-    return (
-        f"differ from those of the vehicle file by {off:+.3f} % (95 % {low:+.3f} to {high:+.3f}), "
-        f"both axles alike: rolling_radius {1e3 * car.front.rolling_radius:.1f} mm in front, "
-        f"{1e3 * car.rear.rolling_radius:.1f} mm in the rear"
-    )
-
-
 def _sides(found: Diagnosis) -> str:
     """Where left and right wheel speeds were made even; empty where they nearly were."""
     told = [
@@ -335,46 +314,46 @@ def _sides(found: Diagnosis) -> str:
     return f"while nothing brakes, the wheels differ by {unlike}. They were made even: {why}"
 
 
-def _group(group: LogGroup) -> str:
-    """A group of logs, and by how much its pads and road differ from the reference."""
-    return f"{listed(group.logs)}: {factors_of(group)}"
+def _groups(found: Diagnosis) -> Table:
+    """By how much pads and road of each group of logs differ from those of the first."""
+    rows = []
+    for group in found.groups[1:]:
+        changes = asdict(group.ground).items()
+        told = ", ".join(f"{spaced(name)} {100.0 * (x - 1.0):+.0f} %" for name, x in changes)
+        rows.append((listed(group.logs), told))
+    return Table(("logs", "pads and road"), rows, STATE)
 
 
-def factors_of(group: LogGroup) -> str:
-    """By how much pads and road of a group differ from the reference, in per cent."""
-    changes = {spaced(name): 100.0 * (x - 1.0) for name, x in asdict(group.ground).items()}
-    return ", ".join(f"{name} {change:+.0f} %" for name, change in changes.items())
-
-
-def _start_heats(found: Diagnosis) -> str:
-    """How hot the discs of the logs were at first; empty where that was not asked."""
-    heats = found.start_heats or {}
-    told = ", ".join(f"{log} {front:.0f} and {rear:.0f}" for log, (front, rear) in heats.items())
-    return f"discs front and rear, of assumed heat capacity [degC]: {told}" if told else ""
-
-
-def _offsets(found: Diagnosis) -> str:
-    """The slope or the zero that each log has of its own; empty where they have none."""
-    if found.offsets is None:
-        return ""
-    slope = found.offsets.effect == GRADE
-    what = "a road slope, uphill positive [%]" if slope else "a zero of the accelerometer [m/s^2]"
-    values = found.offsets.values.items()
-    told = ", ".join(f"{log} {100.0 * x:+.1f}" if slope else f"{log} {x:+.2f}" for log, x in values)
-    return (
-        f"{what}: {told}. Before anything brakes, dv/dt and a_x differ by that. What all logs have "
-        "in common is in it."
-    )
-
-
-def _own_pads(found: Diagnosis) -> str:
-    """Pads and tyres that each log has of its own; empty where common ones serve."""
-    told = []
+def _of_logs(found: Diagnosis) -> Table:
+    """What each log has of its own: pads and tyres, heat of the discs, a slope or a zero of a_x."""
+    columns: dict[str, dict[str, str]] = {}
     for log, own in (found.own_pads or {}).items():
-        factors = (own.pad_friction_f, own.pad_friction_r, own.stiffness)
-        told.append(f"{log} {', '.join(f'{100.0 * (x - 1.0):+.1f}' for x in factors)}")
-    what = "front pads, rear pads and tyre stiffness against the mean [%]"
-    return f"{what}: {'; '.join(told)}" if told else ""
+        for name, x in asdict(own).items():
+            columns.setdefault(f"{spaced(name)} [%]", {})[log] = f"{100.0 * (x - 1.0):+.1f}"
+    for log, heats in (found.start_heats or {}).items():
+        for axle, heat in zip(AXLE_NAMES.values(), heats, strict=True):
+            columns.setdefault(f"{axle} discs at first [degC]", {})[log] = f"{heat:.0f}"
+    if found.offsets is not None:
+        slope = found.offsets.effect == GRADE
+        head = "slope, uphill [%]" if slope else "zero of a_x [m/s^2]"
+        factor, digits = (100.0, 1) if slope else (1.0, 2)
+        values = found.offsets.values.items()
+        columns[head] = {log: f"{factor * x:+.{digits}f}" for log, x in values}
+    logs = dict.fromkeys(log for column in columns.values() for log in column)
+    rows = [(log, *(column.get(log, "") for column in columns.values())) for log in logs]
+    return Table(("log", *columns), rows, OF_LOGS)
+
+
+def _unseen(found: Diagnosis) -> Table:
+    """Effects that the logs could not show, and the drive that would."""
+    rows = []
+    for drive in found.drives:
+        strength = drive.card.parameters[0]
+        usual = f"{in_shown(drive.card.usual[strength.name], strength.unit):.3g}"
+        size = f"{spaced(strength.name)} {with_unit(usual, strength.unit)}"
+        there = drive.name if drive.clear else f"none, most of all {drive.name}"
+        rows.append((spaced(drive.effect), size, there, f"{drive.sigma:.0f} sigma"))
+    return Table(("effect", "usual size", "drive", "size there"), rows, UNSEEN)
 
 
 def _noise(found: Diagnosis) -> str:
@@ -386,21 +365,6 @@ def _noise(found: Diagnosis) -> str:
         channels = listed(found.noise.at_floor)
         told.append(f"that of {channels} is below what the model resolves, which was taken")
     return "; ".join(told)
-
-
-def _not_resolved(found: Diagnosis) -> str:
-    if not found.not_resolved:
-        return ""
-    return f"at their usual size: {listed(found.not_resolved)}. They may still be present."
-
-
-def _drives(found: Diagnosis) -> list[str]:
-    """The drives that would show what these logs could not have shown, each with its effects."""
-    by_drive: dict[str, list[str]] = {}
-    for drive in found.drives:
-        if drive.clear:
-            by_drive.setdefault(drive.name, []).append(drive.effect)
-    return [f"Would show {listed(names)}: {drive}." for drive, names in by_drive.items()]
 
 
 def heading(found: Diagnosis) -> str:

@@ -7,12 +7,11 @@ from calib.diagnosis.diagnose import Diagnosis
 from calib.diagnosis.proof.gap import UNITS, ChannelGap, Gap
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
 from calib.diagnosis.undecided.confusion import Confusion
-from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.course import changes
 from calib.show import diagnosis_figure as figures
-from calib.show.diagnosis import ERROR, NO_GAP, factors_of, facts
+from calib.show.diagnosis import ERROR, NO_GAP, facts
 from calib.show.facts import Facts, Picture, Table
-from calib.show.numbers import estimate, in_shown, listed, percent, spaced, unit_shown, with_unit
+from calib.show.numbers import estimate, in_shown, listed, percent, spaced, unit_shown
 from calib.show.sheet import Sheet
 
 BASE = {
@@ -22,8 +21,6 @@ BASE = {
     "tyre_peak": "peak of the tyres, over load",
     "rolling_radius": "rolling radii, over those of the vehicle file",
 }
-STATE = "A state of a log, no effect of the car: pads changed, wet or not bedded; another road."
-DRIVES = "The drive in which each of them shows most; add it to the calibration logs."
 LARGEST = "The log with the largest gap; and the gap of every channel over its sensor's noise."
 MEASURED = (
     "The gap is that of the hold-outs alone, replayed from their pressures and first speed. An "
@@ -39,28 +36,11 @@ def report(found: Diagnosis, title: str) -> Facts:
     """The facts of a diagnosis of the car ``title``, with everything that they rest on."""
     sheet, told = figures.sheet(found, title), facts(found, title)
     when = ("after",) if found.verdict == NO_GAP else ("before", "after")
-    groups = [
-        (listed(group.logs), factors_of(group) if i else "the reference")
-        for i, group in enumerate(found.groups)
-    ]
-    drives = [
-        (spaced(d.effect), _usual(d), d.name, f"{d.sigma:.0f} sigma")
-        for d in found.drives
-        if d.sigma > 1.0
-    ]
     parts = [
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
         *([_unexplained(found.unexplained, sheet)] if found.unexplained else []),
         _search(found),
-        Facts(
-            "Logs with other pads or on another road",
-            tables=[Table(("logs", "pads and road"), groups, STATE)],
-        ),
-        Facts(
-            "What these logs could not show",
-            tables=[Table(("effect", "usual size", "drive", "size there"), drives, DRIVES)],
-        ),
         _gap(found, sheet, when),
         Facts("Base parameters", tables=[_base(found)]),
         Facts("How it was measured", notes=MEASURED),
@@ -202,13 +182,6 @@ def _cells(channel: ChannelGap, when: tuple[str, ...]) -> list[str]:
     if channel.closed is None or channel.within_noise:  # the share of such a gap says nothing
         return [*cells, "within noise"]
     return [*cells, percent(channel.closed) + ", worse" * (channel.closed < 0.0)]
-
-
-def _usual(drive: ShowingDrive) -> str:
-    """The usual size of an effect: its strength with the unit."""
-    strength = drive.card.parameters[0]
-    value = in_shown(drive.card.usual[strength.name], strength.unit)
-    return f"{spaced(strength.name)} {with_unit(f'{value:.3g}', strength.unit)}"
 
 
 def _speed_ends(found: Diagnosis, when: tuple[str, ...]) -> list[str]:

@@ -24,29 +24,18 @@ HEADS = (
 
 def headline(found: Summary) -> str:
     """The fleet in one sentence."""
+    errors = sum(failure.count for failure in found.failures)
+    failed = f"; {counted(errors, 'log')} with an error" if errors else ""
     if _too_few(found):
         some = any(look.spread.count for look in found.looks)
         why = "too few to judge outliers or drift" if some else "none has a metric"
-        text = f"{counted(len(found.logs), 'log')}: {why}"
-        return text + f"; {_errors(found)}." if found.failures else text + "."
-    drifting = [_name(look) for look in found.looks if look.drifts]
-    logs = len(found.apart)
-    steady = "No drift" if _drift_tested(found) else "Drift not tested"
-    parts = [
-        f"{', '.join(drifting)} {'drift' if len(drifting) > 1 else 'drifts'}"
-        if drifting
-        else steady,
-        f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'} apart"
-        if logs
-        else "no log stands apart",
-    ]
-    if found.failures:
-        parts.append(_errors(found))
-    return "; ".join(parts) + "."
-
-
-def _errors(found: Summary) -> str:
-    return f"{counted(sum(f.count for f in found.failures), 'log')} with an error"
+        return f"{counted(len(found.logs), 'log')}: {why}{failed}."
+    names, logs = [_name(look) for look in found.looks if look.drifts], len(found.apart)
+    drift = "No drift" if _drift_tested(found) else "Drift not tested"
+    if names:
+        drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
+    apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
+    return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
 
 
 def _too_few(found: Summary) -> bool:
@@ -61,13 +50,9 @@ def _drift_tested(found: Summary) -> bool:
 
 def facts(found: Summary, title: str = "") -> Facts:
     """A fleet, the logs that stand apart first."""
-    few = _too_few(found)
-    none = "No log stands apart." if not few else "Too few logs to judge which stands apart."
+    looks = [look for look in found.looks if look.spread.count]
     apart = [(car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in found.apart]
     more = len(apart) - NAMES
-    drifts = [
-        (f"{_name(look)} drifts", described(found, look)) for look in found.looks if look.drifts
-    ]
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
         (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
@@ -78,14 +63,13 @@ def facts(found: Summary, title: str = "") -> Facts:
         headline=headline(found),
         verdict=_kind(found),
         numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
-        rows=[*drifts, *apart[:NAMES]],
+        rows=apart[:NAMES],
         tables=[
             Table(("error", "logs", "such as"), errors, "Logs without a result."),
-            Table(HEADS, [_row(look) for look in found.looks if look.spread.count], "All metrics."),
+            Table(HEADS, [_row(found, look) for look in looks], "All metrics."),
             Table(("column", "logs"), classes, "Other columns."),
         ],
         notes=[
-            *([] if apart else [none]),
             *([f"And {more} more stand apart: fleet.json has them."] if more > 0 else []),
             *(f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies),
             *([told] if (told := reach(found)) else []),
@@ -110,9 +94,8 @@ def report(found: Summary, title: str) -> Facts:
 
 def _metric(found: Summary, look: Look) -> Facts:
     caption = f"Distribution of {_name(look)}, and the logs in order."
-    title = f"{_name(look)} ({look.metric.name})"
-    pictures = [Picture(caption, sheet(found, look))]
-    return Facts(title, headline=described(found, look), pictures=pictures)
+    picture = Picture(caption, sheet(found, look))
+    return Facts(f"{_name(look)} ({look.metric.name})", pictures=[picture])
 
 
 def _judged(found: Summary) -> list[str]:
@@ -139,30 +122,25 @@ def reach(found: Summary) -> str:
     ]
     if not ratios:
         return ""
-    least, middle, most = np.quantile(ratios, [0.0, 0.5, 1.0], method="nearest")
+    middle = float(np.quantile(ratios, 0.5, method="nearest"))
     logs = counted(max(look.spread.count for look in found.looks), "log")
     if not np.isfinite(middle):
         return f"{logs} are too few to tell one apart in a typical metric, however far away it is."
-    text = (
+    return (
         f"Among {logs} only one that is far away can be told apart: {middle:.1f} times the usual "
-        "scatter (one sigma) from the median"
+        "scatter (one sigma) from the median in a typical metric. One that is nearer may be odd, "
+        "too: these logs cannot show it."
     )
-    if len(ratios) > 1:
-        end = f" to {most:.1f}" if np.isfinite(most) else ""
-        text += f" in a typical metric; by metric, from {least:.1f}{end} times on"
-    return text + ". A log that is nearer may be odd, too: these logs cannot show it."
 
 
 def reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
     look = next(look for look in found.looks if look.metric.name == o.metric)
-    s, shown = look.spread, _shown(look)
+    shown = _shown(look)
     low, high = map(shown, look.others)
-    side = "above" if o.value > s.median else "below"
-    return (
-        f"{plain(o.metric).name} {shown(o.value)}: {side} the others, "
-        f"90 % of them from {low} to {high}"
-    )
+    side = "above" if o.value > look.spread.median else "below"
+    value = f"{plain(o.metric).name} {shown(o.value)}"
+    return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
 def _class(text: str) -> str:
@@ -192,52 +170,24 @@ def _kind(found: Summary) -> str:
     return PASSED if calm else WARNING
 
 
-def _row(look: Look) -> tuple[str, ...]:
-    """One metric as a row of the table of all metrics."""
-    s, shown = look.spread, _shown(look)
+def _row(found: Summary, look: Look) -> tuple[str, ...]:
+    """One metric: its scatter, beyond what a log is named, and where its level changes."""
+    s, shown, c = look.spread, _shown(look), look.change
+    low, high = map(shown, look.others)
     judged = bool(np.isfinite(s.z).any())
-    drift = "not tested" if look.change is None else "yes" if look.drifts else "no"
+    drift = "not tested" if c is None else "no"
+    if look.drifts and c is not None:
+        place = f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
+        drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
     return (
         _name(look),
         str(s.count),
         shown(s.median),
-        f"{shown(s.quantiles[0])} to {shown(s.quantiles[3])}",
-        _named_beyond(look) or "no limit",
+        f"{low} to {high}",
+        (in_words(s.edges, shown) if s.edges else "") or "no limit",
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )
-
-
-def _named_beyond(look: Look) -> str:
-    """The limits beyond which a log is named: `below 0.31 or above 0.45`; empty without any."""
-    return in_words(look.spread.edges, _shown(look)) if look.spread.edges else ""
-
-
-def described(found: Summary, look: Look) -> str:
-    """One metric in words: median and range, change of level, limits of the line."""
-    s, shown = look.spread, _shown(look)
-    low, high = map(shown, look.others)
-    whose = "others" if look.outlying.any() else "logs"
-    parts = [f"Median {shown(s.median)}, 90 % of the {whose} from {low} to {high}."]
-    if look.drifts and look.change is not None:
-        c = look.change
-        parts.append(
-            f"The level changes from {shown(c.before)} to {shown(c.after)} about "
-            f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
-            f"(p {c.p:.1e})."
-        )
-    if told := _named_beyond(look):
-        parts.append(f"One more log is named {told}.")
-    elif look.spread.edges is not None:
-        parts.append("No log can be named: as far away as that no value can be.")
-    else:
-        parts.append("No log is named: too few logs, or no scatter that matters.")
-    if look.metric.name == found.ordered_by:
-        parts.append("The logs are ordered by it, so it cannot drift.")
-    elif look.drifts and look.chart is not None:
-        low, high = map(shown, look.chart.limits)
-        parts.append(f"Limits of a steady line: {low} to {high}, three sigma from log to log.")
-    return " ".join(parts)
 
 
 def _by_chance(look: Look, rule: int) -> float | None:

@@ -44,7 +44,7 @@ def origin(
         "Where it comes from",
         rows=[
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
-            ("Date", given.date),
+            ("Date", given.date or "not stated"),
             ("Program", PROGRAM),
             ("Runs on", f"Python {platform.python_version()}, " + ", ".join(_packages())),
         ],

@@ -6,7 +6,6 @@ import numpy as np
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import plain
-from calib.base.program import PROGRAM
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.validate import Validation
 from calib.line.station.identity import TITLES
@@ -15,7 +14,7 @@ from calib.line.station.station import StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.judged import judged
-from calib.show.origin import settings
+from calib.show.origin import PageOrigin, origin
 from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
 from calib.show.style import FRONT, REAR, Axes
@@ -31,7 +30,6 @@ TAKEN = ("f1-f2", "difference", "budget")
 CURVES = "The curves that the estimator looks up, with their 95 % bands."
 BY_STOP = "Pad friction of each stop with its 95 % interval; line and band: the table's."
 OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
-DIGESTS = "Logs, by the first 16 digits of the SHA-256 of their bytes."
 
 
 def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
@@ -89,14 +87,20 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     ]
     curves = [Picture(CURVES, pictures, ("f1-f2", "difference"))]
     over_time = [Picture(OVER_TIME, pictures, stops)]
+    logs = [("ramp", log.name, log.digest) for log in found.ramps]
+    logs += [("coast", log.name, log.digest) for log in found.coasts]
+    logs += [(r.role, r.log, r.digest) for r in found.results]
+    remarks = [*found.table.remarks, *map(str, found.caveats)]
+    told = facts(found, stored, date)
     parts = [
         Facts("What each metric is, and why its limit", rows=meanings, folded=True),
         _pads(found, pictures),
-        Facts("The table", pictures=curves, parts=[_curves(found.table)]),
+        Facts("The table", pictures=curves),
         Facts("The stops", pictures=over_time, notes=notes),
-        _origin(found, stored),
+        Facts("Remarks", notes=remarks, folded=True),
+        origin(PageOrigin(date), stored, logs, str(found.results[0].mass)),
     ]
-    return replace(facts(found, stored, date), parts=parts)
+    return replace(told, parts=parts)
 
 
 def _pads(found: StationOutcome, pictures: Sheet) -> Facts:
@@ -127,38 +131,6 @@ def _pad(result: Validation, axle: str) -> tuple[str, str]:
     if mu is None or width is None:
         return "not known", ""
     return f"{mu:.3f}", f"{mu - mu * width:.3f} to {mu + mu * width:.3f}"
-
-
-def _origin(found: StationOutcome, stored: Stored) -> Facts:
-    sources = [(log.name, "ramp", log.digest[:16]) for log in found.ramps]
-    sources += [(log.name, "coast", log.digest[:16]) for log in found.coasts]
-    sources += [(r.log, r.role, r.digest[:16]) for r in found.results]
-    remarks = [*found.table.remarks, *map(str, found.caveats)]
-    return Facts(
-        "Where it comes from",
-        rows=[("Table", f"{stored.id}, SHA-256 {stored.digest}"), ("Program", PROGRAM)],
-        tables=[Cells(("log", "role", "SHA-256"), sources, DIGESTS)],
-        parts=[settings(found.table), Facts("Remarks", notes=remarks, folded=True)],
-    )
-
-
-def _curves(table: Table) -> Facts:
-    """At most 16 rows of f1 and f2, both ends among them."""
-    p = table.paper
-    rows = [
-        (
-            f"{100 * (p.eta[i] - 1):.3f} %",
-            f"{p.z[i]:.3f}",
-            f"{p.f1[i]:+.4f}",
-            f"{0.5 * (p.f1_upper[i] - p.f1_lower[i]):.4f}",
-            f"{p.f2[i]:+.4f}",
-            f"{0.5 * (p.f2_upper[i] - p.f2_lower[i]):.4f}",
-            f"{p.count[i]:.0f}",
-        )
-        for i in sorted({round(i * (len(p.eta) - 1) / 15) for i in range(16)})
-    ]
-    heads = ("eta - 1", "deceleration [g]", "f1", "+-", "f2", "+-", "blocks")
-    return Facts("Read it as a table", tables=[Cells(heads, rows)], folded=True)
 
 
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:

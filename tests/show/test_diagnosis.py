@@ -105,11 +105,10 @@ def test_what_is_left_says_where_the_replays_show_it(named, left, where):
 def test_slopes_and_pads_of_single_logs_are_told(named):
     slopes = LogOffsets("road_grade", "grade", "1", {"north": 0.012, "south": -0.012})
     pads = {"north": Ground(1.02, 0.99, 1.0, 1.0), "south": Ground()}
-    rows = dict(facts(replace(named, offsets=slopes, own_pads=pads), "car").rows)
-    assert "north +1.2, south -1.2" in rows["Of each log"]
-    assert "north +2.0, -1.0, +0.0; south +0.0, +0.0, +0.0" in rows["Pads of each log"]
+    table = tables(replace(named, offsets=slopes, own_pads=pads))["What each"]
+    assert table[0] == ("north", "+2.0", "-1.0", "+0.0", "+0.0", "+1.2")
     zeros = LogOffsets("accelerometer_bias", "bias", "m/s^2", {"monday": 0.08})
-    assert "monday +0.08" in dict(facts(replace(named, offsets=zeros), "car").rows)["Of each log"]
+    assert tables(replace(named, offsets=zeros))["What each"] == [("monday", "+0.08")]
 
 
 def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
@@ -145,8 +144,9 @@ def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
         ShowingDrive(effect_named("residual_torque").card, "stop", 0.0),
     )
     found = replace(named, not_resolved=tuple(drive.effect for drive in unseen), drives=unseen)
-    assert facts(found, "car").notes == ["Would show road grade: coast."]
-    assert "residual torque" in dict(facts(found, "car").rows)["Not shown"]
+    first, last = tables(found)["What these"]
+    assert first[2:] == ("coast", "48 sigma")
+    assert last[1:3] == ("residual pressure 1.5 bar", "none, most of all stop")
 
 
 def test_without_a_gap_there_is_one_replay_and_no_cause(named):

@@ -63,12 +63,6 @@ def test_numbers_show_their_scatter():
     assert number(0.38123, judge(np.linspace(0.3, 0.5, 9)[None]).spreads[0]) == "0.3812"
 
 
-def test_a_few_logs_are_not_called_steady(tmp_path):
-    few = summarise(open_fleet(results(tmp_path / "r.parquet", 3)))
-    assert headline(few) == "3 logs: too few to judge outliers or drift."
-    assert facts(few).verdict == "unjudged"
-
-
 def test_a_car_is_told_once_in_plain_names_and_units(found):
     (car,) = found.apart
     assert car.log == "line/car134.csv"
@@ -83,8 +77,4 @@ def test_the_page_says_what_so_few_logs_can_show(tmp_path, found):
     assert told.startswith("Among 12 logs only one that is far away can be told apart: ")
     assert told in facts(few).notes
     assert reach(summarise(open_fleet(results(tmp_path / "s.parquet", 3)))) == ""
-
-    def times(text):
-        return float(text.split("apart: ")[1].split(" times")[0])
-
-    assert times(told) > times(reach(found)) > 3.0
+    assert facts(few).verdict == "unjudged"

@@ -37,14 +37,6 @@ def test_bars_are_shares_of_the_total_with_their_intervals(found):
     assert drawn(ax, np.array([low, high]), np.array([0, 0]))
 
 
-def test_a_negative_variance_says_so():
-    made = (study(readings(cars=4, stations=2, repeats=2, seed=s)) for s in range(20))
-    found = next(f for f in made if f.results[0].gauge.negative)
-    ax = axes()
-    components(ax, found.results[0])
-    assert "came out negative" in [text.get_text() for text in ax.texts]
-
-
 def test_the_facts_have_a_row_for_every_metric_and_the_page_its_panels(found):
     told, page = facts(found), sheet(found)
     rows = told.tables[0].rows
