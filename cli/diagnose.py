@@ -4,7 +4,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from typer.core import TyperCommand
 
@@ -15,10 +15,6 @@ from cli.console import progress, say
 from cli.logs import named, read_all
 from cli.options import Car, Map, OwnEffects, Workers, logs, option
 from cli.outputs import check_folder, stems_of, writing
-
-if TYPE_CHECKING:
-    from calib.diagnosis.diagnose import Diagnosis
-    from calib.show.facts import Facts
 
 
 class Greedy(TyperCommand):
@@ -65,7 +61,9 @@ def diagnose(
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.written.document import text_of, to_dict
     from calib.diagnosis.written.folder import files_of, write_folder
-    from calib.show.diagnosis_page import report_html
+    from calib.show.diagnosis import facts
+    from calib.show.diagnosis_page import report
+    from calib.show.html import page_of
 
     files = files_of(stems_of(named([*logs, *holdout])[len(logs) :], "--holdout"))
     check_folder(out, [file.as_posix() for file in files])
@@ -80,35 +78,11 @@ def diagnose(
             with progress() as step:
                 found = find(car, runs[: len(logs)], runs[len(logs) :], step, mapped)
         with progress("drawing the report"):
-            page = report_html(found, car.name)
+            page = page_of(report(found, car.name))
         with writing(out):
             write_folder(found, text_of(found), page, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
-    return Answer(to_dict(found), _facts(found))
-
-
-def _facts(found: "Diagnosis") -> "Facts":
-    from calib.diagnosis.written import words
-    from calib.diagnosis.written.headline import headline
-    from calib.diagnosis.written.printed import interval_of, value_of
-    from calib.show.facts import Facts
-
-    lines: list[str] = []
-    for effect in found.effects:
-        lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
-        lines += [
-            f"  {n} = {value_of(v)} (95 %: {interval_of(v)})" for n, v in effect.parameters.items()
-        ]
-        lines.append(words.rivals(effect))
-    for part in (
-        words.known, words.radii, words.sides, words.groups, words.start_heats, words.offsets,
-        words.own_pads, words.something_else, words.withdrawn, words.own_effects,
-    ):  # fmt: skip
-        lines.append(part(found))
-    if found.unexplained is not None:
-        lines.append(words.unexplained(found.unexplained))
-    lines += [words.noise(found), words.not_resolved(found), *words.drives(found)]
-    return Facts(headline=headline(found), notes=list(filter(None, lines)), warnings=found.warnings)
+    return Answer(to_dict(found), facts(found, car.name))
 
 
 @contextmanager

@@ -9,8 +9,6 @@ from cli.logs import read_all
 from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name
 
 if TYPE_CHECKING:
-    from calib.car.mass import MassUsed
-    from calib.show.facts import Facts
     from calib.show.origin import PageOrigin
     from calib.store.version import Stored
 
@@ -43,7 +41,8 @@ def fit(
     from calib.car.model_file import read_model
     from calib.car.own_effects.own_effect import with_own
     from calib.fitting.fit import fit as fit_table
-    from calib.show.fit import report_html
+    from calib.show.fit import facts, report
+    from calib.show.html import page_of
 
     car = with_own(vehicle, effect)
     say(f"fitting {car.name} from {counted(len(logs), 'log')}")
@@ -59,33 +58,8 @@ def fit(
     ramps = [run for run in runs if run.digest in braked]
     return Answer(
         _document(stored) | {"mass": used},
-        _facts(stored, used),
-        page=lambda: report_html(stored, ramps, used, origin("vehicle", "model")),
-    )
-
-
-def _facts(stored: "Stored", mass: "MassUsed") -> "Facts":
-    from calib.show.facts import Facts
-    from calib.store.answer import verdict_lines
-    from calib.table.budget import advice_lines
-    from calib.table.effect_figures import effect_figures
-    from calib.table.pads_budget import pads_budget
-
-    table, budgets = stored.table, pads_budget(stored.table)
-    known = ", already stored: the same logs gave the same table" if stored.existed else ""
-    cal = table.calibration
-    return Facts(
-        rows=[
-            ("table", f"{stored.id}, {stored.state.word}{known}  ({stored.path})"),
-            ("front pads", f"{cal.pad_friction_f.value:.4f}"),
-            ("rear pads", f"{cal.pad_friction_r.value:.4f}"),
-            ("front pads", budgets[0].words),
-            ("rear pads", budgets[1].words),
-            *((figure.effect, str(figure)) for figure in effect_figures(table)),
-            ("mass", str(mass)),
-        ],
-        notes=[*advice_lines(budgets), *table.remarks, *verdict_lines(stored)],
-        warnings=table.warnings,
+        facts(stored, used),
+        page=lambda: page_of(report(stored, ramps, used, origin("vehicle", "model"))),
     )
 
 

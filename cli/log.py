@@ -74,6 +74,7 @@ def log(
     """
     from calib.logs.whole import channels_log, cut, inventory
     from calib.run.events import run_events
+    from calib.show.facts import Facts
     from calib.show.log_page import facts
 
     this_run().force = force
@@ -96,7 +97,10 @@ def log(
         looked.append((log, inventory(log), run_events(channels_log(whole))))
     if out is not None:
         _draw(*looked[0], out)
-    return Answer({"out": out, "logs": [_document(*one) for one in looked]}, facts(looked))
+    return Answer(
+        {"out": out, "logs": [_document(*one) for one in looked]},
+        Facts(parts=[facts(*one) for one in looked]),
+    )
 
 
 def _write(
@@ -161,8 +165,9 @@ def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
 def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
+    from calib.show.html import page_of
     from calib.show.log_figure import MOST, figure, panels_of
-    from calib.show.log_page import log_html
+    from calib.show.log_page import facts
     from calib.show.sheet import ENDINGS, render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:
@@ -171,7 +176,7 @@ def _draw(
         )
     picture = out.suffix.lower() in ENDINGS
     drawn = render(figure(log, events), out.suffix.lower() if picture else ".png")
-    write_file(out, drawn if picture else log_html(log, columns, events, drawn).encode())
+    write_file(out, drawn if picture else page_of(facts(log, columns, events, drawn)).encode())
 
 
 def _written(log: "WholeLog", out: Path) -> dict[str, Any]:

@@ -115,16 +115,16 @@ def qualify(
     about 5 s of computing.
     """
     from calib.help.checks import SUITE
+    from calib.help.qualify import facts, to_dict
     from calib.help.qualify import qualify as made
-    from calib.help.qualify import report_html, to_dict
+    from calib.show.html import page_of
 
     check_folder(out, (DOCUMENT, REPORT))
     task = f"making {counted(len(SUITE), 'check')} on the sample logs"
     with progress(task, len(SUITE)) as step:
         found = made(SUITE, step)
     document = to_dict(found, datetime.now(UTC).isoformat(timespec="seconds"))
-    page = report_html(found, document).encode()
+    page = page_of(facts(found, document)).encode()
     contents = [(REPORT, page), (DOCUMENT, json_text(document).encode())]
     write_folder(out, contents, DOCUMENT)
-    text = f"{found.headline}\nresults, SHA-256: {document['digest']}"
-    return Answer(document, text, FAILED * bool(found.failed))
+    return Answer(document, facts(found, document), FAILED * bool(found.failed))

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from calib.line.fleet.summary import Summary
     from calib.line.fleet.work import Job
     from calib.line.fleet.workers import Executor
-    from calib.show.html import Picture
 
     JobCar = Vehicle | None
     JobLimits = tuple[Limit, ...] | None
@@ -344,7 +343,7 @@ def fleet(
     """
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_page import document
+    from calib.show.fleet_page import document, facts
 
     if results.is_dir():
         if order or figure or out:
@@ -356,7 +355,7 @@ def fleet(
     found = summarise(opened, tuple(figure))
     if out is not None:
         _write_fleet(found, results, out)
-    return Answer(document(found), _lines(found))
+    return Answer(document(found), facts(found))
 
 
 def _metrics() -> Any:
@@ -377,15 +376,21 @@ def _index(folder: Path) -> Answer:
 
 def _write_fleet(found: "Summary", results: Path, out: Path) -> None:
     from calib.base.printable import printable
-    from calib.show.fleet_figure import picture_name
-    from calib.show.fleet_page import document, report_html
+    from calib.show.fleet_figure import picture_name, sheet
+    from calib.show.fleet_page import document, report
+    from calib.show.html import page_of
+    from calib.show.sheet import render
 
-    drawings = _pictures(found)
+    looks = [look for look in found.looks if look.values.size]
     title = printable(f"{results.absolute().parent.name}/{results.name}")
-    contents = {picture_name(name): png for name, (png, _) in drawings.items()} | {
-        DOCUMENT: json_text(document(found)).encode(),
-        REPORT: report_html(found, title, {n: p for n, (_, p) in drawings.items()}).encode(),
-    }
+    contents = {}
+    with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
+        for look in looks:
+            picture = render(sheet(found, look).overview(), ".png")
+            contents[picture_name(look.metric.name)] = picture
+            step()
+    contents[DOCUMENT] = json_text(document(found)).encode()
+    contents[REPORT] = page_of(report(found, title)).encode()
     write_folder(out, contents.items(), DOCUMENT, _earlier)
 
 
@@ -398,46 +403,3 @@ def _earlier(out: Path) -> set[str]:
         return {picture_name(name) for name in figures}
     except (OSError, ValueError, TypeError, KeyError):
         return set()
-
-
-def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
-    """For each metric its PNG file, and its picture in the page."""
-    from calib.show.fleet_figure import sheet
-    from calib.show.html import drawn
-    from calib.show.sheet import render
-
-    looks = [look for look in found.looks if look.values.size]
-    pictures = {}
-    with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
-        for look in looks:
-            one = sheet(found, look)
-            png = render(one.overview(), ".png")
-            pictures[look.metric.name] = png, drawn(one, "distribution", "order", key=(one.name,))
-            step()
-    return pictures
-
-
-def _lines(found: "Summary") -> str:
-    from calib.base.plain import plain
-    from calib.show.fleet_page import described, headline, reach, reason
-
-    lines = [headline(found), ", ".join(f"{n} {name}" for name, n in found.status.items())]
-    for failure in found.failures:
-        others = f" (also {', '.join(failure.logs[1:])})" if failure.count > 1 else ""
-        lines.append(f"{failure.count} x {failure.message}{others}")
-    lines += _first(
-        [f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies]
-    )
-    for look in found.looks:
-        if look.drifts:
-            name = plain(look.metric.name, look.metric.unit).name
-            lines.append(f"{name} drifts: {described(found, look)}")
-    apart = [(car.log, "; ".join(reason(found, one) for one in car.reasons)) for car in found.apart]
-    lines += _first([f"{log} stands apart: {reasons}" for log, reasons in apart])
-    return "\n".join(filter(None, [*lines, reach(found)]))
-
-
-def _first(lines: list[str], most: int = 10) -> list[str]:
-    """The first lines, and how many more the document has."""
-    rest = len(lines) - most
-    return lines[:most] + ([f"and {rest} more, see --json or fleet.json"] if rest > 0 else [])

@@ -34,8 +34,6 @@ from cli.signed import check_signed, key_of
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
     from calib.line.station.identity import Identity
-    from calib.line.station.station import StationOutcome
-    from calib.show.facts import Facts
     from calib.store.version import Stored
 
     CarLimits = tuple[Limit, ...]
@@ -130,6 +128,8 @@ def station(
     from calib.line.station.station import outcome, table_of, validated
     from calib.run.gates import refuse_copies
     from calib.show.station_files import store_and_write
+    from calib.show.station_page import facts
+    from calib.store.state import DRAFT
 
     ramps = [ramp, *more]
     identity = Identity(serial, vin, name, rxswin)
@@ -173,41 +173,13 @@ def station(
             stored, document = store_and_write(found, store, export, date or "", work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
-    _tell_addresses(stored, export)
+    _tell_exports(stored, export)
     tell_kin(store, stored)
-    return Answer(document, _facts(found, stored, export), FAILED * (not found.passed))
-
-
-def _facts(found: "StationOutcome", stored: "Stored", forms: list[str]) -> "Facts":
-    from calib.line.station.advice import action
-    from calib.line.station.words import HEADINGS, bounds, sentence, summary, value_of
-    from calib.show.facts import Facts
-    from calib.show.facts import Table as Cells
-    from calib.store.state import DRAFT
-
-    notes = [
-        f"{check.verdict}: {sentence(check)}. {action(check.figure)}"
-        for check in found.with_verdict("failed") + found.with_verdict("warning")
-    ]
-    notes.append(f"{stored.id} is {stored.state.why}")
-    if forms and not stored.state.released:
-        notes.append("no exports: only a released table may reach an ECU")
     if found.passed and not stored.state.usable:
-        notes.append("a person decides: `brake-cal tables release` with this station.json")
+        say("a person decides: `brake-cal tables release` with this station.json as --evidence")
     if stored.state.word == DRAFT:
-        notes.append("release it with --accept-warnings REASON, or with `brake-cal tables release`")
-    rows = []
-    for check in found.checks:
-        j = check.judgement
-        warn, fail = bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
-        rows.append((check.scope, check.figure, value_of(check), warn, fail, check.verdict))
-    return Facts(
-        headline=f"{HEADINGS[found.verdict]}: {stored.id}, {summary(found)}",
-        rows=[("mass", str(found.results[0].mass))],
-        tables=[Cells(("scope", "figure", "value", "no warning", "limit", "verdict"), rows)],
-        notes=notes,
-        warnings=found.warnings,
-    )
+        say("release it with --accept-warnings REASON, or later with `brake-cal tables release`")
+    return Answer(document, facts(found, stored), FAILED * (not found.passed))
 
 
 def _golden(store: Tables, reference: str) -> "Stored":
@@ -245,11 +217,13 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
         raise
 
 
-def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
-    """Say that the exports with addresses have none: the station knows no linked program."""
+def _tell_exports(stored: "Stored", forms: list[str]) -> None:
+    """Say why there are none, or that they have no addresses: no linked program is known here."""
     from calib.exports.export import ADDRESSED, NOWHERE
     from calib.line.station.folder import export_name
 
+    if forms and not stored.state.released:
+        say("no exports: only a released table may reach an ECU")
     for form in forms:
         if form in ADDRESSED and stored.state.released:
             say(f"{export_name(form)}: {'; '.join(NOWHERE.remarks)}")
@@ -264,8 +238,7 @@ def limits(
     Each with its meaning, unit, default and reason. With --json also as one JSON document on
     stdout.
     """
-    from calib.line.station.advice import ADVICE
-    from calib.line.station.limits_file import limits_file
+    from calib.line.station.limits_file import ADVICE, limits_file
 
     text = limits_file()
     if out is not None:

@@ -16,7 +16,6 @@ import numpy as np
 from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
-from calib.diagnosis.written.headline import headline
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import truth_of
 from calib.estimation.results import write_results
@@ -26,6 +25,7 @@ from calib.help.samples import sample_logs
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.run.check import check
+from calib.show.diagnosis import facts as diagnosis
 from calib.show.facts import Facts, Table
 from calib.store.store import Store
 from calib.store.version import Stored
@@ -244,7 +244,8 @@ def hidden_story(out: Path, say: Say) -> Story:
     from calib.diagnosis.written.document import text_of
     from calib.diagnosis.written.folder import write_folder
     from calib.show.diagnosis_figure import sheet
-    from calib.show.diagnosis_page import report_html
+    from calib.show.diagnosis_page import report
+    from calib.show.html import page_of
     from calib.show.sheet import save as save_figures
 
     source = out / "sample_logs" / HIDDEN
@@ -254,7 +255,7 @@ def hidden_story(out: Path, say: Say) -> Story:
     logs = counted(len(searched), "log")
     say(f"diagnosing {car.name}: searching {logs}, proving on {len(held)}")
     found = diagnose(car, searched, held)
-    write_folder(found, text_of(found), report_html(found, car.name), out / "diagnosis")
+    write_folder(found, text_of(found), page_of(report(found, car.name)), out / "diagnosis")
     save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})
     fitted = [log for log in searched if log.name in ("ramp", "coast")]
     pads = []
@@ -310,7 +311,7 @@ def facts(four: list[SectionFour], five: list[SectionFive], story: Story, out: P
             ),
             Facts(
                 "A car with an effect that its vehicle file does not have",
-                headline=headline(story.found),
+                headline=diagnosis(story.found, "").headline,
                 notes=[
                     f"Pads of the stops differ by up to {blind};",
                     f"with a table that accounts for it, by {told}.",
