@@ -11,6 +11,7 @@ from typing import Any
 
 from calib.base.digest import canonical_json
 from calib.base.program import NAME, PROGRAM, VERSION
+from calib.base.units import behind
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.estimation.estimator import Estimate
@@ -19,11 +20,11 @@ from calib.fitting.fit import fit
 from calib.help.doctor import environment, packages
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
-from calib.show.facts import Facts, Table
-from calib.show.html import page_of
+from calib.show.facts import Facts
+from calib.show.facts import Table as Cells
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.table import Table as LookUp
+from calib.table.table import Table
 
 SCHEMA = 1
 TOLD = ("name", "quantity", "unit", "expected", "tolerance", "truth")
@@ -40,7 +41,7 @@ class Material:
         self._used: set[Path] = set()
         # one result each for as long as this object lives; an error is not kept
         self.log = cache(lambda file: read_log(self._file(file)))
-        self.table: Callable[[str], LookUp] = cache(self._table)
+        self.table: Callable[[str], Table] = cache(self._table)
         self.stop: Callable[..., Estimate] = cache(self._stop)
         self.diagnosis: Callable[[str], Diagnosis] = cache(self._diagnosis)
 
@@ -65,7 +66,7 @@ class Material:
         self._used.add(self.samples / file)
         return self.samples / file
 
-    def _table(self, folder: str) -> LookUp:
+    def _table(self, folder: str) -> Table:
         """The table of the car in ``folder``, fitted from its ramp alone."""
         return fit(self.vehicle(f"{folder}/vehicle.toml"), [self.log(f"{folder}/{RAMPS[folder]}")])
 
@@ -212,45 +213,46 @@ def to_dict(found: Qualification, date: str) -> dict[str, Any]:
     }
 
 
-def report_html(found: Qualification, document: dict[str, Any]) -> str:
-    """The page: one HTML file that fetches nothing, with what `to_dict` says."""
-    environment = document["environment"].items()
-    unkept = "Do not use the program on this machine for what the checks that fail stand for."
-    return page_of(
-        Facts(
-            title=f"Qualification of {PROGRAM} on this machine",
-            verdict=found.verdict,
-            word=found.verdict,
-            headline=found.headline + (f" {unkept}" if found.failed else ""),
-            rows=[
-                ("Date", document["date"]),
-                ("Results, SHA-256", found.digest),
-                *((name.capitalize(), text) for name, text in environment if text),
-            ],
-            tables=[
-                Table(_CHECK_HEADS, [_row(one) for one in found.outcomes], "Checks.",
-                      ["" if one.held else "failed" for one in found.outcomes]),
-                Table(("package", "version"), list(document["packages"].items()),
-                      "What the program may load."),
-            ],
-            parts=[
-                Facts("What each check computes, and where its truth comes from", folded=True,
-                      rows=[_truth(one.check) for one in found.outcomes]),
-                Facts("Sample logs, with their SHA-256", folded=True,
-                      rows=list(found.files.items())),
-            ],
-        )
-    )  # fmt: skip
-
-
-_CHECK_HEADS = ("check", "expected", "result", "value", "tolerance", "unit")
+def facts(found: Qualification, document: dict[str, Any]) -> Facts:
+    """What `to_dict` says, for a terminal and for a page."""
+    of = document["environment"].items()
+    failures = [_failure(one) for one in found.failed]
+    truths = [
+        (o.check.name, f"{o.check.quantity} [{o.check.unit}]. Truth: {o.check.truth}.")
+        for o in found.outcomes
+    ]
+    heads = ("check", "expected", "result", "value", "tolerance", "unit")
+    kinds = ["passed" if one.held else "failed" for one in found.outcomes]
+    rows = [_row(one) for one in found.outcomes]
+    return Facts(
+        f"Qualification of {PROGRAM} on this machine",
+        headline=found.headline,
+        verdict=found.verdict,
+        word=found.verdict.upper(),
+        rows=[
+            ("Date", document["date"]),
+            ("Results, SHA-256", found.digest),
+            *((name.capitalize(), text) for name, text in of if text),
+        ],
+        tables=[
+            Cells(("check", "what", "expected", "came"), failures, "Checks that do not hold."),
+            Cells(heads, rows, "A check holds within the tolerance of its expected value.", kinds),
+        ],
+        parts=[
+            Facts("What each check computes, and where its truth comes from", rows=truths),
+            Facts("Packages", rows=list(document["packages"].items())),
+            Facts("Sample logs, with their SHA-256", rows=list(found.files.items()), folded=True),
+        ],
+    )
 
 
 def _row(one: Outcome) -> tuple[str, ...]:
-    check, value = one.check, one.error if one.value is None else f"{one.value:.6g}"
+    check, value = one.check, "none" if one.value is None else f"{one.value:.6g}"
     result = "holds" if one.held else "fails"
     return check.name, f"{check.expected:.6g}", result, value, f"{check.tolerance:.3g}", check.unit
 
 
-def _truth(check: Check) -> tuple[str, str]:
-    return check.name, f"{check.quantity} [{check.unit}]. Truth: {check.truth}."
+def _failure(one: Outcome) -> tuple[str, ...]:
+    check, unit = one.check, behind(one.check.unit)
+    came = one.error if one.value is None else f"{one.value:.6g}{unit}"
+    return check.name, check.quantity, f"{check.expected:.6g} +- {check.tolerance:.3g}{unit}", came

@@ -11,8 +11,7 @@ from calib.run.driving_record import brake_events, driving_record
 from calib.run.observation import observe
 from calib.run.rules import PURPOSES, problems
 from calib.run.wheels import crossed_diagonal, crossed_side, mismatch, wheel_parts
-from tests.studies.crossed_wheels import PAIRS, exchanged, in_bend, with_brakes
-from tests.studies.made_lines import line, recorded
+from tests.studies.made_lines import PAIRS, exchanged, in_bend, line, recorded, with_brakes
 from tests.support.made_runs import RADIUS, SLIP_F, SLIP_R, changed, made_run, ramp, stop, with_slip
 
 STOPPED = made_run(stop())
