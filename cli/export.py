@@ -16,7 +16,7 @@ from cli.signed import Signing, check_signed
 if TYPE_CHECKING:
     from calib.exports.dataset import Dataset
     from calib.exports.export import Exported
-    from calib.store.quality import Quality
+    from calib.store.evidence import Quality
     from calib.store.version import Stored
 
 EPILOG = example(
@@ -125,7 +125,7 @@ def _check_usage(form: str, out: Path, bits: int | None, elf: Path | None) -> No
 
 
 def _quality(path: Path | None, stored: "Stored") -> "Quality":
-    from calib.store.quality import UNPROVED, read_quality
+    from calib.store.evidence import UNPROVED, read_quality
 
     return UNPROVED if path is None else read_quality(path, stored)
 

@@ -104,8 +104,7 @@ def _page(
 def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
     from calib.base.warning import to_dict
     from calib.store.answer import answer
-    from calib.table.budget import summary
-    from calib.table.pads_budget import pads_budget
+    from calib.table.budget import pads_budget, summary
 
     table = stored.table
     return {
@@ -128,9 +127,8 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
 
 def _report(stored: "Stored", mass: "MassUsed") -> None:
     from calib.store.answer import verdict_lines
-    from calib.table.budget import advice_lines
-    from calib.table.effect_figures import effect_figures
-    from calib.table.pads_budget import pads_budget
+    from calib.store.figures import effect_figures
+    from calib.table.budget import advice_lines, pads_budget
 
     table, q = stored.table, stored.table.quality
     cal = table.calibration

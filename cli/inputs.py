@@ -81,10 +81,9 @@ def golden_of(store: Path, reference: str) -> "Stored":
 def tell_kin(store: Path, stored: "Stored") -> None:
     """Say which rejected and withdrawn versions are made of the same ramp."""
     import calib
-    from calib.store.kin import refused_kin
     from cli.console import say
 
-    for other in refused_kin(calib.Store(store), stored):
+    for other in calib.Store(store).now().refused_kin(stored):
         say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
 
 

@@ -29,7 +29,7 @@ def key(
     Both are files of minisign. The password is asked for twice, without echo; where stdin is no
     terminal, it is two lines of stdin. An existing file is not replaced.
     """
-    from calib.store.minisign_keys import generate
+    from calib.store.minisign import generate
 
     password = "" if no_password else new_password()
     made = generate(secret, public, password)

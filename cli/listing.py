@@ -26,7 +26,7 @@ def list_tables(
         typer.Option(
             metavar="S",
             help="draft, released, rejected or withdrawn.",
-            autocompletion=names_of("calib.store.minisign", "STATES"),
+            autocompletion=names_of("calib.store.state", "STATES"),
         ),
     ] = None,
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None,
@@ -78,7 +78,7 @@ def _rows(store: Path) -> "list[ListedVersion]":
 
 def _check(state: str | None, since: str | None) -> None:
     from calib.base.toml import did_you_mean
-    from calib.store.minisign import STATES
+    from calib.store.state import STATES
 
     if state is not None and state not in STATES:
         near = did_you_mean(state, STATES)

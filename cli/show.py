@@ -83,8 +83,8 @@ def _lines(rows: "list[tuple[str, str]]") -> str:
 
 
 def _facts(stored: "Stored") -> str:
+    from calib.store.figures import effect_figures
     from calib.store.signature import key_ids
-    from calib.table.effect_figures import effect_figures
 
     table = stored.table
     keys = ", ".join(key_ids(stored))

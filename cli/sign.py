@@ -34,17 +34,17 @@ def sign(
     and the newest line of the journal. It holds until the state changes; then sign again. A
     password is asked for without echo; where stdin is no terminal, it is a line of stdin.
     """
-    from calib.store import trust
-    from calib.store.minisign_keys import read_secret_key
+    from calib.store import signature
+    from calib.store.minisign import read_secret_key
 
     refuse_bare(table)
     opened = calib.Store(store)
     opened.load(table)
     secret = read_secret_key(key, lambda: typed_password("Password of the key: "))
-    made = trust.sign(opened, table, secret, by or "")
+    made = signature.sign(opened, table, secret, by or "")
     if made.note:
         say(made.note)
-    _report(made.signed, json)
+    _report(made, json)
 
 
 def _report(made: "Signed", json: bool) -> None:

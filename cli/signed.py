@@ -9,7 +9,7 @@ from cli.console import say
 from cli.project import from_settings
 
 if TYPE_CHECKING:
-    from calib.store import minisign_keys as keys
+    from calib.store.minisign import PublicKey
     from calib.store.version import Stored
 
 
@@ -35,12 +35,12 @@ class Signing:
         ),
     ] = None
 
-    def public(self) -> "keys.PublicKey | None":
+    def public(self) -> "PublicKey | None":
         """The key that must have signed; None where no signature is asked for.
 
         Raises BadParameter for one option without the other.
         """
-        from calib.store.minisign_keys import read_public_key
+        from calib.store.minisign import read_public_key
 
         require, key = self.require, self.key
         if key and not require:
@@ -53,16 +53,16 @@ class Signing:
         return read_public_key(key) if key else None
 
 
-def check_signed(table: str, stored: "Stored", public: "keys.PublicKey | None") -> None:
+def check_signed(table: str, stored: "Stored", public: "PublicKey | None") -> None:
     """Raise SignatureRefused unless a signature of the key holds; None asks for none.
 
     ``table`` is what was typed: a bare name means the newest version that may be used.
     """
-    from calib.store.trust import require_signed
+    from calib.store.signature import require_signed
 
     if public is None:
         return
     found = require_signed(stored, public, newest=table == stored.name)
-    say(f"{stored.id} is signed as {found.signed.statement.state} by key {public.key_id}")
+    say(f"{stored.id} is signed as {found.statement.state} by key {public.key_id}")
     if found.note:
         say(found.note)

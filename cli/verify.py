@@ -69,8 +69,8 @@ def verify(
 def _trusted(
     store: "calib.Store", key: str, name: str | None
 ) -> "tuple[tuple[StoreVerdict, ...], dict[str, str], str]":
-    from calib.store.minisign_keys import read_public_key
-    from calib.store.trust import verify_signed
+    from calib.store.minisign import read_public_key
+    from calib.store.signature import verify_signed
 
     found = verify_signed(store, read_public_key(key), name)
     return found.verdicts, found.signed, found.note

@@ -15,7 +15,7 @@ from calib.line.station.folder import DOCUMENT, JUNIT, REPORT, export_name
 from calib.line.station.junit import junit_xml
 from calib.line.station.station import StationOutcome
 from calib.show.station_page import report_html
-from calib.store.quality import read_quality
+from calib.store.evidence import read_quality
 from calib.store.store import Store
 from calib.store.version import Stored
 

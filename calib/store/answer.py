@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
-from calib.table.pads_budget import pads_budget
+from calib.table.budget import pads_budget
 from calib.table.table import Table
 
 

@@ -11,16 +11,16 @@ from calib.base.schema import FileSchema, Section, validated_json
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Axle, Vehicle
-from calib.store.curve_file import Array
-from calib.table.budget import TableBudget
-from calib.table.by_hand import SetByHand
-from calib.table.spread import FleetScatter
 from calib.table.table import (
+    Array,
     Calibration,
     DifferenceCurve,
+    FleetScatter,
     PaperCurves,
     Provenance,
+    SetByHand,
     Table,
+    TableBudget,
     TyreCurve,
     TyrePosterior,
     Value,

@@ -1,10 +1,10 @@
 """The look-up table as a value: three look-ups, their origin and their uncertainty.
 
-A table is plain data. ``content`` gives it as one JSON-able record and named float columns;
-`from_content` in `calib.store.record_file` builds the same table again. The digest is over that
-canonical content, so it does not depend on how a file format packs it.
+A table is plain data. ``content`` gives it as one JSON-able record and named float columns; a
+version of a store holds both, see `calib.store.version`. The digest is over that canonical content,
+so it does not depend on how a file format packs it.
 
-    record  {schema, name, vehicle, calibration, tyre, effects, noise, quality, provenance}
+    record  {schema, name, vehicle, calibration, posterior, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
              "tyre": {slip, force, ...}}
 """
@@ -27,12 +27,14 @@ from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.fingerprint import Fingerprint
 from calib.run.same_run import same_as
-from calib.table.budget import TableBudget
-from calib.table.by_hand import SetByHand
-from calib.table.spread import FleetScatter
 
 Array = NDArray[np.float64]
-SCHEMA = 1
+
+_OPTIONAL = {
+    *("own_effects", "empirical", "notes", "fingerprint", "warnings", "budget", "spread"),
+    *("by_hand", "scatter", "identity", "parents"),
+}
+"""Keys that a record does not have where there is nothing to say; older tables had none of them."""
 
 MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND = 0.0, 1.0, 2.0, 3.0
 """Flags of a cell: with enough blocks, between such cells, beyond them, set by a person."""
@@ -152,8 +154,7 @@ class TyrePosterior:
 
     ``names`` those of `calib.model.parameters.RampParameters`; ``mean`` (k,), ``covariance``
     (k, k). ``scatter`` (k, k) is the part of it by which real pads, tyres and radii are less alike
-    than the mean takes them: no ramp can tell, and a stop that seems to tells of its own road. The
-    record of an older table does not have it.
+    than the mean takes them: no ramp can tell, and a stop that seems to tells of its own road.
     """
 
     names: tuple[str, ...]
@@ -185,8 +186,7 @@ class LogReference:
     """A log of the fit: its name, the SHA-256 of its bytes, its role, and notes of its reader.
 
     ``notes`` say what was resampled or decoded, and how; empty for a log that was used unchanged.
-    ``fingerprint`` tells a copy of the run from another run; the record of an older table does not
-    have it.
+    ``fingerprint`` tells a copy of the run from another run.
     """
 
     name: str
@@ -219,7 +219,7 @@ class Provenance:
 
     ``identity`` of the car at a station: serial number, VIN and the like, see
     `calib.line.station.identity`. ``parents`` versions that it was merged from or derived from, see
-    `calib.store`. The record of a table without them does not have the key.
+    `calib.store`.
     """
 
     logs: tuple[LogReference, ...]
@@ -234,6 +234,73 @@ class Provenance:
 
 
 @dataclass(frozen=True)
+class SetByHand:
+    """``key`` that a person set from ``old`` to ``new``, the ``reason``, and ``by`` whom.
+
+    A key is `pad_friction_f`, `D[1.0025]`: a pad, or a curve in the row of an eta. Only tables of
+    former programs have any.
+    """
+
+    key: str
+    old: float
+    new: float
+    reason: str
+    by: str = ""
+
+    def __str__(self) -> str:
+        by = f", by {self.by}" if self.by else ""
+        return f"{self.key} set by hand to {self.new:.6g} from {self.old:.6g}{by}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class TableBudget:
+    """What the pads and the tyre of a table rest on, by part, see `calib.table.budget`.
+
+    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]: their squares
+    add up to that of its sigma over its value. An estimate goes on from what follows: ``level``
+    variance of the logarithm of the pad level of the ramps [1]; ``posterior`` a share of the
+    covariance of the table's posterior, each positive semidefinite: their sum is that covariance.
+    """
+
+    front: dict[str, float]
+    rear: dict[str, float]
+    level: dict[str, float]
+    posterior: dict[str, tuple[tuple[float, ...], ...]]
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """``between`` standard deviation between cars; ``of_mean`` standard error of their mean.
+
+    ``of_mean`` holds what differs from car to car and from run to run, not what all of them share:
+    vehicle file, track, method. It goes with Student's t of `FleetScatter.freedom`.
+    """
+
+    between: float
+    of_mean: float
+
+
+@dataclass(frozen=True)
+class FleetScatter:
+    """Scatter of ``cars`` cars: of D [1] at the rows of the table's D, and of logarithms [1].
+
+    ``pad_level`` of the brake force of both axles per pressure; ``pad_ratio`` of the pads, front
+    over rear; ``stiffness`` slip stiffness of the tyres.
+    """
+
+    cars: int
+    D: tuple[Scatter, ...]
+    pad_level: Scatter
+    pad_ratio: Scatter
+    stiffness: Scatter
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom of Student's t."""
+        return self.cars - 1
+
+
+@dataclass(frozen=True)
 class Table:
     """A fitted table, without version: the store gives it one.
 
@@ -241,8 +308,7 @@ class Table:
     terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
     [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words;
     ``warnings`` what speaks against it; ``budget`` what the pads rest on; ``spread`` how the cars
-    of a mean table differ; ``by_hand`` what a person set. The record of a table without one of the
-    last four, as older ones are, does not have the key.
+    of a mean table differ; ``by_hand`` what a person set.
     """
 
     name: str
@@ -278,35 +344,20 @@ class Table:
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves (named float columns)."""
         record = asdict(self)
-        # the format of older tables: a vehicle with named effects only, and one term beside it
-        vehicle = record["vehicle"].pop("effects")
-        own = self.vehicle.effects.defined_in
-        if own:
-            record["own_effects"] = {name: asdict(one) for name, one in own.items()}
-        record["vehicle"]["effects"] = vehicle["parameters"]
-        if self.vehicle.motor_odds == Vehicle.motor_odds:  # the format of older tables
+        effects = record["vehicle"].pop("effects")
+        record["vehicle"]["effects"] = effects["parameters"]
+        if self.vehicle.motor_odds == Vehicle.motor_odds:
             del record["vehicle"]["motor_odds"]
+        own = self.vehicle.effects.defined_in
+        record["own_effects"] = {name: asdict(one) for name, one in own.items()}
+        terms = effects["terms"]
+        record["empirical"] = terms[0] if len(terms) == 1 else terms
         record["effects"] = {
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()
         }
-        if vehicle["terms"]:
-            one = len(vehicle["terms"]) == 1
-            record["empirical"] = vehicle["terms"][0] if one else vehicle["terms"]
-        for log in record["provenance"]["logs"]:
-            for key in ("notes", "fingerprint"):
-                if not log[key]:  # the format of older tables: without notes of a reader
-                    del log[key]
-        for key in ("warnings", "budget", "spread", "by_hand"):
-            if not getattr(self, key):  # the format of older tables
-                del record[key]
-        if not self.posterior.scatter:
-            del record["posterior"]["scatter"]
-        for key in ("identity", "parents"):
-            if not getattr(self.provenance, key):
-                del record["provenance"][key]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
-        return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
+        return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
 
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:
@@ -321,3 +372,10 @@ class Table:
     def digest(self) -> str:
         """SHA-256 of the canonical content [hex]."""
         return content_digest(*self.content())
+
+
+def _written(value: Any) -> Any:
+    """A value without the optional keys that say nothing."""
+    if isinstance(value, dict):
+        return {k: _written(v) for k, v in value.items() if v or k not in _OPTIONAL}
+    return [_written(v) for v in value] if isinstance(value, list | tuple) else value

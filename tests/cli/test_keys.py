@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from calib.base.errors import KeyFileError
-from calib.store.minisign_keys import Cost, generate, read_public_key, read_secret_key
+from calib.store.minisign import Cost, generate, read_public_key, read_secret_key
 
 ROOT = Path(__file__).parents[2]
 
@@ -26,7 +26,7 @@ def files(tmp_path):
 def cheap(monkeypatch):
     """Keys whose password takes little time."""
     monkeypatch.setattr(
-        "calib.store.minisign_keys.generate", lambda *files: generate(*files, Cost(2**15, 2**24))
+        "calib.store.minisign.generate", lambda *files: generate(*files, Cost(2**15, 2**24))
     )
 
 

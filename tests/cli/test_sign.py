@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from calib.store.minisign_keys import Cost, locked_file, secret_file
+from calib.store.minisign import Cost, locked_file, secret_file
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.signing import ADA, EVE, set_back

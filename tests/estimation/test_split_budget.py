@@ -18,8 +18,7 @@ from calib.estimation.states import first_state
 from calib.model.resistance import Resistance
 from calib.run.blocks import Blocks
 from calib.run.noise import SensorNoise
-from calib.table.budget import TableBudget
-from calib.table.table import TyrePosterior
+from calib.table.table import TableBudget, TyrePosterior
 from tests.support.reference_car import CAR
 from tests.support.tables import made_table
 from tests.support.textbook_filter import FROM_TABLE, PLACE, first, sensed

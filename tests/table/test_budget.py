@@ -14,9 +14,10 @@ from calib.table.budget import (
     TableBudget,
     advice_lines,
     axle_budget,
+    level_of,
+    pads_budget,
     summary,
 )
-from calib.table.pads_budget import level_of, pads_budget
 from calib.table.table import Value
 from tests.support.tables import made_table
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.table.pad_levels import pad_levels, pad_scale
+from calib.table.budget import pad_levels, pad_scale
 from tests.support.cars_of_a_line import car_table
 from tests.support.tables import VEHICLE
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.run.fingerprint import fingerprint_of
-from calib.table.same import TOLERANCE, inputs, same
+from calib.table.compare import TOLERANCE, inputs, same
 from tests.support.made_runs import made_run
 from tests.support.tables import made_table
 
