@@ -14,8 +14,18 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.line.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION, anova, terms_of
-from calib.line.gauge.gauge_rr import GAUGE, NDC, TOTAL, gauge_rr
+from calib.line.gauge.gauge_rr import (
+    CAR,
+    GAUGE,
+    INTERACTION,
+    NDC,
+    REPEATABILITY,
+    STATION,
+    TOTAL,
+    anova,
+    gauge_rr,
+    terms_of,
+)
 
 GAUGES = {
     # standard deviations of car, station, car by station, repeat
