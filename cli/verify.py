@@ -36,13 +36,13 @@ def verify(
     seen before with this key.
     """
     opened = calib.Store(store)
-    verdicts, signed, note = _trusted(opened, key, name) if key else (opened.verify(name), {}, "")
+    verdicts, note = _trusted(opened, key, name) if key else (opened.verify(name), "")
     unfinished = opened.unfinished()
     sound = all(v.sound for v in verdicts)
     if json:
         rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]
         if key:
-            rows = [{**row, "signed": signed.get(str(row["id"]))} for row in rows]
+            rows = [{**r, "signed": v.signed} for r, v in zip(rows, verdicts, strict=True)]
         emit_json(
             {
                 "schema": 1,
@@ -55,7 +55,7 @@ def verify(
     else:
         table = grid("table", "verdict", fold=True)
         for verdict in verdicts:
-            good = f"sound, {_signature(signed.get(verdict.id))}" if key else "sound"
+            good = f"sound, {_signature(verdict.signed)}" if key else "sound"
             table.add_row(verdict.id, "\n".join(verdict.violations) or good)
         emit(table if verdicts else f"{store} holds no table")
     for path in unfinished:
@@ -68,12 +68,11 @@ def verify(
 
 def _trusted(
     store: "calib.Store", key: str, name: str | None
-) -> "tuple[tuple[StoreVerdict, ...], dict[str, str], str]":
+) -> "tuple[tuple[StoreVerdict, ...], str]":
     from calib.store.minisign import read_public_key
     from calib.store.signature import verify_signed
 
-    found = verify_signed(store, read_public_key(key), name)
-    return found.verdicts, found.signed, found.note
+    return verify_signed(store, read_public_key(key), name)
 
 
 def _signature(state: str | None) -> str:

@@ -87,10 +87,7 @@ class SecretKey:
 
 
 def read_public_key(source: Path | str) -> PublicKey:
-    """Read a public key from a file, or from its word of 56 characters.
-
-    Raises KeyFileError if it cannot be read or is none.
-    """
+    """Read a public key from a file, or from its word. Raises KeyFileError if it is none."""
     kind = _library().PublicKey
     if _WORD.fullmatch(str(source)):
         read, content = kind.from_base64, str(source).encode()
@@ -103,8 +100,8 @@ def read_public_key(source: Path | str) -> PublicKey:
 def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
     """Read a secret key file; ``password`` is called only if the file asks for one.
 
-    Raises KeyFileError if it cannot be read or is none, if it takes more memory than there is, or
-    for a wrong password. No message shows the key or the password.
+    Raises KeyFileError if it is none or takes too much memory, and for a wrong password. No message
+    shows the key or the password.
     """
     kind, content = _library().SecretKey, _content(path)
     with _refused(KeyFileError, path, "a secret key of minisign"):
@@ -119,8 +116,8 @@ def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
 def generate(secret: Path, public: Path, password: str) -> PublicKey:
     """Make a key pair and write it as minisign does; an empty password means none.
 
-    Only its owner can read the file of the ``secret`` key. Raises KeyFileError if a file exists
-    already or cannot be written, or without enough memory. No file is left then.
+    Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file,
+    if one exists already or cannot be written.
     """
     pair = _library().KeyPair.generate()
     key, made = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
@@ -138,10 +135,7 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
 
 @dataclass(frozen=True)
 class Signature:
-    """The ``content`` of a signature file, and the number of the key that made it.
-
-    ``trusted_comment`` is to be believed only after `verify`.
-    """
+    """A signature file; ``trusted_comment`` is to be believed only after `verify`."""
 
     content: bytes
     number: bytes

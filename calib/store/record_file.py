@@ -5,9 +5,7 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from calib.base.digest import canonical_json
-from calib.base.errors import StoreError
-from calib.base.schema import FileSchema, Section, validated_json
+from calib.base.schema import FileSchema, Section
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Axle, Vehicle
@@ -84,16 +82,6 @@ class RecordFile(Section):
     states: Literal["journal.jsonl"] | None = None
 
 
-def from_content(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> Table:
-    """Build the table that `Table.content` described.
-
-    Raises StoreError for another version of the schema and for a part of the record that is
-    missing, unknown or of another type; KeyError or TypeError for one of the curves.
-    """
-    checked = validated_json(canonical_json(record), Record, "record of a table", StoreError)
-    return table_of(checked, curves)
-
-
 def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:
     """Build the table from its record and its curves.
 
@@ -107,17 +95,15 @@ def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:
     terms = record.empirical if isinstance(record.empirical, tuple) else (record.empirical,)
     effects = Effects(record.vehicle.effects, terms, own=record.own_effects)
     parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": effects})
-    parts["effects"] = _with_sigma(record.effects)
+    parts["effects"] = Effects(
+        {effect: {p: v.value for p, v in of.items()} for effect, of in record.effects.items()},
+        sigma={
+            effect: {p: v.sigma for p, v in of.items()} for effect, of in record.effects.items()
+        },
+    )
     return Table(
         **parts,
         difference=DifferenceCurve(**curves["difference"]),
         paper=PaperCurves(**curves["paper"]),
         tyre=TyreCurve(**curves["tyre"]),
-    )
-
-
-def _with_sigma(values: dict[str, dict[str, Value]]) -> Effects:
-    return Effects(
-        {effect: {p: v.value for p, v in named.items()} for effect, named in values.items()},
-        sigma={effect: {p: v.sigma for p, v in named.items()} for effect, named in values.items()},
     )

@@ -25,10 +25,10 @@ _UNSEEN = "an older copy of the store will not be noticed"
 
 @dataclass(frozen=True)
 class Sight:
-    """The newest line of a journal that was seen.
+    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
 
-    ``key`` is the id of the key that it was verified with; ``store`` the hash of the first line;
-    ``place`` the folder of the store; ``head`` and ``lines`` hash and number of the newest line.
+    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
+    folder of the store.
     """
 
     key: str
@@ -52,10 +52,9 @@ class SeenJournals:
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
-        """Compare the journal of the store in ``folder`` with what was seen with a key.
+        """Raise SignatureRefused for an older journal than the one that was seen with a key.
 
-        Raises SignatureRefused for an older journal than the one that was seen, for one that went
-        another way, and for another store than the one that was seen in this place.
+        So for one that went another way, and for another store in the place of the one seen.
         """
         here = _sight(folder, journal, key)
         for seen in (one for one in self.sights if one.key == key):

@@ -18,9 +18,9 @@ from itertools import pairwise
 from pathlib import Path
 
 from calib.base.bounded import TABLE, read_bounded
-from calib.base.errors import DamagedTable, SignatureRefused, StoreError
+from calib.base.errors import DamagedTable, SignatureRefused
 from calib.base.write import write_whole
-from calib.store.folders import NEW, RECORD, SIGNATURE, folder_of, signature_files
+from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
 from calib.store.journal import SIGNED, enter, read_journal, write_journal
 from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
 from calib.store.seen import SeenJournals, recall
@@ -90,25 +90,12 @@ class Signed:
     note: str = ""
 
 
-@dataclass(frozen=True)
-class TrustVerdict:
-    """Result of `verify_signed`.
-
-    ``verdicts`` as `Store.verify`, with what is wrong with signatures; ``signed`` the state in the
-    signature of each version that has one that holds; ``note`` as in `Signed`.
-    """
-
-    verdicts: tuple[StoreVerdict, ...]
-    signed: dict[str, str]
-    note: str
-
-
 def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> Signed:
     """Sign the record and the state of ``name@version``, and enter that in the journal.
 
-    The signature covers the head of the journal before that line. It takes the place of an older
-    one of the same key. The file comes first: it says nothing that is not so, entered or not. If it
-    is not entered, the file is put back as it was.
+    It covers the head of the journal before that line, and takes the place of an older signature of
+    the key. The file comes first: it says nothing that is not so, entered or not; if it is not
+    entered, it is put back as it was.
 
     Raises TableNotFound when there is no such version, DamagedTable when it is damaged; StoreError
     when the store cannot be written; SignatureRefused when its journal does not contain what the
@@ -151,32 +138,30 @@ def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> S
     memory = recall()
     now = store.now()
     memory.check(store.folder, now.journal, public.key_id)
-    found = _held(now, _at_home(now, stored), public)
-    newer = (v for v in now.journal.of(stored.name) if newest and v > stored.version)
-    for version in newer:
-        if _was_signed(now, stored.name, version, public):
+    again = now.load(stored.name, stored.version)
+    if again.record != stored.record:
+        raise DamagedTable("was replaced while it was read", where=stored.id, do="run it again")
+    found = _held(now, again, public)
+    for version in now.journal.of(stored.name) if newest else ():
+        if version > stored.version and _was_signed(now, stored.name, version, public):
             _held(now, now.load(stored.name, version), public)
     return replace(found, note=_keep(now, public, memory))
 
 
-def verify_signed(store: Store, public: PublicKey, name: str | None = None) -> TrustVerdict:
-    """`Store.verify`, and the signatures of a key: every released version must have one.
+def verify_signed(
+    store: Store, public: PublicKey, name: str | None = None
+) -> tuple[tuple[StoreVerdict, ...], str]:
+    """`Store.verify` with the signatures of a key, and a note as in `Signed`.
 
-    So must each version that the key has ever signed, whatever its state. Raises as
+    Every released version must have one, and each that the key has ever signed. Raises as
     `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
     """
     memory = recall()
     verdicts, now = store.verify(name), store.now()
     memory.check(store.folder, now.journal, public.key_id)
-    signed: dict[str, str] = {}
-    found = []
-    for verdict in verdicts:
-        state, flaw = _looked(now, verdict.id, public)
-        signed |= {verdict.id: state} if state else {}
-        flaws = (*verdict.violations, flaw) if flaw else verdict.violations
-        found.append(StoreVerdict(verdict.id, flaws))
+    found = tuple(_with_signature(now, verdict, public) for verdict in verdicts)
     sound = all(verdict.sound for verdict in found)
-    return TrustVerdict(tuple(found), signed, _keep(now, public, memory) if sound else "")
+    return found, _keep(now, public, memory) if sound else ""
 
 
 def key_ids(stored: Stored) -> tuple[str, ...]:
@@ -207,19 +192,18 @@ def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bo
     return entered or bool(_of_key(now.folder / name, version, public))
 
 
-def _looked(now: Snapshot, id_: str, public: PublicKey) -> tuple[str, str]:
-    """The state in the signature of a version, "" without one; and what is wrong with it."""
-    name, _, number = id_.partition("@")
-    try:
-        stored = now.load(name, int(number))
-    except StoreError:
-        return "", ""  # `Store.verify` says why
+def _with_signature(now: Snapshot, verdict: StoreVerdict, public: PublicKey) -> StoreVerdict:
+    name, _, number = verdict.id.partition("@")
+    stored = now.entry(name, int(number)).stored
+    if not stored:
+        return verdict  # which says why
     if not stored.state.released and not _was_signed(now, name, stored.version, public):
-        return "", ""
+        return verdict
     try:
-        return _held(now, stored, public).statement.state, ""
+        return replace(verdict, signed=_held(now, stored, public).statement.state)
     except SignatureRefused as error:
-        return "", error.what if error.where == stored.id else f"{error.where}: {error.what}"
+        flaw = error.what if error.where == stored.id else f"{error.where}: {error.what}"
+        return replace(verdict, violations=(*verdict.violations, flaw))
 
 
 def _held(now: Snapshot, stored: Stored, public: PublicKey) -> Signed:
@@ -336,19 +320,3 @@ def _keep(now: Snapshot, public: PublicKey, memory: SeenJournals) -> str:
     """Look at the signatures of the whole store, and keep what was seen; returns a note."""
     _check_anchors(now, public)
     return memory.keep(now.folder, now.journal, public.key_id)
-
-
-def _at_home(now: Snapshot, stored: Stored) -> Stored:
-    """The version in its place in the store, which must be what was loaded."""
-    path = stored.path
-    home = (path.parent.name, path.name.removeprefix(NEW))
-    if home != (stored.name, folder_of(stored.version)):
-        raise SignatureRefused(
-            "is not in its place in a store, so that no signature and no journal tells of it",
-            where=path,
-            expected=f"{stored.id} by its name, with --store",
-        )
-    again = now.load(stored.name, stored.version)
-    if again.record != stored.record:
-        raise DamagedTable("was replaced while it was read", where=stored.id, do="run it again")
-    return again

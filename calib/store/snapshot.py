@@ -130,7 +130,7 @@ class Snapshot:
         raise TableNotFound(
             f"no version {version!r} of {name!r}",
             where=self.folder,
-            expected="one of " + ", ".join(map(str, self.versions(name))),
+            expected="one of " + ", ".join(map(str, known)),
         )
 
     def load(self, name: str, version: int) -> Stored:

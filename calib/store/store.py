@@ -48,10 +48,14 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreVerdict:
-    """Result of `verify` for one version: its violations in words, none when it is sound."""
+    """Result of `verify` for one version: its violations in words, none when it is sound.
+
+    ``signed``: the state in its signature, where a key was given and one holds.
+    """
 
     id: str
     violations: tuple[str, ...]
+    signed: str | None = None
 
     @property
     def sound(self) -> bool:
@@ -86,9 +90,8 @@ class Store:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
         ``decision`` gives its state; without one a new version is a draft, and one that was there
-        keeps its state. Raises StoreError when the name is not valid, the table is not sound, the
-        state may not follow that of the version, or the store cannot be written; the store is then
-        not changed.
+        keeps its state. Raises StoreError, and changes nothing, when the name is not valid, the
+        table is not sound, its state may not follow, or the store cannot be written.
         """
         _require_storable(table)
         with self._writing() as now:
@@ -98,10 +101,7 @@ class Store:
             return self._added(table, decision or StateDecision(), now)
 
     def foreseen(self, table: Table, decision: StateDecision) -> Stored:
-        """What `save` will return if no other writer adds a version before; writes nothing.
-
-        Raises StoreError as `save` does.
-        """
+        """What `save` will return if no other writer adds a version before. Raises as `save`."""
         _require_storable(table)
         with self._reading() as now:
             now = _with_older(now)
@@ -123,19 +123,14 @@ class Store:
         return replace(made, state=state)
 
     def judge(self, reference: str, decision: StateDecision) -> Stored:
-        """Change the state of ``name@version``.
-
-        Raises TableNotFound when there is no such version, DamagedTable when it is damaged,
-        StoreError when the state may not follow the present one or the store cannot be written.
-        """
+        """Change the state of ``name@version``. Raises TableNotFound, DamagedTable, StoreError."""
         with self.changing(reference) as (now, stored):
             return self._judged(stored, decision, now)
 
     def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
         """Withdraw a version whose folder is gone, so that `verify` no longer counts it as missing.
 
-        Returns False, and does nothing, where the folder is there. Raises TableNotFound when there
-        never was such a version, StoreError when the store cannot be written.
+        Returns False, and does nothing, where the folder is there. Raises as `judge`.
         """
         name, _, version = reference.partition("@")
         before = self.now()
@@ -156,24 +151,19 @@ class Store:
         """Read and verify a table, to look at it or to judge it.
 
         ``name`` is its newest version that is neither rejected nor withdrawn, ``name@version`` that
-        version whatever its state, or a path to a version. Raises TableNotFound when there is none,
-        StoreError when no version of the name may be meant, DamagedTable when it does not agree
-        with its digests or with the journal.
+        version whatever its state, or a path to a version. Raises TableNotFound, DamagedTable;
+        StoreError when no version of the name may be meant.
         """
         return self._find(reference, released=False)
 
     def released(self, reference: str) -> Stored:
-        """Read and verify a table, to hand it out or to measure others by it.
-
-        As `load`, but ``name`` is its newest released version.
-        """
+        """`load` to hand out or to measure others by: ``name`` is its newest released version."""
         return self._find(reference, released=True)
 
     def journal(self, name: str | None = None) -> Journal:
-        """The journal, of the whole store; with the versions that are older than it.
+        """The journal of the whole store, with the versions that are older than it.
 
-        Raises TableNotFound when there is no store, or no table ``name``; DamagedTable when the
-        journal was changed.
+        Raises TableNotFound when there is no store, or no table ``name``; DamagedTable.
         """
         with self._reading() as now:
             if name is not None:
@@ -186,10 +176,7 @@ class Store:
             return now
 
     def list(self) -> tuple[StoreEntry, ...]:
-        """Every version in the store, by name and version.
-
-        Raises TableNotFound when there is no store, StoreError when it cannot be read.
-        """
+        """Every version in the store, by name and version. Raises as `journal`."""
         with self._reading() as now:
             return tuple(now.entry(name, v) for name in now.names for v in now.versions(name))
 
@@ -197,8 +184,7 @@ class Store:
         """Compare versions with digests, invariants and journal, of one table or of all.
 
         One verdict per version that is or ever was, and one for each that the journal does not
-        know. Raises TableNotFound when there is no store, or no table of that name; DamagedTable
-        when the journal cannot be trusted.
+        know. Raises as `journal`.
         """
         with self._reading() as now:
             names = {*now.names, *names_in(self.folder)} if name is None else {now.known(name)}

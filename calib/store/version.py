@@ -35,11 +35,10 @@ _CURVES = ("difference", "paper", "tyre")
 
 @dataclass(frozen=True)
 class Stored:
-    """A table with its address.
+    """A table with its address; ``digest`` is that of its content.
 
-    ``digest`` is that of its content, ``path`` its directory, ``record`` the SHA-256 of its record
-    file; ``journaled`` whether that file names a journal; ``existed`` whether `Store.save` found it
-    there already.
+    ``record`` SHA-256 of its record file; ``journaled`` whether that file names a journal;
+    ``existed`` whether `Store.save` found it there already.
     """
 
     table: Table

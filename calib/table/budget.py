@@ -1,20 +1,7 @@
 """What an interval is made of: the variance of a pad friction, split by what is not known.
 
-    mass           of the car with its load
-    resistance     drag and rolling resistance
-    accelerometer  its scale and offset
-    tyres          stiffness, curve, load exponent, front against rear, surface
-    zeros          radii at rest, as the lead-in gives them; clock of v
-    load_geometry  radius under load, load that the body moves late
-    unlike_pads    whether they changed since the ramp, and front against rear
-    cars           how cars of one model differ: in a table that is the mean of several
-    ramp           what an older table left open and does not split
-    motor          one that may have braked along and is not logged: of a stop
-    delay          brakes that follow late, while the pressure moves: of a stop
-    noise          sensors, road, what no tyre curve follows
-
-Not counted: the centre of gravity, areas and radii of the brakes, which are taken as the vehicle
-file has them.
+The page `validation` of the manual says what each part holds. Not counted: the centre of gravity,
+areas and radii of the brakes, which are taken as the vehicle file has them.
 """
 
 import math
@@ -130,8 +117,8 @@ def summary(front: AxleBudget, rear: AxleBudget) -> dict[str, object]:
 def pads_budget(table: Table) -> tuple[AxleBudget, AxleBudget]:
     """Budgets of the front and the rear pads of the ramps.
 
-    The sum of the parts is the square of sigma over value of `Calibration.pad_friction_f`, `_r`. A
-    table without a budget says how much is open, and nothing of it but the mass.
+    Their parts add up to the square of sigma over value of each. A table without a budget says how
+    much is open, and nothing of it but the mass.
     """
     cal = table.calibration
     if table.budget is not None:
@@ -164,8 +151,7 @@ def axle_budgets(
 def level_of(table: Table) -> Parts:
     """Variance of the logarithm of the pad level of the ramps [1] by part.
 
-    It is that of the sum of forces: the ratio of the pads has no part in it. Of a table without a
-    budget only the mass is known.
+    It is that of the sum of forces: the ratio of the pads has no part in it.
     """
     if table.budget is not None:
         return table.budget.level

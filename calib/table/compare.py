@@ -110,21 +110,15 @@ class Difference:
 
 def diff(a: Table, b: Table) -> Difference:
     """Compare two tables: curves on their common axis, linearly between rows; records by key."""
-    pairs = {
-        name: (first, second) for (name, first), (_, second) in zip(_axes(a), _axes(b), strict=True)
-    }
-    gaps = {name: _gap(name, first, second) for name, (first, second) in pairs.items()}
+    theirs = _axes(b)
+    gaps = {name: _gap(name, first, theirs[name]) for name, first in _axes(a).items()}
+    pads = vars(b.calibration)
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
-        values=_values(a, b),
+        values=tuple(_value_gap(name, x, pads[name]) for name, x in vars(a.calibration).items()),
         changes=_changes(a, b),
     )
-
-
-def _values(a: Table, b: Table) -> tuple[ValueGap, ...]:
-    ours, theirs = vars(a.calibration), vars(b.calibration)
-    return tuple(_value_gap(name, ours[name], theirs[name]) for name in ours)
 
 
 def _value_gap(name: str, a: Value, b: Value) -> ValueGap:
@@ -133,15 +127,15 @@ def _value_gap(name: str, a: Value, b: Value) -> ValueGap:
     return ValueGap(name, a.value, b.value, far)
 
 
-def _axes(table: Table) -> list[tuple[str, tuple[Array, Array, Array]]]:
-    """Name, and axis, value, 95 % half-width of each curve."""
+def _axes(table: Table) -> dict[str, tuple[Array, Array, Array]]:
+    """Axis, value and 95 % half-width of each curve."""
     d, p, g = table.difference, table.paper, table.tyre
-    return [
-        ("D", (d.eta, d.D, (d.upper - d.lower) / 2)),
-        ("f1", (p.eta, p.f1, (p.f1_upper - p.f1_lower) / 2)),
-        ("f2", (p.eta, p.f2, (p.f2_upper - p.f2_lower) / 2)),
-        ("g", (g.slip, g.force, (g.upper - g.lower) / 2)),
-    ]
+    return {
+        "D": (d.eta, d.D, (d.upper - d.lower) / 2),
+        "f1": (p.eta, p.f1, (p.f1_upper - p.f1_lower) / 2),
+        "f2": (p.eta, p.f2, (p.f2_upper - p.f2_lower) / 2),
+        "g": (g.slip, g.force, (g.upper - g.lower) / 2),
+    }
 
 
 def _gap(
@@ -156,42 +150,30 @@ def _gap(
     gap = np.interp(x, b[0], b[1]) - np.interp(x, a[0], a[1])
     band = np.hypot(np.interp(x, a[0], a[2]), np.interp(x, b[0], b[2]))
     worst = int(np.argmax(np.abs(gap)))
+    square = (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
+    differs = gap != 0.0  # at eta = 1 both gap and band are zero
+    over = np.full_like(gap, math.inf)
+    np.divide(np.abs(gap), band, out=over, where=band > 0.0)
     return CurveGap(
         curve=name,
         start=float(start),
         end=float(end),
         largest=float(gap[worst]),
         at=float(x[worst]),
-        rms=_rms(x, gap),
-        in_bands=_in_bands(gap, band),
+        rms=float(np.sqrt(np.sum(square * np.diff(x)) / (x[-1] - x[0]))),
+        in_bands=float(np.max(over, initial=0.0, where=differs)),
     )
-
-
-def _rms(x: Array, y: Array) -> float:
-    """Root mean square over x of the straight lines through (x, y); exact on any spacing."""
-    square = (y[:-1] ** 2 + y[:-1] * y[1:] + y[1:] ** 2) / 3.0
-    return float(np.sqrt(np.sum(square * np.diff(x)) / (x[-1] - x[0])))
-
-
-def _in_bands(gap: Array, band: Array) -> float:
-    differs = gap != 0.0  # at eta = 1 both gap and band are zero
-    if not np.any(differs):
-        return 0.0
-    if np.any(band[differs] == 0.0):
-        return float("inf")
-    return float(np.max(np.abs(gap[differs]) / band[differs]))
 
 
 def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
     first, second = _flat(_record(a)), _flat(_record(b))
-    changes: dict[str, list[RecordChange]] = {}
+    changes: dict[str, tuple[RecordChange, ...]] = {}
     for key in sorted({*first, *second}):
         if first.get(key) != second.get(key):
             section, _, rest = key.partition(".")
-            changes.setdefault(section, []).append(
-                RecordChange(rest or section, first.get(key), second.get(key))
-            )
-    return {section: tuple(found) for section, found in changes.items()}
+            one = RecordChange(rest or section, first.get(key), second.get(key))
+            changes[section] = (*changes.get(section, ()), one)
+    return changes
 
 
 def _record(table: Table) -> dict[str, Any]:

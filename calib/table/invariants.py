@@ -20,15 +20,13 @@ _TOLERANCE = 1e-9
 
 _FLAGS = (MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND)
 
-_DIGEST = re.compile(r"[0-9a-f]{64}")
-
 
 def violations(table: Table) -> tuple[str, ...]:
     """Return every way in which ``table`` is not sound; empty when it is."""
     shapes = tuple(_shapes(table))
     if shapes:  # the next checks need columns of equal length
         return shapes
-    checks = (_finite, _axes, _bands, _flags, _zero, _constraint, _covariance, _parents, _spread)
+    checks = (_finite, _axes, _flags, _zero, _constraint, _covariance, _parents, _spread)
     return tuple(flaw for check in checks for flaw in check(table))
 
 
@@ -68,25 +66,16 @@ def _finite(table: Table) -> Iterator[str]:
 
 
 def _axes(table: Table) -> Iterator[str]:
-    axes = {
-        "difference.eta": table.difference.eta,
-        "paper.eta": table.paper.eta,
-        "tyre.slip": table.tyre.slip,
-    }
-    for name, axis in axes.items():
+    d, p, g = table.difference, table.paper, table.tyre
+    for name, axis in (("difference.eta", d.eta), ("paper.eta", p.eta), ("tyre.slip", g.slip)):
         if not np.all(np.diff(axis) > 0.0):
             yield f"{name}: does not increase from row to row"
-
-
-def _bands(table: Table) -> Iterator[str]:
-    d, p, g = table.difference, table.paper, table.tyre
-    bands = {
-        "difference.D": (d.lower, d.D, d.upper),
-        "paper.f1": (p.f1_lower, p.f1, p.f1_upper),
-        "paper.f2": (p.f2_lower, p.f2, p.f2_upper),
-        "tyre.force": (g.lower, g.force, g.upper),
-    }
-    for name, (lower, middle, upper) in bands.items():
+    for name, lower, middle, upper in (
+        ("difference.D", d.lower, d.D, d.upper),
+        ("paper.f1", p.f1_lower, p.f1, p.f1_upper),
+        ("paper.f2", p.f2_lower, p.f2, p.f2_upper),
+        ("tyre.force", g.lower, g.force, g.upper),
+    ):
         if not np.all((lower <= middle + 1e-12) & (middle <= upper + 1e-12)):
             yield f"{name}: outside its own 95 % band"
 
@@ -146,12 +135,12 @@ def _psd(name: str, matrix: Array) -> Iterator[str]:
 
 
 def _parents(table: Table) -> Iterator[str]:
-    for log in table.provenance.logs:
-        if not _DIGEST.fullmatch(log.digest):
-            yield f"provenance: the digest of {log.name} is not a SHA-256"
-    for parent in table.provenance.parents:
-        if not _DIGEST.fullmatch(parent.digest):
-            yield f"provenance: the digest of {parent.id} is not a SHA-256"
+    origin = table.provenance
+    digests = [(log.name, log.digest) for log in origin.logs]
+    digests += [(parent.id, parent.digest) for parent in origin.parents]
+    for name, digest in digests:
+        if not re.fullmatch(r"[0-9a-f]{64}", digest):
+            yield f"provenance: the digest of {name} is not a SHA-256"
 
 
 def _spread(table: Table) -> Iterator[str]:

@@ -1,8 +1,7 @@
 """The look-up table as a value: three look-ups, their origin and their uncertainty.
 
-A table is plain data. ``content`` gives it as one JSON-able record and named float columns; a
-version of a store holds both, see `calib.store.version`. The digest is over that canonical content,
-so it does not depend on how a file format packs it.
+`Table.content` gives it as one JSON-able record and named float columns. The digest is over that
+canonical content, so it does not depend on how a file format packs it.
 
     record  {schema, name, vehicle, calibration, posterior, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
@@ -42,10 +41,10 @@ MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND = 0.0, 1.0, 2.0, 3.0
 
 @dataclass(frozen=True)
 class DifferenceCurve:
-    """D(eta) with D(1) = 0, on the branch where eta rises.
+    """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
 
-    ``eta`` [1]; ``D`` = F_f - F_r [1]; ``lower``, ``upper`` 95 % band [1]; ``count`` of blocks in
-    the cell; ``flag`` MEASURED, INTERPOLATED, EXTRAPOLATED or BY_HAND. Shapes (n,).
+    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` MEASURED,
+    INTERPOLATED, EXTRAPOLATED or BY_HAND.
     """
 
     eta: Array
@@ -64,11 +63,10 @@ class DifferenceCurve:
 
 @dataclass(frozen=True)
 class PaperCurves:
-    """f1(eta) and f2(eta) of Fig. 6, on the branch where they are single-valued.
+    """f1, f2 of (11), (12) and Fig. 6 over eta, where they are single-valued. Shapes (n,), all [1].
 
-    ``eta`` [1]; ``z`` deceleration of the ramp at that eta [1]; ``f1``, ``f2`` of (11), (12) [1],
-    with their 95 % bands; ``count``, ``flag`` as in `DifferenceCurve`. (18) holds in every row.
-    Shapes (n,).
+    ``z`` deceleration of the ramp at that eta; the rest as in `DifferenceCurve`. (18) holds in
+    every row.
     """
 
     eta: Array
@@ -135,11 +133,10 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Pad parameters estimated from the ramps.
+    """Pads from the ramps [1], against the vehicle file.
 
-    ``pad_scale`` common factor on the nominal pad friction, from the sum of forces;
-    ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value; ``pad_friction_f``,
-    ``pad_friction_r`` [1].
+    ``pad_scale`` common factor, from the sum of forces; ``pad_log_ratio`` ln of (mu_f/mu_r) over
+    its nominal value; ``pad_friction_f``, ``pad_friction_r``.
     """
 
     pad_scale: Value
@@ -163,16 +160,16 @@ class TyrePosterior:
     scatter: tuple[tuple[float, ...], ...] = ()
 
     def value(self, name: str) -> float:
-        """Mean of a parameter. Raises ValueError if there is none of this name."""
+        """Mean of a parameter. Raises ValueError for an unknown one, as those below."""
         return self.mean[self.names.index(name)]
 
     def variance(self, name: str) -> float:
-        """Variance of a parameter. Raises ValueError if there is none of this name."""
+        """Variance of a parameter."""
         at = self.names.index(name)
         return self.covariance[at][at]
 
     def sigma(self, name: str) -> float:
-        """Standard deviation of a parameter. Raises ValueError if there is none of this name."""
+        """Standard deviation of a parameter."""
         return math.sqrt(self.variance(name))
 
     @property
@@ -183,10 +180,10 @@ class TyrePosterior:
 
 @dataclass(frozen=True)
 class LogReference:
-    """A log of the fit: its name, the SHA-256 of its bytes, its role, and notes of its reader.
+    """A log of the fit; ``digest`` SHA-256 of its bytes.
 
-    ``notes`` say what was resampled or decoded, and how; empty for a log that was used unchanged.
-    ``fingerprint`` tells a copy of the run from another run.
+    ``notes`` of its reader: what was resampled or decoded, and how. ``fingerprint`` tells a copy of
+    the run from another run.
     """
 
     name: str
@@ -215,11 +212,9 @@ class TableReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Parents of a table: logs, settings, program version.
+    """Where a table comes from; ``identity`` of the car: serial number, VIN and the like.
 
-    ``identity`` of the car at a station: serial number, VIN and the like, see
-    `calib.line.station.identity`. ``parents`` versions that it was merged from or derived from, see
-    `calib.store`.
+    ``parents`` versions that it was merged from.
     """
 
     logs: tuple[LogReference, ...]
