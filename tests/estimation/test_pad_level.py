@@ -121,6 +121,7 @@ def test_knows_nothing_of_the_future(cut, seed):
     assert np.array_equal(before.sigma[:cut], after.sigma[:cut], equal_nan=True)
 
 
+@settings(max_examples=15)
 @given(st.floats(0.3, 1.5), st.floats(0.1, 10.0))
 def test_scales_with_the_pads_and_not_with_the_unit(level, unit):
     demanded, nominal, active = braking(level=level, noise=0.0)

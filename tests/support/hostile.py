@@ -464,7 +464,7 @@ CASES: list[Case] = [
     ),
     Case("SYM with a text of 4 MB", 3, described_by("a.sym", SYM_TEXT)),
     Case("DBC with a text of 4 MB", 3, described_by("a.dbc", DBC_TEXT)),
-    Case("DBC of 100,000 signals", 3, described_by("a.dbc", DBC_SIGNALS)),
+    Case("DBC of 100,000 signals", 3, described_by("a.dbc", DBC_SIGNALS), large=True),
     Case("DBC of another grammar", 3, on_bus("a.dbc", b"BO_ 1 \n\nx\r\ny")),
     bytes_case(
         "controls in a header, check", "a.csv", header(f"{TERMINAL} [bar]"), ["check", "a.csv"], 0

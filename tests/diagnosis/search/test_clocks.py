@@ -32,10 +32,12 @@ def over_a_bus(case: HiddenCase, messages: dict[str, Message]) -> Diagnosis:
     return diagnose(case.vehicle, logs[:split], logs[split:])
 
 
+@pytest.mark.slow
 def test_a_car_that_lacks_nothing_has_no_gap_with_channels_that_are_sent_seldom():
     assert over_a_bus(draw("none", 4404), SELDOM).verdict == "no_gap"
 
 
+@pytest.mark.slow
 def test_channels_that_are_late_are_named_as_that_together():
     found = over_a_bus(draw("none", 4402), LATE)
     assert found.verdict == "named"
