@@ -7,7 +7,6 @@ vehicle file, the track, the method) is in every one of them and in their mean.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from itertools import combinations
 
 import numpy as np
@@ -16,10 +15,11 @@ from calib.base.errors import RevisionError
 from calib.base.program import PROGRAM
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
-from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
+from calib.car.vehicle import NOT_OF_THE_CAR
 from calib.store.mean_curves import mean_curves
 from calib.store.mean_pads import inflated, mean_pads
 from calib.store.version import Stored
+from calib.table.compare import changes
 from calib.table.table import Array, FleetScatter, Provenance, Scatter, Table, TableReference
 
 _LEAST = ("deceleration_max", "eta_peak_is_real")
@@ -192,16 +192,15 @@ def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
         if a.digest == b.digest:
             yield f"{a.id} was given twice" if a.id == b.id else f"{a.id} and {b.id} are the same"
             continue
-        if same := [
-            m for m in _CAR_MARKS if _identity(a, m) and _identity(a, m) == _identity(b, m)
-        ]:
-            yield (
-                f"{a.id} and {b.id} are of one car ({same[0]} {_identity(a, same[0])}), which "
-                "would count as two; give one of them, or fit its ramps together"
-            )
+        for mark in _CAR_MARKS:
+            if _identity(a, mark) and _identity(a, mark) == _identity(b, mark):
+                yield (
+                    f"{a.id} and {b.id} are of one car ({mark} {_identity(a, mark)}), which would "
+                    "count as two; give one of them, or fit its ramps together"
+                )
         if logs := sorted(_ramps(a.table) & _ramps(b.table)):
             yield f"{a.id} and {b.id} are made of the same ramp {logs[0][0]}"
-        if differ := list(_differ(a.table.vehicle, b.table.vehicle)):
+        if differ := _differ(a.table, b.table):
             yield f"{a.id} and {b.id} are of different vehicles: {', '.join(differ[:4])}"
         elif a.table.posterior.names != b.table.posterior.names:
             yield f"{a.id} and {b.id} have other tyre parameters; fit the older one again"
@@ -216,23 +215,10 @@ def _ramps(table: Table) -> set[tuple[str, str]]:
     return {(log.name, log.digest) for log in table.provenance.logs if log.role == "ramp"}
 
 
-def _differ(a: Vehicle, b: Vehicle) -> Iterator[str]:
-    """What differs but the name and what is open about the car."""
-    first, second = (_flat(asdict(vehicle)) for vehicle in (a, b))
-    for key in sorted({*first, *second} - {"name", *NOT_OF_THE_CAR}):
-        if first.get(key) != second.get(key):
-            yield f"{key} {_shown(first.get(key))} and {_shown(second.get(key))}"
-
-
-def _flat(values: dict[str, object], path: str = "") -> dict[str, object]:
-    out: dict[str, object] = {}
-    for key, value in values.items():
-        if isinstance(value, dict):
-            out |= _flat(value, f"{path}{key}.")
-        else:
-            out[path + key] = value
-    return out
-
-
-def _shown(value: object) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+def _differ(a: Table, b: Table) -> list[str]:
+    """What differs of the vehicles but the name and what is open about the car."""
+    if a.vehicle == b.vehicle:
+        return []
+    found = changes(a, b)
+    of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in found.get(part, ())]
+    return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *NOT_OF_THE_CAR)]

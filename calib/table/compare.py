@@ -117,7 +117,7 @@ def diff(a: Table, b: Table) -> Difference:
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
         values=tuple(_value_gap(name, x, pads[name]) for name, x in vars(a.calibration).items()),
-        changes=_changes(a, b),
+        changes=changes(a, b),
     )
 
 
@@ -165,15 +165,16 @@ def _gap(
     )
 
 
-def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
+def changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
+    """The keys of two records that differ, by section."""
     first, second = _flat(_record(a)), _flat(_record(b))
-    changes: dict[str, tuple[RecordChange, ...]] = {}
+    found: dict[str, tuple[RecordChange, ...]] = {}
     for key in sorted({*first, *second}):
         if first.get(key) != second.get(key):
             section, _, rest = key.partition(".")
             one = RecordChange(rest or section, first.get(key), second.get(key))
-            changes[section] = (*changes.get(section, ()), one)
-    return changes
+            found[section] = (*found.get(section, ()), one)
+    return found
 
 
 def _record(table: Table) -> dict[str, Any]:
