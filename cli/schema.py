@@ -102,7 +102,7 @@ def _table() -> "type[Section]":
 
 
 def _summary() -> "type[Section]":
-    from calib.store.evidence_file import SummaryFile
+    from calib.store.record_file import SummaryFile
 
     return SummaryFile
 

@@ -1,4 +1,4 @@
-"""The record of a stored table as a JSON file, and the table built from it."""
+"""JSON files of a store: the record of a table, and the summary of a validation as evidence."""
 
 from dataclasses import fields
 from typing import Any, Literal
@@ -80,6 +80,27 @@ class RecordFile(Section):
     files: dict[str, str]
     record: Record
     states: Literal["journal.jsonl"] | None = None
+
+
+class LogOutcome(Section):
+    """A log that was validated."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    log: str
+    role: str
+    verdict: str
+
+
+class SummaryFile(FileSchema):
+    """The `summary.json` of a validation of one version of a table."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    table: str
+    digest: str | None = None
+    verdict: Literal["passed", "failed"]
+    logs: list[LogOutcome]
 
 
 def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:

@@ -188,8 +188,8 @@ def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bo
     With the line in the journal a signature that was taken away is missed.
     """
     history = now.journal.of(name).get(version, ())
-    entered = any(entry.event == SIGNED and entry.key == public.key_id for entry in history)
-    return entered or bool(_of_key(now.folder / name, version, public))
+    told = any(entry.event == SIGNED and entry.key == public.key_id for entry in history)
+    return told or bool(_of_key(now.folder / name, version, public))
 
 
 def _with_signature(now: Snapshot, verdict: StoreVerdict, public: PublicKey) -> StoreVerdict:

@@ -293,13 +293,6 @@ def test_a_journal_that_is_missing_is_refused(three, gone):
         three.save(made_table(30.0))
 
 
-def test_a_record_with_a_key_given_twice_is_refused(three):
-    record = three.folder / "sedan" / "v0003" / "record.json"
-    record.write_text(record.read_text().replace('"version": 3', '"version": 3, "version": 3'))
-    with pytest.raises(DamagedTable):
-        three.load("sedan@3")
-
-
 def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
     """Killed before each change of the disk; the state machine and a study do more."""
     reject = replace(REJECT, verdict="failed")
