@@ -87,11 +87,6 @@ def test_a_drag_is_named_and_the_truth_is_not_read(told):
     assert [effect.name for effect in told[0].effects] == ["aerodynamic_drag"]
 
 
-@pytest.mark.slow
-def test_progress_changes_nothing(drag, told):
-    assert to_dict(told[0]) == to_dict(answer(drag))
-
-
 def test_two_effects_at_once():
     case = draw("double", 13, names=("rolling_resistance", "hydraulic_delay"), severity=1)
     found = answer(case)

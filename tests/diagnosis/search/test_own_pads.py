@@ -66,14 +66,6 @@ def test_an_effect_is_named_beside_pads_of_each_log():
     assert to_dict(found)["log_pads"].keys() == set(logs)
 
 
-@pytest.mark.slow
-def test_nothing_hidden_is_no_gap_beside_pads_of_each_log():
-    case = draw("unlike", 3, names=("mass_error",), severity=0)
-    found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
-    assert found.verdict == "no_gap"
-    assert found.own_pads
-
-
 def explained_with(pads):
     """Ten logs with other temperatures, and these pads (10, 2) of their own [1]."""
     rng = np.random.default_rng(2)
