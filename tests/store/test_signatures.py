@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import calib.store.journal
@@ -95,6 +95,7 @@ LINE = (
 )
 
 
+@settings(max_examples=30)
 @given(STATEMENTS)
 def test_a_statement_comes_back_from_its_line(statement):
     assert SEDAN.line == LINE
