@@ -1,4 +1,4 @@
-"""Errors as JSON, see `calib.base.schema`."""
+"""Errors as JSON, see `calib.base.record`."""
 
 from typing import Any
 

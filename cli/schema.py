@@ -9,7 +9,7 @@ from cli.console import emit, emit_json
 from cli.options import Json, example
 
 if TYPE_CHECKING:
-    from calib.base.schema import Section
+    from calib.base.record import Section
 
 EPILOG = example("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
 
@@ -44,7 +44,7 @@ def schema(
     if name is None:
         _list(json)
     elif name in SCHEMAS:
-        from calib.base.schema import json_schema
+        from calib.base.record import json_schema
 
         emit_json(json_schema(SCHEMAS[name][1]()))
     elif name in documents():
@@ -108,13 +108,13 @@ def _summary() -> "type[Section]":
 
 
 def _vehicle_facts() -> "type[Section]":
-    from calib.car.facts_file import VehicleFactsFile
+    from calib.car.follows import VehicleFactsFile
 
     return VehicleFactsFile
 
 
 def _error() -> "type[Section]":
-    from calib.base.schema import ErrorFile
+    from calib.base.record import ErrorFile
 
     return ErrorFile
 

@@ -38,9 +38,8 @@ def init(
     unit has the unit of the question. Ctrl+C ends it without a file.
     """
     from calib.base.write import write_whole
-    from calib.car.keys import REFERENCE
+    from calib.car.keys import REFERENCE, vehicle_text
     from calib.car.plausible import plausible
-    from calib.car.template import vehicle_text
     from calib.car.vehicle_file import read_vehicle
 
     _check_usage(file, start, force)
@@ -58,8 +57,7 @@ def init(
 
 
 def _check_usage(file: Path, start: str | None, force: bool) -> None:
-    from calib.car.keys import REFERENCE
-    from calib.car.template import vehicle_text
+    from calib.car.keys import REFERENCE, vehicle_text
 
     refuse_folder(file, FILE)
     unedited = vehicle_text(REFERENCE).encode()
@@ -98,7 +96,7 @@ def _asked() -> Mapping[str, str]:
 def _one(key: "VehicleKey", before: Mapping[str, str]) -> str:
     """One answer; what cannot be used is asked again."""
     from calib.base.errors import VehicleError
-    from calib.car.template import answered, default_of
+    from calib.car.keys import answered, default_of
 
     label = f"{key.name} in {key.unit}" if key.unit not in ("", "1") else key.name
     while True:

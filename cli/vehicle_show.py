@@ -41,8 +41,7 @@ def show(
     if picture is not None:
         refuse_no_picture(picture, force, PLOT)
         refuse_overwriting([picture], [], [file], PLOT)
-    from calib.car.facts_file import facts_document
-    from calib.car.follows import what_follows
+    from calib.car.follows import facts_document, what_follows
     from calib.car.plausible import plausible
     from calib.car.vehicle_file import read_vehicle
 

@@ -72,7 +72,7 @@ class BrakeCalError(Exception):
         return "_".join(words).lower()
 
     def to_dict(self) -> dict[str, object]:
-        """The error as plain data, see `calib.base.schema`."""
+        """The error as plain data, see `calib.base.record`."""
         return {
             "kind": self.kind,
             "message": str(self),

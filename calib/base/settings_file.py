@@ -24,8 +24,8 @@ from typing import Annotated
 from pydantic import BeforeValidator
 
 from calib.base.errors import SettingsError
-from calib.base.schema import FileSchema, Section, read_toml
-from calib.base.schema_errors import shown, wrong
+from calib.base.record import FileSchema, Section, read_toml
+from calib.base.record_errors import shown, wrong
 from calib.base.settings import Settings, is_key
 
 

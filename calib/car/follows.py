@@ -1,11 +1,18 @@
-"""What follows from a vehicle file: loads, torque per pressure, distribution, first lock."""
+"""What follows from a vehicle file: loads, torque per pressure, distribution, first lock.
+
+Also the document of `brake-cal vehicle show --json`, with its schema.
+"""
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from pydantic import ConfigDict, Field
 
 from calib.base.names import G
+from calib.base.record import FileSchema, Section
+from calib.base.warning import to_dict
 from calib.car.bias import (
     force_per_pressure,
     friction_used,
@@ -15,13 +22,15 @@ from calib.car.bias import (
     pressure_per_g,
 )
 from calib.car.forces import axle_loads, front_biased_up_to
+from calib.car.plausible import plausible
 from calib.car.vehicle import Axle, Vehicle
 
 DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
 """Rows of the distribution [g]."""
-FRICTIONS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+FRICTIONS = DECELERATIONS
 """Roads of the first lock [1], from ice to dry asphalt."""
 HALF_G = 0.5
+BAR = 1e5
 
 
 @dataclass(frozen=True)
@@ -93,6 +102,35 @@ class VehicleFacts:
     first_lock: tuple[FirstLock, ...]
 
 
+class WarningEntry(Section):
+    """A figure outside its usual range; a bound that is not there is null."""
+
+    model_config = ConfigDict(strict=False)
+
+    code: str
+    log: Annotated[str, Field(description="name of the vehicle")]
+    measured: float
+    expected: tuple[float | None, float | None]
+    causes: Annotated[list[str], Field(description="the most likely first")]
+    do: str
+
+
+class VehicleFactsFile(FileSchema):
+    """What follows from a vehicle file, in bar, kg, m, N m and g."""
+
+    name: str
+    facts: VehicleFacts
+    warnings: list[WarningEntry]
+
+
+def facts_document(vehicle: Vehicle) -> VehicleFactsFile:
+    """The document of a vehicle."""
+    warnings = [WarningEntry(**to_dict(one)) for one in plausible(vehicle)]
+    return VehicleFactsFile(
+        schema=1, name=vehicle.name, facts=what_follows(vehicle), warnings=warnings
+    )
+
+
 def what_follows(vehicle: Vehicle) -> VehicleFacts:
     """Return the facts of a vehicle; the inertia of the wheels is neglected, as in (9).
 
@@ -101,57 +139,47 @@ def what_follows(vehicle: Vehicle) -> VehicleFacts:
     >>> round(facts.pressure_per_g, 1), round(facts.front_share, 3)  # bar, 1
     (69.9, 0.729)
     """
-    half = axle_loads(vehicle, np.array([HALF_G]))
-    front, rear = (
-        _axle(axle, static, float(load[0]))
-        for axle, static, load in zip(
-            (vehicle.front, vehicle.rear), vehicle.static_loads, half, strict=True
-        )
-    )
+    half_f, half_r = (float(load[0]) for load in axle_loads(vehicle, np.array([HALF_G])))
+    rest_f, rest_r = vehicle.static_loads
     return VehicleFacts(
         wheelbase=vehicle.wheelbase,
         pressure_per_g=pressure_per_g(vehicle) / BAR,
         front_share=front_share(vehicle),
         front_biased_up_to=_finite(front_biased_up_to(vehicle)),
         rear_lifts_at=vehicle.cg_to_front_axle / vehicle.cg_height,
-        front=front,
-        rear=rear,
-        distribution=tuple(_distribution(vehicle)),
+        front=_axle(vehicle.front, rest_f, half_f),
+        rear=_axle(vehicle.rear, rest_r, half_r),
+        distribution=_distribution(vehicle),
         first_lock=tuple(_first_lock(vehicle, mu) for mu in FRICTIONS),
     )
 
 
-BAR = 1e5
-
-
-def _axle(axle: Axle, static: float, half: float) -> AxleFacts:
+def _axle(axle: Axle, rest: float, half: float) -> AxleFacts:
     per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
-    wheel_mass = axle.wheel_inertia / axle.rolling_radius**2
-    return AxleFacts(per_bar, 2.0 * per_bar, static / G, half / G, wheel_mass)
+    return AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
 
 
-def _distribution(vehicle: Vehicle) -> list[Braking]:
+def _distribution(vehicle: Vehicle) -> tuple[Braking, ...]:
     z = np.array(DECELERATIONS)
     pressure = z * pressure_per_g(vehicle)
-    ideal, (used_f, used_r) = ideal_front_share(vehicle, z), friction_used(vehicle, z)
-    share = front_share(vehicle)
-    per_pressure = force_per_pressure(vehicle)
-    torque_f = per_pressure[0] * vehicle.front.rolling_radius * pressure
-    torque_r = per_pressure[1] * vehicle.rear.rolling_radius * pressure
-    return [
-        Braking(
-            float(z[i]), float(pressure[i]) / BAR, share, float(ideal[i]),
-            _finite(float(used_f[i])), _finite(float(used_r[i])),
-            float(torque_f[i]), float(torque_r[i]),
-        )
-        for i in range(z.size)
-    ]  # fmt: skip
+    used_f, used_r = friction_used(vehicle, z)
+    force_f, force_r = force_per_pressure(vehicle)
+    columns = (
+        z,
+        pressure / BAR,
+        np.full_like(z, front_share(vehicle)),
+        ideal_front_share(vehicle, z),
+        used_f,
+        used_r,
+        force_f * vehicle.front.rolling_radius * pressure,
+        force_r * vehicle.rear.rolling_radius * pressure,
+    )
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    return tuple(Braking(*row[:4], *map(_finite, row[4:6]), *row[6:]) for row in rows)
 
 
 def _first_lock(vehicle: Vehicle, friction: float) -> FirstLock:
-    front, rear = locks_at(vehicle, friction)
-    z = min(front, rear)
-    axle = "front" if front <= rear else "rear"
+    z, axle = min(zip(locks_at(vehicle, friction), ("front", "rear"), strict=True))
     return FirstLock(friction, axle, z, z * pressure_per_g(vehicle) / BAR)
 
 

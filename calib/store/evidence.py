@@ -35,11 +35,11 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
     """The verdict of a `station.json` on this version; None where the file is none."""
-    from calib.base.schema import validated_json
+    from calib.base.record import validated
     from calib.store.evidence_file import StationFile
 
     try:
-        file = validated_json(data, StationFile, None, ExchangeError)
+        file = validated(data, StationFile, None, ExchangeError)
     except ExchangeError:
         return None
     if file.table.digest != stored.digest:

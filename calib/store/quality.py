@@ -58,7 +58,7 @@ def _called(summary: "SummaryFile") -> str:
 
 
 def _summary(path: Path) -> "SummaryFile":
-    from calib.base.schema import validated_json
+    from calib.base.record import validated
     from calib.store.summary_file import SummaryFile
 
     try:
@@ -66,7 +66,7 @@ def _summary(path: Path) -> "SummaryFile":
     except OSError as error:
         raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
     try:
-        return validated_json(data, SummaryFile, None, ExchangeError)
+        return validated(data, SummaryFile, None, ExchangeError)
     except ExchangeError as error:
         raise ExchangeError(
             f"no summary of a validation: {error}",

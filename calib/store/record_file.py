@@ -7,7 +7,7 @@ from pydantic import ConfigDict, Field
 
 from calib.base.digest import canonical_json
 from calib.base.errors import StoreError
-from calib.base.schema import FileSchema, Section, validated_json
+from calib.base.record import FileSchema, Section, validated
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Axle, Vehicle
@@ -90,7 +90,7 @@ def from_content(record: dict[str, Any], curves: dict[str, dict[str, Array]]) ->
     Raises StoreError for another version of the schema and for a part of the record that is
     missing, unknown or of another type; KeyError or TypeError for one of the curves.
     """
-    checked = validated_json(canonical_json(record), Record, "record of a table", StoreError)
+    checked = validated(canonical_json(record), Record, "record of a table", StoreError)
     return table_of(checked, curves)
 
 

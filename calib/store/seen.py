@@ -115,11 +115,11 @@ def _path() -> Path:
 
 
 def _sights(data: bytes, path: Path) -> tuple[Sight, ...]:
-    from calib.base.schema import validated_json
+    from calib.base.record import validated
     from calib.store.seen_file import SeenFile
 
     try:
-        file = validated_json(data, SeenFile, None, SignatureRefused)
+        file = validated(data, SeenFile, None, SignatureRefused)
     except SignatureRefused as error:
         raise SignatureRefused(
             f"is damaged ({error})",

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from calib.base.schema import FileSchema, Section
+from calib.base.record import FileSchema, Section
 
 Hash = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 

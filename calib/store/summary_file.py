@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from calib.base.schema import FileSchema, Section
+from calib.base.record import FileSchema, Section
 
 
 class LogOutcome(Section):

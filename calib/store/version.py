@@ -29,7 +29,7 @@ from calib.store.state import UNKNOWN, VersionState
 from calib.table.table import Table
 
 if TYPE_CHECKING:
-    from calib.base.schema import Section
+    from calib.base.record import Section
 
     S = TypeVar("S", bound=Section)
 
@@ -143,10 +143,10 @@ def _document(
 
 
 def _checked(data: bytes, schema: "type[S]", path: Path) -> "S":
-    from calib.base.schema import validated_json
+    from calib.base.record import validated
 
     try:
-        return validated_json(data, schema, None, DamagedTable)
+        return validated(data, schema, None, DamagedTable)
     except DamagedTable as error:
         raise _damaged(path, f"{RECORD}: {error}") from error
 

@@ -6,11 +6,9 @@ from pathlib import Path
 import pytest
 
 from calib.base.errors import VehicleError
-from calib.base.schema import quantities
-from calib.base.units import to_si
-from calib.car.keys import KEYS, REFERENCE
-from calib.car.plausible import si_unit
-from calib.car.template import answered, default_of, vehicle_text
+from calib.base.record import quantities
+from calib.base.units import si_of, to_si
+from calib.car.keys import KEYS, REFERENCE, answered, default_of, vehicle_text
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import AxleSection, ChassisSection, read_vehicle
 
@@ -35,8 +33,8 @@ def test_the_keys_are_those_of_the_schema_with_ranges_inside_its_bounds():
     for key in KEYS:
         if key.section:
             mark = quantities(SECTIONS[key.section])[key.name]
-            low, high = (to_si(end, key.unit, si_unit(key)) for end in (key.low, key.high))
-            assert mark.si == si_unit(key)
+            low, high = (to_si(end, key.unit, si_of(key.unit)) for end in (key.low, key.high))
+            assert mark.si == si_of(key.unit)
             assert mark.low <= low < high <= mark.high
 
 

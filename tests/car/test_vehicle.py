@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import VehicleError
-from calib.base.schema import quantities
+from calib.base.record import quantities
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.vehicle import Axle, Vehicle
 from calib.car.vehicle_file import AxleSection, ChassisSection, read_vehicle, write_vehicle

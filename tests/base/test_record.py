@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydantic import Field
 
 from calib.base.errors import LimitsError, SettingsError
-from calib.base.schema import (
+from calib.base.record import (
     FileSchema,
     OneOf,
     QuantityMark,
@@ -19,7 +19,6 @@ from calib.base.schema import (
     quantities,
     quantity_pattern,
     validated,
-    validated_json,
 )
 from calib.base.settings_file import read_settings
 from calib.base.toml import quantity, written_quantity
@@ -114,7 +113,7 @@ def test_a_long_value_is_cut():
 
 def test_json_says_where_it_ends_too_early():
     with pytest.raises(LimitsError, match=r"not JSON .*line 1 column 13"):
-        validated_json(b'{"schema": 1,', CarFile, "car", LimitsError)
+        validated(b'{"schema": 1,', CarFile, "car", LimitsError)
 
 
 @pytest.mark.parametrize("si", SI)

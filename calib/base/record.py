@@ -1,13 +1,15 @@
-"""What a file may contain, as pydantic models; all errors of a file are one message.
+"""Records in files: what a TOML or JSON file may contain, as pydantic models.
 
-    class Pads(Section):                                       [pads]
+    class PadsSection(Section):                                [pads]
         front: Annotated[float, QuantityMark("1", 0.02, 1.0)]  front = 0.38
 
     class ModelFile(FileSchema):                               schema = 1
-        pads: Pads
+        pads: PadsSection
 
-This module loads pydantic. Only the modules ``..._file.py`` import it, and only code that
-reads or writes a file imports those.
+All mistakes of a file are one message, and its JSON Schema follows from the same models. `section`
+makes a table of rows, `written_quantities` writes one.
+
+This module loads pydantic: only what reads or writes a file imports it.
 """
 
 import math
@@ -15,13 +17,7 @@ import re
 from collections.abc import ItemsView, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import (
-    Annotated,
-    Any,
-    ClassVar,
-    Literal,
-    TypeVar,
-)
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -40,9 +36,9 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from calib.base.errors import BrakeCalError, InputError
-from calib.base.schema_errors import one_error, shown, wrong
-from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity
-from calib.base.units import spellings, to_si
+from calib.base.record_errors import one_error, shown, wrong
+from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity, written_quantity
+from calib.base.units import behind, spellings, to_si
 
 S = TypeVar("S", bound="Section")
 
@@ -107,27 +103,29 @@ class ByName(Section):
         return {name: getattr(self, name) for name in self._order}.items()
 
 
+def section(
+    title: str, about: str, keys: Mapping[str, tuple[Any, Any]], base: type[Section] = Section
+) -> Any:
+    """Return the schema of a table from type and default of each key.
+
+    A default of None is that of a key which may be left out, ``...`` of one that must be there.
+    """
+    fields: dict[str, Any] = {
+        name: (kind | None if default is None else kind, default)
+        for name, (kind, default) in keys.items()
+    }
+    return create_model(title, __base__=base, __doc__=about, **fields)
+
+
 def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
     """Return the schema of a table from the type of each possible entry."""
-    fields: dict[str, Any] = {name: (kind | None, None) for name, kind in entries.items()}
-    return create_model(title, __base__=ByName, __doc__=about, **fields)
-
-
-class Mark:
-    """Marks a value of a file that its own `read` takes from what was written."""
-
-    def read(self, written: object) -> Any:
-        """The value. Raises `wrong` for what is none."""
-        raise NotImplementedError
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
+    rows = {name: (kind, None) for name, kind in entries.items()}
+    schema: type[ByName] = section(title, about, rows, ByName)
+    return schema
 
 
 @dataclass(frozen=True)
-class QuantityMark(Mark):
+class QuantityMark:
     """Marks a float of a file: written with a unit, stored in SI, plausible from low to high.
 
     ``si`` None allows any quantity; "1" is a plain number or a percentage. Bounds in SI.
@@ -146,7 +144,7 @@ class QuantityMark(Mark):
             raise wrong(cause.what, expected, cause.do) from cause
         if not self.low <= value <= self.high:
             raise wrong(
-                f"{value:g}{self._unit} is not believable",
+                f"{value:g}{behind(self.si or '1')} is not believable",
                 self._range,
                 "check the sign, the unit and the decimal point",
             )
@@ -163,12 +161,11 @@ class QuantityMark(Mark):
         return ""
 
     @property
-    def _unit(self) -> str:
-        return "" if self.si in ("1", None) else f" {self.si}"
-
-    @property
     def _range(self) -> str:
-        return f"{self.low:g} to {self.high:g}{self._unit}"
+        return f"{self.low:g} to {self.high:g}{behind(self.si or '1')}"
+
+    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
@@ -185,6 +182,24 @@ class QuantityMark(Mark):
         return text | bounded | {"examples": [f"1.5 {self.si}"]}
 
 
+def written_quantities(values: object, section: type[Section]) -> dict[str, Any]:
+    """The attributes of an object as the quantities of a table that a file has of it."""
+    return {
+        name: written_quantity(getattr(values, name), mark.si or "1")
+        for name, mark in quantities(section).items()
+    }
+
+
+def quantities(section: type[Section]) -> dict[str, QuantityMark]:
+    """Return SI unit and bounds of each field of a section that holds a quantity."""
+    return {
+        name: mark
+        for name, field in section.model_fields.items()
+        for mark in field.metadata
+        if isinstance(mark, QuantityMark)
+    }
+
+
 def quantity_pattern(*si: str | None) -> str:
     """Regular expression for a quantity in any unit of these SI units; None for any quantity."""
     units = "|".join(_unit_pattern(unit) for one in si for unit in spellings(one))
@@ -198,7 +213,7 @@ def _unit_pattern(unit: str) -> str:
 
 
 @dataclass(frozen=True)
-class OneOf(Mark):
+class OneOf:
     """Marks a value of a file that must be one of ``known``."""
 
     known: tuple[str, ...]
@@ -213,20 +228,13 @@ class OneOf(Mark):
             )
         return written
 
+    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         return {"enum": list(self.known)}
-
-
-def quantities(section: type[Section]) -> dict[str, QuantityMark]:
-    """Return SI unit and bounds of each field of a section that holds a quantity."""
-    return {
-        name: mark
-        for name, field in section.model_fields.items()
-        for mark in field.metadata
-        if isinstance(mark, QuantityMark)
-    }
 
 
 def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
@@ -239,17 +247,11 @@ def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
 
 
 def validated(document: object, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
-    """Check a document of plain values. Raises one ``error`` that lists all mistakes."""
+    """Check a document, plain values or the bytes of JSON. Raises one ``error`` of all mistakes."""
     try:
+        if isinstance(document, bytes):
+            return schema.model_validate_json(document)
         return schema.model_validate(document)
-    except ValidationError as cause:
-        raise one_error(cause, schema, where, error) from cause
-
-
-def validated_json(data: bytes, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
-    """Check a JSON document. Raises one ``error`` that lists all mistakes."""
-    try:
-        return schema.model_validate_json(data)
     except ValidationError as cause:
         raise one_error(cause, schema, where, error) from cause
 

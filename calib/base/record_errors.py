@@ -56,8 +56,8 @@ def one_error(
     if len(mistakes) == 1:
         (only,) = mistakes
         at = ": ".join(str(part) for part in (where, only.place) if part)
-        return only.as_error(error, at or None)
-    lines = [str(mistake.as_error(error, mistake.place or None)) for mistake in mistakes]
+        return only.as_error(error, at)
+    lines = [str(mistake.as_error(error, mistake.place)) for mistake in mistakes]
     if more > 0:
         lines.append(f"and {more} more")
     return error(f"{len(mistakes) + max(more, 0)} errors", where=where, lines=tuple(lines))
@@ -71,8 +71,8 @@ class _Mistake(NamedTuple):
     expected: str = ""
     do: str = ""
 
-    def as_error(self, error: type[BrakeCalError], where: str | None) -> BrakeCalError:
-        return error(self.what, where=where, expected=self.expected, do=self.do)
+    def as_error(self, error: type[BrakeCalError], where: object) -> BrakeCalError:
+        return error(self.what, where=where or None, expected=self.expected, do=self.do)
 
 
 def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
