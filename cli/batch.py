@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from calib.base.plain import counted
 from cli.console import emit, emit_json, is_watched, progress_bar, say
 from cli.jobs import Commands, Fresh, JobOptions, Out
 from cli.options import Json, Workers, example, grouped
@@ -14,10 +14,8 @@ from cli.outputs import writing
 from cli.stop import stoppable
 
 if TYPE_CHECKING:
-    from calib.line.fleet.job import Job
-    from calib.line.fleet.pace import Pace
-    from calib.line.fleet.pool import Executor
-    from calib.line.fleet.run import Batch
+    from calib.line.fleet.batch import Batch, Pace
+    from calib.line.fleet.workers import Executor
 
 EPILOG = example(
     "brake-cal batch check sample_logs/sedan --out checked",
@@ -55,8 +53,7 @@ def batch(
     if workers is not None and scheduler is not None:
         raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
     job = options.job(command, out)
-    _check_logs(logs, job, out)
-    from calib.line.fleet.run import run_batch
+    from calib.line.fleet.batch import run_batch
 
     with stoppable("stopped; the same command continues where it was"):
         executor = _executor(workers, scheduler)
@@ -73,46 +70,34 @@ def batch(
         raise typer.Exit(FAILED)
 
 
-def _check_logs(logs: list[str], job: "Job", out: Path) -> None:
-    """Raise an error for names without a log, before any worker is started."""
-    from calib.line.fleet.find import find_logs
-
-    for argument in logs:
-        next(find_logs([argument], job.command, out))
-
-
 def _executor(workers: int | None, scheduler: str | None) -> "Executor":
     if scheduler is not None:
-        from calib.line.fleet.cluster import Cluster
+        from calib.line.fleet.workers import Cluster
 
         return Cluster(scheduler)
     from calib.base.processes import cores
-    from calib.line.fleet.pool import Pool
+    from calib.line.fleet.workers import Pool
 
     return Pool(workers or cores())
 
 
 def _tell(done: "Batch", json: bool) -> None:
-    from calib.line.fleet.pace import words
-
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
-    say(words(done.pace))
+    say(str(done.pace))
     if json:
-        emit_json({"schema": 1, "results": done.results, "logs": done.total, **done.document()})
+        emit_json(done.document())
     else:
-        emit(f"{done.total} log{'s' * (done.total != 1)}: {counts}; {done.results}")
+        emit(f"{counted(done.counts.total(), 'log')}: {counts}; {done.results}")
 
 
 @contextmanager
 def _progress() -> "Iterator[Callable[[Pace], None]]":
     """Show rate and remaining time in a bar, on a terminal only."""
-    from calib.line.fleet.pace import words
-
     if is_watched():
         with progress_bar("", None, time_left=False) as bar:
             (task,) = bar.task_ids
             yield lambda pace: bar.update(
-                task, description=words(pace), completed=pace.done, total=pace.total
+                task, description=str(pace), completed=pace.done, total=pace.total
             )
         return
     yield lambda _pace: None

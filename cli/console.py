@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.progress import Progress
 
+    from calib.show.facts import Facts
+
 PIPED_WIDTH = 120
 """Columns of output that does not go to a terminal, if COLUMNS is not set."""
 
@@ -64,6 +66,14 @@ def emit(renderable: "RenderableType", whole: bool = False) -> None:
     """
     text = isinstance(renderable, str)
     _console(sys.stdout).print(renderable, soft_wrap=text, crop=not (text or whole))
+
+
+def emit_facts(facts: "Facts") -> None:
+    """Print a result on stdout; its verdict is the last line."""
+    from calib.show.terminal import drawn
+
+    for one in drawn(facts):
+        emit(one)
 
 
 def emit_json(document: object) -> None:

@@ -22,7 +22,7 @@ SUBJECTS = {
         "Look": ("list", "find", "show", "diff", "log", "verify"),
         "Decide": ("release", "reject", "withdraw", "key", "sign"),
         "Hand out": ("export", "import"),
-        "Make of others": ("merge", "derive"),
+        "Make of others": ("merge",),
     },
 }
 """Headings of the help by the name of the group, each with its commands in their order."""
@@ -40,6 +40,7 @@ PAGES = {
 
 GONE = {
     "brake-cal manual --html": "brake-cal manual PAGE",
+    "tables derive": "brake-cal fit LOG...",
     **{f"brake-cal manual {old}": f"brake-cal manual {new}" for new in PAGES for old in PAGES[new]},
 }
 """What there was once, as it is typed in a group, and the command to use instead."""
@@ -79,7 +80,8 @@ class Group(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command that was typed; one that stands in a group below is named with its group."""
         typed = args[0]
-        for words in (typed, *(f"{typed} {word.partition('=')[0]}" for word in args[1:])):
+        options = [word.partition("=")[0] for word in args[1:] if word.startswith("-")]
+        for words in (typed, *(f"{typed} {word}" for word in (*args[1:2], *options))):
             if instead := GONE.get(f"{self.name} {words}"):
                 ctx.fail(f"{words!r} is gone. Use '{instead}'.")
         if typed not in self.commands:

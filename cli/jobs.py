@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from calib.line.fleet.command import Command
+from calib.line.fleet.rows import Command
 from cli.completion import names_of, table_names
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
 from cli.options import NO_VEHICLE, Map, Store, limits_file, out_folder, vehicle_file
@@ -15,7 +15,7 @@ from cli.outputs import ready_folder
 from cli.project import STORE, from_settings
 
 if TYPE_CHECKING:
-    from calib.line.fleet.job import Job
+    from calib.line.fleet.work import Job
 
 
 def _command(written: str) -> Command:
@@ -34,7 +34,7 @@ Commands = Annotated[
     typer.Argument(
         parser=_command,
         metavar="COMMAND",
-        autocompletion=names_of("calib.line.fleet.command", "Command"),
+        autocompletion=names_of("calib.line.fleet.rows", "Command"),
         help="What to do with each log.",
     ),
 ]
@@ -85,8 +85,8 @@ class JobOptions:
         """Read the inputs once for all logs. Refuse missing inputs and those that are not used."""
         self._check(command)
         from calib.estimation.validate import require_same_vehicle
-        from calib.line.fleet.job import Job
         from calib.line.fleet.results import NAME
+        from calib.line.fleet.work import Job
 
         ready_folder(out, (NAME,))
         known = tables_of(self.store, [self.table])[0].table if self.table else None

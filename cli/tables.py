@@ -1,6 +1,6 @@
 """`brake-cal tables`: the commands on a store."""
 
-from cli import derive, diff, export, keys, listing, merge, read_back, show, sign, states, verify
+from cli import diff, export, keys, listing, merge, read_back, show, sign, states, verify
 from cli.group import command_group
 
 app = command_group(
@@ -21,4 +21,3 @@ app.command(epilog=sign.EPILOG)(sign.sign)
 app.command("export", epilog=export.EPILOG)(export.export_table)
 app.command("import", epilog=read_back.EPILOG)(read_back.import_table)
 app.command(epilog=merge.EPILOG)(merge.merge)
-app.command(epilog=derive.EPILOG)(derive.derive)

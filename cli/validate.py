@@ -8,8 +8,7 @@ import typer
 import calib
 from calib.base.errors import LogError
 from cli.completion import table_names
-from cli.console import complain, emit, emit_json, progress, say, warn
-from cli.grid import grid
+from cli.console import complain, emit_facts, emit_json, progress, say, warn
 from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of, with_own_effects
 from cli.logs import named, read
 from cli.options import (
@@ -39,8 +38,6 @@ from cli.project import STORE, from_settings
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
-    from rich.table import Table as Grid
-
     from calib.car.vehicle import Vehicle
     from calib.estimation.validate import Validation
     from calib.logs.log import Log
@@ -135,7 +132,9 @@ def validate(
     if json:
         emit_json(summary)
     else:
-        _report(stored, results)
+        from calib.show.validation import facts
+
+        emit_facts(facts(stored, results))
     if not all(result.passed for result in results):
         raise typer.Exit(FAILED)
 
@@ -196,77 +195,13 @@ def _page(
     results: "list[Validation]",
     files: dict[str, Path | None],
 ) -> str:
+    from calib.show.html import page_of
     from calib.show.origin import origin_of
     from calib.show.trace import from_validation
-    from calib.show.validation import report_html
+    from calib.show.validation import report
 
     traces = [
         from_validation(used, stored.id, run, result, car)
         for run, result in zip(runs, results, strict=True)
     ]
-    return report_html(stored, results, traces, origin_of(today(), files))
-
-
-def _report(stored: "Stored", results: "list[Validation]") -> None:
-    from calib.estimation import words
-    from calib.table.budget import advice_lines
-
-    for result in results:
-        for line in words.lines(result):
-            emit(line)
-    emit("")
-    emit(_grid(results))
-    emit(f"table {stored.id}, {stored.state.words}")
-    emit(f"mass {results[0].mass}")
-    for result in results:
-        for j in result.judgements:
-            if j.passed is False and j.value is not None:
-                bound = f"below {j.low:g}" if j.low is not None and j.value < j.low else ""
-                bound = bound or f"above {j.high:g}"
-                emit(f"{result.log}: {j.figure} {j.value:.4g} is {bound}")
-        for why, share in result.refused.items():
-            emit(f"{result.log}: {100 * share:.0f} % of the braked samples are not valid: {why}")
-        for text in words.on_the_way(result):
-            emit(f"{result.log}: {text}")
-        for axle, of in zip(("front", "rear"), result.budget or (), strict=False):
-            half = f"{of.pad_friction:.3f} +- {of.half_width:.3f} (95 %)"
-            emit(f"{result.log}: {axle} pads {half}: {of.words}")
-        for note in result.estimate.notes:
-            emit(f"{result.log}: {note}")
-    for line in advice_lines(of for result in results for of in result.limiting or ()):
-        emit(line)
-    for stops, text in words.on_roads(results):
-        emit(f"{stops}: {text}")
-    emit(words.conclusion(stored, results))
-
-
-def _grid(results: "list[Validation]") -> "Grid":
-    from calib.estimation.words import word
-
-    numbers = ("front pads", "rear pads", "valid", "torque error")
-    table = grid("log", *numbers, "verdict", right=numbers)
-    for r in results:
-        f = r.figures
-        table.add_row(
-            r.log,
-            _pads(f["pad_friction_f"], f["interval_f"]),
-            _pads(f["pad_friction_r"], f["interval_r"]),
-            _percent(f["valid_share"]),
-            _errors(f["torque_error_f"], f["torque_error_r"]),
-            word(r),
-        )
-    return table
-
-
-def _pads(mu: float | None, width: float | None) -> str:
-    return "none" if mu is None or width is None else f"{mu:.3f} +- {mu * width:.3f}"
-
-
-def _percent(value: float | None) -> str:
-    return "none" if value is None else f"{100 * value:.0f} %"
-
-
-def _errors(front: float | None, rear: float | None) -> str:
-    if front is None or rear is None:
-        return "no truth"
-    return f"{100 * front:.1f} / {100 * rear:.1f} %"
+    return page_of(report(stored, results, traces, origin_of(today(), files)))

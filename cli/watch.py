@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calib.line.fleet.command import Command
+from calib.line.fleet.rows import Command
 from cli.console import complain, emit_line, json_line, say
 from cli.jobs import Commands, Fresh, JobOptions, Out
 from cli.options import Workers, example, grouped
 from cli.outputs import writing
 
 if TYPE_CHECKING:
-    from calib.line.fleet.row import Row
+    from calib.line.fleet.rows import Row
 
 EPILOG = example("brake-cal watch check sample_logs/sedan --out watched")
 
@@ -59,8 +59,8 @@ def watch(
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
     job = options.job(command, out)
     from calib.base.processes import cores
-    from calib.line.fleet.pool import Pool
     from calib.line.fleet.watch import watch as watch_folder
+    from calib.line.fleet.workers import Pool
 
     pool = Pool(workers or cores())
     show = _teller(command, json)
@@ -135,9 +135,9 @@ def _stopped() -> Iterator[Event]:
 
 def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
     """The function that prints a row: its status and error, and the pads where it has them."""
-    from calib.line.fleet.columns import COLUMNS
+    from calib.line.fleet.rows import columns_of
 
-    names = [column.name for column in COLUMNS[command]]
+    names = [column.name for column in columns_of(command)]
 
     def show(row: "Row") -> None:
         metrics = dict(zip(names, row.cells, strict=False))

@@ -13,7 +13,7 @@
     │   ├── ProgramError      a linked program (ELF)
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
-    ├── RevisionError         exit code 2: tables that cannot be merged, a value that cannot be set
+    ├── RevisionError         exit code 2: tables that cannot be merged
     ├── StoreError            exit code 4: the table store, or a table in it
     │   ├── TableNotFound     no table of that name or version: exit code 2
     │   ├── DamagedTable      the content does not match its digest
@@ -148,7 +148,7 @@ class BatchError(BrakeCalError):
 
 
 class RevisionError(BrakeCalError):
-    """Tables cannot be merged, or a value cannot be set in one."""
+    """Tables cannot be merged."""
 
     exit_code = 2
 

@@ -48,10 +48,10 @@ def one_blas_thread() -> Iterator[None]:
         yield
 
 
-def workers(count: int, preload: str) -> ProcessPoolExecutor:
+def workers(count: int, *preload: str) -> ProcessPoolExecutor:
     """``count`` processes, each with one thread for linear algebra.
 
-    They are forked from a server that has imported the module ``preload``, or spawned on systems
+    They are forked from a server that has imported the modules ``preload``, or spawned on systems
     that cannot fork. They ignore interrupts, which the parent handles, and end with the parent.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
@@ -97,11 +97,11 @@ def end(pool: ProcessPoolExecutor) -> None:
     pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _context(preload: str) -> BaseContext:
+def _context(preload: tuple[str, ...]) -> BaseContext:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([preload])
+    context.set_forkserver_preload(list(preload))
     return context
 
 

@@ -5,13 +5,18 @@ escape every text.
 """
 
 import base64
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from calib.show.sheet import Sheet
+from calib.base.plain import METRICS
+from calib.base.warning import PlausibilityWarning
+from calib.show.facts import Facts, Table
+from calib.show.facts import Picture as Shown
+from calib.show.sheet import Sheet, render
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -66,6 +71,52 @@ def environment() -> "Environment":
 def page(template: str, /, **view: object) -> str:
     """The document that ``template`` makes of ``view``."""
     return environment().get_template(f"{template}.html.j2").render(view)
+
+
+def page_of(facts: Facts, again: int = 0) -> str:
+    """One HTML file without scripts, which fetches nothing; equal facts give equal bytes.
+
+    It loads itself again after ``again`` [s], 0: never.
+    """
+    number = itertools.count(1)
+    return (
+        environment()
+        .get_template("page.html.j2")
+        .render(
+            facts=facts,
+            again=again,
+            sources=_sources,
+            warned=_warned,
+            key=lambda: f"zoom-{next(number)}",
+        )
+        .lstrip()
+    )
+
+
+def _sources(one: Shown) -> list[str]:
+    """Each panel as a drawing of its own, so that a narrow screen can show one below the other."""
+    if isinstance(one.of, bytes):
+        kind = "png" if one.of.startswith(b"\x89PNG") else "svg+xml"
+        return [picture(one.of, kind).source]
+    part, sources = replace(one.of, title="", result="", note=""), []
+    for name in one.names or part.names:
+        figure = part.figure(name)
+        figure.set_size_inches(*PANEL)
+        sources.append(picture(render(figure, ".svg"), "svg+xml").source)
+    return sources
+
+
+def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:
+    """What and where, measured and expected, likely causes, what to do."""
+    rows = []
+    for w in warnings:
+        name, amount, expected = w.code.replace("_", " "), w.amount, w.bounds
+        if known := METRICS.get(w.code):
+            name, amount = known.name, known.with_unit(w.measured)
+            expected = known.bounds(*w.expected)
+        causes = ", or ".join(w.causes)
+        rows.append((f"{w.log}: {name}", f"{amount}; expected {expected}", causes, w.do))
+    return Table(WARNING_HEADS, rows, AGAINST, ["warning"] * len(rows))
 
 
 def is_page(data: bytes) -> bool:

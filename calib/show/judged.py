@@ -7,12 +7,13 @@ failed | warning |        passed        | warning | failed
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from calib.base.plain import METRICS, Plain, plain
 from calib.base.warning import PlausibilityWarning
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
+from calib.show.facts import Bar, Table
 from calib.show.html import Report
 
 ROOM = 0.3
@@ -20,19 +21,6 @@ ROOM = 0.3
 WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
 KINDS = {FAILED: "failed", WARNING: "warning", PASSED: "passed", NOT_KNOWN: "unjudged"}
 """Class of a row by its verdict."""
-
-
-@dataclass(frozen=True)
-class Bar:
-    """Places in percent of the width, each zone as (start, width); ``label`` says it in words.
-
-    ``marks``: places of the values; one beyond an end of the bar is at that end.
-    """
-
-    passed: tuple[float, float]
-    warning: tuple[float, float]
-    marks: tuple[float, ...]
-    label: str
 
 
 @dataclass(frozen=True)
@@ -79,6 +67,22 @@ def row(judgements: Sequence[Judgement], most: float | None = None) -> JudgedRow
         verdict,
         KINDS[verdict],
     )
+
+
+def judged(
+    caption: str, groups: Sequence[Sequence[Judgement]], most: Mapping[str, float] | None = None
+) -> tuple[Table, list[str]]:
+    """One row for each metric, judged once or stop by stop, and a note on what is not known.
+
+    ``most``: values that stand for all larger ones, by metric.
+    """
+    rows = sorted_rows([row(group, (most or {}).get(group[0].figure)) for group in groups])
+    known = [r for r in rows if r.verdict != NOT_KNOWN]
+    cells = [(r.name, r.value, r.limit, r.warn, r.verdict, r.key) for r in known]
+    heads = ("metric", "value", "limit", "no warning", "verdict", "key")
+    table = Table(heads, cells, caption, [r.kind for r in known], [r.bar for r in known])
+    unknown = ", ".join(r.name for r in rows if r.verdict == NOT_KNOWN)
+    return table, [f"Not known and so not judged: {unknown}."] * bool(unknown)
 
 
 def sorted_rows(rows: Sequence[JudgedRow]) -> list[JudgedRow]:

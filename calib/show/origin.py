@@ -9,11 +9,15 @@ from pathlib import Path
 from calib.base.digest import file_digest
 from calib.base.program import PROGRAM
 from calib.car.vehicle import Axle, Vehicle
+from calib.show.facts import Facts
+from calib.show.facts import Table as Cells
 from calib.show.html import Report
+from calib.store.version import Stored
 from calib.table.table import Table
 
 PACKAGES = ("numpy", "scipy", "matplotlib")
 """Packages that compute and draw."""
+DIGESTS = "Inputs, with the SHA-256 of their bytes."
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,32 @@ def where_from(
     with page.inside("fold", "The vehicle"):
         page.terms([("Name", table.vehicle.name), ("Mass", mass), *_vehicle(table.vehicle)])
     settings_of(page, table)
+
+
+def origin(
+    given: PageOrigin, stored: Stored, logs: Iterable[tuple[str, str, str]], mass: str
+) -> Facts:
+    """Where the results come from; ``logs`` (role, name, SHA-256)."""
+    table = stored.table
+    inputs = [(name, role, digest) for role, name, digest in (*logs, *given.files)]
+    car = [("Name", table.vehicle.name), ("Mass", mass), *_vehicle(table.vehicle)]
+    return Facts(
+        "Where it comes from",
+        rows=[
+            ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
+            ("Date", given.date),
+            ("Program", PROGRAM),
+            ("Runs on", f"Python {platform.python_version()}, " + ", ".join(_packages())),
+        ],
+        tables=[Cells(("file", "role", "SHA-256"), inputs, DIGESTS)],
+        parts=[Facts("The vehicle", rows=car, folded=True), settings(table)],
+    )
+
+
+def settings(table: Table) -> Facts:
+    """The settings of the fit of ``table``, shown on demand."""
+    rows = [(name, f"{value:g}") for name, value in table.provenance.settings.items()]
+    return Facts("Settings, in SI", tables=[Cells(("setting", "value"), rows)], folded=True)
 
 
 def settings_of(page: Report, table: Table) -> None:

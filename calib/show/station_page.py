@@ -7,7 +7,6 @@ from calib.base.plain import plain
 from calib.base.program import PROGRAM
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.validate import Validation
-from calib.estimation.words import on_the_way
 from calib.line.station.advice import action, reason
 from calib.line.station.identity import TITLES
 from calib.line.station.metrics import CUT
@@ -20,6 +19,7 @@ from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
 from calib.show.style import FRONT, REAR, Axes
 from calib.show.table import sheet as table_sheet
+from calib.show.validation import on_the_way
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.pads_budget import pads_budget

@@ -1,145 +1,286 @@
-"""The report of a validation: the verdict, what limits it, and a section for each stop."""
+"""Facts of a validation: the verdict, what the pads did, how well it is known, what comes next."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from calib.base.plain import plain, plus_minus, signed_percent
-from calib.estimation import words
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.base.names import AXLE_NAMES
+from calib.base.plain import counted, plain, plus_minus, signed_percent
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
+from calib.estimation.limits import Judgement
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
     Validation,
+    agreement,
     all_warnings,
 )
-from calib.show.html import Report, drawn
-from calib.show.judged import judged_rows, row, sorted_rows, warned
-from calib.show.origin import PageOrigin, where_from
+from calib.estimation.warnings import pads_apart
+from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
+from calib.show.judged import judged
+from calib.show.origin import PageOrigin
+from calib.show.origin import origin as origin_of
 from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
 from calib.show.stop import sheet as stop_sheet
 from calib.show.trace import StopTrace
+from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
-from calib.table.table import Table
 
-BY_STOP = "Stop by stop: pads with 95 % intervals, their change since the ramp, and the verdict."
+Change = tuple[float, float]
+"""Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
+
+WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
+BY_STOP = (
+    "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
+)
 PANELS = ("deceleration", "axle-torques")
 """Panels of a stop that are shown beside its pads, where the stop has them."""
 
 
-def report_html(
-    stored: Stored, results: Sequence[Validation], traces: Sequence[StopTrace], origin: PageOrigin
-) -> str:
-    """Return the report as one HTML document, ``traces`` of the same stops.
-
-    Equal inputs give equal bytes but for the date of ``origin``.
-    """
-    table, found = stored.table, list(results)
-    warnings = all_warnings(table.warnings, found)
-    truth = any(result.figures["torque_error_f"] is not None for result in found)
+def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
+    """A table judged by logs; each warning that speaks against it is among them."""
+    found = list(results)
+    warnings = all_warnings(stored.table.warnings, found)
     failed = not all(result.passed for result in found)
-    page = Report(
-        f"Validation of {stored.id}",
-        f"Validation of {stored.id}",
-        "failed" if failed else "warning" if warnings else "passed",
-        "Failed" if failed else "Passed with warnings" if warnings else "Passed",
+    verdict = FAILED if failed else WARNING if warnings else PASSED
+    return Facts(
+        title=f"Validation of {stored.id}",
+        headline=_outcome(stored, found),
+        verdict=verdict,
+        word=WORDS[verdict],
+        tables=[_by_stop(stored, found)],
+        rows=[
+            ("Table", f"{stored.id}, {stored.state.why}"),
+            ("Vehicle", stored.table.vehicle.name),
+            ("Mass", str(found[0].mass)),
+            *_limiting(found),
+        ],
+        notes=advice_lines(of for result in found for of in result.limiting or ()),
+        warnings=warnings,
     )
-    page.text(_sentence(words.outcome(stored, found)))
-    page.terms(
-        {
-            "Table": f"{stored.id}, {stored.state.why}",
-            "SHA-256": stored.digest,
-            "Vehicle": table.vehicle.name,
-            "Mass": str(found[0].mass),
-            "Date": origin.date,
-        }
-    )
-    page.section("What limits it")
-    page.terms(_limits(found))
-    page.listing(advice_lines(of for result in found for of in result.limiting or ()))
-    page.warnings(map(warned, warnings))
-    page.section("Key figures")
-    heads = ("stop", *HEADS, *(TRUTH if truth else ()), "verdict")
-    rows = [_figures(result, table, truth) for result in found]
-    page.table(BY_STOP, heads, rows, "checks", [_kind(result) for result in found])
-    for i, pair in enumerate(zip(found, traces, strict=True), 1):
-        _stop(page, i, *pair)
-    logs = [(r.role, r.log, r.digest) for r in found]
-    where_from(page, origin, table, logs, str(found[0].mass))
-    return page.html()
 
 
-def _sentence(text: str) -> str:
-    """Words of the program as a sentence of the page."""
-    return f"{text[0].upper()}{text[1:]}.".replace("`", "")
+def report(
+    stored: Stored, results: Sequence[Validation], traces: Sequence[StopTrace], origin: PageOrigin
+) -> Facts:
+    """The facts with a part for each stop, of which ``traces`` are, and with their origin."""
+    logs = [(r.role, r.log, r.digest) for r in results]
+    stops = [_stop(result, trace) for result, trace in zip(results, traces, strict=True)]
+    from_ = origin_of(origin, stored, logs, str(results[0].mass))
+    return replace(facts(stored, results), parts=[*stops, from_])
 
 
-def _limits(found: list[Validation]) -> list[tuple[str, str]]:
-    """What limits the result: broken limits, samples that are not valid, parts of the interval."""
-    rows = []
-    for result in found:
-        if result.role == CALIBRATION:
-            rows.append((result.log, NO_HOLDOUT))
-        rows += [(result.log, text) for text in words.broken(result)]
-        for why, share in result.refused.items():
-            rows.append((result.log, f"{100 * share:.0f} % of the braked samples: {why}"))
-        for axle, of in zip(("front", "rear"), result.budget or (), strict=False):
-            rows.append((f"{result.log}, {axle} pads", of.words))
-    return rows + words.on_roads(found)
+def _outcome(stored: Stored, results: list[Validation]) -> str:
+    """How many logs are within the limits, and what comes next."""
+    passed, of = sum(result.passed for result in results), len(results)
+    if passed == of:
+        counts = "the log is" if of == 1 else f"all {of} logs are"
+        return f"{counts} within the limits; {_next(stored, results)}"
+    head = f"{passed} of {of} logs {'is' if passed == 1 else 'are'} within the limits"
+    if any(result.role == CALIBRATION for result in results):
+        return f"{head}; next: validate again without the logs of the fit"
+    failed = ", ".join(result.log for result in results if not result.passed)
+    return f"{head}, not {failed}; next: look at it with brake-cal check and brake-cal plot"
 
 
-def _kind(result: Validation) -> str:
-    return "passed" if result.passed else "failed"
+def _next(stored: Stored, results: list[Validation]) -> str:
+    """What comes next where all logs are within the limits: a release where nothing is against it.
+
+    Stops with other pads than the ramp's prove nothing of its table.
+    """
+    together = agreement(results)
+    if together is not None and together.differ:
+        return (
+            "next: find out why the pads differ between the stops of one road, and validate again; "
+            f"they do not speak for a release of {stored.id}"
+        )
+    if stored.state.word != DRAFT:
+        return f"{stored.id} is {stored.state.word}"
+    release = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
+    if any(result.all_warnings for result in results):
+        return (
+            "next: look at the warnings; where they do not speak against the table, "
+            f"{release}, with the DIR of --out"
+        )
+    return f"next: {release}, with the DIR of --out"
 
 
-HEADS = ("front pads", "since the ramp", "rear pads", "since the ramp", "valid samples")
-TRUTH = ("torque error, front", "torque error, rear")
-
-
-def _figures(result: Validation, table: Table, truth: bool) -> tuple[str, ...]:
+def _by_stop(stored: Stored, results: list[Validation]) -> Table:
     """Pads with intervals and their change since the ramp, valid samples, errors, verdict."""
-    f, cal = result.figures, table.calibration
-    cells = []
-    for axle, ramp in (("f", cal.pad_friction_f), ("r", cal.pad_friction_r)):
-        mu = f[f"pad_friction_{axle}"]
-        cells.append(_pads(mu, f[f"interval_{axle}"]))
-        cells.append("" if mu is None else signed_percent(mu / ramp.value - 1.0))
-    names = ("valid_share", *(("torque_error_f", "torque_error_r") if truth else ()))
-    cells += [plain(name).with_unit(f[name]) for name in names]
-    return result.log, *cells, words.word(result)
+    cal = stored.table.calibration
+    truth = [f"torque_error_{axle}" for axle in "fr"]
+    truth = truth if any(r.figures[truth[0]] is not None for r in results) else []
+    rows = []
+    for r in results:
+        cells = []
+        for axle, ramp in (("f", cal.pad_friction_f), ("r", cal.pad_friction_r)):
+            mu, width = r.figures[f"pad_friction_{axle}"], r.figures[f"interval_{axle}"]
+            if mu is None or width is None:
+                cells += ["not known", ""]
+            else:
+                change = signed_percent(mu / ramp.value - 1.0)
+                cells += [plus_minus(mu, mu * width), change]
+        cells += [plain(name).with_unit(r.figures[name]) for name in ("valid_share", *truth)]
+        rows.append((r.log, *cells, word(r)))
+    since = "change"
+    errors = ("error, front", "error, rear")[: len(truth)]
+    heads = ("stop", "front pads", since, "rear pads", since, "valid", *errors, "verdict")
+    return Table(heads, rows, BY_STOP, [_verdict(r) for r in results])
 
 
-def _pads(mu: float | None, width: float | None) -> str:
-    if mu is None or width is None:
-        return "not known"
-    return plus_minus(mu, mu * width)
+def _limiting(results: list[Validation]) -> list[Row]:
+    """What each log says of the pads; limits that are not held; what the intervals are made of."""
+    rows = []
+    for r in results:
+        rows += [(r.log, text) for text in sentences(r)]
+        rows += [
+            (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
+            for why, share in r.refused.items()
+        ]
+        rows += [(r.log, text) for text in on_the_way(r)]
+        rows += [
+            (f"{r.log}, {name} pads", of.words)
+            for name, of in zip(AXLE_NAMES.values(), r.budget or (), strict=False)
+        ]
+    together = agreement(results)
+    return rows + [
+        (
+            ", ".join(road.stops),
+            "on roads alike, pad friction differs from the mean by up to "
+            f"{100.0 * road.spread_f:.1f} % front and {100.0 * road.spread_r:.1f} % rear",
+        )
+        for road in (together.roads if together else ())
+        if road.spread_f is not None and road.spread_r is not None
+    ]
 
 
-def _stop(page: Report, number: int, result: Validation, trace: StopTrace) -> None:
-    """The section of one stop: judged metrics, the others, its picture, what is to be said."""
-    rows = sorted_rows([row([j]) for j in result.judgements])
-    given, name = {j.figure for j in result.judgements}, result.log
-    page.section(f"{name}: {words.word(result)}", kind=_kind(result))
-    for sentence in [] if result.role == CALIBRATION else words.sentences(result):
-        page.text(_sentence(sentence))
-    judged_rows(page, f"Limits of {name}, the worst first.", rows)
-    panels = _sheet(number, result, trace)
+def sentences(r: Validation) -> list[str]:
+    """What the pads did, how well that is known, and which limits are not held, if any."""
+    if r.role == CALIBRATION:
+        return [NO_HOLDOUT]
+    broken = [_broken(one) for one in r.judgements if one.passed is False]
+    return [_pads(r.estimate), _known(r), *broken]
+
+
+def word(r: Validation) -> str:
+    """The verdict on one log in a word or two."""
+    if r.role == CALIBRATION:
+        return "no hold-out"
+    count = len(r.all_warnings)
+    return f"{r.verdict}, {counted(count, 'warning')}" if count else r.verdict
+
+
+def _verdict(r: Validation) -> str:
+    return PASSED if r.passed else FAILED
+
+
+def on_the_way(r: Validation) -> list[str]:
+    """Notes of the estimator, and what happened that the brakes did not do: surfaces, bumps."""
+    split = r.estimate.split
+    return [
+        *r.estimate.notes,
+        *(f"the surface changed at {time:.2f} s" for time in split.changes),
+        *(
+            f"{start:.2f} to {end:.2f} s tells nothing of the split: wheels or a_x are thrown about"
+            ", as over a bump"
+            for start, end in split.bumps
+        ),
+    ]
+
+
+def _pads(e: Estimate) -> str:
+    """The pads against those of the ramp."""
+    if not e.valid.any():
+        return "no sample of it is valid, so it says nothing of the pads"
+    front, rear = change_of(e.front, e.valid), change_of(e.rear, e.valid)
+    apart, sigma = pads_apart(e)
+    if abs(apart) > Z95 * sigma:
+        return f"front pads {_against(front)}, rear pads {_against(rear)} those of the ramp"
+    both = (0.5 * (front[0] + rear[0]), max(front[1], rear[1]))
+    as_far = f"front and rear alike (their ratio is known to {_percent(Z95 * sigma)})"
+    return f"pads {_against(both)} those of the ramp, {as_far}"
+
+
+def change_of(axle: AxleEstimate, valid: np.ndarray) -> Change:
+    """Median change of the pads over the ``valid`` samples (n,), and its half width."""
+    change = np.log(axle.change[valid])
+    half = 0.5 * np.log(axle.change_upper[valid] / axle.change_lower[valid])
+    return float(np.median(change)), float(np.median(half))
+
+
+def _against(change: Change) -> str:
+    """`20 % below`, `as`, with what they are known to.
+
+    >>> _against((math.log(0.8), 0.03)), _against((0.01, 0.03))
+    ('20 +- 2 % below', 'within 3 % of')
+    """
+    value, half = change
+    if abs(value) <= half:
+        return f"within {_percent(half)} of"
+    size = 100.0 * abs(math.expm1(value))
+    known = 100.0 * math.exp(value) * half
+    return f"{size:.0f} +- {max(known, 1.0):.0f} % {'below' if value < 0.0 else 'above'}"
+
+
+def _known(r: Validation) -> str:
+    """How well the pad friction itself is known, and how much of the braking is valid."""
+    f = r.figures
+    parts = []
+    for name, what in (
+        ("interval", "their friction is known to"),
+        ("torque_error", "the torque is off the truth by"),
+    ):
+        front, rear = f[f"{name}_f"], f[f"{name}_r"]
+        if front is not None and rear is not None:
+            parts.append(f"{what} {_percent(front)} front and {_percent(rear)} rear")
+    parts.append(f"{100.0 * (f['valid_share'] or 0.0):.0f} % of the braking is valid")
+    return "; ".join(parts)
+
+
+def _broken(one: Judgement) -> str:
+    """Name and value of a metric that breaks its limit, and the limit."""
+    shown = plain(one.figure)
+    if one.value is None:
+        return f"{shown.name} ({one.figure}) is not known, and it is required"
+    bounds = shown.bounds(one.low, one.high)
+    return f"{shown.name} ({one.figure}) is {shown.with_unit(one.value)}, {bounds}"
+
+
+def _percent(share: float) -> str:
+    """A share as a percentage of one or two digits.
+
+    >>> _percent(0.0732), _percent(0.004)
+    ('7 %', '0.4 %')
+    """
+    percent = 100.0 * abs(share)
+    return f"{percent:.0f} %" if percent >= 1.0 else f"{percent:.1f} %"
+
+
+def _stop(r: Validation, trace: StopTrace) -> Facts:
+    """One stop: judged metrics, the others, its picture."""
+    name, given = r.log, {j.figure for j in r.judgements}
+    table, unknown = judged(f"Limits of {name}, the worst first.", [[j] for j in r.judgements])
+    pads = Panel("pads", "Pad friction", pads_over_time, (r,), 2)
+    taken = [panel for panel in stop_sheet(trace).panels if panel.name in PANELS]
+    panels = Sheet("stop", name, "", "", (pads, *taken), ())
     caption = f"{name}: pad friction with its 95 % band, deceleration, torques; grey: not valid."
-    page.figure(drawn(panels, *panels.names), caption)
-    changes = [f"the surface changed at {t:.2f} s" for t in result.estimate.split.changes]
-    page.listing([*result.estimate.notes, *changes])
     others = [
         (plain(key).name, plain(key).with_unit(value), key)
-        for key, value in result.figures.items()
+        for key, value in r.figures.items()
         if key not in given and value is not None
     ]
-    with page.inside("fold", "Metrics that are not judged"):
-        page.table(f"Metrics of {name} without a limit.", ("metric", "value", "key"), others)
-
-
-def _sheet(number: int, result: Validation, trace: StopTrace) -> Sheet:
-    """Pads over time, and the panels of the stop; names are unique in the page."""
-    pads = Panel(f"pads-{number}", "Pad friction", pads_over_time, (result,), 2)
-    taken = [p for p in stop_sheet(trace).panels if p.name in PANELS]
-    panels = (pads, *(replace(p, name=f"{p.name}-{number}") for p in taken))
-    return Sheet("stop", result.log, "", "", panels, tuple((p.name,) for p in panels))
+    rest = Table(("metric", "value", "key"), others, f"Metrics of {name} without a limit.")
+    return Facts(
+        f"{name}: {word(r)}",
+        verdict=_verdict(r),
+        tables=[table],
+        notes=unknown,
+        pictures=[Picture(caption, panels)],
+        parts=[Facts("Metrics that are not judged", tables=[rest], folded=True)],
+    )

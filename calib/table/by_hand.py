@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class SetByHand:
     """``key`` that was set from ``old`` to ``new``, the ``reason``, and ``by`` whom; "" if unsaid.
 
-    Keys are those of `calib.store.merged_keys`.
+    A key is `pad_friction_f`, `D[1.0025]`: a pad, or a curve in the row of an eta.
     """
 
     key: str

@@ -27,10 +27,13 @@ from calib.estimation import adaptive, estimator  # noqa: E402
 from calib.estimation.limits import DEFAULTS  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
 from calib.estimation.weighed_level import weigh_level  # noqa: E402
-from calib.line.fleet.job import Job  # noqa: E402
-from calib.line.fleet.pool import Pool  # noqa: E402
-from calib.line.fleet.run import run_batch  # noqa: E402
-from calib.line.fleet.work import WorkItem, run_items  # noqa: E402
+from calib.line.fleet.batch import run_batch  # noqa: E402
+from calib.line.fleet.work import (  # noqa: E402
+    Job,
+    WorkItem,
+    run_items,
+)
+from calib.line.fleet.workers import Pool  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.run.axle_signals import signals  # noqa: E402
 from calib.run.blocks import blocks  # noqa: E402

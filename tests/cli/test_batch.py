@@ -7,7 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.estimation.metrics import METRICS
-from calib.line.fleet.columns import COLUMNS, HEAD
+from calib.line.fleet.rows import HEAD, columns_of
 from calib.store.store import Store
 from tests.support.fleet_logs import many
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop
@@ -85,7 +85,7 @@ def test_fit_and_check(batch, tmp_path):
     assert batch("check", *sedan, out=tmp_path / "check").code == 0
     coast, ramp_ = rows(tmp_path / "check")
     assert (coast["usable_fit"], ramp_["usable_fit"]) == (False, True)
-    assert list(ramp_) == [c.name for c in (*HEAD, *COLUMNS["check"])]
+    assert list(ramp_) == [c.name for c in (*HEAD, *columns_of("check"))]
     assert (coast["samples"], coast["brakings"]) == (2000.0, 0.0)
 
 

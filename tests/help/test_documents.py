@@ -30,7 +30,6 @@ COMMANDS = (
     ("state-json", "tables release car@1 --reason good --evidence results/summary.json"),
     ("log-json", "tables log car"),
     ("verify-json", "tables verify"),
-    ("derive-json", "tables derive car@1 --set pad_friction_f=0.39 --reason bench --by A"),
     ("export-json", "tables export car --format dcm --out car.dcm"),
     ("import-json", "tables import car.dcm"),
     ("limits-json", "limits init --out line.toml"),

@@ -5,9 +5,8 @@ from concurrent.futures import BrokenExecutor, Future
 from pathlib import Path
 
 from calib.estimation.limits import DEFAULTS
-from calib.line.fleet.job import Job
-from calib.line.fleet.pool import Rows
-from calib.line.fleet.work import WorkItem, run_items
+from calib.line.fleet.work import Job, WorkItem, run_items
+from calib.line.fleet.workers import Rows
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 from calib.table.table import Table
@@ -36,7 +35,7 @@ def validating(table: Table) -> Job:
 class Here:
     """An executor without processes; ``kills`` says on which logs a worker dies."""
 
-    workers, worn = 2, False
+    workers = 2
 
     def __init__(self, kills: Callable[[str], bool] = lambda name: False):
         self.kills, self.done, self.renewed = kills, list[str](), 0

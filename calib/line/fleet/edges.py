@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from calib.line.fleet.columns import COLUMNS, ColumnKind
+from calib.line.fleet.rows import ColumnKind, Command, columns_of
 
 Range = tuple[float, float]
 
@@ -26,8 +26,8 @@ OTHERS = {"innovation_lag1": (-1.0, 1.0), "gap_closed": (-math.inf, 1.0)}
 
 KNOWN = frozenset(
     column.name
-    for columns in COLUMNS.values()
-    for column in columns
+    for command in Command
+    for column in columns_of(command)
     if column.kind == ColumnKind.NUMBER
 )
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from calib.base.errors import InputError
 from calib.base.plain import plain
 from calib.base.toml import did_you_mean
-from calib.line.fleet.columns import ColumnKind, ResultColumn, Status
 from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, least_p
 from calib.line.fleet.edges import possible, within
 from calib.line.fleet.outliers import MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
+from calib.line.fleet.rows import ColumnKind, ResultColumn, Status
 
 Array = NDArray[np.float64]
 

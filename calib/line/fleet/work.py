@@ -1,9 +1,10 @@
 """Work on one log: read it, run the command, return its row. Errors become rows."""
 
 import hashlib
+import json
 import pickle
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -11,16 +12,68 @@ from calib.base.errors import BatchError, BrakeCalError
 from calib.base.printable import printable
 from calib.base.program import PROGRAM, VERSION
 from calib.base.warning import PlausibilityWarning
-from calib.line.fleet.columns import FIT, Status
-from calib.line.fleet.command import Command
-from calib.line.fleet.job import Job
-from calib.line.fleet.row import Cell, Row, number
+from calib.car.vehicle import Vehicle
+from calib.estimation.limits import Limit
+from calib.line.fleet.rows import FIT, Cell, Command, Row, Status, finite
+from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
+from calib.table.table import Table
 
 VEHICLE = "vehicle.toml"
 CALIBRATION, HOLDOUT = "calibration", "holdout"
+
+Files = dict[str, bytes]
+Answer = tuple[Status, tuple[Cell, ...]]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A command with its table, vehicle, limits and channel map.
+
+    `validate` needs a table and limits, `fit` a vehicle. Logs are read with ``channel_map``.
+    """
+
+    command: Command
+    table: Table | None = None
+    vehicle: Vehicle | None = None
+    limits: tuple[Limit, ...] = ()
+    channel_map: ChannelMap | None = None
+    version: str = VERSION
+
+    def settings(self) -> dict[str, str]:
+        """Settings on which the rows depend besides the logs, each as a word or a digest."""
+        return {
+            "command": self.command,
+            "table": self.table.digest if self.table else "none",
+            "vehicle": _digest(asdict(self.vehicle)) if self.vehicle else "none",
+            "limits": _digest([asdict(limit) for limit in self.limits]),
+            "map": _of_map(self.channel_map) if self.channel_map else "none",
+            "program": self.version,
+        }
+
+    def packed(self) -> bytes:
+        """The job as bytes; a worker unpacks them once."""
+        return pickle.dumps(self)
+
+
+def _of_map(mapped: ChannelMap) -> str:
+    """Digest of a map and of the content of the files that describe frames, not of their paths."""
+    content = asdict(mapped)
+    del content["where"]
+    content["dbc"] = [_of_file(file) for file in mapped.dbc]
+    content["buses"] = [(bus, [_of_file(file) for file in files]) for bus, files in mapped.buses]
+    return _digest(content)
+
+
+def _of_file(file: DatabaseFile) -> tuple[str, str | None]:
+    return hashlib.sha256(log_bytes(file.path, any_format=True)).hexdigest(), file.bus
+
+
+def _digest(value: object) -> str:
+    text = json.dumps(value, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -40,32 +93,27 @@ def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
 
     Raises BatchError if the job comes from another version of the program.
     """
-    job = _unpacked(packed)
+    job: Job = _unpacked(packed)
     if job.version != VERSION:
         raise BatchError(
             f"a worker runs {PROGRAM}",
             expected=f"version {job.version}, which sent the logs",
             do="install the same version on all workers",
         )
-    return [run_item(job, item) for item in items]
+    return [_run_item(job, item) for item in items]
 
 
-@lru_cache(maxsize=2)
-def _unpacked(packed: bytes) -> Job:
-    job = pickle.loads(packed)
-    assert isinstance(job, Job)
-    return job
+_unpacked = lru_cache(maxsize=2)(pickle.loads)
 
 
-def run_item(job: Job, item: WorkItem) -> Row | None:
-    """The row of one log; every error gives a row too."""
+def _run_item(job: Job, item: WorkItem) -> Row | None:
     digest = None
     try:
         files = _contents(job, item)
-        digest = digest_of(files)
+        digest = _digest_of(files)
         if digest == item.known:
             return None
-        status, cells = RUNS[job.command](job, item, files)
+        status, cells = _RUNS[job.command](job, item, files)
     except BrakeCalError as error:
         text = printable(str(error).replace(item.path, item.name))
         return Row(item.name, digest, Status.ERROR, text)
@@ -79,11 +127,7 @@ def run_item(job: Job, item: WorkItem) -> Row | None:
     return Row(item.name, digest, status, None, cells)
 
 
-Files = dict[str, bytes]
-Answer = tuple[Status, tuple[Cell, ...]]
-
-
-def digest_of(files: Files) -> str:
+def _digest_of(files: Files) -> str:
     """SHA-256 of a log's bytes; of names and digests of its files if it is a folder."""
     if len(files) == 1:
         return hashlib.sha256(next(iter(files.values()))).hexdigest()
@@ -92,7 +136,6 @@ def digest_of(files: Files) -> str:
 
 
 def _contents(job: Job, item: WorkItem) -> Files:
-    """The bytes of a log by name. Raises LogError if a file cannot be read."""
     if job.command != Command.DIAGNOSE:
         return {item.name: log_bytes(Path(item.path), item.name)}
     root = Path(item.path)
@@ -111,10 +154,6 @@ def _log(job: Job, item: WorkItem, files: Files, require: tuple[str, ...] = REQU
     return log_of(data, name, job.channel_map, require=require, file=file)
 
 
-def _verdict(passed: bool) -> Status:
-    return Status.PASSED if passed else Status.FAILED
-
-
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.estimation.metrics import METRICS
     from calib.estimation.validate import validate_one
@@ -123,9 +162,9 @@ def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
     log = _log(job, item, files)
     found = validate_one(job.table, log, job.vehicle, job.limits, baselines=False)
     broken = ", ".join(j.figure for j in found.judgements if j.passed is False)
-    metrics = (number(found.figures[name]) for name in METRICS)
+    metrics = (finite(found.figures[name]) for name in METRICS)
     cells = (*metrics, broken or None, _codes(found.warnings))
-    return _verdict(found.passed), cells
+    return Status.PASSED if found.passed else Status.FAILED, cells
 
 
 def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -137,11 +176,10 @@ def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
     pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
     quality = [column.name for column in FIT[6:-2]]
     metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in quality)]
-    return Status.DONE, (*map(number, metrics), _codes(table.warnings), table.digest)
+    return Status.DONE, (*map(finite, metrics), _codes(table.warnings), table.digest)
 
 
 def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
-    """Each code once, in order; None without a warning."""
     return ", ".join(dict.fromkeys(one.code for one in warnings)) or None
 
 
@@ -151,8 +189,12 @@ def _check(job: Job, item: WorkItem, files: Files) -> Answer:
 
     found = check(_log(job, item, files, require=()))
     usable = tuple(verdict.usable for verdict in found.verdicts)
-    metrics = map(number, figures(found.seen).values())
-    return _verdict(found.usable), (*usable, *metrics, _codes(found.warnings))
+    metrics = map(finite, figures(found.seen).values())
+    return Status.PASSED if found.usable else Status.FAILED, (
+        *usable,
+        *metrics,
+        _codes(found.warnings),
+    )
 
 
 def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -169,10 +211,10 @@ def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
     found = diagnose(vehicle, sides[CALIBRATION], sides[HOLDOUT])
     gap = (found.gap.before, found.gap.after, found.gap.closed)
     names = "+".join(effect.name for effect in found.effects)
-    return Status.DONE, (found.verdict, names, *map(number, gap))
+    return Status.DONE, (found.verdict, names, *map(finite, gap))
 
 
-RUNS: dict[Command, Callable[[Job, WorkItem, Files], Answer]] = {
+_RUNS: dict[Command, Callable[[Job, WorkItem, Files], Answer]] = {
     Command.FIT: _fit,
     Command.VALIDATE: _validate,
     Command.CHECK: _check,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.line.fleet.run import run_batch
+from calib.line.fleet.batch import run_batch
 from tests.support.fleet_logs import Here, validating
 from tests.support.fleet_results import journalled
 
@@ -23,8 +23,8 @@ LOCAL = ("--host", "127.0.0.1", "--no-dashboard")
 DRIVE = """
 import os, pickle, signal, sys
 from pathlib import Path
-from calib.line.fleet.cluster import Cluster
-from calib.line.fleet.run import run_batch
+from calib.line.fleet.workers import Cluster
+from calib.line.fleet.batch import run_batch
 
 job, logs, out, address, victim = pickle.loads(sys.stdin.buffer.read())
 def report(pace):
@@ -111,7 +111,7 @@ def test_a_killed_worker_costs_no_row(fitted, sixty, address, workers, tmp_path)
 
 def test_the_command_says_that_nobody_answers(tmp_path, sixty):
     code = (
-        "import sys; from calib.line.fleet import cluster; cluster.PATIENCE = '1s'; "
+        "import sys; from calib.line.fleet import workers; workers.PATIENCE = '1s'; "
         "from cli.main import main; main()"
     )
     words = ["batch", "check", str(sixty), "--out", str(tmp_path / "out")]
@@ -149,7 +149,7 @@ def test_a_scheduler_that_dies_ends_the_run_and_keeps_what_is_done(
 LATE = """
 import os, pickle, signal, sys, time
 from calib.base.errors import BatchError
-from calib.line.fleet.cluster import Cluster
+from calib.line.fleet.workers import Cluster
 from calib.line.fleet.work import WorkItem
 
 job, log, address, victim = pickle.loads(sys.stdin.buffer.read())

@@ -1,10 +1,10 @@
 import math
 
-from calib.line.fleet.line_order import line_order, natural
+from calib.line.fleet.results import line_order
 
 
 def test_numbers_in_names_count_as_numbers():
-    assert sorted(["b2", "a10", "a9"], key=natural) == ["a9", "a10", "b2"]
+    assert line_order(["b2", "a10", "a9"]) == [2, 1, 0]
 
 
 def test_what_is_not_known_goes_to_the_end_in_the_order_given():

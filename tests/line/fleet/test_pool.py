@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from calib.line.fleet import pool as module
-from calib.line.fleet.pool import Pool
-from calib.line.fleet.run import run_batch
+from calib.line.fleet import workers as module
+from calib.line.fleet.batch import run_batch
+from calib.line.fleet.workers import Pool
 from calib.store.store import Store
 from tests.support.fleet_logs import Here, validating
 from tests.support.fleet_results import journalled
@@ -30,10 +30,7 @@ def undisturbed(fitted, sixty, tmp_path_factory):
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-def test_the_same_bytes_for_any_number_of_workers(
-    fitted, sixty, undisturbed, tmp_path, workers, monkeypatch
-):
-    monkeypatch.setattr(module, "LIFETIME", 20)  # renewed twice or more
+def test_the_same_bytes_for_any_number_of_workers(fitted, sixty, undisturbed, tmp_path, workers):
     pool = Pool(workers)
     try:
         done = run_batch(validating(fitted), [str(sixty)], tmp_path, pool)
@@ -82,8 +79,8 @@ def test_a_pool_that_breaks_while_logs_are_handed_over_costs_no_row(
 BATCH = """
 import pickle, sys
 from pathlib import Path
-from calib.line.fleet.pool import Pool
-from calib.line.fleet.run import run_batch
+from calib.line.fleet.workers import Pool
+from calib.line.fleet.batch import run_batch
 
 if __name__ == "__main__":
     job, logs, out = pickle.loads(sys.stdin.buffer.read())

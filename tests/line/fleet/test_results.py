@@ -4,8 +4,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.base.errors import InputError
-from calib.line.fleet.columns import ColumnKind, ResultColumn
 from calib.line.fleet.results import open_fleet
+from calib.line.fleet.rows import ColumnKind, ResultColumn
 from tests.support.fleet_results import LOST, results
 
 

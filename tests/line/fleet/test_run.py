@@ -11,10 +11,9 @@ from calib.base.errors import BatchError, LogError
 from calib.estimation.limits import Limit
 from calib.estimation.metrics import METRICS
 from calib.estimation.validate import validate_one
-from calib.line.fleet.job import Job
+from calib.line.fleet.batch import AHEAD, run_batch
 from calib.line.fleet.journal import NAME, BatchJournal
-from calib.line.fleet.run import AHEAD, run_batch
-from calib.line.fleet.work import run_items
+from calib.line.fleet.work import Job, run_items
 from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
 from calib.logs.read import read_log
 from calib.logs.text.dialect import TextFormat
@@ -102,7 +101,7 @@ def test_a_log_that_kills_its_worker_is_a_row_and_the_rest_goes_on(job, six):
 
 def test_two_patterns_that_name_a_log_give_one_row(job, six):
     done = run_batch(job, [six, "logs/*.csv", "logs/car_00000.csv"], Path("out"), Here())
-    assert (done.total, done.pace.done, done.pace.total) == (6, 6, 6)
+    assert (done.counts.total(), done.pace.done, done.pace.total) == (6, 6, 6)
 
 
 def test_what_cannot_be_read_is_a_row_without_digest_and_not_journalled_twice(job, six):
@@ -117,7 +116,7 @@ def test_what_cannot_be_read_is_a_row_without_digest_and_not_journalled_twice(jo
 
 def test_few_logs_are_under_way_at_a_time(job, sixty, tmp_path):
     class Counting(ThreadPoolExecutor):
-        workers, worn, most = 2, False, 0
+        workers, most = 2, 0
 
         def submit(self, packed, items):
             future = super().submit(run_items, packed, items)
@@ -129,7 +128,7 @@ def test_few_logs_are_under_way_at_a_time(job, sixty, tmp_path):
     under_way = set()
     with Counting(2) as executor:
         done = run_batch(job, [str(sixty)], tmp_path / "out", executor)
-    assert done.total == 60
+    assert done.counts.total() == 60
     assert Counting.most <= AHEAD * Counting.workers
 
 

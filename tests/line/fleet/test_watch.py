@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import BatchError
-from calib.line.fleet.job import Job
+from calib.line.fleet.batch import run_batch
 from calib.line.fleet.journal import NAME
-from calib.line.fleet.run import run_batch
 from calib.line.fleet.watch import Settled, watch
+from calib.line.fleet.work import Job
 from tests.support.fleet_logs import Here, validating
 
 

@@ -1,29 +1,28 @@
 """Run a batch: find logs, skip finished ones, compute the others in chunks, write the results.
 
-find ──> todo ──> [a limited number of chunks]     ──> journal ──> results.parquet
+find ──> [a limited number of chunks] ──> workers ──> journal ──> results.parquet
                            └── if a worker died: its logs again, one at a time
 """
 
+import math
 import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from contextlib import closing
 from dataclasses import dataclass
+from datetime import timedelta
 from pathlib import Path
 
 from calib.base.errors import BrakeCalError
 from calib.base.printable import printable
-from calib.line.fleet.columns import Status
-from calib.line.fleet.command import Command
 from calib.line.fleet.find import find_logs
-from calib.line.fleet.job import Job
 from calib.line.fleet.journal import BatchJournal, open_journal
-from calib.line.fleet.pace import Pace
-from calib.line.fleet.pool import Executor, Rows
 from calib.line.fleet.results import write_results
-from calib.line.fleet.row import Row
-from calib.line.fleet.work import WorkItem
+from calib.line.fleet.rows import Command, Row, Status
+from calib.line.fleet.work import Job, WorkItem
+from calib.line.fleet.workers import Executor, Rows
 
 CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
@@ -31,10 +30,35 @@ CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE
 AHEAD = 3
 """Submitted chunks for each worker: one in progress and the others waiting."""
 
-SYNC = 2.0
-"""Longest time until finished rows are forced to the disk [s]."""
 
-Report = Callable[[Pace], None]
+@dataclass(frozen=True)
+class Pace:
+    """``total`` logs, ``done`` in this run or before, ``fresh`` in this run, ``elapsed`` [s]."""
+
+    total: int
+    done: int
+    fresh: int
+    errors: int
+    elapsed: float
+
+    @property
+    def rate(self) -> float:
+        """Logs per second of this run; 0 before the first."""
+        return self.fresh / self.elapsed if self.elapsed > 0.0 else 0.0
+
+    def __str__(self) -> str:
+        """The progress in words.
+
+        >>> str(Pace(total=300, done=200, fresh=100, errors=2, elapsed=0.5))
+        '200 of 300 logs, 200 a second, 0:00:01 left, 2 with errors'
+        """
+        text = f"{self.done} of {self.total} logs"
+        if self.rate > 0.0:
+            text += f", {self.rate:.3g} a second"
+            if self.done < self.total:
+                left = math.ceil((self.total - self.done) / self.rate)
+                text += f", {timedelta(seconds=left)} left"
+        return text + (f", {self.errors} with errors" if self.errors else "")
 
 
 @dataclass(frozen=True)
@@ -46,14 +70,9 @@ class Batch:
     pace: Pace
 
     @property
-    def total(self) -> int:
-        """Number of rows."""
-        return self.counts.total()
-
-    @property
     def unreadable(self) -> bool:
         """Whether no log has a result."""
-        return self.counts[Status.ERROR] == self.total
+        return self.counts[Status.ERROR] == self.counts.total()
 
     @property
     def failed(self) -> bool:
@@ -61,8 +80,11 @@ class Batch:
         return self.counts[Status.FAILED] > 0
 
     def document(self) -> dict[str, object]:
-        """Counts of all statuses, and data on this run, as plain data."""
+        """The counts, and data on this run, as plain data."""
         return {
+            "schema": 1,
+            "results": self.results,
+            "logs": self.counts.total(),
             "counts": {status: self.counts[status] for status in Status},
             "done_now": self.pace.fresh,
             "seconds": self.pace.elapsed,
@@ -75,7 +97,7 @@ def run_batch(
     arguments: Sequence[str],
     out: Path,
     executor: Executor,
-    report: Report = lambda pace: None,
+    report: Callable[[Pace], None] = lambda pace: None,
     fresh: bool = False,
 ) -> Batch:
     """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
@@ -84,25 +106,20 @@ def run_batch(
     row. Raises LogError when an argument names no log, BatchError when ``out`` holds
     another batch or the workers are not of this version, OSError when ``out`` cannot be written.
     """
-    total = sum(1 for _ in find_logs(arguments, job.command, out))
+    logs = {printable(path): path for path in find_logs(arguments, job.command, out)}
     out.mkdir(parents=True, exist_ok=True)
     settings = job.settings()
-    journal = open_journal(out, settings, fresh)
-    try:
-        sweep = Sweep(job, journal, executor, report, total)
-        sweep.work((printable(p), p) for p in find_logs(arguments, job.command, out))
-        journal.sync()
-        path = write_results(journal.rows(sorted(sweep.wanted)), settings, out)
+    with closing(open_journal(out, settings, fresh)) as journal:
+        sweep = Sweep(job, journal, executor, len(logs), report)
+        sweep.work(logs.items())
+        path = write_results(journal.rows(sorted(logs)), settings, out)
         return Batch(path, sweep.counts, sweep.pace())
-    finally:
-        journal.close()
 
 
 class Sweep:
-    """Submits logs to the workers, and writes their rows into the journal.
+    """Submits ``total`` logs to the workers, and writes their rows into the journal.
 
-    ``report`` is called with the pace after each chunk, ``tell`` with its new rows once they are in
-    the journal. ``total`` logs are expected.
+    ``report`` is called with the pace after each chunk, ``tell`` with its new rows.
     """
 
     def __init__(
@@ -110,17 +127,16 @@ class Sweep:
         job: Job,
         journal: BatchJournal,
         executor: Executor,
-        report: Report,
         total: int,
+        report: Callable[[Pace], None] = lambda pace: None,
         tell: Callable[[list[Row]], None] = lambda rows: None,
     ):
         self.packed, self.journal, self.executor = job.packed(), journal, executor
-        self.command, self.report, self.total, self.tell = job.command, report, total, tell
-        self.wanted: set[str] = set()
+        self.most, self.total, self.report, self.tell = CHUNK[job.command], total, report, tell
         self.pending: dict[Future[Rows], tuple[WorkItem, ...]] = {}
         self.counts: Counter[Status] = Counter()
         self.fresh = 0
-        self.start = self.synced = time.monotonic()
+        self.start = time.monotonic()
 
     def pace(self) -> Pace:
         """The progress so far."""
@@ -131,9 +147,6 @@ class Sweep:
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
         """Compute all ``logs``, each as (name of its row, path)."""
         for chunk in self._chunks(logs):
-            if self.executor.worn:
-                self._drain(0)
-                self.executor.renew()
             self._drain(AHEAD * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
@@ -152,30 +165,26 @@ class Sweep:
         chunk: list[WorkItem] = []
         begun = 0
         for name, path in logs:
-            if name in self.wanted:  # two patterns match it
-                self.total -= 1
-                continue
-            self.wanted.add(name)
-            chunk.append(WorkItem(name, os.path.abspath(path), self._known(name)))
-            if len(chunk) >= min(CHUNK[self.command], 1 + begun // (8 * self.executor.workers)):
+            row = self.journal.row(name)
+            known = None if row is None or row.lost else row.digest
+            chunk.append(WorkItem(name, os.path.abspath(path), known))
+            if len(chunk) >= min(self.most, 1 + begun // (8 * self.executor.workers)):
                 begun += len(chunk)
                 yield tuple(chunk)
                 chunk = []
         if chunk:
             yield tuple(chunk)
 
-    def _known(self, name: str) -> str | None:
-        """Digest of the row of a log, if it has one that is not ``lost``."""
-        row = self.journal.row(name)
-        return None if row is None or row.lost else row.digest
-
     def _drain(self, most: int) -> None:
         """Wait until at most ``most`` chunks are unfinished, and store finished rows."""
         while len(self.pending) > most:
-            finished, _ = wait(self.pending, return_when=FIRST_COMPLETED)
-            suspects = self._gather(finished)
+            suspects = self._gather(wait(self.pending, return_when=FIRST_COMPLETED).done)
             if suspects:
-                self._alone(suspects)
+                # a pool that lost one worker loses all unfinished logs
+                suspects += self._gather(wait(self.pending).done)
+                self.executor.renew()
+                for item in suspects:
+                    self._keep((item,), self._alone(item))
 
     def _gather(self, finished: Iterable[Future[Rows]]) -> list[WorkItem]:
         """Store the rows of finished chunks; return the logs whose worker died."""
@@ -192,37 +201,27 @@ class Sweep:
                 self._keep(items, rows)
         return suspects
 
-    def _alone(self, suspects: list[WorkItem]) -> None:
-        """Repeat the logs of dead workers one at a time; an error for one that kills again."""
-        # a pool that lost one worker loses all unfinished logs
-        suspects += self._gather(wait(self.pending).done)
-        self.executor.renew()
-        for item in suspects:
-            try:
-                rows = self.executor.submit(self.packed, (item,)).result()
-            except BrakeCalError:
-                raise
-            except Exception as error:
-                text = f"{item.name}: the worker died on it twice ({type(error).__name__})"
-                hint = "; is there enough memory? the next run tries it again"
-                rows = [Row(item.name, None, Status.ERROR, text + hint, lost=True)]
-                self.executor.renew()
-            self._keep((item,), rows)
+    def _alone(self, item: WorkItem) -> Rows:
+        """Repeat the log of a dead worker; an error for one that kills again."""
+        try:
+            return self.executor.submit(self.packed, (item,)).result()
+        except BrakeCalError:
+            raise
+        except Exception as error:
+            self.executor.renew()
+            text = f"{item.name}: the worker died on it twice ({type(error).__name__})"
+            hint = "; is there enough memory? the next run tries it again"
+            return [Row(item.name, None, Status.ERROR, text + hint, lost=True)]
 
     def _keep(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
         """Store the rows of a chunk; an unchanged log already has its row in the journal."""
-        new = [row for row in rows if row is not None and not self._same(row)]
+        computed = [row for row in rows if row is not None]
+        # a log that cannot be read has no digest: it is tried each time
+        new = [r for r in computed if r.digest is not None or self.journal.row(r.log) != r]
         self.journal.add(new)
-        self.fresh += sum(row is not None for row in rows)
+        self.fresh += len(computed)
         stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
-        self.counts.update(row.status for row in (*filter(None, rows), *self.journal.rows(stored)))
-        if time.monotonic() - self.synced > SYNC:
-            self.journal.sync()
-            self.synced = time.monotonic()
+        self.counts.update(row.status for row in (*computed, *self.journal.rows(stored)))
         self.report(self.pace())
         if new:
             self.tell(new)
-
-    def _same(self, row: Row) -> bool:
-        """Whether a log could not be read before either, with the same row."""
-        return row.digest is None and self.journal.row(row.log) == row

@@ -1,10 +1,19 @@
-"""Columns of `results.parquet` by command, their kinds, and the statuses of a log."""
+"""Rows and columns of `results.parquet`: what a batch says of each log."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from calib.estimation.metrics import METRICS
-from calib.line.fleet.command import Command
+Cell = float | bool | str | None
+
+
+class Command(StrEnum):
+    """A command that is run on each log of a batch."""
+
+    FIT = "fit"
+    VALIDATE = "validate"
+    CHECK = "check"
+    DIAGNOSE = "diagnose"
 
 
 class Status(StrEnum):
@@ -34,6 +43,27 @@ class ResultColumn:
     meaning: str = ""
 
 
+@dataclass(frozen=True)
+class Row:
+    """Result of a command for one log.
+
+    ``cells`` follow `columns_of` and are empty for an error. ``lost`` marks an error that the log
+    may not cause: the worker died or had no memory. The next run tries it again.
+    """
+
+    log: str
+    digest: str | None
+    status: Status
+    error: str | None
+    cells: tuple[Cell, ...] = ()
+    lost: bool = False
+
+
+def finite(value: float | None) -> float | None:
+    """A float, or None if ``value`` is None or not finite."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
 def _number(name: str, unit: str, meaning: str) -> ResultColumn:
     return ResultColumn(name, ColumnKind.NUMBER, unit, meaning)
 
@@ -50,6 +80,7 @@ HEAD = (
 )
 """The first columns, of every command."""
 
+_WARNED = _text("warned", "codes of the warnings; null without any")
 
 FIT = (
     _number("pad_friction_f", "1", "pad friction, front"),
@@ -67,17 +98,11 @@ FIT = (
     _number("residual_slip_rms_sigma", "1", "the same for the slip; 0 without v"),
     _number("outliers", "1", "blocks of eta past four sigma"),
     _number("pad_ratio_nominal_weight", "1", "weight of the pad ratio of the vehicle file"),
-    _text("warned", "codes of the warnings; null without any"),
+    _WARNED,
     _text("table_digest", "digest of the table"),
 )
 
-VALIDATE = (
-    *(_number(name, "1", meaning) for name, meaning in METRICS.items()),
-    _text("not_held", "metrics that break a limit; null if none does"),
-    _text("warned", "codes of the warnings; null without any"),
-)
-
-CHECK = (
+_CHECK = (
     ResultColumn("usable_fit", ColumnKind.YES_NO, "1", "usable for fit"),
     ResultColumn("usable_validate", ColumnKind.YES_NO, "1", "usable for validate"),
     ResultColumn("usable_coast", ColumnKind.YES_NO, "1", "usable for a fit, as a coast log"),
@@ -94,10 +119,10 @@ CHECK = (
     _number("deceleration_max", "1", "highest deceleration, z"),
     _number("pressure_max", "Pa", "highest p_mc"),
     _number("eta_zero", "1", "eta - 1 without braking"),
-    _text("warned", "codes of the warnings; null without any"),
+    _WARNED,
 )
 
-DIAGNOSE = (
+_DIAGNOSE = (
     _text("verdict", "no_gap, named, ambiguous or unknown"),
     _text("effects", "named effects, joined by +"),
     _number("gap_before", "1", "gap on the hold-outs, no effect added"),
@@ -105,10 +130,17 @@ DIAGNOSE = (
     _number("gap_closed", "1", "share of the gap that is closed"),
 )
 
-COLUMNS: dict[Command, tuple[ResultColumn, ...]] = {
-    Command.FIT: FIT,
-    Command.VALIDATE: VALIDATE,
-    Command.CHECK: CHECK,
-    Command.DIAGNOSE: DIAGNOSE,
-}
-"""The columns after `HEAD`, by command."""
+_COLUMNS = {Command.FIT: FIT, Command.CHECK: _CHECK, Command.DIAGNOSE: _DIAGNOSE}
+
+
+def columns_of(command: Command) -> tuple[ResultColumn, ...]:
+    """The columns after `HEAD`."""
+    if command != Command.VALIDATE:
+        return _COLUMNS[command]
+    from calib.estimation.metrics import METRICS
+
+    return (
+        *(_number(name, "1", meaning) for name, meaning in METRICS.items()),
+        _text("not_held", "metrics that break a limit; null if none does"),
+        _WARNED,
+    )

@@ -1,28 +1,74 @@
-"""Workers of a Dask cluster as an `Executor`. Needs the extra `dist`."""
+"""Who computes the rows: processes of this machine, or the workers of a Dask cluster."""
 
 import math
 import socket
 import time
 from concurrent.futures import Future
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 from calib.base.errors import BatchError
-from calib.line.fleet.pool import Rows
+from calib.base.processes import end, workers
+from calib.line.fleet.rows import Row
 from calib.line.fleet.work import WorkItem, run_items
+
+Rows = list[Row | None]
+
+PRELOADED = (
+    *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
+    *("scipy.special", "calib.run.check", "calib.fitting.fit", "calib.estimation.validate"),
+    *("calib.diagnosis.diagnose", "calib.line.fleet.work"),
+)
+"""What the library imports late; the server from which workers are forked imports it once."""
 
 PATIENCE = "10s"
 """Longest wait for an answer of the scheduler [s]."""
 
 
+class Executor(Protocol):
+    """Computes rows on this machine or a cluster. A future fails if its worker died."""
+
+    @property
+    def workers(self) -> int:
+        """Number of logs at a time."""
+
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
+        """Compute the rows of some logs, see `calib.line.fleet.work.run_items`."""
+
+    def renew(self) -> None:
+        """Replace the workers. Unfinished logs are lost."""
+
+    def close(self) -> None:
+        """Release the workers; unfinished logs are dropped."""
+
+
+class Pool:
+    """Processes of this machine, ``workers`` of them."""
+
+    def __init__(self, count: int):
+        self.workers = count
+        self._pool = workers(count, *PRELOADED)
+
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
+        """Submit logs to the next free worker."""
+        return self._pool.submit(run_items, packed, items)
+
+    def renew(self) -> None:
+        """End the workers and start others."""
+        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool = workers(self.workers, *PRELOADED)
+
+    def close(self) -> None:
+        """End the workers, also during a log; it has no row and the next run repeats it."""
+        end(self._pool)
+
+
 class Cluster:
-    """The workers behind a scheduler at ``address``, "tcp://host:port".
+    """The workers of Dask, the extra `dist`, behind a scheduler at ``address``, "tcp://host:port".
 
     Each worker must have this version of the program, and the logs under the same absolute paths.
     Dask gives the logs of a dead worker to another one. Raises BatchError if there is no answer.
     """
-
-    worn = False
 
     def __init__(self, address: str):
         try:
@@ -70,7 +116,7 @@ class Cluster:
             self._asked = time.monotonic()
         return self._threads
 
-    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> "Future[Rows]":
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit logs to the scheduler. Raises BatchError if it is gone."""
         rows: Future[Rows] = Future()
         given = self._client.submit(run_items, packed, items, pure=False)
@@ -110,8 +156,8 @@ def _knock(address: str) -> None:
         socket.create_connection(where, timeout=parse_timedelta(PATIENCE)).close()
 
 
-def _pass_on(rows: "Future[Rows]", given: Any) -> None:
-    """Copy the result of a Dask future; Dask's executor loses it if the transfer fails."""
+def _pass_on(rows: Future[Rows], given: Any) -> None:
+    """Copy the result of a Dask future; Dask's own executor loses it if the transfer fails."""
     try:
         rows.set_result(given.result())
     except BaseException as error:

@@ -1,0 +1,110 @@
+"""A result as facts: each sentence is made once, for the terminal and for the page.
+
+    facts of a result -> Facts --calib.show.terminal-> lines and grids
+                               --calib.show.html-----> one file
+
+A terminal prints tables, rows and notes, then the headline, so that the verdict is the last line;
+`calib.show.html.page` begins with it. Warnings go to stderr, and pictures only to a page.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from calib.base.warning import PlausibilityWarning
+
+if TYPE_CHECKING:
+    from calib.show.sheet import Sheet
+
+Row = tuple[str, str]
+"""A name and its text."""
+PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
+"""Verdicts, which set the colour of a page's head, of a section or of a row; "" for none."""
+
+
+@dataclass(frozen=True)
+class Bar:
+    """Places in percent of the width, each zone as (start, width); ``label`` says it in words.
+
+    ``marks``: places of the values; one beyond an end of the bar is at that end.
+    """
+
+    passed: tuple[float, float]
+    warning: tuple[float, float]
+    marks: tuple[float, ...]
+    label: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cells as texts; the first cell of a row names it.
+
+    ``verdicts`` has one for each row. ``bars``, one for each row or None, are drawn on a page after
+    the second column; ``links``, one for each row or "", lead from its first cell.
+    """
+
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    caption: str = ""
+    verdicts: Sequence[str] = ()
+    bars: Sequence[Bar | None] = ()
+    links: Sequence[str] = ()
+
+    @property
+    def numeric(self) -> tuple[bool, ...]:
+        """Whether each column holds numbers, by the first signs of its cells.
+
+        >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
+        (False, True)
+        """
+        columns = ([row[i][:1] for row in self.rows if row[i]] for i in range(len(self.heads)))
+        return tuple(
+            any(sign.isdigit() for sign in signs) and all(x.isdigit() or x in "+-" for x in signs)
+            for signs in columns
+        )
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A sheet, of which ``names`` are the panels that are shown (all without), or a PNG or SVG."""
+
+    caption: str
+    of: "Sheet | bytes"
+    names: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Facts:
+    """A result, or a part of one; what is empty is not shown.
+
+    Attributes
+    ----------
+    title : of the page or of the part.
+    verdict, word : `PASSED` and so on, and the verdict as people say it.
+    headline : the result in a sentence or two.
+    numbers : the most important ones, each with its name.
+    rows : names and their texts.
+    tables, notes, warnings, pictures : in this order.
+    parts : facts with a title of their own, such as those of each stop; ``folded`` ones are shown
+        on demand.
+    """
+
+    title: str = ""
+    headline: str = ""
+    verdict: str = ""
+    word: str = ""
+    numbers: Sequence[Row] = ()
+    rows: Sequence[Row] = ()
+    tables: Sequence[Table] = ()
+    notes: Sequence[str] = ()
+    warnings: Sequence[PlausibilityWarning] = ()
+    pictures: Sequence[Picture] = ()
+    parts: "Sequence[Facts]" = ()
+    folded: bool = False
+
+    @property
+    def filled(self) -> bool:
+        """Whether there is anything below the title."""
+        tables = any(table.rows for table in self.tables)
+        others = (self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures)
+        return tables or any(others) or any(part.filled for part in self.parts)
