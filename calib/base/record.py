@@ -17,7 +17,7 @@ import re
 from collections.abc import ItemsView, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from pydantic import (
     BaseModel,
@@ -195,7 +195,8 @@ def quantities(section: type[Section]) -> dict[str, QuantityMark]:
     return {
         name: mark
         for name, field in section.model_fields.items()
-        for mark in field.metadata
+        for kind in (field, *get_args(field.annotation))  # a mark | None is a kind of its own
+        for mark in getattr(kind, "metadata", getattr(kind, "__metadata__", ()))
         if isinstance(mark, QuantityMark)
     }
 
