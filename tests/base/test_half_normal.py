@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from calib.base.half_normal import likelihood_ratio, mean_square
+from calib.base.mixtures import likelihood_ratio, mean_square
 
 CASES = [(0.05, 0.01, 0.1), (-0.03, 0.02, 0.06), (0.0, 0.03, 0.06), (0.3, 0.05, 0.1)]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.base.least_squares import explained_square
+from calib.base.noise import explained_square
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.base.mixture_posterior import mixture_posterior
+from calib.base.mixtures import mixture_posterior
 
 FREE, ODDS, NOMINAL = 0.4, 2.0, 0.02
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.base.moving_average import moving_average, second_differences
+from calib.base.noise import moving_average, second_differences
 
 
 def test_a_moving_average_has_the_covariance_it_is_made_of():

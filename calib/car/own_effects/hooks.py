@@ -1,4 +1,4 @@
-"""The hooks of an effect of the user's own, with every result checked.
+"""The hooks of an effect of the user's own, with every result checked, and a run to try them on.
 
 A hook that raises, or whose result has another shape or is not finite, raises one ModelError that
 names file and line. So a mistake in it is found wherever it shows, not only when it is loaded.
@@ -11,10 +11,14 @@ from functools import wraps
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.base.errors import ModelError
-from calib.base.names import WHEELS
+from calib.base.names import WHEELS, G
 from calib.car.effects.effect import Array, Effect
+from calib.car.forces import axle_loads
+from calib.car.history import Motion, RunHistory
+from calib.car.vehicle import Axle, Vehicle
 
 PAIR, ONE, BY_WHEEL, TWO_NUMBERS, NUMBER = (
     "arrays for front and rear",
@@ -40,6 +44,24 @@ RESULTS = {
     "wheel_speed_delay": NUMBER,
 }
 """What each hook returns; an array has one value for each sample."""
+
+_FACTORS = ("friction", "wheels", "radius", "wheel_speed", "mass")
+"""Hooks that return factors: a link does not change at one, and else at zero."""
+
+_TOLERANCE = 1e-9
+"""Largest change, relative to one or to the value itself, that counts as rounding."""
+
+_CAR = Vehicle(
+    name="trial",
+    mass=1744.0,
+    cg_to_front_axle=1.1556,
+    cg_to_rear_axle=1.6494,
+    cg_height=0.615,
+    track_width=1.55,
+    front=Axle(0.322, 1.2, 28.84e-4, 0.1309, 2, 0.38),
+    rear=Axle(0.322, 1.1, 11.34e-4, 0.124, 2, 0.38),
+)
+"""Tables I and II of the paper."""
 
 
 def hooks_of(effect: Effect) -> dict[str, Callable[..., Any]]:
@@ -135,3 +157,62 @@ def _short(result: Any) -> str:
     if isinstance(result, Mapping):
         return f"a {kind} with the keys {', '.join(map(repr, result)) or 'none'}"
     return f"a {kind} of {len(result)}" if isinstance(result, tuple | list) else f"a {kind}"
+
+
+def trial(hook: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
+    """What a hook is called with: braking from 30 m/s to a stand, released at 3 s; read-only."""
+    history = _history()
+    load_f, load_r = axle_loads(_CAR, history.z)
+    motion = Motion(history.v, _fixed(load_f), _fixed(load_r), history)
+    own = dict(parameters)
+    if hook in ("pressure", "friction"):
+        return own, history, history.p_mc, _fixed(0.8 * history.p_mc)
+    if hook in ("axle_moment", "body_force", "wheel_speed"):
+        return _CAR, own, motion
+    if hook == "accelerometer":
+        return _CAR, own, history, _fixed(-G * history.z)
+    if hook == "load_shift":
+        return _CAR, own, history
+    return (own, history) if hook == "wheels" else (own,)
+
+
+def changes(hook: str, given: tuple[Any, ...], result: Any) -> bool:
+    """Whether the ``result`` of a hook changes the link on which it acts."""
+    if hook == "pressure":
+        before = given[2:]
+    elif hook == "accelerometer":
+        before = given[3:]
+    else:
+        before = (1.0 if hook in _FACTORS else 0.0,) * 4
+    values = result.values() if isinstance(result, Mapping) else result
+    several = isinstance(result, Mapping | tuple)
+    pairs = zip(values if several else (result,), before, strict=False)
+    return any(not np.allclose(*pair, rtol=_TOLERANCE, atol=_TOLERANCE) for pair in pairs)
+
+
+def _history() -> RunHistory:
+    time = _fixed(np.arange(400) * 0.01)
+    v = _fixed(30.0 - 7.5 * time)
+    angle = _fixed(np.cumsum(v) * 0.01 / _CAR.front.rolling_radius)
+    held = np.clip(time - 0.5, 0.0, 1.0) - np.clip(4.0 * (time - 3.0), 0.0, 1.0)
+    pressed = _fixed(40e5 * held + 1e3 * np.sin(50.0 * time))  # noise: below zero at first
+    return RunHistory(
+        time=time,
+        v=v,
+        z=_fixed(0.018e-5 * pressed),
+        p_mc=pressed,
+        temperature_f=_fixed(150.0 + 60.0 * time),
+        temperature_r=_fixed(90.0 + 30.0 * time),
+        angle_f=angle,
+        angle_r=angle,
+        energy_f=_fixed(60e3 * time),
+        energy_r=_fixed(20e3 * time),
+        source="trial",
+    )
+
+
+def _fixed(values: NDArray[Any]) -> Array:
+    """A copy that cannot be changed in place."""
+    out = np.array(values, dtype=np.float64)
+    out.flags.writeable = False
+    return out

@@ -8,9 +8,8 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.own_effects.hooks import RESULTS, checked, hooks_of
+from calib.car.own_effects.hooks import RESULTS, changes, checked, hooks_of, trial
 from calib.car.own_effects.read import read_own_effect
-from calib.car.own_effects.trial import changes, trial
 from tests.support.effect_runs import made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
 
