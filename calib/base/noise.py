@@ -1,11 +1,9 @@
 """Noise: its size, the moving average of differences, and how much of a signal others explain."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.intervals import QUARTILE
-
-Array = NDArray[np.float64]
+from calib.base.names import Array
 
 
 def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.model import Surface, default_model
-from calib.car.road import RELAXATION_LENGTH, tyres_along
+from calib.car.model import RELAXATION_LENGTH, Surface, default_model, tyres_along
 from tests.support.tables import VEHICLE
 
 TIME = np.arange(401) * 0.01

@@ -13,8 +13,8 @@ The split filter (`calib.estimation.states`) follows the same mode with the same
 
 import numpy as np
 
-from calib.base.names import G
-from calib.car.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.base.names import Array, G
+from calib.car.effects.effect import Card, Effect, Parameter, Parameters
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import second_order
 from calib.car.vehicle import Vehicle

@@ -27,8 +27,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.intervals import QUARTILE
+from calib.base.names import Array
 from calib.car.braking import BITE
-from calib.car.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.car.effects.effect import Card, Effect, Pair, Parameter, Parameters
 from calib.car.history import RunHistory
 
 BOTH = 0.5

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from calib.base.names import Array
 from calib.car.effects.catalogue import CALIPER, LINE, SENSOR
-from calib.car.effects.effect import Array, Effect, Pair, Parameters
+from calib.car.effects.effect import Effect, Pair, Parameters
 from calib.car.effects.effects import Effects
 from calib.car.effects.empirical import effect_of
 from calib.car.history import Motion, RunHistory

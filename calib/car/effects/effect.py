@@ -12,13 +12,10 @@ effect), the analysis (which removes it) and the diagnosis (which estimates its 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from calib.base.names import Array
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 Parameters = Mapping[str, float]
 Pair = tuple[Array, Array]
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from calib.car.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.base.names import Array
+from calib.car.effects.effect import Card, Effect, Pair, Parameter, Parameters
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order
 

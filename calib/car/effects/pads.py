@@ -12,8 +12,9 @@ Pressure: mu  |`.
 
 import numpy as np
 
+from calib.base.names import Array
 from calib.car.disc_temperature import DISCS, heated
-from calib.car.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.car.effects.effect import Card, Effect, Pair, Parameter, Parameters
 from calib.car.history import RunHistory
 
 REFERENCE_PRESSURE = 20e5

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from calib.car.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.base.names import Array
+from calib.car.effects.effect import Card, Effect, Parameter, Parameters
 from calib.car.history import Motion
 from calib.car.vehicle import Vehicle
 

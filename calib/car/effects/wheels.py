@@ -10,9 +10,9 @@ A logged ``T_drive_f`` or ``T_drive_r`` counts besides: an effect is what the lo
 
 import numpy as np
 
-from calib.base.names import AXLES
+from calib.base.names import AXLES, Array
 from calib.car.braking import BITE
-from calib.car.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.car.effects.effect import Card, Effect, Pair, Parameter, Parameters
 from calib.car.forces import axle_loads
 from calib.car.history import Motion
 from calib.car.lag import first_order

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.errors import ModelError
-from calib.base.names import WHEELS, G
-from calib.car.effects.effect import Array, Effect
+from calib.base.names import WHEELS, Array, G
+from calib.car.effects.effect import Effect
 from calib.car.forces import axle_loads
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Axle, Vehicle
