@@ -83,8 +83,7 @@ def repeatability(
     up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
     is then given of that too.
     """
-    from calib.line.gauge.limits_file import read_gauge_limits
-    from calib.line.gauge.study import METRICS, study
+    from calib.line.gauge.study import METRICS, read_gauge_limits, study
 
     _check_names(quantity or [], list(METRICS))
     ready_folder(out, (DOCUMENT, PICTURE))
@@ -252,7 +251,7 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
 
 
 def _report(found: "GaugeStudy") -> None:
-    from calib.line.gauge.words import conclusion
+    from calib.line.gauge.study import conclusion
 
     emit(_grid(found))
     for result in found.results:

@@ -163,7 +163,7 @@ FIGURES: tuple[Figure, ...] = (
     ),
 )  # fmt: skip
 """The figures with their ranges: what cars from a microcar to a laden van have, and some room. How
-many good cars and mistakes have a warning: tests/studies/vehicle_mistakes.py."""
+many good cars and mistakes have a warning: tests/studies/results/vehicle_mistakes.md."""
 
 
 def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:

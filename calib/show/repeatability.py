@@ -6,8 +6,7 @@ bars     |  [==]--|    standard deviation of each cause over the total, 95 % int
 
 import numpy as np
 
-from calib.line.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION
-from calib.line.gauge.gauge_rr import GAUGE, TOTAL
+from calib.line.gauge.gauge_rr import CAR, GAUGE, INTERACTION, REPEATABILITY, STATION, TOTAL
 from calib.line.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes

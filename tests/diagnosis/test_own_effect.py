@@ -51,14 +51,6 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(logs):
     assert tried == {"name": "air_brake_flap", **told["defined_in"], "named": True}
 
 
-def test_without_the_file_there_is_no_such_name(logs):
-    found = answer(logs, [])
-    assert found.verdict != "no_gap"
-    assert "air_brake_flap" not in {effect.name for effect in found.effects}
-    assert to_dict(found)["own_effects"] == []
-    assert all("defined_in" not in effect for effect in to_dict(found)["effects"])
-
-
 def test_an_effect_of_ones_own_that_is_not_hidden_is_not_named():
     """A file that is given is a candidate, and no more."""
     rng = np.random.default_rng(4712)

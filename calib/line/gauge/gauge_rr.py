@@ -1,8 +1,21 @@
-"""Gauge R&R metrics from an analysis of variance, with 95 % intervals.
+r"""How much of a metric's scatter comes from the gauge: variance components, %GRR and ndc.
+
+    y = mean + car_i + station_j + (car x station)_ij + repeat      all but the mean random
+
+The sum of squares is split into one part for each cause, in this order, each adjusted for the ones
+before it (type I, Henderson's third method). The expected mean squares are linear in the variances:
+
+    E[MS] = C sigma^2      C from the design only, so  sigma^2 = C^-1 MS
+
+In a full design with equal repeats this is the textbook table (AIAG, Measurement Systems Analysis,
+4th ed., app. A; Montgomery, Design and Analysis of Experiments, ch. 13). With unequal numbers or
+missing cells the estimates are still unbiased, but the intervals become approximate: the mean
+squares then follow approximately a chi-square distribution with the degrees of freedom of
+Satterthwaite (1946), and are not exactly independent.
 
     GRR^2 = EV^2 + AV^2          scatter of the measurement: repeatability and reproducibility
     TV^2 = GRR^2 + PV^2          PV: the cars themselves
-    %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG MSA, 4th ed.)
+    %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG)
     %GRR of the tolerance = 6 GRR/(USL - LSL)                    (the same, ch. III, section B)
 
 %GRR and ndc compare the gauge with the cars of the study. Where the cars do not differ, %GRR is
@@ -11,7 +24,7 @@ near 100 % for any gauge and has no meaning; that of the tolerance still has.
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
 Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): draws of
 nu MS/chi2(nu) replace each expected mean square, and the 2.5 and 97.5 % points of the results are
-the ends. `tests/studies/repeatability_coverage.py` measures how often they contain the truth.
+the ends. `tests/studies/results/repeatability_coverage.md` says how often they contain the truth.
 """
 
 from dataclasses import dataclass
@@ -20,11 +33,16 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.line.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION, Anova
+from calib.logs.log import Array
 
-Array = NDArray[np.float64]
+Codes = NDArray[np.int64]
 
+CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
+
+RANK = 1e-9
+"""Share of the largest singular value below which a direction is ignored."""
+
 SIGMAS = 6.0
 """Standard deviations across a process, which AIAG compares with the tolerance."""
 NDC = 1.41
@@ -32,6 +50,117 @@ NDC = 1.41
 
 DRAWS = 20_000
 """Number of draws for an interval: the error of its ends is a few percent of its width."""
+
+
+@dataclass(frozen=True)
+class VarianceSource:
+    """One row of the table: ``ss``, ``ms`` in the metric's unit squared, ``df`` degrees of freedom.
+
+    ``expected`` coefficients of the variances in the expected mean square; ``effective_df`` degrees
+    of freedom of the chi-square distribution of the mean square, possibly approximate.
+    """
+
+    name: str
+    df: int
+    ss: float
+    expected: tuple[float, ...]
+    effective_df: float
+
+    @property
+    def ms(self) -> float:
+        """Mean square."""
+        return self.ss / self.df
+
+
+@dataclass(frozen=True)
+class Anova:
+    """The table, and the estimated variances; a negative estimate stays negative."""
+
+    sources: tuple[VarianceSource, ...]
+    variances: dict[str, float]
+
+    @property
+    def expected_mean_squares(self) -> Array:
+        """C: coefficient of each variance in each expected mean square, shape (k, k)."""
+        return np.array([source.expected for source in self.sources])
+
+
+def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
+    """Causes that the design can separate, in order; ``car``, ``station`` codes (n,).
+
+    If no cell has a repeat, the interaction is part of the repeatability. Stations that share no
+    car cannot be separated from the cars.
+    """
+    names, every = [CAR], _columns(car)
+    for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
+        more = np.hstack([every, _columns(codes)])
+        rank = np.linalg.matrix_rank(more)
+        if rank == np.linalg.matrix_rank(every) or (name == INTERACTION and rank == car.size):
+            break
+        names.append(name)
+        every = more
+    return (*names, REPEATABILITY)
+
+
+def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = None) -> Anova:
+    """Analysis of variance of ``y`` (n,) by the causes ``terms``; those from `terms_of` if None.
+
+    Raises ValueError if a cause has no degree of freedom left.
+    """
+    names = terms or terms_of(car, station)
+    codes = {CAR: car, STATION: station, INTERACTION: _cell(car, station)}
+    Z = {n: _columns(codes[n]) if n in codes else np.eye(y.size) for n in names}
+    parts = _partition(Z)
+    df = {n: U.shape[1] for n, U in parts.items()}
+    about = y - np.mean(y)
+    ss = {n: float(np.sum((U.T @ about) ** 2)) for n, U in parts.items()}
+    # E[MS] has tr(U U' Z Z')/df of each variance
+    expected = {
+        n: tuple(float(np.sum((U.T @ z) ** 2)) / df[n] for z in Z.values())
+        for n, U in parts.items()
+    }
+    solved = np.linalg.solve(np.array([*expected.values()]), [ss[n] / df[n] for n in names])
+    variances = dict(zip(names, map(float, solved), strict=True))
+    sources = (
+        VarianceSource(n, df[n], ss[n], expected[n], _effective_df(U, Z, variances))
+        for n, U in parts.items()
+    )
+    return Anova(tuple(sources), variances)
+
+
+def _partition(Z: dict[str, Array]) -> dict[str, Array]:
+    """Orthonormal directions of each cause, orthogonal to the mean and to the causes before it."""
+    n = len(next(iter(Z.values())))
+    basis = np.ones((n, 1)) / np.sqrt(n)
+    parts: dict[str, Array] = {}
+    for name, columns in Z.items():
+        U, size, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
+        least = RANK * max(1.0, float(np.max(np.abs(columns).sum(axis=0))))
+        parts[name] = U[:, size > least]
+        if parts[name].shape[1] == 0:
+            raise ValueError(f"no degree of freedom left for {name}")
+        basis = np.hstack([basis, parts[name]])
+    return parts
+
+
+def _cell(car: Codes, station: Codes) -> Codes:
+    return np.asarray(car * (int(np.max(station)) + 1) + station)
+
+
+def _columns(codes: Codes) -> Array:
+    """One column of zeros and ones for each level, (n, levels)."""
+    return np.asarray(codes[:, None] == np.unique(codes)[None, :], dtype=np.float64)
+
+
+def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) -> float:
+    """Satterthwaite's degrees of freedom of y' U U' y; negative ``variances`` count as zero.
+
+    tr(M)^2 / tr(M^2) with M = U' V U: the number of directions if M is a multiple of 1.
+    """
+    parts = [max(variances[n], 0.0) * (U.T @ z) @ (U.T @ z).T for n, z in Z.items()]
+    M = np.sum(parts, axis=0)
+    square = float(np.sum(M * M))
+    return float(np.trace(M) ** 2 / square) if square > 0.0 else float(U.shape[1])
 
 
 @dataclass(frozen=True)
@@ -103,23 +232,20 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
     variances = {name: np.asarray(value) for name, value in found.variances.items()}
-    raw, point = _derived(variances, clip=False), _derived(variances)
-    spread = _derived(_drawn(found))
+    raw = _derived(variances)
+    point = _derived({name: np.maximum(x, 0.0) for name, x in variances.items()})
+    spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(found).items()})
     components = {
         name: VarianceComponent(float(point[name]), float(raw[name]), *_ends(spread[name]))
         for name in point
     }
-    gauge = components[GAUGE]
-    per = None if tolerance is None else SIGMAS / tolerance
-    return GaugeRR(
-        components,
-        float(_grr(point)),
-        _ends(_grr(spread)),
-        float(_ndc(point)),
-        _ends(_ndc(spread)),
-        None if per is None else per * gauge.sd,
-        None if per is None else (per * gauge.sd95[0], per * gauge.sd95[1]),
-    )
+    (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(spread)
+    shares = float(grr), _ends(grrs), float(ndc), _ends(ndcs)
+    if tolerance is None:
+        return GaugeRR(components, *shares)
+    gauge, per = components[GAUGE], SIGMAS / tolerance
+    low, high = gauge.sd95
+    return GaugeRR(components, *shares, per * gauge.sd, (per * low, per * high))
 
 
 def _drawn(found: Anova) -> dict[str, Array]:
@@ -138,25 +264,19 @@ def _chi2(nu: float, stream: int) -> Array:
     return np.random.default_rng([20, stream]).chisquare(nu, DRAWS)
 
 
-def _derived(variances: dict[str, Array], clip: bool = True) -> dict[str, Array]:
-    """Variances and their sums; with ``clip`` a negative one counts as zero in all of them."""
-    v = {n: np.maximum(x, 0.0) if clip else x for n, x in variances.items()}
-    stations = [v[n] for n in (STATION, INTERACTION) if n in v]
-    out = {REPEATABILITY: v[REPEATABILITY]} | {n: v[n] for n in (STATION, INTERACTION) if n in v}
+def _derived(v: dict[str, Array]) -> dict[str, Array]:
+    """Variances and their sums."""
+    stations = {n: v[n] for n in (STATION, INTERACTION) if n in v}
+    out = {REPEATABILITY: v[REPEATABILITY], **stations}
     if stations:
-        out[REPRODUCIBILITY] = np.sum(stations, axis=0)
-    out[GAUGE] = np.sum([v[REPEATABILITY], *stations], axis=0)
-    out[CAR] = v[CAR]
-    out[TOTAL] = out[GAUGE] + v[CAR]
-    return out
+        out[REPRODUCIBILITY] = np.sum([*stations.values()], axis=0)
+    out[GAUGE] = np.sum([v[REPEATABILITY], *stations.values()], axis=0)
+    return out | {CAR: v[CAR], TOTAL: out[GAUGE] + v[CAR]}
 
 
-def _grr(v: dict[str, Array]) -> Array:
-    return np.asarray(np.sqrt(v[GAUGE] / v[TOTAL]))
-
-
-def _ndc(v: dict[str, Array]) -> Array:
-    return np.asarray(NDC * np.sqrt(v[CAR] / v[GAUGE]))
+def _ratios(v: dict[str, Array]) -> tuple[Array, Array]:
+    """%GRR and ndc."""
+    return np.sqrt(v[GAUGE] / v[TOTAL]), NDC * np.sqrt(v[CAR] / v[GAUGE])
 
 
 def _ends(draws: Array) -> tuple[float, float]:

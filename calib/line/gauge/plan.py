@@ -8,6 +8,7 @@ car/station/ramp.csv                 folders, with as many levels as the layout
 
 import csv
 import os
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from calib.base.errors import InputError
 from calib.base.toml import did_you_mean
 
 COLUMNS = ("log", "car", "station", "road", "vehicle")
+FILE = f"a CSV file with columns {', '.join(COLUMNS)}"
 LAYOUTS = ("car", "car/station", "station/car")
 """Possible meanings of a log's folders, outer folder first."""
 
@@ -36,51 +38,45 @@ def read_plan(path: Path) -> tuple[Place, ...]:
 
     Raises InputError if the file is not readable, or if a log or column occurs twice.
     """
-    data = bytes_of(path, PLAN, InputError, "a CSV file with log,car,station")
-    try:
-        lines = data.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as cause:
-        raise InputError(f"not text: {cause}", where=path, expected="a CSV file") from cause
-    if b"\0" in data:
-        raise InputError("not text: it has a nul", where=path, expected="a CSV file")
-    separator = ";" if lines and ";" in lines[0] and "," not in lines[0] else ","
-    table = csv.reader((line if line.strip() else "" for line in lines), delimiter=separator)
-    try:
-        rows = [(table.line_num, row) for row in table if row]
-    except csv.Error as cause:
-        raise InputError(f"not a table: {cause}", where=path, expected="a CSV file") from cause
-    heads = [head.strip() for head in rows[0][1]] if rows else []
-    _check_heads(path, heads)
-    places = tuple(_place(path, line, heads, row) for line, row in rows[1:])
+    (_, heads), *rows = _cells(path)
+    for head in heads:
+        if head not in COLUMNS:
+            near = did_you_mean(head, COLUMNS)
+            raise InputError(f"unknown column {head!r}", where=path, expected=FILE, do=near)
+    for head in ("log", "car", *heads):
+        if heads.count(head) != 1:
+            raise InputError(f"no or two columns {head!r}", where=path, expected=FILE)
+    places = tuple(_place(path, line, heads, row) for line, row in rows)
     if not places:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
-    _check_once(path, places)
+    log, times = Counter(os.path.realpath(place.log) for place in places).most_common(1)[0]
+    if times > 1:
+        raise InputError(f"{log} occurs twice", where=path)
     for key in ("station", "road"):
         if len({bool(getattr(place, key)) for place in places}) > 1:
             raise InputError(f"some logs have a {key} and some have none", where=path)
     return places
 
 
-def _check_heads(path: Path, heads: list[str]) -> None:
-    for head in heads:
-        if head not in COLUMNS:
-            raise InputError(
-                f"unknown column {head!r}",
-                where=path,
-                expected=f"columns {', '.join(COLUMNS)}",
-                do=did_you_mean(head, COLUMNS),
-            )
-        if heads.count(head) > 1:
-            raise InputError(f"column {head!r} occurs twice", where=path)
-    for head in ("log", "car"):
-        if head not in heads:
-            raise InputError(f"no column {head!r}", where=path, expected=f"{','.join(COLUMNS)}")
+def _cells(path: Path) -> list[tuple[int, list[str]]]:
+    """Number and cells of each line that is not empty, at least one."""
+    data = bytes_of(path, PLAN, InputError, FILE)
+    try:
+        lines = data.decode("utf-8-sig").splitlines()
+        separator = ";" if lines and ";" in lines[0] and "," not in lines[0] else ","
+        table = csv.reader((line if line.strip() else "" for line in lines), delimiter=separator)
+        rows = [(table.line_num, list(map(str.strip, row))) for row in table if row]
+    except (UnicodeDecodeError, csv.Error) as cause:
+        raise InputError(f"not a table: {cause}", where=path, expected=FILE) from cause
+    if not rows or b"\0" in data:
+        raise InputError("not a table", where=path, expected=FILE)
+    return rows
 
 
 def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
-    cells = dict.fromkeys(COLUMNS, "") | dict(zip(heads, map(str.strip, row), strict=False))
     if len(row) > len(heads):
         raise InputError(f"line {line} has more cells than columns", where=path)
+    cells = dict.fromkeys(COLUMNS, "") | dict(zip(heads, row, strict=False))
     for key in ("log", "car"):
         if not cells[key]:
             raise InputError(f"line {line} has no {key}", where=path)
@@ -88,26 +84,13 @@ def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
     return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle, cells["road"])
 
 
-def _check_once(where: Path, places: tuple[Place, ...]) -> None:
-    seen: set[str] = set()
-    for place in places:
-        if _whole(place.log) in seen:
-            raise InputError(f"{place.log} occurs twice", where=where)
-        seen.add(_whole(place.log))
-
-
-def _whole(path: Path) -> str:
-    """A path without links; one that leads in a ring is left as it is."""
-    return os.path.realpath(path)
-
-
 def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Place, ...]:
     """The places of ``logs``, or all if it is empty. Raises InputError for an unknown log."""
-    known = {_whole(place.log): place for place in places}
+    known = {os.path.realpath(place.log): place for place in places}
     for log in logs:
-        if _whole(log) not in known:
+        if os.path.realpath(log) not in known:
             raise InputError(f"{log} is not in the plan", where=plan, do="add a row for it")
-    return tuple(known[_whole(log)] for log in logs) if logs else places
+    return tuple(known[os.path.realpath(log)] for log in logs) if logs else places
 
 
 def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Place, ...]:
@@ -147,8 +130,7 @@ def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
 
 def _folders(log: Path) -> tuple[str, ...]:
     """Names of the folders above ``log`` as given: links are not resolved."""
-    whole = Path(os.path.abspath(log))
-    return whole.parent.parts[1:]
+    return Path(os.path.abspath(log)).parent.parts[1:]
 
 
 def certain_layout(logs: list[Path]) -> str:
@@ -157,12 +139,12 @@ def certain_layout(logs: list[Path]) -> str:
     All logs must be two levels below one folder, and every inner name must occur in two or more
     outer folders. Raises InputError otherwise, with the options to give.
     """
-    folders = [_folders(log) for log in logs]
-    roots = {(len(found), found[:-2]) for found in folders}
-    under: dict[tuple[str, ...], set[tuple[str, ...]]] = {}
-    for found in folders:
-        under.setdefault(found[-1:], set()).add(found[-2:-1])
-    if len(roots) == 1 and under and min(map(len, under.values())) > 1:
+    outer: dict[str, set[str]] = defaultdict(set)
+    roots = set()
+    for found in map(_folders, logs):
+        roots.add((len(found), found[:-2]))
+        outer["".join(found[-1:])].add("".join(found[-2:-1]))
+    if len(roots) == 1 and min(map(len, outer.values())) > 1:
         return "car/station"
     raise InputError(
         "car and station of each log are ambiguous from its folders",

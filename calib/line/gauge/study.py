@@ -3,27 +3,36 @@
 ramps --fit, one table a ramp--> metrics --anova--> components --limits--> verdict
 
 A metric is compared with the differences of the cars (%GRR, ndc) and, where its tolerance is known,
-with that. Where the cars do not differ only the tolerance can judge the gauge.
+with that. Where the cars do not differ only the tolerance can judge the gauge. Both in a file:
+
+    [limits]
+    grr = { max = 0.3 }                           %GRR of every metric, as a share
+    pad_scale = { min = 0.8, max = 1.2 }          the tolerance of a metric
+    pad_scale_grr_of_tolerance = { max = 0.2 }
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.base.errors import InputError
+from calib.base.errors import InputError, LimitsError
 from calib.estimation.limits import Judgement, Limit, judge
-from calib.line.gauge.anova import INTERACTION, STATION, Anova, anova, terms_of
-from calib.line.gauge.gauge_rr import GaugeRR, gauge_rr
-from calib.line.gauge.tolerance import tolerances
-from calib.logs.log import Log
+from calib.line.gauge.gauge_rr import (
+    INTERACTION,
+    STATION,
+    Anova,
+    Codes,
+    GaugeRR,
+    anova,
+    gauge_rr,
+    terms_of,
+)
+from calib.logs.log import Array, Log
 from calib.run.axle_signals import signals
 from calib.table.table import LogReference, Table
-
-Array = NDArray[np.float64]
-Codes = NDArray[np.int64]
 
 REFERENCE = 0.0015
 """Default eta - 1 at which the curves are compared [1]: on the rising branch of all usual cars, and
@@ -123,15 +132,6 @@ class GaugeStudy:
         return tuple(sorted({r.station for r in self.readings if r.station}))
 
 
-@dataclass(frozen=True)
-class Design:
-    """Car and station of each ramp as codes (n,), and the causes that can be separated."""
-
-    car: Codes
-    station: Codes
-    terms: tuple[str, ...]
-
-
 def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str, float]:
     """Metrics of one ramp from its ``table``, with the curves at eta - 1 = ``reference`` [1].
 
@@ -177,6 +177,31 @@ def known_limits() -> set[str]:
     return {*FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in FIGURES}
 
 
+def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
+    """The limits of a file; the `DEFAULTS` without one. Raises LimitsError for a bad file."""
+    if path is None:
+        return DEFAULTS
+    from calib.estimation.limits_file import read_limits
+
+    limits = read_limits(path, known_limits())
+    _tolerances(limits, path)
+    return limits
+
+
+def _tolerances(limits: tuple[Limit, ...], where: object = None) -> dict[str, float]:
+    """Width USL - LSL of the tolerance of each metric with a limit, in its unit."""
+    out = {}
+    for limit in (limit for limit in limits if limit.figure in METRICS):
+        if limit.low is None or limit.high is None or not limit.low < limit.high:
+            raise LimitsError(
+                f"{limit.figure} is the tolerance of a metric and needs two ends that are apart",
+                where=where,
+                expected=f"{limit.figure} = {{ min = LOW, max = HIGH }}",
+            )
+        out[limit.figure] = limit.high - limit.low
+    return out
+
+
 def study(
     readings: tuple[GaugeReading, ...],
     limits: tuple[Limit, ...] = DEFAULTS,
@@ -188,90 +213,56 @@ def study(
     itself is its tolerance and must have both ends, else LimitsError is raised; where there are
     only such limits the `DEFAULTS` judge.
     """
-    known = tolerances(limits, METRICS)
+    tolerances = _tolerances(limits)
     held = tuple(limit for limit in limits if limit.figure not in METRICS) or DEFAULTS
-    car, station = (_coded([getattr(r, key) for r in readings]) for key in ("car", "station"))
+    car, station = (
+        np.unique([getattr(r, key) for r in readings], return_inverse=True)[1]
+        for key in ("car", "station")
+    )
     _check_design(readings, car, station)
-    design = Design(car, station, terms_of(car, station))
-    results = tuple(
-        _result(
-            name,
-            np.array([r.metrics[name] for r in readings]),
-            design,
-            held,
-            known.get(name),
-        )
-        for name in readings[0].metrics
-    )
-    return GaugeStudy(readings, results, reference, (*_notes(design), *_alike(results)))
-
-
-def _alike(results: tuple[GaugeResult, ...]) -> tuple[str, ...]:
-    """What to do about metrics in which the cars do not differ."""
-    names = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
-    if not names:
-        return ()
-    return (
-        f"the cars do not differ in {', '.join(names)}: %GRR would be near 100 % for any gauge; "
-        "take cars that differ, or give the tolerance in --limits",
-    )
-
-
-def _coded(names: list[str]) -> NDArray[np.int64]:
-    return np.asarray(np.unique(names, return_inverse=True)[1], dtype=np.int64)
+    terms = terms_of(car, station)
+    results = []
+    for name in readings[0].metrics:
+        values = np.array([r.metrics[name] for r in readings])
+        analysis = anova(values, car, station, terms)
+        results.append(_result(name, values, analysis, held, tolerances.get(name)))
+    notes = (*_notes(car, station, terms), *_alike(results))
+    return GaugeStudy(readings, tuple(results), reference, notes)
 
 
 def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes) -> None:
     where = f"{len(readings)} ramps"
     if len(set(car)) < 2:
-        raise InputError(
-            "all ramps are of one car",
-            where=where,
-            expected="ramps of two cars or more; 10 is usual",
-        )
-    cells = len({*zip(car.tolist(), station.tolist(), strict=True)})
-    if cells == len(readings) and len(set(station)) < 2:
-        raise InputError(
-            "no car has a second ramp", where=where, expected="two ramps or more of some cars"
-        )
+        expected = "ramps of two cars or more; 10 is usual"
+        raise InputError("all ramps are of one car", where=where, expected=expected)
+    if len({*zip(car, station, strict=True)}) == len(readings) and len(set(station)) < 2:
+        expected = "two ramps or more of some cars"
+        raise InputError("no car has a second ramp", where=where, expected=expected)
     try:
         anova(np.zeros(car.size), car, station)
     except ValueError as cause:
-        raise InputError(
-            str(cause), where=where, expected="more ramps than cars and stations together"
-        ) from cause
+        expected = "more ramps than cars and stations together"
+        raise InputError(str(cause), where=where, expected=expected) from cause
 
 
 def _result(
-    name: str,
-    values: Array,
-    design: Design,
-    limits: tuple[Limit, ...],
-    tolerance: float | None,
+    name: str, values: Array, analysis: Anova, limits: tuple[Limit, ...], tolerance: float | None
 ) -> GaugeResult:
-    analysis = anova(values, design.car, design.station, design.terms)
     try:
         judged = gauge_rr(analysis, tolerance)
     except ValueError:
         return GaugeResult(name, values, None, None, (), GaugeVerdict.NOT_JUDGED)
-    judgements = judge(_limits_of(name, limits), _figures(judged))
-    return GaugeResult(name, values, analysis, judged, judgements, _verdict(judged, judgements))
-
-
-def _figures(judged: GaugeRR) -> dict[str, float | None]:
-    """`FIGURES` of a metric; None for what has no meaning or is not known."""
     of_cars = (judged.grr, float(judged.categories)) if judged.cars_differ else (None, None)
-    return dict(zip(FIGURES, (*of_cars, judged.tolerance), strict=True))
-
-
-def _verdict(judged: GaugeRR, judgements: tuple[Judgement, ...]) -> GaugeVerdict:
-    shares = [judged.grr] if judged.cars_differ else []
-    shares += [] if judged.tolerance is None else [judged.tolerance]
+    figures = dict(zip(FIGURES, (*of_cars, judged.tolerance), strict=True))
+    judgements = judge(_limits_of(name, limits), figures)
+    shares = [x for x in (figures["grr"], figures["grr_of_tolerance"]) if x is not None]
     if any(j.passed is False for j in judgements):
-        return GaugeVerdict.BAD
-    if not shares:
-        return GaugeVerdict.ALIKE
-    return GaugeVerdict.GOOD if max(shares) <= GOOD_GRR else GaugeVerdict.MARGINAL
+        verdict = GaugeVerdict.BAD
+    elif not shares:
+        verdict = GaugeVerdict.ALIKE
+    else:
+        verdict = GaugeVerdict.GOOD if max(shares) <= GOOD_GRR else GaugeVerdict.MARGINAL
+    return GaugeResult(name, values, analysis, judged, judgements, verdict)
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
@@ -281,38 +272,49 @@ def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
     return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 
-def _notes(design: Design) -> tuple[str, ...]:
+def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
     """Quantities that the design cannot determine, or only roughly."""
-    stations, cars = len(set(design.station)), len(set(design.car))
-    few_stations = f"{stations} stations are few: the interval of the reproducibility is wide"
-    few_cars = f"{cars} cars are few: AIAG asks for 10"
-    notes = (
-        _not_separated(design),
-        few_stations if STATION in design.terms and stations < 4 else "",
-        few_cars if cars < 5 else "",
-        _unbalanced(design),
-    )
-    return tuple(filter(None, notes))
-
-
-def _not_separated(design: Design) -> str:
-    if len(set(design.station)) < 2:
-        return "stations are not given: reproducibility is not measured"
-    if STATION not in design.terms:
-        return "no car was on two stations: differences of stations count as differences of cars"
-    if INTERACTION not in design.terms:
-        return "no car was twice on a station: the interaction counts as repeatability"
-    return ""
-
-
-def _unbalanced(design: Design) -> str:
-    ramps = np.zeros((int(design.car.max()) + 1, int(design.station.max()) + 1), dtype=np.int64)
-    np.add.at(ramps, (design.car, design.station), 1)
-    if ramps.min() == ramps.max():
-        return ""
+    ramps = np.zeros((int(car.max()) + 1, int(station.max()) + 1), dtype=np.int64)
+    np.add.at(ramps, (car, station), 1)
+    cars, stations = ramps.shape
     empty = int(np.sum(ramps == 0))
-    cells = f", {empty} of {ramps.size} car-station cells empty" if empty else ""
-    return (
-        f"unequal numbers of ramps{cells}: sums of squares are type I (car, station, both), "
-        "variances from their expectations, intervals approximate"
-    )
+    notes = []
+    if stations < 2:
+        notes.append("stations are not given: reproducibility is not measured")
+    elif STATION not in terms:
+        notes.append(
+            "no car was on two stations: differences of stations count as differences of cars"
+        )
+    elif INTERACTION not in terms:
+        notes.append("no car was twice on a station: the interaction counts as repeatability")
+    if STATION in terms and stations < 4:
+        notes.append(f"{stations} stations are few: the interval of the reproducibility is wide")
+    if cars < 5:
+        notes.append(f"{cars} cars are few: AIAG asks for 10")
+    if ramps.min() != ramps.max():
+        cells = f", {empty} of {ramps.size} car-station cells empty" if empty else ""
+        notes.append(
+            f"unequal numbers of ramps{cells}: sums of squares are type I (car, station, both), "
+            "variances from their expectations, intervals approximate"
+        )
+    return notes
+
+
+def _alike(results: list[GaugeResult]) -> list[str]:
+    names = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
+    why = f"the cars do not differ in {', '.join(names)}: %GRR would be near 100 % for any gauge; "
+    return [why + "take cars that differ, or give the tolerance in --limits"] if names else []
+
+
+def conclusion(found: GaugeStudy) -> str:
+    """The verdict on the whole study in one line, with the metrics that do not pass."""
+    judged = [one for one in found.results if one.verdict != GaugeVerdict.NOT_JUDGED]
+    if not judged:
+        return "none of the metrics could be judged: their repeats do not scatter"
+    held = sum(one.verdict not in REFUSED for one in judged)
+    word = "passed" if found.passed else "failed"
+    parts = [f"{word}: {held} of {len(judged)} metrics within the limits"]
+    for verdict in REFUSED:
+        names = [one.name for one in judged if one.verdict == verdict]
+        parts += [f"{verdict}: {', '.join(names)}"] if names else []
+    return "; ".join(parts)

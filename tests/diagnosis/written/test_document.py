@@ -31,15 +31,6 @@ def test_the_gap_is_told_by_log_and_channel(named):
     }  # fmt: skip
 
 
-def test_every_step_but_the_first_tells_what_it_brought(named):
-    first, second = to_dict(named)["steps"]
-    assert first == {"names": (), "innovation": 3.5, "left": 8.0}
-    assert second == {
-        "names": ("aerodynamic_drag",), "innovation": 1.0, "left": 0.25,
-        "added": ("aerodynamic_drag",), "removed": (), "innovation_gain": 2.5, "left_fall": 7.75,
-    }  # fmt: skip
-
-
 def test_confusion_and_drives_are_told_with_units(named):
     assert to_dict(named)["confusion"] is None
     assert to_dict(named)["would_show"] == []
@@ -79,8 +70,3 @@ def test_the_manual_has_every_headline_and_names_keys_that_exist(named):
 def test_it_has_the_keys_of_the_page_of_documents(named):
     document = json.loads(text_of(named))
     assert missing_and_unknown("diagnose-json", document) == []
-
-
-def test_the_readme_leads_to_the_manual():
-    readme = (PAGE.parents[2] / "README.md").read_text()
-    assert f"({PAGE.relative_to(PAGE.parents[2])})" in readme

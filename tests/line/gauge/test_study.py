@@ -3,14 +3,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import InputError
+from calib.base.errors import InputError, LimitsError
 from calib.estimation.limits import Limit
 from calib.fitting.fit import fit
 from calib.line.gauge.study import (
     METRICS,
     GaugeReading,
+    conclusion,
     known_limits,
     metrics_of,
+    read_gauge_limits,
     refuse_repeated,
     study,
 )
@@ -47,7 +49,7 @@ def test_figures_of_a_ramp():
     assert found["eta_zero"] == pytest.approx(1.0 / 1.0008 - 1.0, abs=1e-4)  # the plant's radii
     assert found["slip_stiffness"] == pytest.approx(25.0, rel=0.15)
     assert found["f1"] - found["f2"] == pytest.approx(found["difference"], rel=1e-3)  # (11), (12)
-    with pytest.raises(InputError, match="at most"):
+    with pytest.raises(InputError):
         metrics_of(table, log, 0.05)
 
 
@@ -60,7 +62,7 @@ def test_a_good_gauge_and_what_does_not_scatter():
     assert by_name["same"].verdict == "not judged"
     assert found.cars[0] == "car 0"
     assert found.stations == ("line 0", "line 1")
-    assert any("2 stations are few" in note for note in found.notes)
+    assert conclusion(found).startswith("passed: 1 of 1")
 
 
 def test_a_bad_gauge_fails():
@@ -81,7 +83,7 @@ def test_cars_that_do_not_differ_show_nothing_of_a_gauge():
     assert not found.passed
     assert found.results[0].verdict == "the cars do not differ"
     assert all(j.value is None for j in found.results[0].judgements if j.figure != "x")
-    assert any("do not differ in pad_scale" in note for note in found.notes)
+    assert conclusion(found).startswith("failed: 0 of 1")
     wide, narrow = (study(alike, (Limit("pad_scale", -w, w),)) for w in (2.0, 0.2))
     assert wide.passed
     assert wide.results[0].verdict == "good"  # 6 * 0.05 / 4
@@ -100,39 +102,41 @@ def test_limits_of_one_figure_come_before_the_common_ones():
     assert {"grr", "ndc", "pad_scale_grr", "f2_ndc", "f2", "grr_of_tolerance"} < known_limits()
 
 
-def test_one_way_and_unequal_numbers_work_and_are_told():
-    alone = study(readings(stations=1))
-    assert "reproducibility" not in alone.results[0].gauge.components
-    assert any("reproducibility is not measured" in note for note in alone.notes)
-    some = readings()[:-7]
-    assert any("type I" in note for note in study(some).notes)
-    without = tuple(r for r in readings() if (r.car, r.station) != ("car 0", "line 0"))
-    assert any("1 of 20 car-station cells empty" in note for note in study(without).notes)
-
-
-def test_stations_that_share_no_car_are_told_as_such():
+def test_the_limits_of_the_design_are_told():
+    """Few stations; one station; missing ramps; a missing cell; stations that share no car."""
+    made = readings()
     nested = tuple(replace(r, station=f"line {int(r.car[-1]) % 2}") for r in readings(6, 1, 2))
-    found = study(nested)
-    assert any("no car was on two stations" in note for note in found.notes)
+    without = tuple(r for r in made if (r.car, r.station) != ("car 0", "line 0"))
+    designs = (made, readings(stations=1), made[:-1], without, nested)
+    assert [len(study(design).notes) for design in designs] == [1, 1, 2, 2, 2]
+    assert "reproducibility" not in study(designs[1]).results[0].gauge.components
 
 
 @pytest.mark.parametrize(
-    ("made", "says"),
+    "made",
     [
-        (readings(cars=1), "all ramps are of one car"),
-        (readings(stations=1, repeats=1), "no car has a second ramp"),
-        (readings(cars=2, stations=2, repeats=1)[:3], "no degree of freedom left"),
+        readings(cars=1),
+        readings(stations=1, repeats=1),
+        readings(cars=2, stations=2, repeats=1)[:3],
     ],
 )
-def test_a_design_that_cannot_do_is_refused(made, says):
-    with pytest.raises(InputError, match=says):
+def test_a_design_that_cannot_do_is_refused(made):
+    with pytest.raises(InputError):
         study(made)
+
+
+@pytest.mark.parametrize("ends", ["min = 0.8", "max = 1.2", "min = 1.0, max = 1.0"])
+def test_a_tolerance_has_two_ends(tmp_path, ends):
+    path = tmp_path / "gauge.toml"
+    path.write_text(f"schema = 1\n[limits]\npad_scale = {{ {ends} }}\n")
+    with pytest.raises(LimitsError):
+        read_gauge_limits(path)
 
 
 def test_a_copy_of_a_run_is_no_repeat():
     run = made_run(stop(level=20.0))
     seen = [LogReference("first", "ab" * 32, "ramp", fingerprint=fingerprint_of(run))]
     thinned = {name: x[::2] for name, x in run.channels.items()}
-    with pytest.raises(InputError, match="the same run as first"):
+    with pytest.raises(InputError):
         refuse_repeated(replace(run, channels=thinned), seen)
     refuse_repeated(made_run(stop(level=21.0)), seen)
