@@ -322,7 +322,7 @@ def test_bend_gate(table, wet, sign):
     assert np.mean(mild.valid[(e.time > 2.3) & (e.time < 6.0)]) > 0.98
 
 
-@pytest.mark.parametrize("wheel", ("fl", "rr"))
+@pytest.mark.parametrize("wheel", ["fl", "rr"])
 def test_abs_gate(table, wet, wheel):
     """A wheel dips by 40 % for 0.1 s at a time; after the last dip the answer is not trusted."""
     cycle = (wet.time > 3.0) & (wet.time < 4.0) & ((wet.time * 4.0) % 1.0 < 0.4)
@@ -334,7 +334,7 @@ def test_abs_gate(table, wet, wheel):
         assert np.all(np.isfinite(axle.pad_friction[e.time > 2.0]))
 
 
-@pytest.mark.parametrize("wheel", ("fl", "rr"))
+@pytest.mark.parametrize("wheel", ["fl", "rr"])
 def test_spikes_of_one_sample_are_no_abs(table, wet, result, wheel):
     hit = np.array(wet[f"omega_{wheel}"])
     hit[40::300] *= 0.5
