@@ -11,6 +11,7 @@ effect), the analysis (which removes it) and the diagnosis (which estimates its 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from calib.base.names import Array
 from calib.car.history import Motion, RunHistory
@@ -111,6 +112,21 @@ class Effect:
     accelerometer_lag: Callable[[Parameters], tuple[float, float]] | None = None
     speed_delay: Callable[[Parameters], float] | None = None
     wheel_speed_delay: Callable[[Parameters], float] | None = None
+
+
+def effect(
+    name: str,
+    *,
+    cause: str,
+    equation: str,
+    source: str,
+    looks_like: str,
+    parameters: tuple[Parameter, ...],
+    neutral: float = 0.0,
+    **hooks: Callable[..., Any],
+) -> Effect:
+    """An effect from what its card says and its hooks, as the catalogue has them."""
+    return Effect(Card(name, cause, equation, source, looks_like, parameters, neutral), **hooks)
 
 
 def acts_on_brakes(effect: Effect) -> bool:
