@@ -60,7 +60,7 @@ def _list(json: bool) -> None:
     from calib.help.documents import documents
 
     files = {name: about for name, (about, _) in SCHEMAS.items()}
-    written = {name: one.title for name, one in documents().items()}
+    written = {name: one.title.replace("`", "") for name, one in documents().items()}
     if json:
         emit_json({"schema": 1, "files": files, "documents": written})
         return

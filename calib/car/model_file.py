@@ -1,30 +1,8 @@
-"""A model as a TOML file.
+"""A model as a TOML file: pads, tyre, effects, roads; `brake-cal manual diagnosis` shows one.
 
-schema = 1
-[pads]                        # friction [1]; nominal when left out
-front = 0.38
-rear = 0.36
-[tyre]                        # wet asphalt for what is left out
-stiffness = 25.0
-peak = 0.9
-bend = 0.2                    # 0 is the Magic Formula, a third of its shape factor a brush
-relaxation = "0.3 m"          # way over which the force builds up; 0 when left out
-peak_exponent = 0.05          # the peak falls by 3.4 % where the load doubles; 0 when left out
-[effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
-drag_area = "0.66 m^2"
-[own_effects.air_brake_flap]  # where an effect is defined that is not in the catalogue
-file = "air_brake_flap.py"
-sha256 = "..."                # left out: whatever file of that name
-[[surfaces]]                  # factors on the tyre, from a distance or a time on
-start = "60 m"
-stiffness = 0.8
-peak = 0.5
-[empirical]                   # over a driver in SI, see calib/car/effects/empirical.py;
-                              # several terms are written with [[empirical]]
-place = "front_brakes"
-driver = "speed"
-knots = [5.0, 20.0, 35.0]
-values = [0.0, -0.05, -0.1]
+What is left out is that of the vehicle, the tyre that of wet asphalt; ``[effects]`` is the whole
+list of effects. ``[own_effects.NAME]`` says where an effect is defined that is not in the
+catalogue, by file and SHA-256. One empirical term may be written without the brackets of a list.
 """
 
 from collections.abc import Mapping

@@ -27,23 +27,13 @@ def test_the_examples_are_the_reference_car(tmp_path):
     assert read(vehicle_text(REFERENCE), tmp_path) == read_vehicle(SEDAN)
 
 
-def test_the_keys_are_those_of_the_schema_with_ranges_inside_its_bounds():
-    have = {section: [k.name for k in KEYS if k.section == section] for section in SECTIONS}
-    assert have == {section: list(kind.model_fields) for section, kind in SECTIONS.items()}
+def test_usual_ranges_are_inside_the_bounds():
     for key in KEYS:
         if key.section:
             mark = quantities(SECTIONS[key.section])[key.name]
             low, high = (to_si(end, key.unit, si_of(key.unit)) for end in (key.low, key.high))
             assert mark.si == si_of(key.unit)
             assert mark.low <= low < high <= mark.high
-
-
-def test_every_key_has_its_meaning_above_it():
-    text = vehicle_text(REFERENCE)
-    for key in KEYS:
-        part = text.partition(f"\n[{key.section}]")[2] if key.section else text
-        assert key.meaning.split(";")[0][:60] in part.partition(f"\n{key.name} = ")[0]
-    assert max(map(len, text.splitlines())) <= 100
 
 
 def test_an_optional_key_without_a_value_is_a_comment(tmp_path):

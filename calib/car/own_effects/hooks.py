@@ -20,29 +20,19 @@ from calib.car.forces import axle_loads
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Axle, Vehicle
 
-PAIR, ONE, BY_WHEEL, TWO_NUMBERS, NUMBER = (
-    "arrays for front and rear",
-    "an array",
-    f"a dict with one array for each of some wheels, of {', '.join(WHEELS)}",
-    "two numbers",
-    "a number",
-)
-RESULTS = {
-    "pressure": PAIR,
-    "friction": PAIR,
-    "wheels": BY_WHEEL,
-    "axle_moment": PAIR,
-    "inertia": TWO_NUMBERS,
-    "radius": TWO_NUMBERS,
-    "load_shift": ONE,
-    "body_force": ONE,
-    "wheel_speed": BY_WHEEL,
-    "mass": NUMBER,
-    "accelerometer": ONE,
-    "accelerometer_lag": TWO_NUMBERS,
-    "speed_delay": NUMBER,
-    "wheel_speed_delay": NUMBER,
+_ARRAYS = {
+    "an array": ("load_shift", "body_force", "accelerometer"),
+    "arrays for front and rear": ("pressure", "friction", "axle_moment"),
+    f"a dict with one array for each of some wheels, of {', '.join(WHEELS)}": (
+        "wheels",
+        "wheel_speed",
+    ),
 }
+_NUMBERS = {
+    "a number": ("mass", "speed_delay", "wheel_speed_delay"),
+    "two numbers": ("inertia", "radius", "accelerometer_lag"),
+}
+RESULTS = {hook: kind for kind, hooks in (_ARRAYS | _NUMBERS).items() for hook in hooks}
 """What each hook returns; an array has one value for each sample."""
 
 _FACTORS = ("friction", "wheels", "radius", "wheel_speed", "mass")
@@ -119,26 +109,24 @@ def line_of(hook: Callable[..., Any]) -> int | None:
 
 def _shape(name: str, given: tuple[Any, ...]) -> tuple[int, ...]:
     """Shape of each array that a hook returns for these arguments; () for numbers."""
-    if RESULTS[name] in (NUMBER, TWO_NUMBERS):
+    if RESULTS[name] in _NUMBERS:
         return ()
-    sample = {"wheels": 1, "accelerometer": 3}.get(name, 2)
-    like = given[sample]
+    like = given[{"wheels": 1, "accelerometer": 3}.get(name, 2)]
     return np.shape(like if isinstance(like, np.ndarray) else like.v)
 
 
 def _as_expected(result: Any, expected: str, shape: tuple[int, ...]) -> Any:
     """The result as float arrays or numbers. Raises TypeError or ValueError saying what it is."""
-    if expected == BY_WHEEL:
+    several = expected.startswith(("arrays", "two"))
+    if expected.startswith("a dict"):
         if not isinstance(result, Mapping) or not set(result) <= set(WHEELS):
             raise TypeError(f"returns {_short(result)}")
         return {w: _array(values, shape) for w, values in result.items()}
-    if expected in (ONE, NUMBER):
-        array = _array(result, shape)
-        return array if expected == ONE else float(array)
-    if not isinstance(result, tuple | list) or len(result) != 2:
+    if several and not (isinstance(result, tuple | list) and len(result) == 2):
         raise TypeError(f"returns {_short(result)}")
-    pair = tuple(_array(values, shape) for values in result)
-    return pair if expected == PAIR else tuple(float(value) for value in pair)
+    parts = tuple(_array(values, shape) for values in (result if several else (result,)))
+    values = parts if shape else tuple(float(part) for part in parts)
+    return values if several else values[0]
 
 
 def _array(values: Any, shape: tuple[int, ...]) -> Array:
@@ -154,9 +142,7 @@ def _array(values: Any, shape: tuple[int, ...]) -> Array:
 
 def _short(result: Any) -> str:
     kind = type(result).__name__
-    if isinstance(result, Mapping):
-        return f"a {kind} with the keys {', '.join(map(repr, result)) or 'none'}"
-    return f"a {kind} of {len(result)}" if isinstance(result, tuple | list) else f"a {kind}"
+    return f"a {kind} of {len(result)}" if isinstance(result, tuple | list | dict) else f"a {kind}"
 
 
 def trial(hook: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:

@@ -73,21 +73,6 @@ def test_a_car_left_alone_rolls_as_on_an_inclined_plane(grade, felt):
     assert log.truth["true_Fx_fl"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_rolling_and_grade_go_with_the_weight_and_drag_does_not():
-    car, heavier = without_inertia(SEDAN), {"mass_error": {"mass_error": 0.2}}
-    grade = {
-        "road_grade": {"grade": 0.05, "felt": 0.0},
-        "rolling_resistance": {"coefficient": 0.012},
-    }
-    drag = {"aerodynamic_drag": {"drag_area": 0.7}}
-
-    def first(effects):
-        return driven(effects, lambda t: 0.0, car=car)["a_x"][0]
-
-    assert first(heavier | grade) == pytest.approx(first(grade))
-    assert first(heavier | drag) == pytest.approx(first(drag) / 1.2)
-
-
 @pytest.mark.parametrize("rate", [40.0, 200.0])
 @pytest.mark.parametrize(("frequency", "damping"), [(6.0, 0.1), (10.0, 0.3), (6.0, 0.7)])
 def test_the_deficit_is_that_of_the_mode_in_continuous_time(frequency, damping, rate):

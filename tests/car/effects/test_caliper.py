@@ -43,14 +43,6 @@ def test_an_axle_has_its_share_of_the_threshold(share, front, rear):
     assert [float(p[0]) for p in found] == pytest.approx([30e5 - front, 30e5 - rear])
 
 
-def test_noise_at_rest_stays_without_a_mean():
-    noise = np.random.default_rng(0).normal(0.0, 0.1e5, 500)
-    history = made_history(1000, p_mc=np.concatenate([noise, -noise]))
-    for threshold in (0.05e5, 2e5):
-        front, _ = pressures("brake_threshold_pressure", history, threshold=threshold)
-        assert np.mean(front) == pytest.approx(0.0, abs=1e-9)
-
-
 @given(PRESSURES, WIDTH, st.floats(0.0, 5e5))
 def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half):
     before = p.copy()

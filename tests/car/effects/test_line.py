@@ -33,16 +33,6 @@ def test_a_lag_sample_by_sample_on_an_uneven_clock(lag):
     assert np.array_equal(front, rear)
 
 
-def test_a_step_overshoots_as_the_damping_has_it():
-    time = np.arange(2000) * 0.001
-    history = made_history(2000, time=time, p_mc=np.where(time >= 0.1, 20e5, 0.0))
-    front, rear = pressures("hydraulic_oscillation", history, **SWING)
-    most = 20e5 * (1.0 + np.exp(-np.pi * 0.4 / np.sqrt(1.0 - 0.16)))
-    assert front.max() == pytest.approx(most, rel=1e-3)
-    assert front[-1] == pytest.approx(20e5, rel=1e-3)
-    assert np.array_equal(front, rear)
-
-
 @pytest.mark.parametrize(
     ("name", "strength", "others"),
     [

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import cumulative_simpson
 
 from calib.car.effects.catalogue import CATALOGUE
 from tests.support.effect_runs import (
@@ -96,17 +95,6 @@ def test_a_bend_follows_a_lining_that_goes_with_a_power_of_pressure():
     assert np.max(np.abs(power[0] + slope * (p - p[0]) - power)) > 0.08
 
 
-def test_the_proportioned_rear_feels_its_own_pressure():
-    both = {
-        "pad_pressure_dependence": {"pressure_slope": -3e-8},
-        "rear_proportioning": {"knee_slope": 0.4, "knee": 10e5},
-    }
-    log = driven(both)
-    own = 10e5 + 0.4 * 15e5
-    rear = SEDAN.rear.pad_friction * SEDAN.rear.torque_gain * own * (1.0 - 3e-8 * (own - 20e5))
-    assert log.truth["true_Tb_rl"] == pytest.approx(rear)
-
-
 @given(st.floats(0.0, 0.95), st.floats(1e3, 1e6), st.floats(0.2, 2.0), st.floats(0.0, 1e6))
 def test_wet_pads_dry_each_by_its_own_heat(loss, dry, share, energy):
     heat = np.array([0.0, energy])
@@ -115,16 +103,6 @@ def test_wet_pads_dry_each_by_its_own_heat(loss, dry, share, energy):
     front, rear = factors("wet_pad_recovery", history, **wet)
     assert front == pytest.approx([1.0 - loss, 1.0 - loss * np.exp(-energy / dry)])
     assert rear == pytest.approx([1.0 - loss, 1.0 - loss * np.exp(-0.5 * energy / dry / share)])
-
-
-@pytest.mark.parametrize("w", ["fl", "rr"])
-def test_the_torque_comes_back_with_the_heat_of_its_own_brake(w):
-    log = driven({"wet_pad_recovery": WET})
-    axle = SEDAN.front if w[0] == "f" else SEDAN.rear
-    torque = log.truth[f"true_Tb_{w}"]
-    heat = cumulative_simpson(torque * log[f"omega_{w}"], x=log.time, initial=0.0)
-    dry = axle.pad_friction * axle.torque_gain * 25e5
-    assert torque == pytest.approx(dry * (1.0 - 0.4 * np.exp(-heat / 50e3)), rel=1e-4)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5])
@@ -146,13 +124,3 @@ def test_one_disc_pulses_or_two(side, left, right):
     assert found["fl"] == pytest.approx(1.0 + left * turned)
     assert found["fr"] == pytest.approx(1.0 + right * turned)
     assert set(found) == {"fl", "fr"}
-
-
-def test_the_torque_pulses_with_the_turn_of_its_wheel():
-    even = driven({}, duration=3.0).truth["true_Tb_fl"]
-    judder = {"amplitude": 0.04, "phase": 0.7, "side": 0.0}
-    log = driven({"disc_thickness_variation": judder}, duration=3.0, rate=1000)
-    angle = cumulative_simpson(log["omega_fl"], x=log.time, initial=0.0)
-    expected = even[0] * (1.0 + 0.04 * np.sin(angle + 0.7))
-    assert log.truth["true_Tb_fl"] == pytest.approx(expected, rel=1e-3)
-    assert np.ptp(log.truth["true_Tb_rl"]) == pytest.approx(0.0, abs=1e-9)

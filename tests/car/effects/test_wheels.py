@@ -52,16 +52,6 @@ def test_the_drag_of_an_engine_grows_and_is_shared():
     assert rear == pytest.approx(0.75 * whole)
 
 
-@pytest.mark.parametrize("torque", [180.0, -60.0])
-def test_coasting_in_gear(torque):
-    drag = {"engine_drag": {"drag_torque": torque}}
-    log = driven(drag, lambda t: 0.0, car=without_inertia(SEDAN))
-    force = torque / SEDAN.front.rolling_radius
-    assert log["a_x"] == pytest.approx(-force / SEDAN.mass)
-    assert log.truth["true_Fx_fl"] + log.truth["true_Fx_fr"] == pytest.approx(force)
-    assert log.truth["true_Fx_rl"] == pytest.approx(0.0, abs=1e-6)
-
-
 def test_torque_and_power_of_a_motor_and_the_end_of_a_stop():
     """R = 0.322 m: 9 kW are 300 N m at 9.66 m/s, 9e3 x 0.322/v above."""
     front, rear = moments("regenerative_torque", made_motion([1.5, 6.0, 9.0, 20.0, 40.0]), **MOTOR)
@@ -121,22 +111,6 @@ def test_speed_follows_from_the_power():
     pads = 2.0 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_rl"]) / 0.322
     work = np.trapezoid(pads * v + 9e3, log.time)
     assert 0.5 * SEDAN.mass * (v[0] ** 2 - v[-1] ** 2) == pytest.approx(work, rel=1e-5)
-
-
-def test_a_constant_brake_has_more_inertia_to_slow():
-    """a = -sum(T_b/R)/(M + sum J/R^2), but for the change of slip."""
-    log = driven({"wheel_inertia": {"extra_inertia": 4.0}})
-    R, J = SEDAN.front.rolling_radius, SEDAN.front.wheel_inertia + SEDAN.rear.wheel_inertia
-    brakes = 2.0 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_rl"]) / R
-    heavy = SEDAN.mass + 2.0 * (J + 4.0) / R**2
-    assert SEDAN.rear.rolling_radius == R
-    assert log["a_x"][100:] == pytest.approx(-brakes[100:] / heavy, rel=2e-3)
-
-
-@pytest.mark.parametrize("m", [0.004, -0.01])
-def test_rolling_freely_the_rear_turns_slower_on_larger_tyres(m):
-    log = driven({"rolling_radius_mismatch": {"radius_mismatch": m}}, lambda t: 0.0)
-    assert log["omega_rl"] / log["omega_fl"] == pytest.approx(1.0 / (1.0 + m))
 
 
 def test_a_loaded_wheel_turns_faster_and_the_analysis_takes_it_out():
