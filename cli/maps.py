@@ -17,7 +17,7 @@ from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writi
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.suggest.proposal import Suggestion
+    from calib.suggest.propose import Suggestion
 
 UNCERTAIN = 3
 """Exit code for a log that leaves something open, or has no channel at all."""
@@ -63,8 +63,7 @@ def suggest(
     """
     from calib.logs.read import open_log
     from calib.suggest.propose import suggest as propose
-    from calib.suggest.tried import tried
-    from calib.suggest.written import to_toml
+    from calib.suggest.propose import to_toml, tried
 
     taken = dict(_pair(text) for text in take or [])
     if out is not None:
@@ -116,7 +115,7 @@ def _tell(found: "Suggestion") -> None:
 
 
 def _grid(found: "Suggestion") -> "Grid":
-    from calib.suggest.written import to_lines
+    from calib.suggest.propose import to_lines
 
     grid = facts_grid()
     for label, text in to_lines(found):
