@@ -108,7 +108,7 @@ def _summary() -> "type[Section]":
 
 
 def _vehicle_facts() -> "type[Section]":
-    from calib.car.follows import VehicleFactsFile
+    from calib.car.facts_file import VehicleFactsFile
 
     return VehicleFactsFile
 

@@ -96,7 +96,8 @@ def _asked() -> Mapping[str, str]:
 def _one(key: "VehicleKey", before: Mapping[str, str]) -> str:
     """One answer; what cannot be used is asked again."""
     from calib.base.errors import VehicleError
-    from calib.car.keys import answered, default_of
+    from calib.car.keys import default_of
+    from calib.car.vehicle_file import answered
 
     label = f"{key.name} in {key.unit}" if key.unit not in ("", "1") else key.name
     while True:

@@ -13,7 +13,7 @@ from cli.outputs import refuse_no_picture, refuse_overwriting, writing
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.car.follows import VehicleFacts
+    from calib.car.facts_file import VehicleFacts
     from calib.car.vehicle import Vehicle
 
 EPILOG = example(
@@ -41,7 +41,7 @@ def show(
     if picture is not None:
         refuse_no_picture(picture, force, PLOT)
         refuse_overwriting([picture], [], [file], PLOT)
-    from calib.car.follows import facts_document, what_follows
+    from calib.car.facts_file import facts_document, what_follows
     from calib.car.plausible import plausible
     from calib.car.vehicle_file import read_vehicle
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from calib.base.errors import InputError, VehicleError
 from calib.base.toml import NUMBER
 from calib.base.units import behind, from_si, si_of
 from calib.car.mass import LEAST, MOST
@@ -227,27 +226,6 @@ def _written(key: VehicleKey, value: str) -> str | int | float:
         return value
     number = float(value)
     return int(number) if number == int(number) else number
-
-
-def answered(key: VehicleKey, typed: str) -> str:
-    """The value as it stands in the file; a number without a unit gets that of the key.
-
-    Raises VehicleError for what a vehicle file could not hold, with what was expected.
-    """
-    from calib.car.vehicle_file import refuse_value
-
-    text = typed.strip()
-    if key.unit and "," in text:
-        raise VehicleError(f"{text!r} has a comma", expected=f"a decimal point: {key.example}")
-    bare = re.fullmatch(NUMBER, text) is not None
-    value = f"{text} {key.unit}" if bare and key.unit not in ("", "1") else text
-    try:
-        refuse_value(key, value)
-    except InputError as error:
-        expected = error.expected or f"a value such as {key.example}"
-        do = f"usual: {key.usual}" if key.unit else ""
-        raise VehicleError(error.what, expected=expected, do=do) from error
-    return value
 
 
 def default_of(key: VehicleKey, before: Mapping[str, str]) -> str:

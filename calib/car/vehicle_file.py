@@ -3,6 +3,7 @@
 Units and bounds are those of `calib.car.keys`.
 """
 
+import re
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,7 +20,7 @@ from calib.base.record import (
     written_quantities,
 )
 from calib.base.record_errors import wrong
-from calib.base.toml import toml_bytes
+from calib.base.toml import NUMBER, toml_bytes
 from calib.base.units import si_of
 from calib.base.write import write_whole
 from calib.car.effects.effects import Effects
@@ -122,15 +123,26 @@ def read_vehicle(path: Path | str) -> Vehicle:
     )
 
 
-def refuse_value(key: VehicleKey, written: str) -> None:
-    """Raise VehicleError for a value that a key cannot have."""
+def answered(key: VehicleKey, typed: str) -> str:
+    """The value of a key as it stands in the file; a number without a unit gets that of the key.
+
+    Raises VehicleError for what a vehicle file could not hold, with what was expected.
+    """
+    text = typed.strip()
+    if key.unit and "," in text:
+        raise VehicleError(f"{text!r} has a comma", expected=f"a decimal point: {key.example}")
+    bare = re.fullmatch(NUMBER, text) is not None
+    value = f"{text} {key.unit}" if bare and key.unit not in ("", "1") else text
     part = {"": VehicleFile, CHASSIS: ChassisSection}.get(key.section, AxleSection)
     field = part.model_fields[key.name]
     alone = section(key.name, "", {key.name: (Annotated[field.annotation, *field.metadata], ...)})
     try:
-        validated({key.name: written}, alone, None, VehicleError)
+        validated({key.name: value}, alone, None, VehicleError)
     except VehicleError as error:  # without the key: the question names it
-        raise VehicleError(error.what, expected=error.expected) from error
+        expected = error.expected or f"a value such as {key.example}"
+        do = f"usual: {key.usual}" if key.unit else ""
+        raise VehicleError(error.what, expected=expected, do=do) from error
+    return value
 
 
 def write_vehicle(vehicle: Vehicle, path: Path) -> None:

@@ -8,9 +8,9 @@ import pytest
 from calib.base.errors import VehicleError
 from calib.base.record import quantities
 from calib.base.units import si_of, to_si
-from calib.car.keys import KEYS, REFERENCE, answered, default_of, vehicle_text
+from calib.car.keys import KEYS, REFERENCE, default_of, vehicle_text
 from calib.car.vehicle import Vehicle
-from calib.car.vehicle_file import AxleSection, ChassisSection, read_vehicle
+from calib.car.vehicle_file import AxleSection, ChassisSection, answered, read_vehicle
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 BY_PATH = {key.path: key for key in KEYS}

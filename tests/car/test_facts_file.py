@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.car.follows import what_follows
+from calib.car.facts_file import what_follows
 from tests.support.tables import VEHICLE
 
 
