@@ -64,7 +64,7 @@ def demo(
 
 def _hidden(story: "Story") -> str:
     """The verdict, the gap, and the gain in the agreement of the pads."""
-    from calib.diagnosis.written.headline import headline
+    from calib.show.diagnosis import facts
 
     pads = [
         f"{100 * a.spread_f:.1f} % front, {100 * a.spread_r:.1f} % rear"
@@ -72,7 +72,7 @@ def _hidden(story: "Story") -> str:
     ]
     return "\n".join(
         (
-            headline(story.found),
+            facts(story.found, "").headline,
             f"Pads of the stops differ by up to {pads[0]};",
             f"with a table that accounts for it, by {pads[1]}.",
         )

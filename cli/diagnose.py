@@ -8,7 +8,7 @@ from typer.core import TyperCommand
 
 from calib.base.plain import counted
 from calib.diagnosis.gates import GATES
-from cli.console import emit, emit_json, say, stages, warn
+from cli.console import emit_facts, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, with_own_effects
 from cli.logs import named, read
 from cli.options import Json, Map, OwnEffects, Workers, example, needed_vehicle, out_folder
@@ -16,7 +16,7 @@ from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 from cli.stop import stoppable
 
 if TYPE_CHECKING:
-    from calib.diagnosis.diagnose import Diagnosis
+    pass
 
 EPILOG = example(
     "brake-cal diagnose sample_logs/hidden/case_0/calibration/coast.parquet "
@@ -69,7 +69,9 @@ def diagnose(
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.written.document import text_of, to_dict
     from calib.diagnosis.written.folder import files_of, write_folder
-    from calib.show.diagnosis_page import report_html
+    from calib.show.diagnosis import facts
+    from calib.show.diagnosis_page import report as report_of
+    from calib.show.html import page_of
 
     kept = holdout or []
     stems = stems_of(named([*logs, *kept])[len(logs) :], HOLDOUT)
@@ -92,7 +94,7 @@ def diagnose(
                 found = find(car, runs[: len(logs)], runs[len(logs) :], tell, mapped)
         with stages() as tell:
             tell("drawing the report", 0, 1)
-            report = report_html(found, car.name)
+            report = page_of(report_of(found, car.name))
         with writing(out):
             write_folder(found, text_of(found), report, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
@@ -100,35 +102,4 @@ def diagnose(
     if json:
         emit_json(to_dict(found))
     else:
-        emit(_told(found))
-
-
-def _told(found: "Diagnosis") -> str:
-    """The diagnosis in the sentences of the report."""
-    from calib.diagnosis.written import words
-    from calib.diagnosis.written.headline import headline
-    from calib.diagnosis.written.printed import interval_of, value_of
-
-    lines = [headline(found)]
-    for effect in found.effects:
-        lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
-        lines += [
-            f"  {n} = {value_of(v)} (95 %: {interval_of(v)})" for n, v in effect.parameters.items()
-        ]
-        lines.append(words.rivals(effect))
-    lines += [
-        words.known(found),
-        words.radii(found),
-        words.sides(found),
-        words.groups(found),
-        words.start_heats(found),
-        words.offsets(found),
-        words.own_pads(found),
-        words.something_else(found),
-        words.withdrawn(found),
-        words.own_effects(found),
-    ]
-    if found.unexplained is not None:
-        lines.append(words.unexplained(found.unexplained))
-    lines += [words.noise(found), words.not_resolved(found), *words.drives(found)]
-    return "\n".join(line for line in lines if line)
+        emit_facts(facts(found, car.name))

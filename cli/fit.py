@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
-from cli.console import emit, emit_json, say, stages, warn
+from cli.console import emit_facts, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, mass_of, tell_kin, tell_newest, with_own_effects
 from cli.logs import read, refuse_stdin
 from cli.options import (
@@ -87,18 +87,21 @@ def fit(
     if json:
         emit_json(_document(stored, told))
     else:
-        _report(stored, told)
+        from calib.show.fit import facts
+
+        emit_facts(facts(stored, told))
 
 
 def _page(
     stored: "Stored", runs: "list[Log]", mass: "MassUsed", files: dict[str, Path | None]
 ) -> str:
-    from calib.show.fit import report_html
+    from calib.show.fit import report as facts_of
+    from calib.show.html import page_of
     from calib.show.origin import origin_of
 
     braked = {log.digest for log in stored.table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
-    return report_html(stored, ramps, mass, origin_of(today(), files))
+    return page_of(facts_of(stored, ramps, mass, origin_of(today(), files)))
 
 
 def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
@@ -124,39 +127,3 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
         "remarks": table.remarks,
         "warnings": [to_dict(warning) for warning in table.warnings],
     }
-
-
-def _report(stored: "Stored", mass: "MassUsed") -> None:
-    from calib.store.answer import verdict_lines
-    from calib.table.budget import advice_lines
-    from calib.table.effect_figures import effect_figures
-    from calib.table.pads_budget import pads_budget
-
-    table, q = stored.table, stored.table.quality
-    cal = table.calibration
-    known = ", already stored: the same logs gave the same table" if stored.existed else ""
-    emit(f"table      {stored.id}, {stored.state.word}{known}  ({stored.path})")
-    budgets = pads_budget(table)
-    for label, value in (
-        ("front pads", cal.pad_friction_f),
-        ("rear pads", cal.pad_friction_r),
-        ("pad scale", cal.pad_scale),
-    ):
-        low, high = value.ci95
-        emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f})")
-    for label, of in zip(("front pads", "rear pads"), budgets, strict=True):
-        emit(f"{label:<10} {of.words}")
-    for line in advice_lines(budgets):
-        emit(line)
-    for figure in effect_figures(table):
-        emit(f"{figure.effect} {figure}")
-    emit(f"mass       {mass}")
-    emit(
-        f"ramp       up to {q['deceleration_max']:.2f} g; eta - 1 up to "
-        f"{100 * (q['eta_peak'] - 1):.2f} % at {q['eta_peak_deceleration']:.2f} g; "
-        f"front-biased up to {q['front_biased_up_to']:.2f} g"
-    )
-    for remark in table.remarks:
-        emit(f"note: {remark}")
-    for line in verdict_lines(stored):
-        emit(line)

@@ -7,14 +7,13 @@ import typer
 
 from calib.base.plain import counted
 from cli.completion import names_of
-from cli.console import emit, emit_json, json_text, progress, say
+from cli.console import emit, emit_facts, emit_json, json_text, progress, say
 from cli.group import command_group
 from cli.options import Json, example, out_folder
 from cli.outputs import ready_folder, writing
 
 if TYPE_CHECKING:
     from calib.line.fleet.summary import Summary
-    from calib.show.html import Picture
 
 DOCUMENT, REPORT = "fleet.json", "report.html"
 SHOWN = 10
@@ -54,7 +53,7 @@ def report(
     """Show distributions, outliers and drift of a batch of logs."""
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_page import document
+    from calib.show.fleet_page import document, facts
 
     ready_folder(out, (DOCUMENT, REPORT))
     opened = open_fleet(results, order)
@@ -65,7 +64,7 @@ def report(
     if json:
         emit_json(document(found))
     else:
-        _report(found)
+        emit_facts(facts(found))
 
 
 @app.command(epilog=example("brake-cal fleet index runs"))
@@ -98,20 +97,26 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     from calib.base.printable import printable
     from calib.base.publish import publish, workshop
     from calib.base.write import write_whole
-    from calib.show.fleet_figure import picture_name
-    from calib.show.fleet_page import document, report_html
+    from calib.show.fleet_figure import picture_name, sheet
+    from calib.show.fleet_page import document, report
+    from calib.show.html import page_of
+    from calib.show.sheet import render
 
-    drawings = _pictures(found)
+    looks = [look for look in found.looks if look.values.size]
     title = printable(f"{results.absolute().parent.name}/{results.name}")
-    contents = {picture_name(name): png for name, (png, _) in drawings.items()} | {
-        DOCUMENT: json_text(document(found)).encode(),
-        REPORT: report_html(found, title, {n: p for n, (_, p) in drawings.items()}).encode(),
-    }
+    contents = {}
+    with progress(f"drawing {len(looks)} metrics", len(looks)) as done:
+        for look in looks:
+            name = picture_name(look.metric.name)
+            contents[name] = render(sheet(found, look).overview(), ".png")
+            done()
+    contents[DOCUMENT] = json_text(document(found)).encode()
+    contents[REPORT] = page_of(report(found, title)).encode()
     with writing(out), workshop(out) as work:
         for name, content in contents.items():
             write_whole(work / name, content)
         publish(work, out, DOCUMENT, _earlier)
-    say(f"wrote {out}: report.html, fleet.json, {len(drawings)} pictures")
+    say(f"wrote {out}: report.html, fleet.json, {len(looks)} pictures")
 
 
 def _earlier(out: Path) -> set[str]:
@@ -125,45 +130,3 @@ def _earlier(out: Path) -> set[str]:
         return {picture_name(name) for name in figures}
     except (OSError, ValueError, TypeError, KeyError):
         return set()
-
-
-def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
-    """For each metric its PNG file, and its picture in the page."""
-    from calib.show.fleet_figure import sheet
-    from calib.show.html import drawn
-    from calib.show.sheet import render
-
-    looks = [look for look in found.looks if look.values.size]
-    pictures = {}
-    with progress(f"drawing {len(looks)} metrics", len(looks)) as done:
-        for look in looks:
-            one = sheet(found, look)
-            png = render(one.overview(), ".png")
-            pictures[look.metric.name] = png, drawn(one, "distribution", "order", key=(one.name,))
-            done()
-    return pictures
-
-
-def _report(found: "Summary") -> None:
-    from calib.base.plain import plain
-    from calib.show.fleet_page import described, headline, reach, reason
-
-    emit(headline(found))
-    emit(", ".join(f"{count} {name}" for name, count in found.status.items()))
-    for failure in found.failures:
-        others = f" (also {', '.join(failure.logs[1:])})" if failure.count > 1 else ""
-        emit(f"{failure.count} x {failure.message}{others}")
-    for group in found.copies[:SHOWN]:
-        emit(f"one recording, counted {len(group)} times: {', '.join(group)}")
-    if len(found.copies) > SHOWN:
-        emit(f"and {len(found.copies) - SHOWN} more recordings with copies, see fleet.json")
-    for look in found.looks:
-        if look.drifts:
-            name = plain(look.metric.name, look.metric.unit).name
-            emit(f"{name} drifts: {described(found, look)}")
-    for car in found.apart[:SHOWN]:
-        emit(f"{car.log} stands apart: {'; '.join(reason(found, o) for o in car.reasons)}")
-    if len(found.apart) > SHOWN:
-        emit(f"and {len(found.apart) - SHOWN} more, see --json or fleet.json")
-    if told := reach(found):
-        emit(told)

@@ -162,7 +162,7 @@ def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
 
 def limits_of_car(path: Path | None) -> "tuple[Limit, ...]":
     """The limits of a file for a car and its stops; the default limits without a file."""
-    from calib.line.station.advice import LIMITS
+    from calib.line.station.limits_file import LIMITS
 
     return _limits(path) if path else LIMITS
 

@@ -25,8 +25,7 @@ def init(
     Each with its meaning, unit, default and reason. With --json also as one JSON document on
     stdout.
     """
-    from calib.line.station.advice import ADVICE
-    from calib.line.station.limits_file import limits_file
+    from calib.line.station.limits_file import ADVICE, limits_file
 
     text = limits_file()
     if out is not None:

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.console import emit, emit_json, say
-from cli.grid import grid
+from cli.console import emit_facts, emit_json, say
 from cli.inputs import channel_map_of
 from cli.logs import named, read_whole
 from cli.options import Force, Json, Map, example, out_file
@@ -54,6 +53,7 @@ def view(
     found = []
     from calib.logs.whole import channels_log, inventory
     from calib.run.events import run_events
+    from calib.show.log_page import facts
 
     for path in logs:
         whole = read_whole(path, mapping)
@@ -66,7 +66,7 @@ def view(
         emit_json({"schema": 1, "out": out, "logs": [_document(*one) for one in found]})
         return
     for one in found:
-        _report(*one)
+        emit_facts(facts(*one))
 
 
 def _check_out(out: Path | None, logs: list[Path], channel_map: Path | None, force: bool) -> None:
@@ -100,8 +100,9 @@ def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
     from calib.base.write import write_whole
+    from calib.show.html import page_of
     from calib.show.log_figure import MOST, figure, panels_of
-    from calib.show.log_page import log_html
+    from calib.show.log_page import facts
     from calib.show.sheet import render
 
     count = len(panels_of(log))
@@ -111,27 +112,10 @@ def _draw(
         )
     page = _is_page(out)
     drawn = render(figure(log, events), ".png" if page else out.suffix.lower())
-    content = log_html(log, columns, events, drawn).encode() if page else drawn
+    content = page_of(facts(log, columns, events, drawn)).encode() if page else drawn
     with writing(out):
         write_whole(out, content)
     say(f"wrote {out}")
-
-
-def _report(
-    log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]"
-) -> None:
-    from calib.show.log_page import HEADS, cells, event_cells
-
-    time = log.time
-    emit(f"{log.source}: {time.size} rows, {time[0]:g} to {time[-1]:g} s")
-    rows = grid(*HEADS, right=HEADS[2:6], fold=True)
-    for column in columns:
-        rows.add_row(*cells(column))
-    emit(rows)
-    for kind, when, _ in map(event_cells, events):
-        emit(f"{kind:<10} {when}")
-    for note in log.notes:
-        emit(f"note: {note}")
 
 
 def _document(

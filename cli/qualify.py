@@ -25,14 +25,15 @@ def qualify(
     about 5 s of computing.
     """
     from calib.help.checks import SUITE
+    from calib.help.qualify import facts, to_dict
     from calib.help.qualify import qualify as made
-    from calib.help.qualify import report_html, to_dict
+    from calib.show.html import page_of
 
     ready_folder(out, (DOCUMENT, REPORT))
     with progress(f"making {len(SUITE)} checks on the sample logs", len(SUITE)) as done:
         found = made(SUITE, done)
     document = to_dict(found, datetime.now(UTC).isoformat(timespec="seconds"))
-    _write(out, document, report_html(found, document))
+    _write(out, document, page_of(facts(found, document)))
     if json:
         emit_json(document)
     else:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.completion import names_of
-from cli.console import emit, emit_json, json_text, progress, say
-from cli.grid import grid
+from cli.console import emit_facts, emit_json, json_text, progress, say
 from cli.inputs import channel_map_of
 from cli.logs import read
 from cli.options import Json, Map, example, limits_file, out_folder, vehicle_file
@@ -15,8 +14,6 @@ from cli.outputs import ready_folder, writing
 from cli.project import from_settings
 
 if TYPE_CHECKING:
-    from rich.table import Table as Grid
-
     from calib.car.vehicle import Vehicle
     from calib.line.gauge.plan import Place
     from calib.line.gauge.study import GaugeReading, GaugeResult, GaugeStudy
@@ -98,7 +95,9 @@ def repeatability(
     if json:
         emit_json(document)
     else:
-        _report(found)
+        from calib.show.repeatability import facts
+
+        emit_facts(facts(found))
     if not found.passed:
         raise typer.Exit(FAILED)
 
@@ -248,43 +247,3 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
             write_whole(work / name, content)
         publish(work, out, DOCUMENT)
     say(f"wrote {out}: {', '.join(contents)}")
-
-
-def _report(found: "GaugeStudy") -> None:
-    from calib.line.gauge.study import conclusion
-
-    emit(_grid(found))
-    for result in found.results:
-        if result.gauge and result.gauge.negative:
-            names = ", ".join(result.gauge.negative)
-            emit(f"{result.name}: variances that came out negative count as zero: {names}")
-        if result.gauge is None:
-            emit(f"{result.name}: not judged, repeats do not scatter")
-    emit("repeatability, reproducibility and cars: standard deviations [1]")
-    for note in found.notes:
-        emit(f"note: {note}")
-    emit(conclusion(found))
-
-
-def _grid(found: "GaugeStudy") -> "Grid":
-    numbers = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc", "of tolerance")
-    table = grid("figure", *numbers, "verdict", right=numbers)
-    for result in found.results:
-        table.add_row(result.name, *_cells(result), result.verdict)
-    return table
-
-
-def _cells(result: "GaugeResult") -> tuple[str, ...]:
-    if result.gauge is None:
-        return ("none",) * 7
-    g = result.gauge
-    sds = [
-        f"{g.components[name].sd:.3g}" if name in g.components else "none"
-        for name in ("repeatability", "reproducibility", "car")
-    ]
-    of_tolerance = "none" if g.tolerance is None else f"{100.0 * g.tolerance:.1f}"
-    if not g.cars_differ:
-        return *sds, "none", "none", "none", of_tolerance
-    low, high = (100.0 * end for end in g.grr95)
-    share = (f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories))
-    return *sds, *share, of_tolerance

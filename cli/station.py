@@ -11,8 +11,7 @@ import typer
 import calib
 from calib.base.plain import counted
 from cli.completion import names_of, table_names
-from cli.console import emit, emit_json, progress, say, warn
-from cli.grid import grid
+from cli.console import emit_facts, emit_json, progress, say, warn
 from cli.inputs import (
     channel_map_of,
     golden_of,
@@ -40,8 +39,6 @@ from cli.project import STORE, from_settings
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
-    from rich.table import Table as Grid
-
     from calib.line.station.identity import Identity
     from calib.line.station.station import StationOutcome
     from calib.store.version import Stored
@@ -291,31 +288,13 @@ def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
 
 
 def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None:
-    from calib.line.station.advice import action
-    from calib.line.station.words import HEADINGS, sentence, summary
+    from calib.show.station_page import facts
     from calib.store.state import DRAFT
 
-    emit(_grid(found))
-    emit(f"mass {found.results[0].mass}")
-    for check in found.with_verdict("failed") + found.with_verdict("warning"):
-        emit(f"{check.verdict}: {sentence(check)}. {action(check.figure)}")
-    emit(f"{stored.id} is {stored.state.why}")
+    emit_facts(facts(found, stored))
     if forms and not stored.state.released:
-        emit("no exports: only a released table may reach an ECU")
+        say("no exports: only a released table may reach an ECU")
     if found.passed and not stored.state.usable:
-        emit("a person decides: `brake-cal tables release` with this station.json as --evidence")
+        say("a person decides: `brake-cal tables release` with this station.json as --evidence")
     if stored.state.word == DRAFT:
-        emit("release it with --accept-warnings REASON, or later with `brake-cal tables release`")
-    emit(f"{HEADINGS[found.verdict]}: {stored.id}, {summary(found)}")
-
-
-def _grid(found: "StationOutcome") -> "Grid":
-    from calib.line.station.words import bounds, value_of
-
-    heads = ("scope", "figure", "value", "no warning", "limit", "verdict")
-    table = grid(*heads, right=("value",))
-    for check in found.checks:
-        j = check.judgement
-        warn, fail = bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
-        table.add_row(check.scope, check.figure, value_of(check), warn, fail, check.verdict)
-    return table
+        say("release it with --accept-warnings REASON, or later with `brake-cal tables release`")

@@ -242,7 +242,8 @@ def hidden_story(out: Path, say: Say) -> Story:
     from calib.diagnosis.written.document import text_of
     from calib.diagnosis.written.folder import write_folder
     from calib.show.diagnosis_figure import sheet
-    from calib.show.diagnosis_page import report_html
+    from calib.show.diagnosis_page import report
+    from calib.show.html import page_of
     from calib.show.sheet import save as save_figures
 
     source = out / "sample_logs" / HIDDEN
@@ -252,7 +253,7 @@ def hidden_story(out: Path, say: Say) -> Story:
     logs = counted(len(searched), "log")
     say(f"diagnosing {car.name}: searching {logs}, proving on {len(held)}")
     found = diagnose(car, searched, held)
-    write_folder(found, text_of(found), report_html(found, car.name), out / "diagnosis")
+    write_folder(found, text_of(found), page_of(report(found, car.name)), out / "diagnosis")
     save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})
     fitted = [log for log in searched if log.name in ("ramp", "coast")]
     pads = []

@@ -2,8 +2,7 @@
 
 from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.line.station.advice import ADVICE, LIMITS
-from calib.line.station.limits_file import limits_file
+from calib.line.station.limits_file import ADVICE, LIMITS, limits_file
 from calib.line.station.metrics import METRICS as OF_CAR
 
 
