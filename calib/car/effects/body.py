@@ -82,15 +82,13 @@ def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_
 
 AERODYNAMIC_DRAG = effect(
     "aerodynamic_drag",
+    Parameter("drag_area", "m^2", 0.0, 12.0, 0.65, 0.25),
+    Parameter("load_share", "1", -0.5, 1.5, 0.5, 0.25, default=1.0),
     cause="air resistance of the body",
     equation="F = 1/2 rho (c_d A) v^2, rho = 1.2 kg/m^3; front load less (1 - s) F h/L; no "
     "effect at drag_area = 0",
     source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 1 and 4",
     looks_like="deceleration beyond the tyre forces that falls with v^2, braked or not",
-    parameters=(
-        Parameter("drag_area", "m^2", 0.0, 12.0, 0.65, 0.25),
-        Parameter("load_share", "1", -0.5, 1.5, 0.5, 0.25, default=1.0),
-    ),
     load_shift=_above_the_road,
     body_force=lambda vehicle, parameters, motion: _drag(parameters, motion.v),
 )
@@ -98,40 +96,36 @@ EFFECTS = (
     AERODYNAMIC_DRAG,
     effect(
         "mass_error",
+        Parameter("mass_error", "1", -0.3, 0.3, 0.05, 0.04),
         cause="passengers, load or fuel other than in the vehicle file",
         equation="M_v (1 + e), in (5) to (7); no effect at mass_error = 0",
         source="Newton's second law; (5) to (7) of the paper",
         looks_like="all brakes weaker by one factor, like a lower pad level; drag has less effect",
-        parameters=(Parameter("mass_error", "1", -0.3, 0.3, 0.05, 0.04),),
         # The centre of gravity stays where it is.
         mass=lambda parameters: 1.0 + parameters["mass_error"],
     ),
     effect(
         "road_grade",
+        Parameter("grade", "1", -0.2, 0.2, 0.02, 0.02),
+        Parameter("felt", "1", 0.0, 1.0, 0.5, 0.5),
         cause="slope of the road, positive uphill",
         equation="F = W s, s sine of the slope; a_x reads f g s more; no effect at grade = 0",
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 1",
         looks_like="a constant deceleration, braked or not, without slip; either sign",
-        parameters=(
-            Parameter("grade", "1", -0.2, 0.2, 0.02, 0.02),
-            Parameter("felt", "1", 0.0, 1.0, 0.5, 0.5),
-        ),
         body_force=_grade,
         accelerometer=_felt,
     ),
     effect(
         "pitch_coupling",
+        ELASTIC_SHARE,
+        NATURAL_FREQUENCY,
+        DAMPING,
+        Parameter("pitch_gradient", "rad", 0.0, 0.15, 0.03, 0.015),
         cause="the body pitches on its springs; e of the load transfer goes through them",
         equation="z_b'' + 2 D w z_b' + w^2 z_b = w^2 z; front load less W e (z - z_b) h/L; "
         "a_x - g e k z_b; no effect at elastic_share = 0",
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 5 and 7 (anti-dive)",
         looks_like="a_x that oscillates at 1 to 2 Hz after a step and is too large while held",
-        parameters=(
-            ELASTIC_SHARE,
-            NATURAL_FREQUENCY,
-            DAMPING,
-            Parameter("pitch_gradient", "rad", 0.0, 0.15, 0.03, 0.015),
-        ),
         load_shift=_lagging_load,
         accelerometer=_nose_down,
     ),

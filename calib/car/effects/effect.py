@@ -116,12 +116,11 @@ class Effect:
 
 def effect(
     name: str,
-    *,
+    *parameters: Parameter,
     cause: str,
     equation: str,
     source: str,
     looks_like: str,
-    parameters: tuple[Parameter, ...],
     neutral: float = 0.0,
     **hooks: Callable[..., Any],
 ) -> Effect:
