@@ -63,11 +63,11 @@ def _read(path: Path) -> bytes:
 
 
 def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
-    from calib.base.schema import validated_json
+    from calib.base.record import validated
     from calib.store.record_file import SummaryFile
 
     try:
-        summary = validated_json(data, SummaryFile, None, ExchangeError)
+        summary = validated(data, SummaryFile, None, ExchangeError)
     except ExchangeError as error:
         raise ExchangeError(
             f"no summary of a validation: {error}",

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from calib.base.schema import FileSchema, Section
+from calib.base.record import FileSchema, Section
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Axle, Vehicle

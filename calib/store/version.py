@@ -86,12 +86,12 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     ``promised`` is the id that belongs to its place in a store. Raises DamagedTable naming the part
     that differs, StoreError when it cannot be read at all.
     """
-    from calib.base.schema import validated_json
+    from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
 
     data = _bytes(path / RECORD)
     try:
-        file = validated_json(data, RecordFile, None, DamagedTable)
+        file = validated(data, RecordFile, None, DamagedTable)
         document = json.loads(data, object_pairs_hook=without_duplicates)
     except (DamagedTable, ValueError, RecursionError) as error:
         raise _damaged(path, f"{RECORD}: {error}") from error

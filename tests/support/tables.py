@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.base.digest import canonical_json
 from calib.base.errors import StoreError
-from calib.base.schema import validated_json
+from calib.base.record import validated
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle, Vehicle
 from calib.store.record_file import Record, table_of
@@ -112,4 +112,4 @@ def stored_as(reference: str) -> Stored:
 
 def from_content(record, curves) -> Table:
     """The table that `Table.content` described."""
-    return table_of(validated_json(canonical_json(record), Record, None, StoreError), curves)
+    return table_of(validated(canonical_json(record), Record, None, StoreError), curves)

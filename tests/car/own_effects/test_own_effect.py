@@ -36,11 +36,6 @@ def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
         definition(SEDAN.effects, "air_brake_flap")
 
 
-def test_given_is_not_acting():
-    assert not WITH.effects
-    assert not total_body_force(WITH, WITH.effects, made_motion([30.0])).any()
-
-
 def test_it_adds_to_those_of_the_catalogue():
     drag = {"aerodynamic_drag": {"drag_area": 0.5}}
     motion = made_motion([30.0, 20.0])
@@ -121,13 +116,6 @@ def test_a_wrong_parameter_of_an_own_effect_is_told_as_that_of_any(model_file):
         read_model(model_file, WITH)
 
 
-def test_a_vehicle_file_may_name_it_too():
-    car = replace(SEDAN, effects=Effects(ACTS))
-    with pytest.raises(ModelError, match="unknown effect 'air_brake_flap'"):
-        default_model(car)
-    assert default_model(with_own(car, [FLAP])).effects.parameters == ACTS
-
-
 # A table -----------------------------------------------------------------------------------------
 
 
@@ -147,11 +135,3 @@ def test_the_record_of_a_table_holds_name_and_digest_and_no_code():
     given = replace(read, vehicle=with_own(read.vehicle, [FLAP]))
     assert given.digest == table.digest
     assert default_model(given.vehicle).effects.parameters == ACTS
-
-
-def test_a_table_refuses_a_file_that_has_changed(tmp_path):
-    table = replace(made_table(), vehicle=replace(SEDAN, effects=MODEL.effects))
-    read = from_content(*table.content())
-    changed = own_of(tmp_path, EXAMPLE.read_text() + "\n# more\n")
-    with pytest.raises(ModelError, match="has changed since"):
-        with_own(read.vehicle, [changed])
