@@ -31,7 +31,7 @@ from calib.run.blocks import Blocks, braked_alone
 from calib.run.gates import bitten, eta_rise
 from calib.run.limits import LIMITS
 from calib.run.wheels import CORRECT, Crossed, WheelParts, crossed_diagonal, what_to_check
-from calib.table.pads_budget import front_share
+from calib.table.budget import front_share
 from calib.table.table import Table
 
 SWAPPED = "front and rear wheel speeds that are swapped"

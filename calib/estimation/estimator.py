@@ -46,7 +46,7 @@ from calib.run.blocks import Blocks, block_balance, blocks
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
 from calib.run.filters import block_mean, block_slope
 from calib.run.lateral import lateral
-from calib.table.pads_budget import front_share
+from calib.table.budget import front_share
 from calib.table.table import Table
 
 if TYPE_CHECKING:

@@ -18,9 +18,9 @@ from calib.base.errors import ExchangeError
 from calib.base.intervals import Z95
 from calib.exports.breakpoints import FEWEST, Misfit, misfit, place
 from calib.exports.fixed_point import Fixed, fixed_axis, to_fixed
-from calib.store.quality import PRELIMINARY, UNPROVED, Quality
+from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
+from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.effect_figures import effect_figures
 from calib.table.table import BY_HAND, Table
 
 LONGEST, LONGEST_PREFIX = 31, 16

@@ -23,7 +23,7 @@ from calib.base.arrays import Array, Mask
 from calib.car.balance import ForceBalance, brake_forces, force_balance
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
-from calib.car.effects.regenerative_torque import FADE_OUT
+from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals

@@ -15,8 +15,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Index
 from calib.base.errors import LogError
-from calib.base.least_squares import explained_square
 from calib.base.names import WHEELS
+from calib.base.noise import explained_square
 from calib.base.units import UnknownUnit, si_of, spelling
 from calib.logs.clock import GAP
 from calib.logs.log import Log

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.least_squares import explained_square
 from calib.base.names import AXLES, CHANNELS, WHEELS, G
+from calib.base.noise import explained_square
 from calib.car.braking import MOVING
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log

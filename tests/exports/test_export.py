@@ -24,7 +24,7 @@ def test_a_cdfx_has_the_date_that_is_given(stored, tmp_path):
     [
         ("car.txt", {}, "its ending names no format"),
         ("car.dcm", {"form": "dmc"}, "did you mean 'dcm'"),
-        ("car.dcm", {"bits": 16}, "expected c-header"),
+        ("car.dcm", {"bits": 16}, "expected a2l, c-header"),
         ("car.h", {"elf": "ecu.elf"}, "expected a2l"),
         ("car.dcm", {"points": 99}, "99 breakpoints"),
     ],

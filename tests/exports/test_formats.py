@@ -19,7 +19,7 @@ from lxml import etree
 
 from calib.exports.dataset import build
 from calib.exports.write import FORMATS, TEXTS
-from calib.store.quality import UNPROVED, Quality
+from calib.store.evidence import UNPROVED, Quality
 
 DATE = "2026-05-04"
 TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
