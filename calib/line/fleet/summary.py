@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,8 +16,7 @@ from calib.line.fleet.edges import possible, within
 from calib.line.fleet.outliers import MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import ColumnKind, ResultColumn, Status
-
-Array = NDArray[np.float64]
+from calib.logs.log import Array
 
 DRIFT = 0.01
 """Expected share of false ones among the metrics with a drift [1]."""
@@ -124,29 +123,27 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
     metrics = _chosen(fleet, wanted)
     numbers = [m for m in metrics if m.kind == ColumnKind.NUMBER]
-    values = {m.name: fleet.numbers(m.name) for m in numbers}
-    every = np.array(list(values.values())).reshape(len(numbers), len(fleet.logs))
-    judged = judge(every, [plain(name).step for name in values])
-    spreads = {name: _real(name, x) for name, x in zip(values, judged.spreads, strict=True)}
-    hits = dict(zip(values, judged.named, strict=True))
-    known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
+    every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(
+        len(numbers), len(fleet.logs)
+    )
+    judged = judge(every, [plain(m.name).step for m in numbers])
+    rows = [np.flatnonzero(np.isfinite(x)) for x in every]
+    values = [x[known] for x, known in zip(every, rows, strict=True)]
     # the column that orders the line always increases along it
-    along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
-    tested, significant = drifting(list(along.values()))
-    changes = dict(zip(along, tested, strict=True))
-    drifts = dict(zip(along, significant, strict=True))
+    along = [i for i, m in enumerate(numbers) if m.name != fleet.ordered_by]
+    drifts = zip(*drifting([values[i] for i in along]), strict=True)
+    changes = dict(zip(along, drifts, strict=True))
     looks = tuple(
         Look(
             m,
-            known[m.name],
-            values[m.name][known[m.name]],
-            spreads[m.name],
-            chart(along[m.name]) if m.name in along else None,
-            changes.get(m.name),
-            bool(drifts.get(m.name, False)),
-            hits[m.name][known[m.name]],
+            rows[i],
+            values[i],
+            _real(m.name, judged.spreads[i]),
+            chart(values[i]) if i in changes else None,
+            *changes.get(i, (None, False)),
+            judged.named[i][rows[i]],
         )
-        for m in numbers
+        for i, m in enumerate(numbers)
     )
     status = Counter(fleet.values("status"))
     return Summary(
@@ -154,7 +151,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
         looks,
-        tuple(_shares(fleet, m) for m in metrics if _is_class(fleet, m)),
+        tuple(_shares(fleet, metrics)),
         _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
         judged.together,
@@ -200,15 +197,12 @@ MANY = 20
 """A text column with more different values than this is not a class: names, digests."""
 
 
-def _is_class(fleet: FleetFile, metric: ResultColumn) -> bool:
-    few = metric.kind == ColumnKind.TEXT and len({*fleet.values(metric.name)}) <= MANY
-    return few or metric.kind == ColumnKind.YES_NO
-
-
-def _shares(fleet: FleetFile, metric: ResultColumn) -> Shares:
-    words = {True: "yes", False: "no", None: "none"}
-    texts = [v if isinstance(v, str) else words[v] for v in fleet.values(metric.name)]
-    return Shares(metric, tuple(Counter(texts).most_common()))
+def _shares(fleet: FleetFile, metrics: tuple[ResultColumn, ...]) -> Iterator[Shares]:
+    words: dict[object, str] = {True: "yes", False: "no", None: "none"}
+    for metric in (m for m in metrics if m.kind != ColumnKind.NUMBER):
+        counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
+        if metric.kind == ColumnKind.YES_NO or len(counts) <= MANY:
+            yield Shares(metric, tuple(counts.most_common()))
 
 
 def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, ...]:
