@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from calib.line.fleet.rows import ColumnKind, Command, columns_of
+from calib.line.fleet.rows import Command, columns_of
 
 Range = tuple[float, float]
 
@@ -25,10 +25,7 @@ MOST = {
 OTHERS = {"innovation_lag1": (-1.0, 1.0), "gap_closed": (-math.inf, 1.0)}
 
 KNOWN = frozenset(
-    column.name
-    for command in Command
-    for column in columns_of(command)
-    if column.kind == ColumnKind.NUMBER
+    column.name for command in Command for column in columns_of(command) if column.kind is float
 )
 
 

@@ -15,7 +15,7 @@ from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, le
 from calib.line.fleet.edges import possible, within
 from calib.line.fleet.outliers import MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
-from calib.line.fleet.rows import ColumnKind, ResultColumn, Status
+from calib.line.fleet.rows import Column, Status
 from calib.logs.log import Array
 
 DRIFT = 0.01
@@ -57,7 +57,7 @@ class Look:
     ``drifts`` whether the change is significant among all metrics.
     """
 
-    metric: ResultColumn
+    metric: Column
     rows: NDArray[np.int64]
     values: Array
     spread: MetricSpread
@@ -90,7 +90,7 @@ class Failure:
 class Shares:
     """A metric of text or yes/no: number of each value, the most frequent first."""
 
-    metric: ResultColumn
+    metric: Column
     counts: tuple[tuple[str, int], ...]
 
 
@@ -122,7 +122,7 @@ class Summary:
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
     metrics = _chosen(fleet, wanted)
-    numbers = [m for m in metrics if m.kind == ColumnKind.NUMBER]
+    numbers = [m for m in metrics if m.kind is float]
     every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(
         len(numbers), len(fleet.logs)
     )
@@ -155,7 +155,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
         judged.together,
-        copies(fleet.logs, fleet.values("digest")) if "digest" in fleet.columns else (),
+        copies(fleet.logs, fleet.values("digest")),
     )
 
 
@@ -180,7 +180,7 @@ def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[boo
     return tested, named(p, DRIFT).tolist()
 
 
-def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[ResultColumn, ...]:
+def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
     known = {metric.name: metric for metric in fleet.metrics}
     for name in wanted:
         if name not in known:
@@ -197,11 +197,11 @@ MANY = 20
 """A text column with more different values than this is not a class: names, digests."""
 
 
-def _shares(fleet: FleetFile, metrics: tuple[ResultColumn, ...]) -> Iterator[Shares]:
+def _shares(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[Shares]:
     words: dict[object, str] = {True: "yes", False: "no", None: "none"}
-    for metric in (m for m in metrics if m.kind != ColumnKind.NUMBER):
+    for metric in (m for m in metrics if m.kind is not float):
         counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
-        if metric.kind == ColumnKind.YES_NO or len(counts) <= MANY:
+        if metric.kind is bool or len(counts) <= MANY:
             yield Shares(metric, tuple(counts.most_common()))
 
 
@@ -241,7 +241,7 @@ def copies(logs: tuple[str, ...], digests: Sequence[object]) -> tuple[tuple[str,
     (('a', 'c'),)
     """
     groups: dict[str, list[str]] = {}
-    for log, digest in zip(logs, digests, strict=True):
+    for log, digest in zip(logs, digests, strict=False):
         if isinstance(digest, str):
             groups.setdefault(digest, []).append(log)
     return tuple(tuple(group) for group in groups.values() if len(group) > 1)

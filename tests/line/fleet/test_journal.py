@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import BatchError
-from calib.line.fleet.journal import NAME, open_journal
+from calib.line.fleet.journal import NAME, BatchJournal
 from calib.line.fleet.rows import Row, Status
 
 ROOT = Path(__file__).parents[3]
@@ -33,7 +33,7 @@ rows = st.builds(
 
 
 def opened(folder, fresh=False, **settings):
-    return closing(open_journal(folder, SETTINGS | settings, fresh))
+    return closing(BatchJournal(folder, SETTINGS | settings, fresh))
 
 
 def row(log, cells=(0.1,)):
@@ -109,7 +109,7 @@ def test_what_is_no_journal_is_not_touched_and_makes_way_when_asked(tmp_path, ma
     make(path)
     content = path.read_bytes()
     with pytest.raises(BatchError):
-        open_journal(tmp_path, SETTINGS)
+        BatchJournal(tmp_path, SETTINGS)
     assert path.read_bytes() == content
     with opened(tmp_path, fresh=True) as journal:
         assert journal.logs() == []
@@ -122,10 +122,10 @@ def test_other_settings_are_refused_and_fresh_holds_the_new_ones(tmp_path):
         journal.add([row("a")])
     for other in ({"table": "t"}, {"folder": "/bench"}):
         with pytest.raises(BatchError):
-            open_journal(tmp_path, SETTINGS | other)
-    open_journal(tmp_path, SETTINGS | {"table": "t"}, fresh=True).close()
+            BatchJournal(tmp_path, SETTINGS | other)
+    BatchJournal(tmp_path, SETTINGS | {"table": "t"}, fresh=True).close()
     with pytest.raises(BatchError):
-        open_journal(tmp_path, SETTINGS)
+        BatchJournal(tmp_path, SETTINGS)
     with opened(tmp_path, table="t") as journal:
         assert journal.logs() == []
 
@@ -133,31 +133,31 @@ def test_other_settings_are_refused_and_fresh_holds_the_new_ones(tmp_path):
 @pytest.mark.parametrize("fresh", [False, True])
 def test_two_runs_do_not_write_at_once(tmp_path, fresh):
     code = (
-        "import sys; from pathlib import Path; from calib.line.fleet.journal import open_journal; "
-        f"open_journal(Path(sys.argv[1]), {SETTINGS}, {fresh})"
+        "import sys; from pathlib import Path; from calib.line.fleet.journal import BatchJournal; "
+        f"BatchJournal(Path(sys.argv[1]), {SETTINGS}, {fresh})"
     )
     with opened(tmp_path) as journal:
         journal.add([row("a")])
         with pytest.raises(BatchError):
-            open_journal(tmp_path, SETTINGS, fresh)
+            BatchJournal(tmp_path, SETTINGS, fresh)
         ran = subprocess.run(
             [sys.executable, "-c", code, tmp_path], cwd=ROOT, capture_output=True, text=True
         )
         assert "BatchError" in ran.stderr
         assert journal.logs() == ["a"]
-    open_journal(tmp_path, SETTINGS).close()
+    BatchJournal(tmp_path, SETTINGS).close()
 
 
 # No file of this process may grow beyond 200 kB, as on a disk that is nearly full.
 NEARLY_FULL = """
 import json, resource, signal, sys
 from pathlib import Path
-from calib.line.fleet.journal import open_journal
+from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.rows import Row, Status
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
-journal = open_journal(Path(sys.argv[1]), json.loads(sys.argv[2]))
+journal = BatchJournal(Path(sys.argv[1]), json.loads(sys.argv[2]))
 kept = 0
 try:
     while True:
@@ -182,4 +182,4 @@ def test_a_disk_that_is_full_is_told_and_loses_no_row_that_was_kept(tmp_path):
 def test_a_folder_that_cannot_be_written_is_told_as_such(tmp_path):
     (tmp_path / NAME).mkdir()
     with pytest.raises(OSError, match="Is a directory"):
-        open_journal(tmp_path, SETTINGS)
+        BatchJournal(tmp_path, SETTINGS)

@@ -5,18 +5,18 @@ import pytest
 
 from calib.base.errors import InputError
 from calib.line.fleet.results import line_order, open_fleet
-from calib.line.fleet.rows import ColumnKind, ResultColumn
+from calib.line.fleet.rows import Column
 from tests.support.fleet_results import LOST, results
 
 
 def test_metrics_with_kind_and_unit(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet"))
     assert fleet.metrics == (
-        ResultColumn("pad_friction_f", ColumnKind.NUMBER, "1"),
-        ResultColumn("settling", ColumnKind.NUMBER, "s"),
-        ResultColumn("built", ColumnKind.NUMBER, "s"),
-        ResultColumn("usable", ColumnKind.YES_NO, "1"),
-        ResultColumn("verdict", ColumnKind.TEXT, "1"),
+        Column("pad_friction_f", "1", "", float),
+        Column("settling", "s", "", float),
+        Column("built", "s", "", float),
+        Column("usable", "1", "", bool),
+        Column("verdict", "1", "", str),
     )
     assert np.flatnonzero(np.isnan(fleet.numbers("pad_friction_f"))).tolist() == list(LOST)
 
