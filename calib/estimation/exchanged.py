@@ -12,8 +12,8 @@ from calib.run.blocks import Blocks
 
 SETTLED = -15.0
 """Log odds of an exchange at which the axles are right, whatever comes later: with exchanged ones
-they do not fall so far (`tests/studies/swapped_stops.py`), and on a road that changes abruptly the
-odds speak of the road."""
+they do not fall so far (`tests/studies/results/swapped_stops.md`), and on a road that changes
+abruptly the odds speak of the road."""
 
 
 @dataclass(frozen=True)

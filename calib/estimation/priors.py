@@ -40,7 +40,7 @@ class Priors:
     delay_sigma: float = SPREAD
     """Sigma of it [s], there. It holds tyres as well: one that builds up its force over sigma, 0.1
     to 0.6 m, slips early by sigma/v, 25 ms with 0.5 m at 20 m/s (Pacejka, Tyre and Vehicle
-    Dynamics, section 7.2). Run `tests/studies/fast_pedal.py`."""
+    Dynamics, section 7.2). See `tests/studies/results/fast_pedal.md`."""
 
     # The surface.
     stiffness: float = 0.35

@@ -14,7 +14,7 @@ from calib.logs.resample import Wanted
 from calib.logs.source import Array, ChannelTrace, Column, address_of, called
 
 TRUTH = "true_"
-MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map suggest` proposes one"
+MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,8 @@ def assign(
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
-    taken = [_mapped(name, entry, columns, channel_map, where) for name, entry in mapped.items()]
+    map_path = channel_map.where if channel_map else None
+    taken = [_mapped(name, entry, columns, map_path, where) for name, entry in mapped.items()]
     sources = {item.index for item in taken}
     for index, column in enumerate(columns):
         if index not in sources and column.name not in (*mapped, *ignore):
@@ -98,20 +99,15 @@ def without_unit(columns: tuple[Column, ...], taken: list[Assigned]) -> tuple[st
 
 
 def _mapped(
-    name: str,
-    entry: Mapping,
-    columns: tuple[Column, ...],
-    channel_map: ChannelMap | None,
-    where: str,
+    name: str, entry: Mapping, columns: tuple[Column, ...], map_path: str | None, where: str
 ) -> Assigned:
-    source = entry.source.strip()
-    found = called(source, columns)
-    names = [column.name for column in columns]
+    found = called(entry.source.strip(), columns)
     if not found:
+        names = [column.name for column in columns]
         raise ChannelMapError(
             f"{where} has no column {entry.source!r} for {name}",
-            where=channel_map.where if channel_map else None,
-            expected=f"one of {', '.join(repr(n) for n in names)}",
+            where=map_path,
+            expected=f"one of {', '.join(map(repr, names))}",
             do=_suggestion(entry.source, names),
         )
     if len(found) > 1:
@@ -119,25 +115,35 @@ def _mapped(
             f"{len(found)} columns are called {entry.source!r}",
             where=f"{where}: {name}",
             expected="one",
-            do=_by_address(found, columns) or "rename one of them",
+            do=_by_address(found, columns),
         )
     column = columns[found[0]]
-    unit = _known_unit(entry.unit or column.unit, CHANNELS[name].si, f"{where}: {name}")
-    return Assigned(name, found[0], unit, CHANNELS[name].si, entry, column.name)
+    return _assigned(name, found[0], column, entry, CHANNELS[name].si, where)
 
 
 def _canonical(column: Column, index: int, where: str) -> Assigned | None:
-    if column.name in CHANNELS:
-        si = CHANNELS[column.name].si
-    elif column.name.startswith(TRUTH):
-        found = _truth_si(column)
-        if found is None:
-            return None
-        si = found
-    else:
-        return None
-    unit = _known_unit(column.unit, si, f"{where}: {column.name}")
-    return Assigned(column.name, index, unit, si, Mapping(column.name), column.name)
+    known = CHANNELS.get(column.name)
+    si = known.si if known else _truth_si(column) if column.name.startswith(TRUTH) else None
+    return _assigned(column.name, index, column, Mapping(column.name), si, where) if si else None
+
+
+def _assigned(
+    channel: str, index: int, column: Column, entry: Mapping, si: str, where: str
+) -> Assigned:
+    unit, place = entry.unit or column.unit, f"{where}: {channel}"
+    if not unit:
+        raise LogError(
+            "the unit is missing",
+            where=place,
+            expected=f"a unit in the header, such as [{si}]",
+            do="name it in the header or in a channel map",
+        )
+    try:
+        unit_of(unit, si)
+    except UnknownUnit as cause:
+        do = "correct the header or use a channel map"
+        raise LogError(str(cause), where=place, do=do) from cause
+    return Assigned(channel, index, unit, si, entry, column.name)
 
 
 def _truth_si(column: Column) -> str | None:
@@ -151,28 +157,12 @@ def _truth_si(column: Column) -> str | None:
         return None
 
 
-def _known_unit(unit: str | None, si: str, where: str) -> str:
-    if not unit:
-        raise LogError(
-            "the unit is missing",
-            where=where,
-            expected=f"a unit in the header, such as [{si}]",
-            do="name it in the header or in a channel map",
-        )
-    try:
-        unit_of(unit, si)
-    except UnknownUnit as cause:
-        raise LogError(
-            str(cause), where=where, do="correct the header or use a channel map"
-        ) from cause
-    return unit
-
-
 def _by_address(found: list[int], columns: tuple[Column, ...]) -> str:
-    """What to call one of several columns of a name; nothing if they cannot be told apart."""
+    """What to call one of several columns of a name; or to rename them."""
     names = [address_of(columns[i], columns) for i in found]
     one = ", ".join(map(repr, names))
-    return f"name one of them in a channel map: {one}" if len(set(names)) == len(names) else ""
+    different = len(set(names)) == len(names)
+    return f"name one of them in a channel map: {one}" if different else "rename one of them"
 
 
 def _refuse_twice(taken: list[Assigned], columns: tuple[Column, ...], where: str) -> None:
@@ -183,8 +173,7 @@ def _refuse_twice(taken: list[Assigned], columns: tuple[Column, ...], where: str
                 "the channel occurs twice",
                 where=f"{where}: {item.channel}",
                 expected="one column of that name",
-                do=_by_address([i.index for i in taken if i.channel == item.channel], columns)
-                or "rename or delete one of them",
+                do=_by_address([i.index for i in taken if i.channel == item.channel], columns),
             )
         seen.add(item.channel)
 

@@ -129,14 +129,10 @@ class TextSection(Section):
     encoding: Annotated[str, AfterValidator(_encoding)] | None = None
 
 
-def _names(written: object, expected: str) -> list[str]:
-    if not isinstance(written, list) or not all(isinstance(n, str) and n.strip() for n in written):
-        raise wrong(f"{written!r}", expected)
-    return written
-
-
 def _columns(written: object) -> list[str]:
-    return _names(written, "a list of names of columns")
+    if not isinstance(written, list) or not all(isinstance(n, str) and n.strip() for n in written):
+        raise wrong(f"{written!r}", "a list of names of columns")
+    return written
 
 
 _FILES = (
@@ -145,18 +141,17 @@ _FILES = (
 )
 
 
-def _file(written: object) -> DatabaseFile:
-    """One file, relative to the map, or one bus of it."""
-    parts = {"file": written} if isinstance(written, str) else written
-    if not isinstance(parts, dict) or set(parts) not in ({"file"}, {"file", "bus"}):
-        raise wrong(f"{written!r}", _FILES)
-    if not all(isinstance(part, str) and part.strip() for part in parts.values()):
-        raise wrong(f"{written!r}", _FILES)
-    return DatabaseFile(Path(parts["file"]), parts.get("bus"))
-
-
 def _files(written: object) -> list[DatabaseFile]:
-    return [_file(one) for one in (written if isinstance(written, list) else [written])]
+    """Files, relative to the map, or one bus of each."""
+    found = []
+    for one in written if isinstance(written, list) else [written]:
+        parts = {"file": one} if isinstance(one, str) else one
+        if not isinstance(parts, dict) or set(parts) not in ({"file"}, {"file", "bus"}):
+            raise wrong(f"{one!r}", _FILES)
+        if not all(isinstance(part, str) and part.strip() for part in parts.values()):
+            raise wrong(f"{one!r}", _FILES)
+        found.append(DatabaseFile(Path(parts["file"]), parts.get("bus")))
+    return found
 
 
 def _databases(written: object) -> dict[str, list[DatabaseFile]]:
@@ -181,36 +176,21 @@ def _sources(written: object) -> list[int]:
 HIGHEST_SOURCE = 253
 """Highest source address of a J1939 message; 254 and 255 stand for none and for all."""
 
-_LIST: dict[str, Any] = {"type": "array", "items": {"type": "string", "minLength": 1}}
-_TEXT = {"type": "string", "minLength": 1}
-_ONE_BUS = {
+_TEXT: dict[str, Any] = {"type": "string", "minLength": 1}
+_LIST: dict[str, Any] = {"type": "array", "items": _TEXT}
+_ONE_BUS: dict[str, Any] = {
     "type": "object",
     "properties": {"file": _TEXT, "bus": _TEXT},
     "required": ["file"],
     "additionalProperties": False,
 }
-_FILE = [_TEXT, _ONE_BUS]
-_SEVERAL: dict[str, Any] = {"type": "array", "items": {"anyOf": _FILE}}
-_BY_BUS: dict[str, Any] = {
-    "anyOf": [
-        _TEXT,
-        _SEVERAL,
-        {
-            "type": "object",
-            "minProperties": 1,
-            "additionalProperties": {"anyOf": [*_FILE, _SEVERAL]},
-        },
-    ]
-}
+_SEVERAL: dict[str, Any] = {"type": "array", "items": {"anyOf": [_TEXT, _ONE_BUS]}}
+_OF_A_BUS = {"anyOf": [_TEXT, _ONE_BUS, _SEVERAL]}
+_BUSES = {"type": "object", "minProperties": 1, "additionalProperties": _OF_A_BUS}
+_BY_BUS: dict[str, Any] = {"anyOf": [_TEXT, _SEVERAL, _BUSES]}
+_SOURCE = {"type": "integer", "minimum": 0, "maximum": HIGHEST_SOURCE}
 _ADDRESSES: dict[str, Any] = {
-    "anyOf": [
-        {"const": "any"},
-        {
-            "type": "array",
-            "minItems": 1,
-            "items": {"type": "integer", "minimum": 0, "maximum": HIGHEST_SOURCE},
-        },
-    ]
+    "anyOf": [{"const": "any"}, {"type": "array", "minItems": 1, "items": _SOURCE}]
 }
 
 

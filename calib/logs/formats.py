@@ -4,19 +4,22 @@ The channels of a table share one clock; those of a recording, such as bus frame
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import numpy as np
 
 from calib.base.bounded import LOG, POINTER, bytes_of
 from calib.base.errors import LogError
 from calib.base.printable import printable
+from calib.logs.assign import Assigned
 from calib.logs.bus.blf import open_blf
 from calib.logs.bus.text_logs import open_asc, open_candump, open_trc
 from calib.logs.channel_map import Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
-from calib.logs.resample import Wanted, on_one_clock
+from calib.logs.resample import Wanted, at_times, on_one_clock
 from calib.logs.source import Array, ChannelTrace, ColumnSource, Recording
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
@@ -47,12 +50,11 @@ _ROWS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
 
 KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, ends in _ROWS)
 
-Kind = tuple[str, tuple[str, ...]]
-"""What a file is, and the endings under which it is right; none for what is no log."""
 
-
-def kind_of(head: bytes) -> Kind | None:
+def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
     """What a file is that begins with ``head``, 64 bytes or more if it has them; None: unknown.
+
+    With the endings under which it is right: none for what is no log.
 
     >>> kind_of(b"(1700000000.000400) can0 101#0000D4FF")
     ('a candump log', ('.log',))
@@ -117,12 +119,10 @@ def stem_of(path: Path) -> str:
 Open = Callable[[Path, Databases], Recording]
 
 
-def packed(open_log: Open) -> Open:
-    """A function that opens the packed form of what ``open_log`` opens.
+def _packed(open_log: Open) -> Open:
+    """A function that opens the packed form of what ``open_log`` opens: it must read all frames.
 
-    The log is unpacked into a temporary folder, which is deleted when it is open: ``open_log`` must
-    read all frames. Messages name the packed file. Raises LogError also for a gzip file that is cut
-    off or damaged.
+    The unpacked log is deleted when it is open. Messages name the packed file.
     """
 
     def opened(path: Path, dbc: Databases) -> Recording:
@@ -144,23 +144,24 @@ def packed(open_log: Open) -> Open:
 _BUS: dict[str, Open] = {".blf": open_blf, ".asc": open_asc, ".log": open_candump, ".trc": open_trc}
 
 RECORDINGS: dict[str, Open] = {
-    ".mf4": open_mdf,
-    ".mdf": open_mdf,
-    ".dat": open_mdf,
+    **dict.fromkeys(MDF, open_mdf),
     **_BUS,
-    **{f"{ending}.gz": packed(opener) for ending, opener in _BUS.items()},
+    **{f"{ending}.gz": _packed(opener) for ending, opener in _BUS.items()},
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 
 
-def as_source(opened: Recording, where: str) -> ColumnSource:
+def as_source(
+    opened: Recording, where: str, taken: Mapping[int, Assigned] | None = None
+) -> ColumnSource:
     """All channels of a recording on one clock, like a table; closes the recording.
 
-    Used before the columns are assigned to channels. Reading a column that the recording refuses
-    raises its LogError.
+    The clock is that of the columns that are ``taken`` as channels, by index; of all columns if
+    there are none. To be looked at, and not proposed from, counts are held where ``taken`` is
+    given. Reading a column that the recording refuses raises its LogError.
     """
+    traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
     try:
-        traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
         for index in range(1, len(opened.columns)):
             try:
                 traces[index] = opened.read([index])[0]
@@ -168,11 +169,19 @@ def as_source(opened: Recording, where: str) -> ColumnSource:
                 refused[index] = error
     finally:
         opened.close()
-    wanted = [
-        Wanted(opened.columns[i].full_name, trace, trace.state) for i, trace in traces.items()
-    ]
-    resampled = on_one_clock(wanted, where)
-    arrays = {0: resampled.time, **dict(zip(traces, resampled.values, strict=True))}
+    held = {i for i, trace in traces.items() if taken is not None and _counts(opened, i, trace)}
+    taken = taken or {}
+    wanted = {
+        i: taken[i].wanted(trace)
+        if i in taken
+        else Wanted(opened.columns[i].full_name, trace, trace.state or i in held)
+        for i, trace in traces.items()
+    }
+    clocked = [i for i in wanted if i in taken] or list(wanted)
+    found = on_one_clock([wanted[i] for i in clocked], where)
+    others = [i for i in wanted if i not in clocked]
+    more = at_times([wanted[i] for i in others], found.time, where)
+    arrays = {0: found.time, **dict(zip((*clocked, *others), (*found.values, *more), strict=True))}
 
     def read(indices: Sequence[int]) -> list[Array]:
         for index in indices:
@@ -180,9 +189,15 @@ def as_source(opened: Recording, where: str) -> ColumnSource:
                 raise refused[index]
         return [arrays[index] for index in indices]
 
-    rates = {
-        i: resampled.rates[n]
-        for i in traces
-        if (n := opened.columns[i].full_name) in resampled.rates
-    }
-    return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)
+    rates = {i: found.rates[w.name] for i, w in wanted.items() if w.name in found.rates}
+    told = (f"{', '.join(wanted[i].name for i in others)}: on that clock too",) if others else ()
+    return ColumnSource(opened.columns, read, opened.notes + found.notes + told, rates)
+
+
+def _counts(opened: Recording, index: int, trace: ChannelTrace) -> bool:
+    """Whether a column that nobody named holds whole numbers without a unit, as a gear or a flag.
+
+    Straight lines between such values would be values that the car never had.
+    """
+    known = trace.values[np.isfinite(trace.values)]
+    return not opened.columns[index].unit and bool(np.all(known == np.round(known)))

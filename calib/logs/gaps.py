@@ -57,19 +57,11 @@ class Filled:
 
 
 def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
-    """Values of a channel at other times, in straight lines between its samples.
+    """Values of a channel at other times ``at`` [s], (m,), in straight lines between its samples.
 
-    Parameters
-    ----------
-    channel : its name.
-    t, x : ascending times [s] and values of its samples, both (n,), without NaN.
-    at : ascending times [s] at which values are wanted, shape (m,).
-
-    Returns
-    -------
-    The values, shape (m,), and the gaps. NaN before the first sample, after the last, and in a gap
-    that is longer than `BRIDGE` or where the channel is not smooth. A bridge shows nothing that
-    begins and ends within its gap.
+    ``t`` [s] and ``x`` of these, both (n,), ascend and have no NaN. The result is NaN before the
+    first sample, after the last, and in a gap that is longer than `BRIDGE` or where the channel is
+    not smooth. A bridge shows nothing that begins and ends within its gap.
     """
     values: Array = np.interp(at, t, x)
     values[(at < t[0]) | (at > t[-1])] = np.nan
@@ -95,15 +87,9 @@ def fill_rows(
 ) -> tuple[dict[str, Array], list[str], list[ChannelHole]]:
     """Fill the rows of a table in which a channel has no value, as `fill` does.
 
-    Parameters
-    ----------
-    channels : by name, each (n,), NaN where it has no value.
-    time : of the rows [s], shape (n,).
-
-    Returns
-    -------
-    The channels, notes, and the bridged gaps. A channel with infinite values or fewer than two
-    values stays as it is; all do if the times do not increase.
+    ``channels`` by name, each (n,), are NaN there; ``time`` of the rows [s], (n,). Returns the
+    channels, notes, and the bridged gaps. A channel with infinite values or fewer than two values
+    stays as it is; all do if the times do not increase.
     """
     values, notes, bridged = dict(channels), [], list[ChannelHole]()
     if not is_ascending(time):

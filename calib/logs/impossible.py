@@ -85,33 +85,23 @@ class Marked:
         return f"{self.channel} reads {value:.4g} {quantity.unit} at {self.start:.3f} s"
 
 
-@dataclass(frozen=True)
-class Drivable:
-    """Channels without the samples that no car drives, which were ``marked``; bridged gaps."""
-
-    channels: dict[str, Array]
-    marked: tuple[Marked, ...] = ()
-    bridged: tuple[ChannelHole, ...] = ()
-
-
-def without_impossible(channels: Mapping[str, Array], where: str) -> Drivable:
+def without_impossible(
+    channels: Mapping[str, Array], where: str
+) -> tuple[dict[str, Array], tuple[Marked, ...], tuple[ChannelHole, ...]]:
     """The channels with NaN, or a bridge, in the place of samples that no car drives.
 
-    Parameters
-    ----------
-    channels : by name [SI], each (n,), NaN where it has no value; ``time`` among them. They stay as
-        they are where the times do not ascend.
-    where : the file's path, for messages.
+    ``channels`` by name [SI], each (n,), are NaN where they have no value; with ``time``. They stay
+    as they are where the times do not ascend.
 
     Returns
     -------
-    The channels. At the ends, and in channels that a log need not have, what cannot be bridged is
-    left open. Raises LogError where more than `FEW` of the
+    The channels, what was marked, and the bridged gaps. At the ends, and in channels that a log
+    need not have, what cannot be bridged is left open. Raises LogError where more than `FEW` of the
     samples of a required channel are marked, or so many in one place that none can be bridged.
     """
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
-        return Drivable(values)
+        return values, (), ()
     found = {
         name: _impossible(time, values[name], possible)
         for name, possible in POSSIBLE.items()
@@ -123,20 +113,15 @@ def without_impossible(channels: Mapping[str, Array], where: str) -> Drivable:
             mask |= np.logical_and.reduce(wheels) & (values[name] == 0.0)
     marked = []
     for name, mask in found.items():
-        if not mask.any():
-            continue
-        first = int(np.argmax(mask))
-        marked.append(
-            Marked(
-                name, int(np.count_nonzero(mask)), float(time[first]), float(values[name][first])
-            )
-        )
-        values[name] = np.where(mask, np.nan, values[name])
+        if mask.any():
+            first, count = int(np.argmax(mask)), int(np.count_nonzero(mask))
+            marked.append(Marked(name, count, float(time[first]), float(values[name][first])))
+            values[name] = np.where(mask, np.nan, values[name])
     filled, _, bridged = fill_rows({one.channel: values[one.channel] for one in marked}, time)
     for one in marked:
         if CHANNELS[one.channel].required:
             _refuse_many(one, found[one.channel], time, filled[one.channel], where)
-    return Drivable(values | filled, tuple(marked), tuple(bridged))
+    return values | filled, tuple(marked), tuple(bridged)
 
 
 def _impossible(time: Array, x: Array, possible: Possible) -> Mask:

@@ -70,29 +70,27 @@ def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:
 
     pandas 2 writes ``frame.attrs`` beside it, pandas 3 with a new pyarrow into it.
     """
-    found = _object(metadata, b"pandas")
-    attributes = found.get("attributes") or _object(metadata, b"PANDAS_ATTRS")
-    return {**found, "attributes": attributes}
-
-
-def _object(metadata: dict[bytes, bytes] | None, key: bytes) -> dict[str, Any]:
-    try:
-        found = json.loads((metadata or {}).get(key, b"{}"))
-    except ValueError:
-        return {}
-    return found if isinstance(found, dict) else {}
+    found = []
+    for key in (b"pandas", b"PANDAS_ATTRS"):
+        try:
+            one = json.loads((metadata or {}).get(key, b"{}"))
+        except ValueError:
+            one = {}
+        found.append(one if isinstance(one, dict) else {})
+    own, beside = found
+    return {**own, "attributes": own.get("attributes") or beside}
 
 
 def _column(field: "pyarrow.Field", pandas: dict[str, Any]) -> Column:
     metadata = field.metadata or {}
+    index = field.name == MDF_CLOCK and MDF_CLOCK in pandas.get("index_columns", [])
     if _clock_unit(field.type) is not None:
-        index = field.name == MDF_CLOCK and MDF_CLOCK in pandas.get("index_columns", [])
-        name = column_from_cell(field.name).name
-        return Column("time", "s", field.name) if index else Column(name, "s", field.name)
+        name = "time" if index else column_from_cell(field.name).name
+        return Column(name, "s", field.name)
     for key in (UNIT_KEY, *OTHER_KEYS):
         if key in metadata:
             return Column(field.name, metadata[key].decode(errors="replace"))
-    if field.name == MDF_CLOCK and MDF_CLOCK in pandas.get("index_columns", []):
+    if index:
         return Column("time", "s", MDF_CLOCK)
     units = (pandas.get("attributes") or {}).get("units")
     unit = units.get(field.name) if isinstance(units, dict) else None

@@ -26,8 +26,7 @@ REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 FORMATS = (*TABLES, *RECORDINGS)
 """File name endings of all known formats."""
 
-WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
-"""File name endings of workbooks, which no reader takes."""
+_WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 
 @dataclass(frozen=True)
@@ -56,13 +55,13 @@ def opened_recording(
     path: Path, channel_map: ChannelMap | None = None, where: object = None
 ) -> Recording:
     """Open a log with several sample rates; the caller closes it. Else like `open_log`."""
+    ending = ending_of(path)
     try:
         with path.open("rb") as file:
-            refuse_other_kind(file.read(64), ending_of(path), where or path)
+            refuse_other_kind(file.read(64), ending, where or path)
     except OSError as cause:
         raise _unreadable(where or path, cause) from cause
-    dbc = channel_map.databases if channel_map else Databases()
-    return RECORDINGS[ending_of(path)](path, dbc)
+    return RECORDINGS[ending](path, channel_map.databases if channel_map else Databases())
 
 
 def open_bytes(data: bytes, path: Path, channel_map: ChannelMap | None = None) -> Opened:
@@ -176,7 +175,13 @@ def _recorded(
         clock = recorded_clock(taken, channel_map)
         others = [item for item in taken if item is not clock]
         if not others:
-            raise _nothing_taken(ignored, opened.notes, where)
+            have = ", ".join(map(repr, ignored)) or "no channels"
+            raise LogError(
+                f"no channel of the log is known; it has {have}",
+                where=where,
+                expected=f"channels named {', '.join(REQUIRED[1:])}",
+                do="; ".join([*opened.notes, "name foreign channels in a channel map (--map)"]),
+            )
         traces = opened.read([item.index for item in others])
     finally:
         opened.close()
@@ -205,49 +210,37 @@ def _as_map(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
 
 
 def _with_time(require: tuple[str, ...]) -> tuple[str, ...]:
-    return ("time", *(name for name in require if name != "time"))
+    return tuple(dict.fromkeys(("time", *require)))
 
 
 def _checked(log: Log, require: tuple[str, ...]) -> Log:
     """The log with the channels that are whole, its truth apart. Raises LogError as `read_log`."""
     refuse_absurd(log.channels, log.source)
-    possible = without_impossible(log.channels, log.source)
-    cut, cut_notes = without_open_ends(possible.channels)
+    possible, marked, more = without_impossible(log.channels, log.source)
+    cut, cut_notes = without_open_ends(possible)
     values, notes = complete_channels(cut, _with_time(require), log.source)
     check_clock(values["time"], log.source)
-    bridged = (*log.bridged, *possible.bridged)
     return replace(
         log,
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         notes=log.notes + cut_notes + notes,
         origins=tuple(o for o in log.origins if o.channel in values),
-        bridged=tuple(gap for gap in bridged if gap.channel in values),
-        marked=possible.marked,
+        bridged=tuple(gap for gap in (*log.bridged, *more) if gap.channel in values),
+        marked=marked,
     )
 
 
 def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Assigned:
     """The time of a recording, which is its first column. Raises ChannelMapError if mapped."""
     clock = next(item for item in taken if item.channel == "time")
-    if clock.index == 0:
-        return clock
-    raise ChannelMapError(
-        f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own",
-        where=channel_map.where if channel_map else None,
-        expected="no entry for time",
-        do="delete it",
-    )
-
-
-def _nothing_taken(ignored: tuple[str, ...], notes: tuple[str, ...], where: str) -> LogError:
-    have = ", ".join(repr(name) for name in ignored) or "no channels"
-    return LogError(
-        f"no channel of the log is known; it has {have}",
-        where=where,
-        expected=f"channels named {', '.join(REQUIRED[1:])}",
-        do="; ".join([*notes, "name foreign channels in a channel map (--map)"]),
-    )
+    if clock.index != 0:
+        raise ChannelMapError(
+            f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own",
+            where=channel_map.where if channel_map else None,
+            expected="no entry for time",
+        )
+    return clock
 
 
 def _unreadable(where: object, cause: OSError) -> LogError:
@@ -273,19 +266,17 @@ def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False)
     try:
         mode = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError, ValueError) as cause:
-        raise LogError(
-            "no such file", where=where, expected="a log", do="check the path"
-        ) from cause
+        do = "check the path"
+        raise LogError("no such file", where=where, expected="a log", do=do) from cause
     except OSError as cause:
         raise _unreadable(where, cause) from cause
-    if stat.S_ISDIR(mode):
-        raise LogError("a directory", where=where, expected="a log file", do="name the files in it")
     if not stat.S_ISREG(mode):
-        raise LogError("a device, socket or pipe", where=where, expected="a log file")
+        what = "a directory" if stat.S_ISDIR(mode) else "a device, socket or pipe"
+        raise LogError(what, where=where, expected="a log file")
     if ending_of(path) not in FORMATS and not any_format:
         raise LogError(
             f"unknown format {ending_of(path)!r}",
             where=where,
             expected=f"one of {', '.join(FORMATS)}",
-            do="a workbook: save its sheet as CSV" if ending_of(path) in WORKBOOKS else "",
+            do="a workbook: save its sheet as CSV" if ending_of(path) in _WORKBOOKS else "",
         )

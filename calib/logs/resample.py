@@ -50,9 +50,9 @@ class Wanted:
 class Resampled:
     """Channels on one clock.
 
-    ``time`` [s]; one array of its shape for each wanted channel, NaN where it has no value; notes;
-    the gaps that were bridged; the sample rate of each channel that is not empty [Hz]; the names of
-    the channels that were interpolated.
+    ``time`` [s]; ``values`` of its shape for each wanted channel, NaN where it has none; the gaps
+    that were ``bridged``; the rate of each channel that is not empty [Hz]; names of the channels
+    that were ``interpolated``.
     """
 
     time: Array
@@ -100,20 +100,19 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
 
 def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str]]:
     """Sort the samples of each trace by time; drop invalid and repeated ones."""
-    clocks: dict[str, tuple[Array, str]] = {}
+    clocks: dict[str, Array] = {}
     notes: list[str] = []
     cleaned = []
     for w in wanted:
-        trace = w.trace
-        if trace.clock not in clocks:
-            time, changes = running(trace.time, f"{where}: {trace.clock}")
+        clock = w.trace.clock
+        if clock not in clocks:
+            time, changes = running(w.trace.time, f"{where}: {clock}")
             if np.all(np.diff(time) > 0):
                 time, rounded = on_line(time)
                 changes += rounded
-            clocks[trace.clock] = time, trace.clock
-            notes += [f"{trace.clock}: {text}" for text in changes]
-        time = clocks[trace.clock][0]
-        cleaned.append(Wanted(w.name, _ordered(trace, time), w.hold))
+            clocks[clock] = time
+            notes += [f"{clock}: {text}" for text in changes]
+        cleaned.append(Wanted(w.name, _ordered(w.trace, clocks[clock]), w.hold))
         notes += _lost(w, cleaned[-1].trace)
     return cleaned, list(dict.fromkeys(notes))
 
@@ -163,18 +162,13 @@ def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
     return low, high, [cut + "not every channel has values there"] if ends > 0.0005 else []
 
 
-def rate_of(time: Array) -> float:
-    """Sample rate [Hz] from the mean step of ascending times [s]."""
-    return 1.0 / step_of(time)
-
-
 def _rates(full: list[Wanted]) -> dict[str, float]:
     """The rate of each channel [Hz]; computed once for each clock and length."""
     known: dict[tuple[str, int], float] = {}
     for w in full:
         raster = w.trace.clock, w.trace.time.size
         if raster not in known:
-            known[raster] = rate_of(w.trace.time)
+            known[raster] = 1.0 / step_of(w.trace.time)
     return {w.name: known[w.trace.clock, w.trace.time.size] for w in full}
 
 

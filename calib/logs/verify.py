@@ -29,14 +29,8 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
 
     On a bus each channel begins with its first message, and ends with its last one. A channel that
     has none for more than `ENDS` [s] at an end counts as one with a gap, and cuts nothing.
-
-    Parameters
-    ----------
-    channels : by name, each of shape (n,), NaN if the file has no value; ``time`` [s] among them.
-
-    Returns
-    -------
-    The channels, each of shape (m,), and a note on what was cut.
+    ``channels`` by name, each (n,), have NaN where the file has no value. Returns the channels,
+    each (m,), and a note on what was cut.
     """
     time = channels.get("time")
     if time is None or not np.isfinite(time).all():
@@ -64,18 +58,10 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
 def complete_channels(
     channels: dict[str, Array], require: tuple[str, ...], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Return the channels that have a finite value in every row.
+    """The channels that have a finite value in every row, and a note on each dropped one.
 
-    Parameters
-    ----------
-    channels : by name, each of shape (n,), NaN if the file has no value.
-    require : channels that must not be empty.
-    where : the file's path, for messages.
-
-    Returns
-    -------
-    The complete channels, and a note on each dropped one. Raises LogError for an empty channel that
-    is in ``require``, and for missing values in a channel that every log must have.
+    ``channels`` as for `without_open_ends`. Raises LogError for an empty channel that is in
+    ``require``, and for missing values in a channel that every log must have.
     """
     kept, notes = {}, []
     for name, values in channels.items():
@@ -84,7 +70,12 @@ def complete_channels(
             kept[name] = values
         elif np.isnan(values).all():
             if name in require:
-                raise _empty(name, values.size, where)
+                raise LogError(
+                    f"the channel is empty: no value in {values.size} rows",
+                    where=f"{where}: {name}",
+                    expected="a value in every row",
+                    do="run `brake-cal check`: it lists the remaining uses of the log",
+                )
             notes.append(f"{name} is empty and was left out")
         elif name in CHANNELS and CHANNELS[name].required:
             raise _holes(name, values, bad, channels["time"], where)
@@ -109,15 +100,6 @@ def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
                 expected="a value that can be measured",
                 do="the file is damaged or the unit is wrong: export it again",
             )
-
-
-def _empty(name: str, rows: int, where: str) -> LogError:
-    return LogError(
-        f"the channel is empty: no value in {rows} rows",
-        where=f"{where}: {name}",
-        expected="a value in every row",
-        do="run `brake-cal check`: it lists the remaining uses of the log",
-    )
 
 
 def _holes(name: str, values: Array, bad: NDArray[np.intp], time: Array, where: str) -> LogError:

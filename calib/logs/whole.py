@@ -4,11 +4,10 @@
 unit is changed: a column of the map has its canonical name, and the unit that the map gives it.
 """
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from calib.base.units import to_si
 from calib.logs.assign import MAP_IT, Assigned, assign
 from calib.logs.channel_map import ChannelMap
 from calib.logs.clock import GAP, step_of
-from calib.logs.formats import RECORDINGS, ending_of, stem_of
+from calib.logs.formats import RECORDINGS, as_source, ending_of, stem_of
 from calib.logs.log import Array, Log
 from calib.logs.read import (
     Opened,
@@ -28,14 +27,10 @@ from calib.logs.read import (
     recording_digest,
     refuse_no_log,
 )
-from calib.logs.resample import Wanted, at_times, on_one_clock
-from calib.logs.source import ChannelTrace, Column, ColumnSource
+from calib.logs.source import Column, ColumnSource
 from calib.logs.verify import check_increasing
 
 TIME = "time"
-
-Read = TypeVar("Read")
-"""What is read of one column: its values, or its values with their times."""
 
 
 @dataclass(frozen=True)
@@ -106,125 +101,65 @@ def read_whole(
     """
     path = Path(path)
     refuse_no_log(path)
-    if ending_of(path) in RECORDINGS:
-        return _recorded(path, channel_map, keep_names)
-    return whole_of(open_log(path, channel_map), path, channel_map, keep_names)
+    if ending_of(path) not in RECORDINGS:
+        return whole_of(open_log(path, channel_map), path, channel_map, keep_names)
+    digest, opened = recording_digest(path), opened_recording(path, channel_map)
+    try:
+        taken = {} if keep_names else _assigned(opened.columns, channel_map, path)
+        if taken:
+            recorded_clock(list(taken.values()), channel_map)
+    except BaseException:
+        opened.close()
+        raise
+    recorded = Opened(as_source(opened, str(path), taken), digest)
+    return whole_of(recorded, path, channel_map, keep_names)
 
 
 def whole_of(
     opened: Opened, path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
 ) -> WholeLog:
-    """Every column of a table that was opened; ``path`` names it. Else like `read_whole`."""
-    taken = {} if keep_names else _assigned(opened.source.columns, channel_map, str(path))
-    values, notes = _numbers(opened.source)
-    if not keep_names:
-        values, notes = _not_ignored(opened.source, channel_map, values, notes)
-    return _whole(path, opened.digest, opened.source, taken, values, notes)
+    """Every column of a log that was opened; ``path`` names it. Else like `read_whole`."""
+    source = opened.source
+    taken = {} if keep_names else _assigned(source.columns, channel_map, path)
+    values, notes = _numbers(source)
+    if channel_map and not keep_names:  # under their own names they would be channels
+        for index in [i for i in values if source.columns[i].name in channel_map.ignore]:
+            del values[index]
+            notes.append(f"{source.columns[index].full_name} was left out: the map ignores it")
+    columns: list[WholeColumn] = []
+    names = {item.channel for item in taken.values()}
+    for index in sorted(values):
+        item, column, rate = taken.get(index), source.columns[index], source.rates.get(index)
+        if item is not None:
+            written = item.mapping.written(values[index])
+            found = WholeColumn(item.channel, item.unit, written, rate)
+        else:
+            found = WholeColumn(_unused(column, names), column.unit, values[index], rate)
+        names.add(found.name)
+        columns.append(found)
+    if not columns:
+        raise LogError("no column holds numbers", where=path, expected="a log")
+    every = (*source.notes, *notes)
+    return WholeLog(stem_of(path), str(path), opened.digest, tuple(columns), every)
 
 
 def _assigned(
-    columns: tuple[Column, ...], channel_map: ChannelMap | None, where: str
+    columns: tuple[Column, ...], channel_map: ChannelMap | None, path: Path
 ) -> dict[int, Assigned]:
-    return {item.index: item for item in assign(columns, channel_map, (), where)[0]}
+    return {item.index: item for item in assign(columns, channel_map, (), str(path))[0]}
 
 
 def _numbers(source: ColumnSource) -> tuple[dict[int, Array], list[str]]:
     every = range(len(source.columns))
     with suppress(LogError):
         return dict(zip(every, source.read(list(every)), strict=True)), []
-    return _readable(every, source.columns, lambda index: source.read([index])[0])
-
-
-def _readable(
-    indices: Iterable[int], columns: Sequence[Column], read: Callable[[int], Read]
-) -> tuple[dict[int, Read], list[str]]:
-    found: dict[int, Read] = {}
-    notes = []
-    for index in indices:
+    found, notes = dict[int, Array](), []
+    for index in every:
         try:
-            found[index] = read(index)
+            found[index] = source.read([index])[0]
         except LogError as error:
-            notes.append(f"{columns[index].full_name} was left out: {error.what}")
+            notes.append(f"{source.columns[index].full_name} was left out: {error.what}")
     return found, notes
-
-
-def _not_ignored(
-    source: ColumnSource, channel_map: ChannelMap | None, values: dict[int, Array], notes: list[str]
-) -> tuple[dict[int, Array], list[str]]:
-    """Without the columns that the map ignores: under their own names they would be channels."""
-    ignored = {i for i in values if channel_map and source.columns[i].name in channel_map.ignore}
-    told = [
-        f"{source.columns[i].full_name} was left out: the map ignores it" for i in sorted(ignored)
-    ]
-    return {i: v for i, v in values.items() if i not in ignored}, [*notes, *told]
-
-
-def _recorded(path: Path, channel_map: ChannelMap | None, keep_names: bool) -> WholeLog:
-    digest, opened = recording_digest(path), opened_recording(path, channel_map)
-    try:
-        taken = {} if keep_names else _assigned(opened.columns, channel_map, str(path))
-        if taken:
-            recorded_clock(list(taken.values()), channel_map)
-        every = range(1, len(opened.columns))
-        traces, notes = _readable(every, opened.columns, lambda index: opened.read([index])[0])
-    finally:
-        opened.close()
-    wanted = {i: _wanted(i, trace, opened.columns, taken) for i, trace in traces.items()}
-    clocked = [i for i in wanted if i in taken] or list(wanted)
-    found = on_one_clock([wanted[i] for i in clocked], str(path))
-    values = {0: found.time, **dict(zip(clocked, found.values, strict=True))}
-    others = [i for i in wanted if i not in values]
-    values |= zip(others, at_times([wanted[i] for i in others], found.time, str(path)), strict=True)
-    rates = {i: found.rates[w.name] for i, w in wanted.items() if w.name in found.rates}
-    told = [f"{', '.join(wanted[i].name for i in others)}: on that clock too"] if others else []
-    notes = [*found.notes, *told, *notes]
-    source = ColumnSource(opened.columns, lambda _: [], opened.notes, rates)
-    if not keep_names:
-        values, notes = _not_ignored(source, channel_map, values, notes)
-    return _whole(path, digest, source, taken, values, notes)
-
-
-def _wanted(
-    index: int, trace: ChannelTrace, columns: Sequence[Column], taken: dict[int, Assigned]
-) -> Wanted:
-    if index in taken:
-        return taken[index].wanted(trace)
-    column = columns[index]
-    return Wanted(column.full_name, trace, trace.state or _counts(column, trace))
-
-
-def _counts(column: Column, trace: ChannelTrace) -> bool:
-    """Whether a column that nobody named holds whole numbers without a unit, as a gear or a flag.
-
-    Straight lines between such values would be values that the car never had.
-    """
-    known = trace.values[np.isfinite(trace.values)]
-    return not column.unit and bool(np.all(known == np.round(known)))
-
-
-def _whole(
-    path: Path,
-    digest: str,
-    source: ColumnSource,
-    taken: dict[int, Assigned],
-    values: dict[int, Array],
-    notes: Sequence[str],
-) -> WholeLog:
-    columns: list[WholeColumn] = []
-    names = {item.channel for item in taken.values()}
-    for index in sorted(values):
-        item, column = taken.get(index), source.columns[index]
-        if item is not None:
-            found = WholeColumn(item.channel, item.unit, item.mapping.written(values[index]))
-        else:
-            name = _unused(column, names)
-            found = WholeColumn(name, column.unit, values[index])
-        names.add(found.name)
-        columns.append(replace(found, rate=source.rates.get(index)))
-    if not columns:
-        raise LogError("no column holds numbers", where=path, expected="a log")
-    every = (*source.notes, *notes)
-    return WholeLog(stem_of(path), str(path), digest, tuple(columns), every)
 
 
 def _unused(column: Column, names: set[str]) -> str:

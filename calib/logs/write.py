@@ -86,18 +86,13 @@ def parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
 
 
 def _columns(log: Log) -> Iterator[tuple[str, str, Array]]:
-    for name, quantity in CHANNELS.items():
-        if name in log.channels:
-            yield name, quantity.unit, _written(name, log[name], quantity.unit, quantity.si)
-    for name, values in log.truth.items():
-        unit = _truth_unit(name)
-        yield name, unit, _written(name, values, unit, unit)
-
-
-def _written(name: str, values: Array, unit: str, si: str) -> Array:
-    if not np.isfinite(values).all():
-        raise ValueError(f"{name} holds values that are not finite")
-    return from_si(values, unit, si)
+    measured = [(name, log[name], q.unit, q.si) for name, q in CHANNELS.items() if name in log]
+    units = {name: _truth_unit(name) for name in log.truth}
+    truth = [(name, values, units[name], units[name]) for name, values in log.truth.items()]
+    for name, values, unit, si in (*measured, *truth):
+        if not np.isfinite(values).all():
+            raise ValueError(f"{name} holds values that are not finite")
+        yield name, unit, from_si(values, unit, si)
 
 
 def _truth_unit(name: str) -> str:
@@ -112,45 +107,33 @@ def _decimals(name: str) -> int:
     return DECIMALS[stem]
 
 
-def to_csv(log: WholeLog) -> bytes:
-    """The log as comma-separated text."""
+def _to_csv(log: WholeLog) -> bytes:
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow([_cell(column) for column in log.columns])
-    rows.writerows(zip(*(_texts(column) for column in log.columns), strict=True))
+    cells = ([repr(x) if x == x else "" for x in c.values.tolist()] for c in log.columns)
+    rows.writerows(zip(*cells, strict=True))
     return text.getvalue().encode()
-
-
-def _texts(column: WholeColumn) -> list[str]:
-    return ["" if x != x else repr(x) for x in column.values.tolist()]
 
 
 def _cell(column: WholeColumn) -> str:
     """A header cell that is read back as this name and unit."""
     name = one_line(column.name)
-    if column.unit:
-        return f"{name} [{column.unit}]"
-    return f"{name} []" if _has_unit(name) else name
+    unit = _unit(name, column.unit)
+    return name if unit is None else f"{name} [{unit}]"
 
 
-def _has_unit(name: str) -> bool:
-    """Whether a name alone would be read as a name and a unit."""
+def _unit(name: str, unit: str | None) -> str | None:
+    """The unit to write; an empty one where the name alone would be read as a name and a unit."""
     read = column_from_cell(name)
-    return (read.name, read.unit) != (name, None)
+    return unit or (None if (read.name, read.unit) == (name, None) else "")
 
 
-def to_parquet(log: WholeLog) -> bytes:
-    """The log as Parquet."""
-    return parquet_bytes((column.name, _unit(column), column.values) for column in log.columns)
+def _to_parquet(log: WholeLog) -> bytes:
+    return parquet_bytes((c.name, _unit(c.name, c.unit), c.values) for c in log.columns)
 
 
-def _unit(column: WholeColumn) -> str | None:
-    """The unit to write; an empty one keeps the name whole."""
-    return column.unit or ("" if _has_unit(column.name) else None)
-
-
-def to_mdf(log: WholeLog) -> bytes:
-    """The log as MDF 4.10. Raises LogError without a clock, or if asammdf is not installed."""
+def _to_mdf(log: WholeLog) -> bytes:
     asammdf = need("asammdf", "mdf", log.source)
     signals = [
         asammdf.Signal(column.values, log.time, unit=column.unit or "", name=column.name)
@@ -164,8 +147,8 @@ def to_mdf(log: WholeLog) -> bytes:
 
 
 WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
-    ".csv": to_csv,
-    ".parquet": to_parquet,
-    ".mf4": to_mdf,
+    ".csv": _to_csv,
+    ".parquet": _to_parquet,
+    ".mf4": _to_mdf,
 }
-"""What makes the bytes of a file, by its ending."""
+"""What makes the bytes of a file, by its ending. MDF raises LogError without a clock or asammdf."""

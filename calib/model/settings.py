@@ -24,7 +24,7 @@ class FitSettings:
     tyre_scatter: float = 0.07
     """How equal they are in truth, for the interval: inflation and wear of the same tyres move the
     stiffness of each axle by 5 % (Carlson and Gerdes, IEEE Trans. Control Systems Technology 13,
-    2005). Run `tests/studies/hard_ramps.py`."""
+    2005). See `tests/studies/results/hard_ramps.md`."""
     pad_tolerance: float = 0.02
     """How exactly pads that are taken as declared have the declared ratio (standard deviation)."""
     pad_scatter: float = 0.07
@@ -44,7 +44,7 @@ class FitSettings:
     tyres_repeat: float = 0.02
     """How alike the tyres' stiffness is on a ramp with one axle and on the others (standard
     deviation): 1 % for the warmth of rubber and road, and 1.5 % that the tyre curve is off at the
-    other forces and loads. Run `tests/studies/one_axle.py`."""
+    other forces and loads. See `tests/studies/results/one_axle.md`."""
     model_error: float = 0.01
     """What the tyre curve itself is off, relative to the slip: about what third-party plants
     show."""

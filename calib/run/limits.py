@@ -27,7 +27,7 @@ class CheckLimits:
     crossed_least: float = 5e-3
     """X over the deceleration [1] that unlike brakes of the four wheels do not make: slip is z/25
     or a little more, so it is an eighth of it; E of a usual car is a fifth or more
-    (`tests/studies/crossed_wheels.py`)."""
+    (`tests/studies/results/crossed_wheels.md`)."""
 
     # channels.py of plausibility
     wheels_held: float = 0.03
@@ -94,8 +94,8 @@ class CheckLimits:
     """Pressure for each g [Pa] below that of any car; usual cars need 60 to 150 bar."""
     explained: float = 0.75
     """Share of the deceleration's variance [1] that the pressure of a run explains: 0.95 and more
-    with every effect of the catalogue in the brakes, three at a time (`tests/studies/mixed_up.py`),
-    0.86 on a race track, with gears and kerbs."""
+    with every effect of the catalogue in the brakes, three at a time
+    (`tests/studies/results/mixed_up.md`), 0.86 on a race track, with gears and kerbs."""
     pressure: float = 350e5
     """Pressure above that of any master cylinder [Pa]."""
     hole: float = 0.1
@@ -121,7 +121,7 @@ class CheckLimits:
     """Median of D from which two logs are two runs, whatever r is."""
     run_together: float = 0.25
     """r from which two logs whose D is below `run_two` are one run: every k-th sample of white
-    noise makes 1/sqrt(k), two runs of one motion 0 (`tests/studies/copies.py`)."""
+    noise makes 1/sqrt(k), two runs of one motion 0 (`tests/studies/results/copies.md`)."""
     run_far: float = 1e3
     """D of the wheel speeds past which nothing further is compared."""
     run_fewest: int = 20

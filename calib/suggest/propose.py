@@ -1,42 +1,46 @@
-"""Propose a channel map: a proposal for each channel, doubts, and unused columns.
+"""Propose a channel map for a foreign log: by names, units and physics, and tried on the log."""
 
-columns --> clock --> wheels --> speed --> a_x --> pressure --> the rest, by name and unit
-(each step uses the results of the steps before)
-"""
-
-from collections.abc import Callable
+import os
+from collections.abc import Iterable, Iterator
 from collections.abc import Mapping as Named
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from calib.base.errors import BrakeCalError, InputError
+from calib.base.names import CHANNELS
+from calib.base.units import UnknownUnit, is_unit, unit_of
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
+from calib.logs.read import REQUIRED, read_log
+from calib.logs.source import Column, ColumnSource, address_of, called
+from calib.logs.text.cells import column_from_cell
+from calib.suggest.columns import read_series
+from calib.suggest.search import LIKELY, SURE, Doubt, Proposal, Search, rim_mapping, rim_reason
 
-from calib.base.names import CHANNELS, WHEELS
-from calib.logs.channel_map import Mapping
-from calib.logs.clock import step_of
-from calib.logs.source import ColumnSource
-from calib.run.computed_channels import factor_between, is_other_quantity
-from calib.suggest.body import FoundChannel, find_acceleration, find_pressure, find_speed
-from calib.suggest.clock import find_clock, rising
-from calib.suggest.physics import ColumnClock, moving, rate_of
-from calib.suggest.proposal import LIKELY, Doubt, Proposal, Suggestion
-from calib.suggest.series import Series, read_series, without_gaps
-from calib.suggest.told import told_source, values_of
-from calib.suggest.wheels import find_wheels, groups
-from calib.suggest.words import (
-    DISC,
-    DRIVE,
-    NO_DRIVE,
-    NO_STEERING,
-    STEERING,
-    TORQUE,
-    axle,
-    score,
-)
+if TYPE_CHECKING:
+    from tomlkit.items import Array, Table
 
-Array = NDArray[np.float64]
 
-REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
+@dataclass(frozen=True)
+class Suggestion:
+    """A proposed channel map.
+
+    Attributes
+    ----------
+    log : path of the log.
+    proposals : what is proposed, in the order of `calib.base.names.CHANNELS`.
+    doubts : questions to the user; a map is written only if there are none.
+    missing : required channels that this log does not have, with the reason.
+    left : columns that are not used, with the reason.
+    ignore : columns that have the name of a channel but another content.
+    """
+
+    log: str
+    proposals: tuple[Proposal, ...]
+    doubts: tuple[Doubt, ...]
+    missing: dict[str, str]
+    left: dict[str, str]
+    ignore: tuple[str, ...]
 
 
 def suggest(
@@ -62,230 +66,182 @@ def suggest(
     The suggestion. A channel is missing if no column fits, and a doubt if several fit. Raises
     InputError for a channel or column in ``told`` that does not exist.
     """
-    told = dict(told or {})
-    series, with_gaps, left = read_series(source)
-    work = _Work(series, with_gaps, left, told, radius)
-    for channel, cell in told.items():
-        work.assign(channel, cell, source, where)
-    work.find()
-    return work.suggestion(where)
+    search = Search(*read_series(source), dict(told or {}), radius)
+    for channel, cell in search.told.items():
+        if proposal := _told(channel, cell, source, where, radius):
+            search.proposals[channel] = proposal
+    search.run()
+    proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
+    taken = {p.mapping.source for p in proposals}
+    left = {s.name: search.left.get(s.name, "not a known channel") for s in search.series}
+    left = {name: why for name, why in {**search.left, **left}.items() if name not in taken}
+    doubted = {name for doubt in search.doubts for name in doubt.channel.split(" ... ")}
+    wheels = any(channel.startswith("omega") for channel in doubted)
+    missing = {}
+    for name in REQUIRED:
+        asked = name in doubted or (wheels and name.startswith("omega"))
+        if name not in search.proposals and not asked:
+            gone = f"the column of that name is {left[name]}" if name in left else None
+            missing[name] = gone or _why_missing(name, search)
+    ignore = tuple(n for n in left if n in CHANNELS and n not in search.proposals)
+    return Suggestion(where, proposals, tuple(search.doubts), missing, left, ignore)
 
 
-@dataclass
-class _Work:
-    """Intermediate state. Columns that are assigned are not proposed again."""
-
-    series: list[Series]
-    with_gaps: list[Series]
-    left: dict[str, str]
-    told: dict[str, str]
-    radius: float | None
-    proposals: dict[str, Proposal] = field(default_factory=dict)
-    doubts: list[Doubt] = field(default_factory=list)
-    clock: ColumnClock | None = None
-
-    def assign(self, channel: str, cell: str, source: ColumnSource, where: str) -> None:
-        """Assign the source that the user gives."""
-        proposal = told_source(channel, cell, source, where, self.radius)
-        if proposal is not None:
-            self.proposals[channel] = proposal
-
-    def find(self) -> None:
-        """Find every channel that the user did not give, in the order of the module's sketch."""
-        self._clock()
-        clock = self.clock
-        if clock is None:
-            self.left.update({s.name: "has missing values" for s in self.with_gaps})
-            return
-        self._bridge(clock)
-        wheels = find_wheels(self._free(), self.radius)
-        self.left.update(dict(wheels.refused))
-        self._take_group("omega", wheels.proposals, wheels.doubts)
-        mean = wheels.mean if wheels.mean is not None else self._given_wheels()
-        speed = self._take("v", find_speed(self._free(), mean))
-        metres = speed is not None
-        motion = speed if speed is not None else mean
-        rate, clock = self._while_moving(motion, clock)
-        metres = metres or not (wheels.angular or "omega_fl" in self.told)
-        self._take("a_x", find_acceleration(self._free(), rate, clock, metres))
-        self._computed()
-        self._take("p_mc", find_pressure(self._free(), None if rate is None else -rate, clock))
-        self._wheel_pressures()
-        self._by_name()
-
-    def _bridge(self, clock: ColumnClock) -> None:
-        """Bridge the short gaps of columns; leave those with longer ones."""
-        for item in self.with_gaps:
-            filled = without_gaps(item, clock.time)
-            if isinstance(filled, str):
-                self.left[item.name] = filled
-            else:
-                self.series.append(filled)
-        rows = 1.0 / clock.step
-        self.series = [replace(s, rate=s.rate or rows) for s in self.series]
-
-    def _while_moving(
-        self, motion: Array | None, clock: ColumnClock
-    ) -> tuple[Array | None, ColumnClock]:
-        """Derivative of the speed; drops all rows in which the car does not move."""
-        if motion is None:
-            return None, clock
-        part = moving(motion, clock)
-        rate = rate_of(motion, clock)[part]
-        self.series = [replace(s, values=s.values[part]) for s in self.series]
-        return rate, ColumnClock(clock.time[part], clock.step)
-
-    def _free(self) -> list[Series]:
-        """Columns that are neither assigned nor refused."""
-        taken = {p.mapping.source for p in self.proposals.values()}
-        return [s for s in self.series if s.name not in taken and s.name not in self.left]
-
-    def _clock(self) -> None:
-        if "time" in self.proposals:
-            series = [values_of(s, self.proposals["time"]) for s in self.series]
-            named = next((s for s in series if s is not None), None)
-            if named is not None:
-                named = named[rising(named)]
-                self.clock = ColumnClock(named, step_of(named))
-        elif "time" not in self.told:
-            found, self.clock, doubts = find_clock(self._free(), self.with_gaps, self.left)
-            self.doubts += doubts
-            if found:
-                self.proposals["time"] = found
-        self._drop_repeated_rows()
-
-    def _drop_repeated_rows(self) -> None:
-        """Leave out the rows that repeat the time of the row before them."""
-        written = [s.values for s in self.series if self._is_time(s)]
-        if written and self.clock is not None:
-            kept = rising(written[0])
-            self.series = [replace(s, values=s.values[kept]) for s in self.series]
-            self.with_gaps = [replace(s, values=s.values[kept]) for s in self.with_gaps]
-
-    def _is_time(self, item: Series) -> bool:
-        return "time" in self.proposals and item.name == self.proposals["time"].mapping.source
-
-    def _given_wheels(self) -> Array | None:
-        """Mean wheel speed of the columns that the user gave [rad/s], or None."""
-        four = []
-        for wheel in WHEELS:
-            proposal = self.proposals.get(f"omega_{wheel}")
-            found = [values_of(s, proposal) for s in self.series] if proposal else []
-            four += [x for x in found if x is not None]
-        return np.mean(four, axis=0) if len(four) == 4 else None
-
-    def _take(self, channel: str, found: FoundChannel) -> Array | None:
-        """Record a proposal, unless the user gave another source. Returns the column's values."""
-        self.left.update({k: v for k, v in found.refused if k not in self.left})
-        if channel in self.told:
-            proposal = self.proposals.get(channel)
-            values = [values_of(s, proposal) for s in self.series] if proposal else []
-            return next((x for x in values if x is not None), None)
-        self.doubts += found.doubts
-        if found.proposal is None or found.series is None:
-            return None
-        self.proposals[channel] = found.proposal
-        return found.series.values
-
-    def _take_group(
-        self, prefix: str, proposals: tuple[Proposal, ...], doubts: tuple[Doubt, ...]
-    ) -> None:
-        if not any(f"{prefix}_{w}" in self.told for w in WHEELS):
-            self.proposals.update({p.channel: p for p in proposals})
-            self.doubts += doubts
-
-    def _computed(self) -> None:
-        """Refuse pressures that are a column of another quantity times a number."""
-        others = [s for s in self.series if is_other_quantity(s.column.unit)]
-        for item in self._free():
-            for other in others if item.si == "Pa" else []:
-                factor = factor_between(item.values, other.values)
-                if factor is not None:
-                    self.left[item.name] = (
-                        f"computed: a fixed number times {other.name} [{other.column.unit}]"
-                    )
-
-    def _wheel_pressures(self) -> None:
-        fours = groups(self._free(), "Pa")
-        if len(fours) != 1 or any(s.values.max() > 350e5 for s in fours[0].values()):
-            return
-        for wheel in WHEELS:
-            item = fours[0][wheel]
-            if f"p_{wheel}" not in self.told:
-                reasons = ("name", f"unit {item.column.unit}")
-                self.proposals[f"p_{wheel}"] = Proposal(
-                    f"p_{wheel}", Mapping(item.name), LIKELY, reasons
-                )
-
-    def _by_name(self) -> None:
-        """Find the channels that are not tested with physics."""
-        wanted: dict[str, Callable[[Series], bool]] = {
-            "steering": lambda s: s.si == "rad" and score(s.name, STEERING, NO_STEERING) > 0,
-            "T_disc_f": lambda s: (
-                s.si == "degC" and score(s.name, DISC, set()) > 0 and axle(s.name) == "f"
-            ),
-            "T_disc_r": lambda s: (
-                s.si == "degC" and score(s.name, DISC, set()) > 0 and axle(s.name) == "r"
-            ),
-            "T_drive_f": lambda s: _is_drive(s) and axle(s.name) == "f",
-            "T_drive_r": lambda s: _is_drive(s) and axle(s.name) == "r",
-        }
-        for channel, fits in wanted.items():
-            found = [s for s in self._free() if s.name == channel or fits(s)]
-            found = [s for s in found if s.name == channel] or found
-            if channel in self.told or not found:
-                continue
-            if len(found) > 1:
-                do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
-                names = tuple(s.name for s in found)
-                self.doubts.append(Doubt(channel, names, "several columns fit by name", do))
-                continue
-            reasons = (
-                "name",
-                f"unit {found[0].column.unit}",
-                NOT_TESTED.get(channel, "not tested"),
-            )
-            self.proposals[channel] = Proposal(channel, Mapping(found[0].name), LIKELY, reasons)
-
-    def suggestion(self, where: str) -> Suggestion:
-        """The result."""
-        ordered = tuple(self.proposals[name] for name in CHANNELS if name in self.proposals)
-        taken = {p.mapping.source for p in ordered}
-        doubted = {name for doubt in self.doubts for name in doubt.channel.split(" ... ")}
-        left = {s.name: self.left.get(s.name, "not a known channel") for s in self.series}
-        left = {name: why for name, why in {**self.left, **left}.items() if name not in taken}
-        missing = {
-            name: f"the column of that name is {left[name]}" if name in left else self._why(name)
-            for name in REQUIRED
-            if name not in self.proposals and name not in doubted and not self._wheel_doubt(name)
-        }
-        ignore = tuple(n for n in left if n in CHANNELS and n not in self.proposals)
-        return Suggestion(where, ordered, tuple(self.doubts), missing, left, ignore)
-
-    def _why(self, name: str) -> str:
-        return _why_missing(name) if self.clock else "not looked for, since the time is not known"
-
-    def _wheel_doubt(self, name: str) -> bool:
-        return name.startswith("omega") and any(d.channel.startswith("omega") for d in self.doubts)
-
-
-def _is_drive(item: Series) -> bool:
-    """Whether a column is the torque of an engine or motor, by name and unit."""
-    named = score(item.name, TORQUE, NO_DRIVE) > 0 and score(item.name, DRIVE, set()) > 0
-    return item.si == "N*m" and named
-
-
-NOT_TESTED = dict.fromkeys(
-    ("T_drive_f", "T_drive_r"),
-    "not tested: it must be that at the wheels (scale by the gear), negative when it slows",
-)
-"""What the user must look at, by channel."""
-
-
-def _why_missing(name: str) -> str:
+def _why_missing(name: str, search: Search) -> str:
+    if not search.clock:
+        return "not looked for, since the time is not known"
     why = {
         "time": "no column is increasing and named a time",
         "p_mc": "no column is a brake pressure by name, unit and values",
         "a_x": "no column is a longitudinal acceleration by name, unit and values",
     }
     return why.get(name, "no four columns are wheel speeds by name, unit and values")
+
+
+def _told(
+    channel: str, cell: str, source: ColumnSource, where: str, radius: float | None
+) -> Proposal | None:
+    """The proposal for a channel whose source the user names; None for an empty name.
+
+    ``cell`` is the name of a column, with or without a unit. Raises InputError.
+    """
+    if channel not in CHANNELS:
+        raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
+    if not cell:
+        return None
+    column, given = _column_called(cell, source, where), column_from_cell(cell)
+    address = address_of(column, source.columns)
+    unit = given.unit if column.name != cell and given.unit != column.unit else None
+    mapping = rim_mapping(channel, address, unit or column.unit, radius)
+    if mapping is not None and radius is not None:
+        return Proposal(channel, mapping, SURE, ("given", rim_reason(radius)))
+    _check_unit(unit or column.unit, channel, cell)
+    return Proposal(channel, Mapping(address, unit), SURE, ("given",))
+
+
+def _column_called(cell: str, source: ColumnSource, where: str) -> Column:
+    """The column with this address, also if ``cell`` has another unit."""
+    columns = source.columns
+    found = called(cell, columns) or called(column_from_cell(cell).name, columns)
+    if len(found) == 1:
+        return columns[found[0]]
+    has = f"{where} has {len(found) or 'no'} column{'s' * bool(found)} {cell!r}"
+    names = [address_of(columns[i], columns) for i in found] or [c.name for c in columns]
+    raise InputError(has, expected=f"one of {', '.join(map(repr, names))}")
+
+
+def _check_unit(unit: str | None, channel: str, cell: str) -> None:
+    si = CHANNELS[channel].si
+    if unit is None:
+        do = f"give it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
+        raise InputError(f"{cell!r} has no unit", where=channel, expected=f"one of {si}", do=do)
+    try:
+        unit_of(unit, si)
+    except UnknownUnit as cause:
+        rim = channel.startswith("omega_") and is_unit(unit, "m/s")
+        radius = "give the radius with which the car computes it: --radius 0.31" if rim else ""
+        raise InputError(f"{cell!r}: {cause}", where=channel, do=radius) from cause
+
+
+def tried(found: Suggestion, path: Path, read_with: ChannelMap | None = None) -> Suggestion:
+    """The suggestion, with a doubt if the log cannot be read with it.
+
+    ``read_with`` is the map that the log was opened with: its file format and DBC are used. A
+    suggestion with doubts has no map yet, and is returned as it is.
+    """
+    if found.doubts or not found.proposals:
+        return found
+    channels = {proposal.channel: proposal.mapping for proposal in found.proposals}
+    begun = read_with or ChannelMap(str(path), {})
+    proposed = replace(begun, where="the proposed map", channels=channels, ignore=found.ignore)
+    try:
+        read_log(path, proposed, require=tuple(channels))
+    except BrakeCalError as error:
+        do = "correct the log, or choose other columns: --take CHANNEL=NAME"
+        doubt = Doubt("map", (), f"the log cannot be read with it: {error}", do)
+        unsure = tuple(replace(proposal, sure=LIKELY) for proposal in found.proposals)
+        return replace(found, proposals=unsure, doubts=(doubt,))
+    return found
+
+
+def to_toml(
+    found: Suggestion, read_with: ChannelMap | None = None, folder: Path | None = None
+) -> str:
+    """The channel map as TOML; comments say how sure each entry is.
+
+    ``read_with`` is the map that the log was opened with: its DBC files and text format are kept.
+    The paths of the DBC files lead from ``folder``, in which the map is to stand; they are absolute
+    without one.
+    """
+    import tomlkit
+
+    document = tomlkit.document()
+    document.add(tomlkit.comment(f"proposed from {_one_line(found.log)}"))
+    document.add("schema", 1)
+    if read_with is not None and (read_with.buses or read_with.dbc):
+        by_bus = {bus: _files(files, folder) for bus, files in read_with.buses}
+        document.add("dbc", by_bus or _files(read_with.dbc, folder))
+    if read_with is not None and read_with.j1939 is not None:
+        document.add("j1939", list(read_with.j1939) or "any")
+    if found.ignore:
+        document.add("ignore", list(found.ignore))
+    for name, why in found.missing.items():
+        document.add(tomlkit.comment(f"{name}: {_one_line(why)}"))
+    channels = tomlkit.table(is_super_table=True)
+    for proposal in found.proposals:
+        channels.add(proposal.channel, _entry(proposal))
+    document.add("channels", channels)
+    text = {k: v for k, v in asdict(read_with.text).items() if v is not None} if read_with else {}
+    if text:
+        document.add("text", text)
+    return tomlkit.dumps(document)
+
+
+def _files(files: Iterable[DatabaseFile], folder: Path | None) -> "Array":
+    import tomlkit
+
+    found = tomlkit.array()
+    for file in files:
+        try:
+            path = Path(os.path.relpath(file.path, folder)) if folder else file.path
+        except ValueError:  # on another drive
+            path = file.path
+        one_bus = (
+            tomlkit.inline_table().append("file", path.as_posix()).append("bus", file.bus or "")
+        )
+        found.append(one_bus if file.bus else path.as_posix())
+    return found
+
+
+def _entry(proposal: Proposal) -> "Table":
+    import tomlkit
+
+    entry = tomlkit.table()
+    entry.comment(f"{proposal.sure}: {_one_line('; '.join(proposal.reasons))}")
+    entry.trivia.comment_ws = "  "
+    usual = asdict(Mapping(""))
+    for name, value in asdict(proposal.mapping).items():
+        if value != usual[name]:
+            entry.add(name, value)
+    return entry
+
+
+def _one_line(text: str) -> str:
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def to_lines(found: Suggestion) -> Iterator[tuple[str, str]]:
+    """Channel and text for each proposal, doubt, missing channel and unused column."""
+    for proposal in found.proposals:
+        mapping = proposal.mapping
+        extra = "" if mapping.sign == 1 else ", sign -1"
+        extra += "" if mapping.scale == 1.0 else f", scale {mapping.scale:.6g}"
+        extra += f" [{mapping.unit}]" if mapping.unit else ""
+        why = "; ".join(proposal.reasons)
+        yield proposal.channel, f"{mapping.source}{extra} ({proposal.sure}: {why})"
+    for doubt in found.doubts:
+        yield doubt.channel, f"uncertain: {doubt}"
+    for name, why in found.missing.items():
+        yield name, f"missing: {why}"
+    for name, why in found.left.items():
+        yield "left", f"{name}: {why}"

@@ -21,6 +21,7 @@ CORNERS = {
     "rr": {"rr", "hr", "rearright", "rightrear", "r2"},
 }
 """Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
+_SIDES = FRONT | REAR | LEFT | RIGHT | set().union(*CORNERS.values())
 
 TIME = {
     *("time", "zeit", "zeitstempel", "t", "timestamp", "timestamps", "timestemp", "ts"),
@@ -33,20 +34,10 @@ MASTER = {
 }
 NO_BRAKE = {
     *("tire", "tyre", "reifen", "oil", "oel", "öl", "fuel", "boost", "booster", "manifold"),
-    *(
-        "rail",
-        "baro",
-        "ambient",
-        "vacuum",
-        "intake",
-        "turbo",
-        "clutch",
-        "air",
-        "park",
-        "parking",
-        "hand",
-    ),
+    *("rail", "baro", "ambient", "vacuum", "intake", "turbo", "clutch", "air", "park"),
+    *("parking", "hand"),
 }
+PRESSURE = {"pressure", "press", "prs", "druck", "bremsdruck", "vordruck", "p"}
 DECELERATION = {"decel", "deceleration", "verzoegerung", "verzögerung"}
 LONG = DECELERATION | {
     *("x", "ax", "long", "lon", "lgt", "longitudinal", "laengs", "längs", "longacc", "forward"),
@@ -106,23 +97,22 @@ def corner(name: str) -> str | None:
 
 
 def loose_corner(name: str) -> tuple[str | None, str]:
-    """The wheel in a name or at its end, and the name without it.
+    """The wheel in a name or at its end, and the name without it: the same for all four wheels.
 
-    Reliable only if all four wheels have such a name.
+    The end is reliable only if all four wheels have such a name.
 
-    >>> loose_corner("WSFL"), loose_corner("WSRR")
-    (('fl', 'ws'), ('rr', 'ws'))
+    >>> loose_corner("WSFL"), loose_corner("WheelSpeed_RR")
+    (('fl', 'ws'), ('rr', 'wheel speed'))
     """
     found = corner(name)
     if found is not None or not words(name):
-        return found, stem(name)
+        return found, " ".join(word for word in words(name) if word not in _SIDES)
     *before, last = words(name)
     wheel = _corner([last[-2:]]) if len(last) > 2 else None
     return wheel, " ".join([*before, last[:-2]])
 
 
 def _corner(found: list[str]) -> str | None:
-    """The wheel of some words."""
     one = [wheel for wheel, names in CORNERS.items() if names & set(found)]
     if len(one) == 1:
         return one[0]
@@ -134,16 +124,6 @@ def _corner(found: list[str]) -> str | None:
             if a in FRONT | REAR_OF_WHEEL and b in LEFT | RIGHT:
                 return ("f" if a in FRONT else "r") + ("l" if b in LEFT else "r")
     return None
-
-
-def stem(name: str) -> str:
-    """A name without its wheel: the same for all four wheels.
-
-    >>> stem("WheelSpeed_FL"), stem("WheelSpeed_RR")
-    ('wheel speed', 'wheel speed')
-    """
-    sides = FRONT | REAR | LEFT | RIGHT | set().union(*CORNERS.values())
-    return " ".join(word for word in words(name) if word not in sides)
 
 
 def axle(name: str) -> str | None:

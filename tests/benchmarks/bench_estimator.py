@@ -6,9 +6,9 @@ Prints nanoseconds a sample and ratios; nothing is asserted, machines differ. Ne
 `bench` (padasip, filterpy).
 """
 
-import resource
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,9 +18,8 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from calib.car.vehicle_file import read_vehicle  # noqa: E402
-from calib.estimation import adaptive, baselines, estimator  # noqa: E402
+from calib.estimation import adaptive, estimator  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
-from calib.estimation.weighed_level import weigh_level  # noqa: E402
 from calib.fitting.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.run.axle_signals import signals  # noqa: E402
@@ -90,51 +89,28 @@ def chain() -> None:
     table = fit(car, [ramp])
     n = stop.time.size
     s = signals(stop, car)
-    b = blocks(s)
     plan = plan_for(table, stop, s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
-    level = estimator.level_of(plan, s, forces)
-    weighed = weigh_level(plan, s.speed, s.z, np.zeros(n), level)
-    demand = estimator.demand_of(plan, s, b, level, weighed)
 
-    def paper_chain() -> None:
-        zero = np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])
-        eta = s.omega_r / s.omega_f / zero
-        now = brake_balance(plan.nominal, plan.known.effects, s)
-        reading = baselines.read(table, plan.nominal, s, now, eta, "difference", plan.priors)
-        baselines.adapt(plan.nominal, s, now, reading, "gradient", plan.priors)
-
-    split = best(lambda: estimator.split_of(plan, b, demand), REPEAT)
     parts = [
         ("signals and blocks", best(lambda: blocks(signals(stop, car)), REPEAT)),
         ("common level", best(lambda: estimator.level_of(plan, s, forces), REPEAT)),
-        ("split filter (20 Hz)", split),
-        ("paper chain: zero, D look-up, law (25)", best(paper_chain, REPEAT)),
+        ("estimate", best(lambda: estimator.estimate(table, stop, with_laws=False), REPEAT)),
         ("estimate, with all baselines", best(lambda: estimator.estimate(table, stop), REPEAT)),
     ]
     for name, seconds in parts:
         print(f"{name:<40} {1e9 * seconds / n:10.1f} ns a sample   {1e3 * seconds:8.2f} ms a log")
-    print(f"split filter: {1e6 * split / b.end.size:.1f} us a step of 50 ms")
 
 
 def whole_commands() -> None:
     """Wall time of whole processes."""
-    help_ = ["-m", "cli.main", "--help"]
-    print(f"brake-cal --help                         {process(help_):.3f} s")
+    print(f"brake-cal --help         {process(['-m', 'cli.main', '--help']):.3f} s")
     imports = "import numpy, scipy.optimize, scipy.signal, pyarrow.csv, pyarrow.parquet, typer"
-    ramp = SAMPLES / "sedan/ramp_wet_asphalt.csv"
-    vehicle = SAMPLES / "sedan/vehicle.toml"
-    import tempfile
-
+    sedan = SAMPLES / "sedan"
     with tempfile.TemporaryDirectory() as store:
-        command = ["-m", "cli.main", "fit", str(ramp), "--vehicle", str(vehicle), "--store", store]
-        fitted, imported = process(command), process(["-c", imports])
-    print(f"fit of one ramp                          {fitted:.3f} s")
-    print(
-        f"importing what it imports                {imported:.3f} s   ratio {fitted / imported:.2f}"
-    )
-    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-    print(f"largest process so far                   {peak:.0f} MB")
+        fit = ["fit", f"{sedan}/ramp_wet_asphalt.csv", "--vehicle", f"{sedan}/vehicle.toml"]
+        fitted = process(["-m", "cli.main", *fit, "--store", store])
+    print(f"fit of one ramp          {fitted:.3f} s; its imports {process(['-c', imports]):.3f} s")
 
 
 def process(arguments: list[str]) -> float:

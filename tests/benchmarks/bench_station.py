@@ -1,12 +1,11 @@
 """Where the time of one car at the station goes: imports, reading, fit, stops, drawing, files.
 
-    python tests/benchmarks/bench_station.py [--runs N]
+    python tests/benchmarks/bench_station.py [RUNS]
 
 Runs the sample car (a ramp, a coast and three stops) in a fresh interpreter each time, as the line
-does, and prints the parts of the fastest run and the wall time of the command itself.
+does, and prints the wall time of the command, and its parts under a profile.
 """
 
-import argparse
 import json
 import os
 import subprocess
@@ -22,59 +21,28 @@ GOAL = 4.0
 
 PARTS = """
 import json, sys, time
-from pathlib import Path
-marks = [("", time.perf_counter())]
-def mark(name): marks.append((name, time.perf_counter()))
-sedan, out, stops = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
-import numpy, pyarrow.parquet, pyarrow.csv, scipy.optimize, scipy.signal, scipy.special
-mark("imports: numpy, scipy, pyarrow")
-import matplotlib.figure, matplotlib.backends.backend_svg
-mark("imports: matplotlib")
-import cli.main
-from calib.logs.read import read_log
-from calib.line.station.advice import LIMITS
-from calib.line.station.metrics import Car
-from calib.base.publish import workshop
-from calib.line.station.folder import publish_run
-from calib.line.station.identity import Identity
-from calib.show.station_page import report_html
-from calib.line.station.station import outcome, table_of, validated
-from calib.show.station_files import write_all
-from calib.store.store import Store
-from calib.car.vehicle_file import read_vehicle
-mark("imports: brake-cal")
-car = read_vehicle(sedan / "vehicle.toml")
-logs = [read_log(sedan / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast")]
-held = [read_log(sedan / f"{n}.csv") for n in stops]
-mark("reading five logs")
-table = table_of(car, logs[:1], logs[1:], Identity(serial="1"))
-mark("fit")
-results = [validated(table, log, LIMITS) for log in held]
-mark("three stops")
-found = outcome(Car(table, logs[:1], held, results), logs[1:], LIMITS, Identity(serial="1"))
-mark("check and verdict")
-with workshop(out / "car") as work:
-    stored = Store(out / "tables").save(table)
-    mark("store")
-    report_html(found, stored)
-    mark("report, drawn")
-    write_all(found, stored, ["dcm"], "", work)
-    mark("files, with the report once more")
-    publish_run(work, out / "car")
-print(json.dumps({name: t - before for (_, before), (name, t) in zip(marks, marks[1:])}))
+from cli.main import main
+start = time.perf_counter()
+import numpy, scipy.optimize, scipy.signal, pyarrow.parquet, pyarrow.csv, matplotlib.figure
+import cProfile, pstats
+imported = time.perf_counter() - start
+profile = cProfile.Profile()
+try:
+    profile.runcall(main)
+except SystemExit:
+    pass
+names = ("read_log", "table_of", "validated", "outcome", "save", "page_of", "write_all")
+found = {name: 0.0 for name in names}
+for (_, _, name), (*_, seconds, _) in pstats.Stats(profile).stats.items():
+    if name in found:
+        found[name] = max(found[name], seconds)
+print(json.dumps({"imports of libraries": imported, **found}), file=sys.stderr)
 """
+"""Runs the command line under a profile; one part holds another, as write_all the report."""
 
 
-def run(command: list[str]) -> tuple[float, str]:
-    """Wall time [s] and standard output of a command."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    start = time.perf_counter()
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-    return time.perf_counter() - start, done.stdout
-
-
-def command(out: Path) -> list[str]:
-    """The command as typed at the line."""
+def run(how: list[str], out: Path) -> tuple[float, str]:
+    """Wall time [s] and the last line on stderr of the command as typed at the line."""
     logs = [str(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", *STOPS)]
     options = {
         "--coast": SEDAN / "coast.csv",
@@ -83,29 +51,25 @@ def command(out: Path) -> list[str]:
         "--store": out / "tables",
         "--export": "dcm",
     }
-    told = [str(word) for pair in options.items() for word in pair]
-    return [sys.executable, "-m", "cli.main", "station", *logs, *told]
+    words = [*logs, *(str(word) for pair in options.items() for word in pair)]
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    start = time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, *how, "station", *words], capture_output=True, text=True, env=environment
+    )
+    return time.perf_counter() - start, done.stderr.splitlines()[-1]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=5)
-    runs = parser.parse_args().runs
+    """Print the wall time and the parts."""
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     with tempfile.TemporaryDirectory() as name:
-        out = Path(name)
-        walls = [run(command(out))[0] for _ in range(runs)]
-        inside = [sys.executable, "-c", PARTS, str(SEDAN), name, *STOPS]
-        parts = min(
-            (json.loads(run(inside)[1]) for _ in range(runs)), key=lambda p: sum(p.values())
-        )
-    drawn = parts["report, drawn"]
-    parts["files, with the report once more"] -= drawn
-    parts["files"] = parts.pop("files, with the report once more")
+        walls = [run(["-m", "cli.main"], Path(name))[0] for _ in range(runs)]
+        parts = json.loads(run(["-c", PARTS], Path(name))[1])
     for label, seconds in parts.items():
-        print(f"{label:<32} {seconds:6.2f} s")
-    print(f"{'sum of the parts':<32} {sum(parts.values()):6.2f} s")
-    print(f"{'the command, wall, fastest':<32} {min(walls):6.2f} s  (goal {GOAL:g} s)")
-    print(f"{'the command, wall, median':<32} {sorted(walls)[len(walls) // 2]:6.2f} s")
+        print(f"{label:<24} {seconds:6.2f} s")
+    print(f"the command, fastest {min(walls):.2f} s, median {sorted(walls)[runs // 2]:.2f} s "
+          f"(goal {GOAL:g} s)")  # fmt: skip
 
 
 if __name__ == "__main__":

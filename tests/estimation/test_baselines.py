@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 from calib.estimation.estimator import estimate
-from calib.estimation.limits import DEFAULTS
-from calib.estimation.validate import to_dict, validate_one
 from calib.fitting.fit import fit
 from tests.support.reference_car import CAR, IDEAL, REAL, noisy, ramp, stop, with_pads
-from tests.support.tables import stored_as
 
 LAWS = {f"{law}_{name}" for law in ("gradient", "rls") for name in ("paper", "difference", "tyre")}
 LAWS |= {"gradient_as_written"}
@@ -51,20 +48,6 @@ def test_a_law_that_is_unstable_is_left_out_with_a_note(table, hard):
     )
     assert "unstable" in note
     assert np.mean(e.valid[e.braked & (e.speed > 5.0)]) > 0.5
-
-
-def test_it_does_not_stop_a_validation(table, hard):
-    result = validate_one(table, hard, None, DEFAULTS)
-    assert set(result.baselines) == {"kalman", *PLAIN, *LAWS - UNSTABLE}
-    (log,) = to_dict(stored_as("car@1"), [result])["logs"]
-    assert log["notes"] == list(result.estimate.notes)
-    assert "gradient_paper" not in log["rms_error_by_method"]
-
-
-def test_a_usual_stop_shows_all_methods_and_has_no_note(table):
-    e = estimate(table, noisy(stop(), 3))
-    assert set(e.baselines) == {*PLAIN, *LAWS}
-    assert e.notes == ()
 
 
 def test_without_laws_there_are_nominal_pads_only(table):

@@ -1,8 +1,5 @@
 """Deficit of the pitch mode by blocks: the mean of the fine one, and its slope by the frequency."""
 
-import math
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -25,14 +22,3 @@ def test_it_is_the_mean_of_the_fine_one(read):
     fine = pitch_deficit(CAR, read.time, read.z, p.pitch_frequency, p.pitch_damping)
     found = block_pitch(CAR, b, p).deficit
     assert np.max(np.abs(found - block_mean(fine, b.samples))) < 0.03 * np.max(np.abs(fine))
-
-
-def test_another_frequency_is_told_by_the_slope(read):
-    """Against modes that are 2 % slower and faster."""
-    b, p = blocks(read), Priors()
-    fast, slow = (
-        block_pitch(CAR, b, replace(p, pitch_frequency=p.pitch_frequency * math.exp(by))).deficit
-        for by in (0.02, -0.02)
-    )
-    slope = (fast - slow) / 0.04
-    assert np.max(np.abs(block_pitch(CAR, b, p).slope - slope)) < 0.03 * np.max(np.abs(slope))

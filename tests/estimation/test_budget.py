@@ -8,8 +8,6 @@ import pytest
 from calib.base.intervals import Z95
 from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
-from calib.estimation.gates import WIDE
-from calib.estimation.priors import Priors
 from calib.fitting.fit import fit
 from tests.support.reference_car import CAR, IDEAL, REAL, WET, noisy, ramp, stop, without
 
@@ -61,27 +59,10 @@ def test_they_add_up_with_an_older_table_and_with_given_pads(table, logs):
     sums_agree(estimate(table, logs["wet"], given, with_laws=False))
 
 
-def test_an_older_table_has_the_same_sum(table, logs):
-    """What its record does not split is in one part; nothing is lost or won."""
-    old, new = (
-        budget(estimate(t, logs["dry"], with_laws=False))
-        for t in (replace(table, budget=None), table)
-    )
-    for one, other in zip(old, new, strict=True):
-        assert one.sigma == pytest.approx(other.sigma, rel=1e-6)
-
-
 def test_without_a_valid_sample_there_is_no_budget(table, logs):
     e = estimate(table, logs["dry"], with_laws=False)
     none = np.zeros_like(e.valid)
     assert budget(replace(e, valid=none, refused={"the car is slow": e.braked})) is None
-
-
-def test_samples_that_are_only_too_uncertain_say_what_makes_them_so(table, logs):
-    e = estimate(table, logs["dry"], with_laws=False)
-    wide = replace(e, valid=np.zeros_like(e.valid), refused={f"the rear {WIDE} 27 %": e.valid})
-    assert e.valid.any()
-    assert budget(replace(wide, braked=e.valid)) == budget(e)
 
 
 def test_a_weighed_car_has_no_part_of_the_mass(logs):
@@ -89,18 +70,6 @@ def test_a_weighed_car_has_no_part_of_the_mass(logs):
     for name in ("dry", "wet"):
         for axle in budget(estimate(known, logs[name], with_laws=False)):
             assert "mass" not in axle.parts
-
-
-def test_a_rigid_car_with_rigid_radii_has_no_part_of_the_load_geometry(table, logs):
-    shares = {part: x for part, x in table.budget.posterior.items() if part != "load_geometry"}
-    rigid = replace(table, budget=replace(table.budget, posterior=shares))
-    e = estimate(
-        rigid,
-        logs["wet"],
-        priors=Priors(elastic_sigma=0.0, pitch_tempo=0.0, pitch=0.0),
-        with_laws=False,
-    )
-    assert all("load_geometry" not in axle.parts for axle in budget(e))
 
 
 @pytest.mark.parametrize("scale", [0.94, 1.06])
@@ -115,12 +84,3 @@ def test_a_mass_wrong_on_ramp_and_stop_is_held_by_the_interval(plant, scale):
         assert abs(error) == pytest.approx(2.0 * made_of.relative["mass"], rel=0.25)
         held = (axle.lower <= 0.38) & (axle.upper >= 0.38)
         assert np.mean(held[e.valid]) > 0.9
-
-
-def test_the_ramp_counts_for_pads_that_did_not_change(table, logs):
-    """Their change is known better than the pads: what is open of the ramp is not open of it."""
-    e = estimate(table, logs["dry"], with_laws=False)
-    absolute = np.log(e.front.upper / e.front.lower)[e.valid]
-    change = np.log(e.front.change_upper / e.front.change_lower)[e.valid]
-    assert np.median(change) < 0.6 * np.median(absolute)
-    assert np.median(absolute) > 2.0 * Z95 * 0.03

@@ -63,24 +63,6 @@ def test_a_foot_that_holds_loses_no_sample(table):
         assert np.median((wider.front.half_width / e.front.half_width)[wider.valid]) < 1.05
 
 
-def test_brakes_that_follow_at_once_may_be_pumped(table):
-    """Their delay is measured as nearly none, whatever the pressure does."""
-    e = estimate(table, noisy(pumped(REAL), 4), with_laws=False)
-    assert np.mean(with_delay(e).valid[e.valid]) > 0.9
-
-
-def test_half_a_per_cent_of_the_delay_costs_a_few_samples(table):
-    e = estimate(table, noisy(pumped(LATE), 5), with_laws=False)
-    shares = []
-    for delay in np.geomspace(0.02, 0.1, 322):
-        late = replace(e)
-        late.__dict__["response"] = replace(e.response, delay=float(delay))
-        shares.append(np.mean(with_delay(late).valid[e.valid]))
-    assert shares[0] > 0.95
-    assert shares[-1] < 0.05
-    assert np.max(-np.diff(shares)) < 0.05
-
-
 def test_the_budget_has_the_delay_and_adds_up(table):
     e = with_delay(estimate(table, noisy(pumped(LATE), 6), with_laws=False))
     for axle, made_of in zip((e.front, e.rear), budget(e), strict=True):

@@ -6,18 +6,14 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from calib.base.names import WHEELS, G
-from calib.car.balance import brake_forces
+from calib.base.names import G
 from calib.car.effects.effects import Effects
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import LOCKS, Gates
-from calib.estimation.plan import calibrated, known_resistance, merged_noise
 from calib.estimation.priors import Priors
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
-from calib.run.noise import SensorNoise
-from calib.table.table import TyrePosterior
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
@@ -26,7 +22,6 @@ from tests.support.reference_car import (
     WET,
     cut,
     noisy,
-    parked,
     ramp,
     stop,
     true_forces,
@@ -92,16 +87,6 @@ def test_the_future_changes_nothing(table, wet, result, last):
     same(columns(early), columns(result, early.time[-1] + 1e-9), 1e-12)
 
 
-def test_one_later_sample_changes_nothing(table, wet, result):
-    """Not the length of the log either: a wild last second under the same number of samples."""
-    late = wet.time > 5.0
-    wild = {f"omega_{w}": np.where(late, 0.9, 1.0) * wet[f"omega_{w}"] for w in WHEELS[:2]}
-    wild |= {"a_x": np.where(late, -9.0, wet["a_x"]), "p_mc": np.where(late, 0.0, wet["p_mc"])}
-    changed = estimate(table, with_channels(wet, **wild))
-    same(columns(changed, 5.0), columns(result, 5.0), 1e-12)
-    assert not np.allclose(changed.z[-100:], result.z[-100:])
-
-
 def test_truth_is_never_read(table, wet, result):
     for truth in ({}, {name: np.full_like(x, 1e4) for name, x in wet.truth.items()}):
         same(columns(estimate(table, replace(wet, truth=truth))), columns(result), 0.0)
@@ -125,7 +110,7 @@ def test_rates_agree(table, rate):
     assert np.mean(slow.valid) == pytest.approx(np.mean(usual.valid), abs=0.02)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_wet_pads_are_found(table, seed):
     log = noisy(stop(WET), seed)
     e = estimate(table, log)
@@ -146,33 +131,12 @@ def change_inside(e, changed):
     ]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_change_since_the_ramp_is_that_of_the_plant(table, seed):
     e = estimate(table, noisy(stop(WET), seed))
     for axle, true, off in zip((e.front, e.rear), CHANGED, (0.03, 0.08), strict=True):
         assert np.mean(axle.change[e.valid]) == pytest.approx(true, rel=off)
     assert all(np.mean(inside) >= 0.9 for inside in change_inside(e, CHANGED))
-
-
-def test_the_change_is_over_the_ramp_and_not_over_the_file(table, wet, result):
-    """A file that says other pads, of the same ratio, changes nothing of it."""
-    wrong = replace(
-        CAR,
-        front=replace(CAR.front, pad_friction=0.5),
-        rear=replace(CAR.rear, pad_friction=0.5),
-    )
-    e = estimate(table, wet, wrong)
-    late = e.valid & (e.time > 3.0)
-    for axle, other in ((e.front, result.front), (e.rear, result.rear)):
-        assert axle.change[late] == pytest.approx(other.change[late], rel=0.02)
-
-
-def test_the_change_is_written_with_its_interval(result):
-    rows = result.columns()
-    for side, axle in (("f", result.front), ("r", result.rear)):
-        assert np.array_equal(rows[f"pad_change_{side}"], axle.change, equal_nan=True)
-        assert np.array_equal(rows[f"pad_change_{side}_lower"], axle.change_lower, equal_nan=True)
-        assert np.array_equal(rows[f"pad_change_{side}_upper"], axle.change_upper, equal_nan=True)
 
 
 # In doubt: the tyres, the accelerometer.
@@ -195,21 +159,6 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
         for e in (seeing, blind):
             for inside in (*truth_inside(e, log), *change_inside(e, CHANGED)):
                 assert np.mean(inside) >= 0.9
-
-
-def test_an_older_table_is_estimated_with_and_promises_less(table, wet, result):
-    """Six parameters: what the axles' tyres may differ in is as open as before a ramp."""
-    p = table.posterior
-    six = TyrePosterior(p.names[:6], p.mean[:6], tuple(row[:6] for row in p.covariance[:6]))
-    assert not {"log_tyre_ratio", "radius_load"} & set(six.names)
-    e = estimate(replace(table, posterior=six), wet)
-    assert np.mean(np.concatenate(truth_inside(e, wet))) > 0.9
-    assert np.mean(np.concatenate(change_inside(e, CHANGED))) > 0.9
-    both = e.valid & result.valid
-    assert np.mean(both) > 0.5
-    assert np.mean((e.rear.upper / e.rear.lower)[both]) > np.mean(
-        (result.rear.upper / result.rear.lower)[both]
-    )
 
 
 @pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (0.95, 0.0), (1.0, 0.3), (1.0, -0.3)])
@@ -268,16 +217,6 @@ def test_without_v_it_works_and_promises_less(table, wet, result):
         assert widths[0] > widths[1]
 
 
-def test_slips_are_counted_from_free_rolling(table):
-    """As the plant has them, less the 0.04 % that rolling resistance alone makes."""
-    log = stop(REAL)
-    e = estimate(table, log)
-    for a, slip, scale in (("f", e.slip_f, 1.0), ("r", e.slip_r, 1.0008)):
-        rim = 0.322 * scale * 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"])
-        true = 1.0 - rim / log["v"]
-        assert slip == pytest.approx(true - true[0], abs=1e-5)
-
-
 def test_wheel_pressures_are_taken_where_they_are_logged(table):
     """The rear brake sees half of the master cylinder, as behind a proportioning valve."""
     half = {w: lambda t: 12.5e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0) for w in ("rl", "rr")}
@@ -306,7 +245,7 @@ def test_a_change_of_road_is_found_and_the_pads_stay(table, place):
         assert estimate(table, noisy(stop(with_pads(REAL, 0.36, 0.36)), seed)).split.changes == ()
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_dry_roads_are_left_alone(table, seed):
     """Nominal pads on a stiffer, higher road: torque never worse than nominal by 1 % of it."""
     log = noisy(stop(replace(REAL, tyre=magic(27.0, 1.0)), pressure=32e5), seed)
@@ -320,9 +259,9 @@ def test_dry_roads_are_left_alone(table, seed):
 
 
 def test_a_small_ensemble_is_held_by_its_intervals():
-    """Eight cars that nobody tuned for, on roads and pads drawn at random."""
+    """Five cars that nobody tuned for, on roads and pads drawn at random."""
     held, shares = [], []
-    for case in cases(8, seed=5, stops=2):
+    for case in cases(5, seed=5, stops=2):
         table = fit(case.vehicle, [case.ramp])
         for drawn in case.stops:
             e = estimate(table, drawn.log)
@@ -383,7 +322,7 @@ def test_bend_gate(table, wet, sign):
     assert np.mean(mild.valid[(e.time > 2.3) & (e.time < 6.0)]) > 0.98
 
 
-@pytest.mark.parametrize("wheel", WHEELS)
+@pytest.mark.parametrize("wheel", ["fl", "rr"])
 def test_abs_gate(table, wet, wheel):
     """A wheel dips by 40 % for 0.1 s at a time; after the last dip the answer is not trusted."""
     cycle = (wet.time > 3.0) & (wet.time < 4.0) & ((wet.time * 4.0) % 1.0 < 0.4)
@@ -395,7 +334,7 @@ def test_abs_gate(table, wet, wheel):
         assert np.all(np.isfinite(axle.pad_friction[e.time > 2.0]))
 
 
-@pytest.mark.parametrize("wheel", WHEELS)
+@pytest.mark.parametrize("wheel", ["fl", "rr"])
 def test_spikes_of_one_sample_are_no_abs(table, wet, result, wheel):
     hit = np.array(wet[f"omega_{wheel}"])
     hit[40::300] *= 0.5
@@ -407,15 +346,6 @@ def test_spikes_of_one_sample_are_no_abs(table, wet, result, wheel):
 def test_low_speed_gate(result):
     assert np.min(result.speed) < 2.0
     assert not np.any(result.valid[result.speed < 3.0])
-
-
-def test_a_car_that_stands_at_the_end_changes_nothing(table, wet, result):
-    """Wheel speeds of exactly nought: no eta, no slip, no warning."""
-    e = estimate(table, parked(cut(wet, 0.0, 9.0)))
-    same(columns(e, 8.99), columns(result, 8.99), 1e-12)
-    still = e.time > 9.01
-    assert not np.any(e.valid[still])
-    assert np.all(np.isfinite(e.eta))
 
 
 def test_low_pressure_gate(table):
@@ -445,19 +375,6 @@ def test_with_less_of_a_lead_in_the_interval_is_wider(table, wet, rolled):
 # What the estimate starts from.
 
 
-def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(table):
-    shifted = replace(
-        table.calibration,
-        pad_scale=replace(table.calibration.pad_scale, value=0.9),
-        pad_log_ratio=replace(table.calibration.pad_log_ratio, value=0.3),
-    )
-    car = calibrated(replace(table, calibration=shifted))
-    assert car.front.pad_friction / car.rear.pad_friction == pytest.approx(1.0)
-    one = np.ones(())
-    fitted = 0.9 * sum(brake_forces(CAR, one, one, 0.3))
-    assert sum(brake_forces(car, one, one)) == pytest.approx(fitted)
-
-
 def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(table, wet):
     wrong = replace(
         CAR,
@@ -472,19 +389,6 @@ def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(table, 
     total = 28.84 * 130.9 * e.front.pad_friction + 11.34 * 124.0 * e.rear.pad_friction
     true = 28.84 * 130.9 * 0.31 + 11.34 * 124.0 * 0.27
     assert np.mean(total[late]) == pytest.approx(true, rel=0.03)
-
-
-def test_the_larger_noise_is_believed(table):
-    quiet = SensorNoise(**{k: 0.5 * v for k, v in table.noise.items()})
-    assert merged_noise(table, quiet) == SensorNoise(**table.noise)
-    loud = SensorNoise(**{k: 2.0 * v for k, v in table.noise.items()})
-    assert merged_noise(table, loud) == loud
-
-
-def test_resistance_is_that_of_the_table(table):
-    known = known_resistance(table)
-    assert known.mean[0] == table.effects.parameters["aerodynamic_drag"]["drag_area"]
-    assert known.covariance[1][1] == table.effects.sigma["rolling_resistance"]["coefficient"] ** 2
 
 
 # A pitch mode that is known.
@@ -549,20 +453,6 @@ def test_a_fast_pedal_on_soft_tyres_is_no_change_of_the_pads(table, quick):
     stiff = estimate(table, quick, priors=Priors(delay=0.0, delay_sigma=1e-6))
     assert all(np.mean(inside) > 0.95 for inside in truth_inside(e, quick))
     assert abs(rear_error(e)) < 0.03 < abs(rear_error(stiff))
-
-
-def test_the_right_mode_surprises_less_than_none(table):
-    """Innovations of eta while the body moves: with the plant's own mode, and with a stiff body."""
-    plant = replace(WET, pitch_frequency=8.2 / (2.0 * np.pi), pitch_damping=0.3)
-    sums = []
-    for share in (1.0, 0.0):
-        squares = []
-        for seed in range(6):
-            e = estimate(table, noisy(stop(plant, 45e5), seed), with_pitch(elastic_share=share))
-            moving = (e.blocks.end > 1.5) & (e.blocks.end < 3.0)
-            squares.append(np.nanmean(e.split.innovation_eta[moving] ** 2))
-        sums.append(np.mean(squares))
-    assert sums[0] < sums[1]
 
 
 def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logged():

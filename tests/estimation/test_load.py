@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.intervals import Z95
-from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
 from calib.estimation.load import USUAL, mean_square_of_load, with_load
 from calib.estimation.validate import validate
@@ -42,27 +40,10 @@ def test_intervals_hold_with_a_passenger(table, share, pads):
     assert result.figures["valid_share"] > 0.8
 
 
-def test_a_stop_like_the_ramp_keeps_its_interval(table):
-    e = estimate(table, noisy(loaded(0.0), 3))
-    wider = np.log(with_load(e, stated=False).front.upper / e.front.upper)[e.valid]
-    assert 0.0 <= np.median(wider) < 0.01
-
-
 def test_a_stated_mass_leaves_nothing_open(table):
     e = estimate(table, noisy(loaded(0.05), 3))
     assert with_load(e, stated=True) is e
     assert with_load(e, stated=False).front.upper[e.valid].mean() > e.front.upper[e.valid].mean()
-
-
-def test_the_lower_end_stays_and_the_budget_counts_the_load_as_mass(table):
-    e = estimate(table, noisy(loaded(0.05), 3))
-    open_ = with_load(e, stated=False)
-    assert np.array_equal(open_.front.lower, e.front.lower)
-    assert np.array_equal(open_.rear.change_lower, e.rear.change_lower)
-    front, before = budget(open_)[0], budget(e)[0]
-    assert front.relative["mass"] > before.relative["mass"]
-    half = np.median(np.log(open_.front.upper / open_.front.lower)[open_.valid]) / 2.0 / Z95
-    assert np.sqrt(sum(x**2 for x in front.relative.values())) == pytest.approx(half, rel=0.02)
 
 
 def test_pads_that_have_changed_hide_a_load():

@@ -152,12 +152,6 @@ def test_slip_that_is_late_is_the_closed_form(z, level, rho, late, rise):
     assert slip == pytest.approx(share * slip_f + (1.0 - share) * slip_r)
 
 
-def test_a_coasting_car_has_one_force_on_both_axles():
-    (eta, slip), *_ = measurement(coasting)(list(STRAIGHT), list(block(pitch_deficit=0.0)))
-    assert eta == pytest.approx(1.0, abs=1e-12)
-    assert slip == pytest.approx(0.04 * 0.012)
-
-
 def test_a_motor_slips_its_own_axle_of_a_coasting_car():
     g = block(pitch_deficit=0.0)._replace(coasting_f=0.05)
     (eta, slip), *_ = measurement(coasting)(list(STRAIGHT), list(g))
@@ -179,11 +173,3 @@ def test_load_that_pitch_moves_late_lowers_the_front():
     faster = list(STRAIGHT._replace(elastic_share=1.0, pitch_tempo=0.1))
     ((front, _),) = axle_loads_now()(faster, list(block(pitch_deficit=0.02, pitch_slope=-0.05)))
     assert front == pytest.approx(g.load_f - (0.02 - 0.005) * WEIGHT)
-
-
-def test_how_near_the_peak_is_the_force_by_the_road_s_own_peak():
-    """On a road with half the peak, the force of either axle is as near as twice of it."""
-    g = block(pitch_deficit=0.0, z=0.2, level=1.0)._replace(moment_f=0.0, moment_r=0.0)
-    _, _, near = measurement(braked)(list(STRAIGHT._replace(log_peak_ratio=math.log(2.0))), list(g))
-    forces = (0.73 * WEIGHT * 0.2 / g.load_f, 0.27 * WEIGHT * 0.2 / g.load_r)
-    assert near == pytest.approx([2.0 * force for force in forces])

@@ -2,7 +2,6 @@
 
 import json
 import os
-from dataclasses import replace
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -72,15 +71,6 @@ def test_one_row_per_sample_with_the_numbers_of_the_estimate(tmp_path):
     assert np.array_equal(read["brake_torque_rl"], e.rear.torque)
 
 
-def test_bounds_lie_around_the_estimate():
-    c = made_estimate().columns()
-    for side in "fr":
-        assert np.all(c[f"pad_friction_{side}_lower"] <= c[f"pad_friction_{side}"])
-        assert np.all(c[f"pad_friction_{side}"] <= c[f"pad_friction_{side}_upper"])
-        assert np.all(c[f"pad_change_{side}_lower"] <= c[f"pad_change_{side}"])
-        assert np.all(c[f"pad_change_{side}"] <= c[f"pad_change_{side}_upper"])
-
-
 def test_every_log_and_the_summary(tmp_path):
     logs = [made("first"), made("second")]
     out = tmp_path / "deep" / "results"
@@ -89,16 +79,6 @@ def test_every_log_and_the_summary(tmp_path):
     assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in paths)
     summary = json.loads((out / "summary.json").read_text())
     assert [log["log"] for log in summary["logs"]] == ["first", "second"]
-
-
-def test_written_again_it_replaces_and_leaves_the_rest(tmp_path):
-    (tmp_path / "notes.txt").write_text("mine")
-    for mu in (0.40, 0.30):
-        logs = [replace(made("a"), estimate=made_estimate(mu))]
-        write_results(logs, to_dict(stored_as("t@1"), logs), tmp_path)
-    assert pq.read_table(tmp_path / "a.parquet")["pad_friction_f"][0].as_py() == 0.30
-    assert (tmp_path / "notes.txt").read_text() == "mine"
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.parquet", "notes.txt", "summary.json"]
 
 
 @pytest.mark.parametrize("there_before", [True, False])

@@ -32,22 +32,9 @@ def test_stops_of_different_stiffness_are_of_two_roads():
     assert groups(stops(0.05, -0.22, 0.02, -0.25)) == [(3, 1), (2, 0)]
 
 
-def test_what_cannot_be_told_apart_is_one_road():
-    assert groups(stops(0.05, -0.10, 0.02, sigma=0.1)) == [(1, 2, 0)]
-
-
-def test_many_stops_do_not_bridge_two_roads():
-    between = np.linspace(-0.3, 0.1, 9)
-    assert len(groups(stops(*between, sigma=0.02))) > 1
-
-
 def test_a_stop_over_a_change_of_surface_is_alone():
     found = roads_of(stops(0.0, None, 0.01, changes=(3.0,)))
     assert [(road.stops, road.one) for road in found] == [((0, 2), True), ((1,), False)]
-
-
-def test_no_stop_is_on_no_road():
-    assert roads_of([]) == ()
 
 
 def test_stops_of_one_road_are_rarely_parted():

@@ -12,13 +12,11 @@ from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates
 from calib.estimation.plan import Plan
 from calib.estimation.priors import Priors
-from calib.estimation.split_budget import PAIR, first_parts, ratio_parts
+from calib.estimation.split_budget import ratio_parts
 from calib.estimation.split_filter import filter_pad_ratio
-from calib.estimation.states import first_state
 from calib.model.resistance import Resistance
 from calib.run.blocks import Blocks
 from calib.run.noise import SensorNoise
-from calib.table.budget import TableBudget
 from calib.table.table import TyrePosterior
 from tests.support.reference_car import CAR
 from tests.support.tables import made_table
@@ -118,23 +116,6 @@ def test_parts_are_the_filter_s_own_covariance(block, scattered):
     assert free == pytest.approx(answer.change_sigma[block] ** 2, rel=1e-6)
 
 
-def test_parts_before_the_stop_are_the_first_covariance():
-    table = table_with(log_tyre_ratio=0.1, log_pad_ratio=0.02, radius_load=3e-3)
-    shares = {
-        "tyres": 0.3 * np.asarray(table.posterior.covariance),
-        "noise": 0.7 * np.asarray(table.posterior.covariance),
-    }
-    budget = TableBudget({}, {}, {}, {part: tuple(map(tuple, x)) for part, x in shares.items()})
-    six = TyrePosterior(
-        table.posterior.names[:6],
-        table.posterior.mean[:6],
-        tuple(row[:6] for row in table.posterior.covariance[:6]),
-    )
-    for held in (table, replace(table, budget=budget), replace(table, posterior=six)):
-        parts = first_parts(held, Priors())
-        assert np.allclose(sum(parts.values()), first_state(held.posterior, Priors())[1])
-
-
 @pytest.mark.parametrize(
     ("name", "sigma"),
     [
@@ -179,7 +160,3 @@ def test_drawn_noise_spreads_the_ratio_by_its_part():
     expected = math.sqrt(parts["noise"][0, 0] + parts["zeros"][0, 0])
     assert np.std(found) == pytest.approx(expected, rel=0.12)
     assert parts["zeros"][0, 0] > 0.0
-
-
-def test_the_pair_is_the_ratio_of_today_and_of_the_ramp():
-    assert [list(PLACE).index("rho"), list(PLACE).index("rho0")] == PAIR

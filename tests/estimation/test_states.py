@@ -16,7 +16,6 @@ from calib.estimation.states import (
     first_state,
     open_surface,
     places,
-    state_list,
 )
 from calib.table.table import TyrePosterior
 
@@ -91,15 +90,6 @@ def test_scatter_is_taken_out_of_the_covariance_and_kept_as_a_root():
     assert first_scatter(known).shape == (len(A), 0)
 
 
-def test_what_an_older_table_does_not_name_starts_as_before_a_ramp():
-    """10 % between the axles' tyres and 0.3 % of radius per load, independent of all else."""
-    x, P = first_state(posterior(np.eye(6)), PRIORS)
-    for place, sigma in ((AT.log_tyre_ratio, 0.1), (AT.radius_load, 0.003), (AT.tyre_change, 0.02)):
-        assert x[place] == 0.0
-        assert P[place, place] == pytest.approx(sigma**2)
-        assert not np.delete(P[place], place).any()
-
-
 def test_tyres_that_the_table_names_are_taken_from_it():
     root = np.random.default_rng(1).normal(size=(8, 8))
     covariance = root @ root.T
@@ -129,12 +119,3 @@ def test_the_peak_moves_with_the_stiffness():
     assert opened[w, w] == pytest.approx(0.25 * PRIORS.peak**2 + slope**2 * opened[s, s])
     opened[np.ix_([s, w], [s, w])] = 0.0
     assert not opened.any()
-
-
-def test_every_state_has_a_symbol_of_its_own_and_a_start():
-    rows = state_list(PRIORS)
-    assert len({row.symbol for row in rows}) == len(rows)
-    without = {name for name, row in rows._asdict().items() if row.start is None}
-    of_tyres = {"log_tyre_ratio", "radius_load"}
-    assert without == {*NAMES, "table_log_pad_ratio", *of_tyres}
-    assert rows.elastic_share.start == PRIORS.elastic_share

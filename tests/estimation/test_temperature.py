@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import InputError
 from calib.car.disc_temperature import DISCS, START
 from calib.car.effects.effects import Effects
 from calib.estimation.temperature import temperature, temperatures
@@ -61,13 +60,6 @@ def test_a_logged_temperature_gives_the_start(log):
     assert rear[0] == 0.38
 
 
-def test_it_knows_nothing_of_wet_pads(log):
-    """The same pressure and speed give the same pads, whatever the car decelerates."""
-    wet = replace(log, channels={**log.channels, "a_x": 0.5 * log["a_x"]})
-    one, other = (temperature(CAR, x, signals(x, CAR), Effects()) for x in (log, wet))
-    assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
-
-
 def test_it_is_causal(log):
     log = noisy(log, 1)
     later = rolling(log, 90e5, 90.0)
@@ -79,9 +71,3 @@ def test_it_is_causal(log):
     for side in "fr":
         assert one[side][:half] == pytest.approx(other[side][:half], abs=1e-9)
         assert other[side][-1] > one[side][-1] + 10.0
-
-
-def test_fade_that_is_known_is_not_counted_twice(log):
-    known = Effects({"pad_thermal_fade": {"fade_slope": 0.001, "fade_onset": 100.0}})
-    with pytest.raises(InputError, match="pad_thermal_fade of the car is already taken out"):
-        temperature(CAR, log, signals(log, CAR), known)

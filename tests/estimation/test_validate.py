@@ -99,11 +99,6 @@ def test_the_estimate_beats_nominal_pads_where_pads_are_wet(passed):
     assert {"mean_gain", "gradient_paper", "rls_tyre"} <= set(passed.baselines)
 
 
-def test_a_calibration_log_is_told_from_a_hold_out(table, run, wet):
-    roles = [v.role for v in validate(table, [run, wet])]
-    assert roles == ["calibration", "hold-out"]
-
-
 @pytest.mark.parametrize("done", ["cut", "thinned", "late", "rounded"])
 def test_a_copy_of_the_ramp_is_no_hold_out(table, run, done):
     """The table alone knows it, by the fingerprint in its record."""
@@ -122,15 +117,6 @@ def test_a_table_without_fingerprints_knows_the_file_only(table, run):
     older = replace(table, provenance=replace(table.provenance, logs=logs))
     roles = [v.role for v in validate(older, [run, replace(run, digest="ab" * 32)])]
     assert roles == ["calibration", "hold-out"]
-
-
-def test_missing_samples_are_named_and_no_signal_is_called_a_copy(table, wet):
-    part = np.r_[0:500, 560 : wet.time.size]
-    gap = replace(wet, channels={k: x[part] for k, x in wet.channels.items()}, truth={})
-    (found,) = validate(table, [gap])
-    codes = {one.code: one for one in found.warnings}
-    assert codes["clock_gaps"].measured == pytest.approx(61 * wet.sample_time)
-    assert "same_signal" not in codes
 
 
 def swapped_wheels(log, a, b):
@@ -196,14 +182,6 @@ def test_braking_too_soft_to_judge_does_not_pass(table):
 # Whose log, whose vehicle.
 
 
-def test_other_pads_are_accepted(table, wet, passed):
-    wrong = replace(CAR, front=replace(CAR.front, pad_friction=0.5))
-    result = validate(table, [wet], wrong)[0]
-    assert result.figures["pad_friction_f"] == pytest.approx(
-        passed.figures["pad_friction_f"], rel=0.05
-    )
-
-
 @pytest.mark.parametrize(
     "changed",
     [
@@ -240,18 +218,6 @@ def test_no_geometry_of_an_axle_may_differ(table, side, key):
         require_same_vehicle(table, other)
 
 
-def test_vehicle_of_another_mass_is_refused_with_a_log(table, wet):
-    assert "another car" in refused(table, wet, replace(CAR, mass=1500.0))
-
-
-def test_log_of_a_car_with_other_wheels(table, wet):
-    """The same stop with wheels of 0.30 m turns 7 % faster."""
-    faster = {f"omega_{w}": wet[f"omega_{w}"] * 0.322 / 0.30 for w in ("fl", "fr", "rl", "rr")}
-    other = replace(wet, channels={**wet.channels, **faster})
-    assert "radius of 0.300 m" in refused(table, other)
-    assert validate(table, [without(other, "v")])  # without v it cannot be told
-
-
 def test_logs_that_will_not_do(table, wet):
     assert "roll for a second before the stop" in refused(table, cut(wet, 1.8))
     assert "no braking" in refused(table, made_run(lambda t: 0.0 * t))
@@ -281,13 +247,6 @@ def test_stops_are_compared_with_those_of_their_road():
     assert together.spread_r == pytest.approx(0.03 / 0.33)
     assert agreement(stops[:2]) is None
     assert to_dict(stored_as("t@1"), stops[:2])["agreement"] is None
-
-
-def test_agreement_needs_two_stops_with_an_answer():
-    assert agreement([]) is None
-    assert agreement([made("a")]) is None
-    assert agreement([made("a"), made("b", None, None)]) is None
-    assert agreement([made("a"), made("b", None, None), made("c")]).spread_f == 0.0
 
 
 def test_a_log_passes_unless_a_judged_figure_fails():
@@ -347,17 +306,6 @@ def test_what_is_not_finite_becomes_null():
     assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
     assert log["surface_changes"] == [2.5]
     assert log["bumps"] == [[3.0, 3.2]]
-
-
-def test_why_samples_are_not_valid_is_told(table):
-    """A wheel that is turned by 20 degrees all along: nothing is valid, for one reason."""
-    log = noisy(stop(REAL), 2)
-    turned = replace(log, channels={**log.channels, "steering": np.full(log.time.size, 0.35)})
-    (straight,), (bent,) = (validate(table, [one]) for one in (log, turned))
-    assert straight.refused == {}
-    assert bent.figures["valid_share"] == 0.0
-    assert max(bent.refused, key=bent.refused.get) == "the wheel is turned"
-    assert bent.refused["the wheel is turned"] == 1.0
 
 
 def test_pads_that_no_brake_has_are_not_valid(table):

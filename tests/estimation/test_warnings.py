@@ -1,34 +1,20 @@
 """What is warned about, by numbers set by hand and by a plant with one thing wrong."""
 
-import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from calib.base.warning import PlausibilityWarning
 from calib.estimation.estimator import estimate
-from calib.estimation.gates import Gates
-from calib.estimation.validate import to_dict, validate
+from calib.estimation.validate import validate
 from calib.estimation.warnings import warnings_of
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads, without
-from tests.support.tables import stored_as
 
 
 def codes(log, estimate):
     return [warning.code for warning in warnings_of(log, estimate)]
-
-
-def test_a_warning_is_one_sentence_that_names_the_log_and_the_causes():
-    warning = PlausibilityWarning(
-        "a_x_scale", "stop_3", 0.05, (-0.02, 0.02), ("one", "two"), "do x"
-    )
-    assert (
-        str(warning)
-        == "stop_3: a_x_scale is 0.05, expected -0.02 to 0.02; likely one, or two; do x"
-    )
 
 
 # On the plant
@@ -43,13 +29,13 @@ def misread(log, scale=1.0, offset=0.0):
     return replace(log, channels={**log.channels, "a_x": scale * log["a_x"] + offset})
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_clean_stop_is_not_warned_about(fitted, clean, seed):
     log = noisy(clean, seed)
     assert codes(log, estimate(fitted, log)) == []
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(1))
 @pytest.mark.parametrize("scale", [0.92, 1.08])
 def test_a_scale_of_a_x_is_named_and_measured(fitted, clean, seed, scale):
     log = misread(noisy(clean, seed), scale)
@@ -58,7 +44,7 @@ def test_a_scale_of_a_x_is_named_and_measured(fitted, clean, seed, scale):
     assert warning.measured == pytest.approx(scale - 1.0, abs=0.025)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(1))
 @pytest.mark.parametrize("offset", [-0.4, 0.4])
 def test_an_offset_of_a_x_is_named_and_measured(fitted, clean, seed, offset):
     log = misread(noisy(clean, seed), offset=offset)
@@ -84,16 +70,6 @@ def test_a_load_that_nobody_stated_is_named_and_measured(fitted, seed):
     assert codes(log, estimate(fitted, log, mass=1.12 * CAR.mass)) == []
 
 
-def test_a_level_is_told_where_the_ratio_of_the_pads_is_not(fitted):
-    """All pads at 0.88 of the ramp's, and a gate that no interval of the rear pads can pass."""
-    pads = (0.88 * axle.pad_friction for axle in (CAR.front, CAR.rear))
-    log = without(noisy(stop(with_pads(REAL, *pads)), 4), "v")
-    e = estimate(fitted, log, gates=Gates(interval_r=0.01))
-    assert not e.valid.any()
-    (warning,) = (w for w in warnings_of(log, e) if w.code == "level_changed")
-    assert warning.measured == pytest.approx(-0.12, abs=0.02)
-
-
 def with_passengers(mass):
     """The plant with people on all seats, most of them behind the middle [kg]."""
     total = CAR.mass + mass
@@ -116,21 +92,10 @@ def test_passengers_in_the_stops_only_are_named_first(fitted, pressure, logged):
         assert "--mass" in one.do
 
 
-def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
-    log = replace(misread(noisy(clean, 0), 1.08), name="wrong")
-    results = validate(fitted, [replace(noisy(clean, 1), name="right"), log], CAR)
-    summary = json.loads(json.dumps(to_dict(stored_as("sedan@1"), results), allow_nan=False))
-    assert summary["warnings"]
-    assert {one["log"] for one in summary["warnings"]} == {"wrong"}
-    first = next(one for one in summary["warnings"] if one["code"] == "a_x_scale")
-    assert set(first) == {"code", "log", "measured", "expected", "causes", "do"}
-    assert first["expected"] == [-0.025, 0.025]
-
-
 # The answer that is sharp
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(1))
 def test_change_of_the_pads_is_held_by_its_interval(fitted, seed):
     """0.38 all round on the ramp, 0.31 and 0.27 in the stop."""
     e = estimate(fitted, noisy(stop(WET), seed))
@@ -161,17 +126,3 @@ def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
     (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
     assert told.figures["valid_share"] > 0.7
     assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
-
-
-def test_a_table_with_a_motor_on_its_ramp_leaves_nothing_valid(fitted):
-    """What braked beside the pressure on the ramp stands in the table, so in every stop."""
-    motor = PlausibilityWarning("unexplained_braking_force", "ramp", 0.15, (-0.05, 0.045), (), "")
-    drag = replace(motor, code="unexplained_drag", measured=0.6)
-    little = replace(motor, measured=0.05)
-    stopped = noisy(stop(WET), 1)
-    for warning, valid in ((motor, False), (drag, False), (little, True)):
-        of_ramp = replace(warning, log=fitted.provenance.logs[0].name)
-        for warned in (of_ramp, replace(of_ramp, log="coast")):
-            table = replace(fitted, warnings=(warned,))
-            (result,) = validate(table, [stopped])
-            assert result.estimate.valid.any() == (valid or warned.log == "coast")

@@ -1,7 +1,7 @@
 """The look-ups: what holds in every table, and that the plant's own curve lies in the band."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from calib.fitting.fit import fit
 from calib.fitting.identify import Identified
 from calib.fitting.path import delta_sigma, find_peak, path
 from calib.model.parameters import COUNT, PRIORS, RampParameters
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, TyrePosterior
+from calib.table.table import EXTRAPOLATED, MEASURED, TyrePosterior
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (
     CAR,
@@ -24,7 +24,6 @@ from tests.support.reference_car import (
     true_eta,
     true_forces,
     with_ratio,
-    without,
 )
 
 SEEDS = range(4)
@@ -81,15 +80,6 @@ def test_paper_and_difference_are_one_curve(all_tables):
         assert table.paper.f1 - table.paper.f2 == pytest.approx(table.difference.D, abs=1e-12)
 
 
-def test_every_curve_starts_at_nought(all_tables):
-    for table in all_tables:
-        d, p, t = table.difference, table.paper, table.tyre
-        assert d.eta[0] == 1.0
-        assert d.D[0] == d.lower[0] == d.upper[0] == 0.0
-        assert p.f1[0] == p.f2[0] == p.z[0] == 0.0
-        assert t.slip[0] == t.force[0] == 0.0
-
-
 def test_axes_rise_and_bands_hold_their_middle(all_tables, gentle):
     for table in [*all_tables, *gentle]:
         d, p, t = table.difference, table.paper, table.tyre
@@ -103,11 +93,6 @@ def test_axes_rise_and_bands_hold_their_middle(all_tables, gentle):
         ):
             assert np.all(low <= middle)
             assert np.all(middle <= high)
-
-
-def test_all_columns_of_a_curve_have_its_rows(all_tables):
-    for curve in (all_tables[0].difference, all_tables[0].paper, all_tables[0].tyre):
-        assert {getattr(curve, f.name).shape for f in fields(curve)} == {(61,)}
 
 
 def difference_per_ratio(z):
@@ -169,15 +154,6 @@ def test_peak_is_found_where_the_plant_has_it(clean, tables, name):
         assert any("eta peaks" in remark for remark in table.remarks)
 
 
-def test_short_of_the_peak_there_is_none(gentle):
-    for table in gentle:
-        q = table.quality
-        assert q["eta_peak_is_real"] == 0.0
-        assert table.paper.z[-1] > 0.9 * q["deceleration_max"]
-        assert q["deceleration_max"] == pytest.approx(0.33, abs=0.02)
-        assert not any("eta peaks" in remark for remark in table.remarks)
-
-
 def identified(mean, covariance):
     rows = tuple(tuple(row) for row in covariance)
     posterior = TyrePosterior(RampParameters._fields, tuple(mean), rows)
@@ -192,16 +168,6 @@ def test_a_fall_within_the_noise_is_no_peak():
     assert find_peak(CAR, sure, 0.6).real
     assert not find_peak(CAR, vague, 0.6).real
     assert find_peak(CAR, vague, 0.6).z == find_peak(CAR, sure, 0.6).z
-
-
-def test_flags_follow_the_counts(all_tables, gentle):
-    for table in [*all_tables, *gentle]:
-        for curve in (table.difference, table.paper, table.tyre):
-            seen = np.flatnonzero(curve.count >= 3)
-            assert np.array_equal(np.flatnonzero(curve.flag == MEASURED), seen)
-            beyond = np.arange(curve.count.size) > seen[-1]
-            assert np.array_equal(curve.flag == EXTRAPOLATED, beyond)
-            assert set(curve.flag) <= {MEASURED, INTERPOLATED, EXTRAPOLATED}
 
 
 def test_curves_over_eta_end_where_it_grows_flat(all_tables, gentle):
@@ -223,18 +189,6 @@ def test_tyre_is_extrapolated_past_the_force_that_was_seen(gentle):
         assert t.force[-1] == pytest.approx(1.1 * force, rel=0.05)
         assert np.all(t.force[t.flag == MEASURED] < 1.03 * force)
         assert t.flag[-1] == EXTRAPOLATED
-
-
-def test_without_v_the_tyre_is_known_less(clean, tables):
-    """v gives the slip of both axles and so the stiffness; their difference eta shows alone."""
-    blind = fit(CAR, [without(noisy(clean["front 15 % better"], 0), "v")])
-    seeing = tables["front 15 % better"][0]
-
-    def width(table):
-        t = table.tyre
-        return (t.upper - t.lower)[30] / t.force[30]
-
-    assert width(blind) > 1.5 * width(seeing)
 
 
 @given(

@@ -48,7 +48,7 @@ SPORTS = replace(
 )
 
 
-@pytest.mark.parametrize("seed", [0, 1, 5, 8])
+@pytest.mark.parametrize("seed", [0, 5])
 def test_a_car_near_ideal_balance_has_the_pads_that_it_has(seed):
     rng = np.random.default_rng(seed)
     tyre = magic(

@@ -10,8 +10,7 @@ import scipy.optimize
 from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify, identify_once
 from calib.model.parameters import RampParameters
-from calib.model.ramp import AS_OTHERS, predict, prepare, sigma_eta, sigma_slip
-from calib.model.settings import SETTINGS
+from calib.model.ramp import prepare, sigma_eta, sigma_slip
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import SensorNoise, sensor_noise
@@ -84,19 +83,6 @@ def test_compliance_and_pads_are_found_within_their_sigmas(clean, name, log_rati
         assert a.pad_scale[0] == pytest.approx(1.0, abs=0.005 + off)
 
 
-def test_a_ratio_that_clearly_differs_is_not_called_nominal(clean):
-    """15 % may be the tyres, which differ by 10 %; 50 % is 4 sigma of that and of noise."""
-    for ratio in (1.5, 1.0 / 1.5):
-        assert found(noisy(ramp(with_ratio(IDEAL, ratio)), 0)).nominal_weight < 0.05
-    assert found(noisy(clean["as nominal"], 0)).nominal_weight > 1.0 - SETTINGS.pads_differ
-
-
-def test_without_v_the_stiffness_stays_open(clean):
-    log = noisy(clean["front 15 % better"], 0)
-    blind, seeing = sigmas(found(without(log, "v"))), sigmas(found(log))
-    assert blind.log_compliance > 2.0 * seeing.log_compliance
-
-
 @pytest.mark.parametrize("name", ["front 15 % better", "rear 15 % better"])
 def test_pads_and_tyres_that_differ_imitate_each_other(clean, name):
     """Eta shows share over stiffness of each axle: more pads in front, or softer tyres there."""
@@ -160,22 +146,6 @@ def test_more_ramps_tighten_every_sigma(three):
         assert getattr(all_three, name) < 0.75 * getattr(one, name)
 
 
-def test_each_run_has_its_own_zeros_and_level(clean):
-    other = ramp(replace(with_pads(IDEAL, 0.36, 0.36), radius_scale=(1.0, 1.002)))
-    answer = found(noisy(clean["as nominal"], 0), noisy(other, 1))
-    assert answer.eta_zero == pytest.approx((0.0, 1.0 / 1.002 - 1.0), abs=2e-4)
-    assert answer.pad_scale == pytest.approx((1.0, 0.36 / 0.38), rel=0.005)
-
-
-def test_order_of_the_runs_does_not_matter(three):
-    there, _ = identify(CAR, three)
-    back, _ = identify(CAR, three[::-1])
-    assert np.allclose(there.mean, back.mean, rtol=0.0, atol=1e-3 * np.array(sigmas(there)))
-    assert np.allclose(there.posterior.covariance, back.posterior.covariance, rtol=1e-3, atol=1e-8)
-    assert there.eta_zero == pytest.approx(back.eta_zero[::-1], abs=1e-7)
-    assert there.pad_scale == pytest.approx(back.pad_scale[::-1], rel=1e-4)
-
-
 def test_huber_resists_a_burst_that_plain_squares_do_not(clean, monkeypatch):
     log = noisy(clean["as nominal"], 1)
     burst = 1.0 + 0.01 * ((log.time > 5.0) & (log.time < 5.3))  # 40 sigma of a block
@@ -228,13 +198,3 @@ def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):
     rising = sigma_eta(run, still + 0.01)[run.use]
     assert np.all(rising > sigma_eta(run, still)[run.use])
     assert rising[-1] > 2.0 * rising[0]  # near the peak the curve is known less
-
-
-def test_prediction_on_the_lead_in_is_the_zero(clean):
-    run = prepared(clean["as nominal"])
-    parameters = RampParameters(math.log(0.04), 0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0)
-    eta, slip = predict(CAR, run, parameters, AS_OTHERS._replace(eta_zero=0.003, slip_zero=-0.002))
-    free = run.blocks.end < 1.45  # the ramp itself is not felt before it reaches the pads' bite
-    assert eta[free] == pytest.approx(1.003, abs=1e-7)
-    assert slip[free] == pytest.approx(-0.002, abs=1e-6)
-    assert np.all(np.diff(slip[(run.blocks.end > 2.0) & run.use]) > 0.0)

@@ -19,20 +19,6 @@ from tests.support.reference_car import CAR, REAL, noisy, ramp
 PEAK, SHAPE, STIFFNESS = 0.92, 1.65, 25.0
 
 
-def missed(top):
-    """Rms of what the best cubic misses of the slip [1] up to ``top`` of the peak."""
-    force = np.linspace(0.02, top * PEAK, 200)
-    slip = np.tan(np.arcsin(force / PEAK) / SHAPE) * SHAPE * PEAK / STIFFNESS
-    columns = np.stack([force, force**2, force**3], axis=1) / slip[:, None]
-    best, *_ = np.linalg.lstsq(columns, np.ones_like(force), rcond=None)
-    return float(np.sqrt(np.mean((columns @ best - 1.0) ** 2)))
-
-
-def test_a_cubic_follows_a_tyre_until_near_its_peak():
-    assert missed(0.6) < 0.003
-    assert missed(0.9) > 3.0 * missed(0.7)
-
-
 ESTATE = replace(
     CAR,
     mass=1610.0,

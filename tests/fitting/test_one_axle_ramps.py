@@ -70,25 +70,6 @@ def test_and_the_truth_is_in_the_narrower_interval(tables, kinds):
     assert np.sqrt(np.mean(np.square(off))) < 1.3
 
 
-def test_with_both_axles_alone_the_ratio_is_no_longer_drawn_to_the_file(tables):
-    """Pads that are as declared or not: the odds beforehand count less than the logs."""
-    for table in tables["nfr"]:
-        found = table.posterior
-        assert found.value("log_pad_ratio") == pytest.approx(TRUE["log_pad_ratio"], abs=0.03)
-        assert found.value("log_tyre_ratio") == pytest.approx(TRUE["log_tyre_ratio"], abs=0.07)
-
-
-def test_the_table_says_what_they_bought(tables):
-    said = [remark for remark in tables["nr"][0].remarks if "axle only" in remark]
-    now, before = (100.0 * sigma(tables[kinds][0], "log_pad_ratio") for kinds in ("nr", "n"))
-    assert len(said) == 1
-    assert said[0].startswith("ramp_r (rear axle only): pads' ratio known to ")
-    told = said[0].removeprefix("ramp_r (rear axle only): pads' ratio known to ").split(" % ")
-    assert float(told[0]) == pytest.approx(now, abs=0.051)
-    assert float(told[1].removeprefix("(")) == pytest.approx(before, rel=0.1)
-    assert not any("axle only" in remark for remark in tables["n"][0].remarks)
-
-
 def test_it_is_a_sound_table_of_ramps(tables):
     for table in tables["nfr"]:
         assert violations(table) == ()

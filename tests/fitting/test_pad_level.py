@@ -7,9 +7,8 @@ import pytest
 
 from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify_once
-from calib.fitting.pad_level import level_residuals, level_spread
+from calib.fitting.pad_level import level_residuals
 from calib.model.ramp import prepare
-from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
@@ -50,15 +49,6 @@ def test_the_common_level_is_the_weighted_mean(runs):
     rest = level_residuals(CAR, [runs["n"], runs["r"]], 0.2, spread)
     assert np.sum(rest / spread) == pytest.approx(0.0, abs=1e-9)
     assert abs(rest[0]) > 0.1
-
-
-def test_one_ramp_has_no_level_to_share(runs):
-    assert level_residuals(CAR, [runs["n"]], 0.1, np.ones(1)).size == 0
-
-
-def test_spread_is_that_of_the_pads_where_all_else_is_exact(runs):
-    found = level_spread(CAR, [runs["n"], runs["f"]], None)
-    assert found == pytest.approx([SETTINGS.pads_repeat] * 2)
 
 
 def test_levels_of_normal_ramps_tell_nothing_of_the_ratio(runs):

@@ -53,20 +53,6 @@ def test_intervals_of_a_stop_hold_the_true_pads(runs):
     assert np.mean(held) >= 0.9
 
 
-def test_the_change_of_the_pads_is_held_and_told_sharper(runs):
-    """Both days have the same tyres: what is not known of them falls out of the change."""
-    held = []
-    for e in runs[2]:
-        for axle, true in ((e.front, TRUE["f"] / 0.38), (e.rear, TRUE["r"] / 0.38)):
-            low, high = axle.change_lower[e.valid], axle.change_upper[e.valid]
-            held.append(np.mean((low <= true) & (true <= high)))
-        rear = e.rear
-        change = (np.log(rear.change_upper / rear.change_lower))[e.valid]
-        absolute = (np.log(rear.upper / rear.lower))[e.valid]
-        assert np.mean(change) < np.mean(absolute)
-    assert np.mean(held) >= 0.9
-
-
 def test_pads_and_tyres_that_differ_against_each_other_are_within_the_interval():
     """They leave the traces of a car as declared, so no log tells them: the interval must."""
     pads = with_ratio(replace(REAL, rear_stiffness=np.exp(-0.09)), np.exp(0.09))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from calib.base.errors import ChannelMapError, LogError
-from calib.logs.channel_map import DatabaseFile, Mapping
+from calib.logs.channel_map import DatabaseFile
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
 from tests.support.refusals import refusal
@@ -57,12 +57,6 @@ def test_names_units_signs_scale_and_offset(tmp_path, log_file):
     assert log.ignored == ("p_mc",)  # hidden by the map
 
 
-def test_a_map_may_be_read_before(tmp_path, log_file):
-    channel_map = read_channel_map(write_map(tmp_path, MAP))
-    assert channel_map.channels["time"] == Mapping("Zeit")
-    assert read_log(log_file, channel_map)["a_x"][0] < 0
-
-
 def test_source_that_the_log_does_not_have(tmp_path, log_file):
     path = write_map(tmp_path, MAP.replace('"Decel"', '"Deccel"'))
     with pytest.raises(ChannelMapError, match=r"no column 'Deccel' for a_x.*is 'Decel' meant"):
@@ -73,12 +67,6 @@ def test_source_that_is_there_twice(tmp_path, log_file):
     log_file.write_text(log_file.read_text().replace("p_mc [bar]", "Decel [g]"))
     with pytest.raises(LogError, match="2 columns are called 'Decel'"):
         read_log(log_file, write_map(tmp_path, MAP))
-
-
-def test_mapped_channel_still_needs_a_unit(tmp_path, log_file):
-    path = write_map(tmp_path, MAP.replace('unit = "kPa"\n', ""))
-    with pytest.raises(LogError, match="p_mc: the unit is missing"):
-        read_log(log_file, path)
 
 
 @pytest.mark.parametrize(
@@ -120,16 +108,6 @@ def test_all_slips_of_a_map_come_in_one_message(tmp_path):
         "  channels.p_mc.scale",
         "  ignore",
     ]
-
-
-def test_channels_come_in_the_order_of_the_file(tmp_path):
-    names = ["v", "omega_rr", "time", "p_mc"]
-    text = "schema = 1\n" + "".join(f'[channels.{n}]\nsource = "{n}"\n' for n in names)
-    assert list(read_channel_map(write_map(tmp_path, text)).channels) == names
-
-
-def test_no_file(tmp_path):
-    assert "no such file" in refused(tmp_path / "none.toml")
 
 
 def test_dbc_files_are_relative_to_the_map(tmp_path):
@@ -202,13 +180,6 @@ def test_j1939_source_addresses(tmp_path, written, sources):
 def test_what_is_no_source_address(tmp_path, written):
     text = f'schema = 1\ndbc = "a.dbc"\nj1939 = {written}\n'
     assert "j1939: " in refused(write_map(tmp_path, text))
-
-
-def test_ignored_column_is_not_taken_by_its_name(tmp_path, log_file):
-    text = 'schema = 1\nignore = ["p_mc"]\n[channels.time]\nsource = "Zeit"\n'
-    log = read_log(log_file, write_map(tmp_path, text), require=())
-    assert "p_mc" not in log
-    assert "p_mc" in log.ignored
 
 
 def test_a_source_may_be_named_by_its_whole_header_cell(tmp_path, log_file):

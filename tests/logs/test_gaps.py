@@ -67,11 +67,6 @@ def test_noise_alone_is_no_step():
     assert count >= 97
 
 
-def test_a_gap_without_a_wanted_value_is_none():
-    at = TIME[(TIME < 5.0) | (TIME > 5.5)]
-    assert lost(30.0 - TIME, 5.0, 0.4, at).left_open == ()
-
-
 def test_samples_at_one_time_show_no_slope():
     """Times of a damaged file, so near that the square of their distance is zero."""
     t = np.concatenate([np.arange(8) * 1e-300, 0.125 + 0.005 * np.arange(60)])
@@ -129,14 +124,6 @@ def test_every_format_alike(tmp_path, kind, channel):
     known = np.interp(log.time, ramp().time, ramp()[channel])
     assert np.abs(log[channel] - known).max() < 0.03 * np.ptp(known)
     assert to_dict(check(log))["bridged"][0]["channel"] == channel
-
-
-@pytest.mark.parametrize("kind", [".csv", ".parquet", ".mf4"])
-def test_a_long_gap_of_an_optional_channel_leaves_it_out_and_tells_where(tmp_path, kind):
-    log = read_log(*write_with_gap(tmp_path, kind, "v", 3.0, 0.5))
-    assert "v" not in log
-    assert log.bridged == ()
-    assert any("v: 1 gap was not bridged, the first of 0.5" in n for n in log.notes)
 
 
 @pytest.mark.parametrize("kind", [".csv", ".parquet", ".mf4"])

@@ -36,11 +36,6 @@ def test_unit_in_the_name_when_there_is_no_metadata():
     assert open_parquet(data, "run.parquet").columns == (Column("p_mc", "bar"),)
 
 
-def test_no_unit_at_all():
-    data = parquet([pa.field("p_mc", pa.float32())], [[1.0]])
-    assert open_parquet(data, "run.parquet").columns == (Column("p_mc", None),)
-
-
 def test_text_column():
     source = open_parquet(parquet([pa.field("p_mc", pa.string())], [["open"]]), "run.parquet")
     with pytest.raises(LogError, match=r"run\.parquet: p_mc: holds string"):
@@ -69,12 +64,6 @@ def test_flipped_bits_are_seen():
         damaged[place] ^= 0x10
         with pytest.raises(LogError, match="damaged"):
             open_parquet(bytes(damaged), "run.parquet").read(range(20))
-
-
-@pytest.mark.parametrize("key", ["unit", "units", "Unit"])
-def test_units_under_other_names(key):
-    data = parquet([pa.field("p_mc", pa.float32(), metadata={key: "kPa"})], [[1.0]])
-    assert open_parquet(data, "run.parquet").columns == (Column("p_mc", "kPa"),)
 
 
 @pytest.mark.smoke

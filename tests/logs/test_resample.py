@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
-from calib.logs.gaps import BRIDGE
 from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import ChannelTrace
 
@@ -71,20 +70,6 @@ def test_a_state_holds_its_last_value():
     gear = wanted("steering", [0.0, 0.305, 0.99], [1.0, 2.0, 3.0], hold=True)
     _, values = on_one_clock([wanted("omega_fl", time), gear], "run").values
     np.testing.assert_array_equal(values, np.where(time < 0.305, 1.0, np.where(time < 0.99, 2, 3)))
-
-
-def test_a_gap_is_not_filled_in():
-    time = np.arange(0, 2, 0.01)
-    hole = time[(time < 0.8) | (time > 0.8 + BRIDGE)]
-    _, values = on_one_clock([wanted("omega_fl", time), wanted("p_mc", hole)], "run").values
-    np.testing.assert_array_equal(np.isnan(values), ~np.isin(time, hole))
-
-
-def test_two_lost_samples_are_bridged():
-    time = np.arange(0, 2, 0.01)
-    hole = np.delete(time, [80, 81])
-    _, values = on_one_clock([wanted("omega_fl", time), wanted("p_mc", hole)], "run").values
-    np.testing.assert_allclose(values, 3.0 * time + 1.0)
 
 
 def test_an_optional_channel_shortens_the_log_a_little_at_most():

@@ -97,9 +97,3 @@ def test_the_zero_of_the_pressure_is_measured(zero):
     (warning,) = pressure_warnings("log", signals(log, CAR))
     assert warning.code == "pressure_zero"
     assert warning.measured == pytest.approx(zero / 1e5, abs=0.1)
-
-
-def test_a_pressure_sensor_that_is_right():
-    log = noisy(stop(REAL), 1)
-    assert list(pressure_warnings("log", signals(log, CAR))) == []
-    assert np.mean(log["p_mc"][log.time < 1.0]) < 0.3e5

@@ -60,10 +60,6 @@ def test_a_friction_that_no_pad_has_is_refused(factor):
     assert "the unit and the scale of p_mc" in str(refused.value)
 
 
-def test_possible_pads_are_not_refused():
-    require_possible_pads(CAR, calibration(0.6, 1.4), "ramp.csv")
-
-
 @pytest.mark.parametrize(("apart", "sigma", "named"), [(0.2, 0.05, 1), (0.2, 0.2, 0), (0.04, 0, 0)])
 def test_pads_that_changed_apart(apart, sigma, named):
     found = list(change_warnings("log", apart, sigma))

@@ -9,8 +9,7 @@ from calib.run.crossed_wheels import crossed_diagonal, crossed_side, wheel_parts
 from calib.run.driving_record import driving_record
 from calib.run.observation import observe
 from calib.run.rules import PURPOSES, problems
-from tests.studies.crossed_wheels import PAIRS, exchanged, in_bend, with_brakes
-from tests.studies.made_lines import line, recorded
+from tests.studies.made_lines import PAIRS, exchanged, in_bend, line, recorded, with_brakes
 from tests.support.made_runs import SLIP_F, SLIP_R, made_run, stop
 
 LEVEL = 20.0

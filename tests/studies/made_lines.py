@@ -201,3 +201,24 @@ def recorded(name: str, run: Run, sensors: Sensors) -> Log:
         del channels["v"]
     seed = sensors.seed + RUNS.index(name)
     return add_noise(replace(log, channels=channels), seed, sensors.levels)
+
+
+PAIRS = (("fl", "rl"), ("fr", "rr"), ("fl", "rr"), ("fr", "rl"))
+"""A front and a rear wheel whose columns may be exchanged."""
+
+
+def exchanged(log: Log, pair: tuple[str, str]) -> Log:
+    """The log with the columns of two wheels exchanged."""
+    a, b = (f"omega_{w}" for w in pair)
+    return replace(log, channels={**log.channels, a: log[b], b: log[a]})
+
+
+def with_brakes(run: Run, **shares: float) -> Run:
+    """The run with shares of the pressure [1] at some wheels."""
+    wheels = {w: (lambda t, s=share: s * run.pressure(t)) for w, share in shares.items()}
+    return replace(run, wheels=wheels)
+
+
+def in_bend(run: Run, radius: float, start: float) -> Run:
+    """The run in a bend [m] from a time [s] on."""
+    return replace(run, plant=replace(run.plant, curvature=lambda t: (t >= start) / radius))

@@ -18,7 +18,6 @@ it. Every one is written to files and goes through `fit`, `validate` and `statio
   to do about a check of the station is no such cause: it lists all parts that there are.
 """
 
-import argparse
 import sys
 from collections import Counter
 from collections.abc import Callable
@@ -28,11 +27,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.studies.answers import COMMANDS, Said
 from tests.studies.made_mistakes import KINDS
-from tests.studies.naming import wilson
-from tests.studies.pool import carried_out
-from tests.studies.scored_mistakes import Row, tried
+from tests.studies.scored_mistakes import COMMANDS, Row, Said, tried
+from tests.studies.study import arguments, carried_out, share
 
 
 def report(rows: list[Row]) -> None:
@@ -87,14 +84,6 @@ def of(rows: list[Row], hit: Callable[[Row], bool]) -> str:
     return f"{sum(map(hit, rows))}/{len(rows)}" if rows else "-"
 
 
-def share(hits: list[bool]) -> str:
-    """A share with its 95 % limits by Wilson."""
-    if not hits:
-        return "none"
-    low, high = wilson(sum(hits), len(hits))
-    return f"{100 * sum(hits) / len(hits):.0f} % ({100 * low:.0f}-{100 * high:.0f}, n {len(hits)})"
-
-
 def print_codes(said: list[Said]) -> None:
     """How many of the lines had each code; how often each refusal came."""
     counted = Counter(code for one in said for code in set(one.codes))
@@ -116,19 +105,12 @@ def print_rows(rows: list[Row]) -> None:
 
 def main() -> None:
     """Run the study."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--lines", type=int, default=2 * len(KINDS))
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--kind", action="append", choices=list(KINDS), metavar="KIND")
-    parser.add_argument("--rows", action="store_true", help="print every line, too")
-    asked = parser.parse_args()
-    kinds = asked.kind or list(KINDS)
+    asked = arguments(__doc__, "rows", lines=2 * len(KINDS), seed=1, jobs=1, kind=list(KINDS))
+    kinds = asked.kind
     jobs = [(asked.seed, i, kinds[i % len(kinds)]) for i in range(asked.lines)]
     rows = list(carried_out(tried, jobs, asked.jobs))
     if asked.rows:
         print_rows(rows)
-    print(f"{asked.lines} lines, seed {asked.seed}")
     report(rows)
 
 

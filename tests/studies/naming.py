@@ -1,22 +1,22 @@
-"""How often the hidden effect is named, on cases of the plant in tests/hidden.
+"""How often the hidden effect is named, on cases of the plant in tests/support/hidden.
 
     python tests/studies/naming.py --count 42 --seed 1
     python tests/studies/naming.py --count 9 --seed 5 --kind outside --rows rows.jsonl
     python tests/studies/naming.py --count 21 --kind single --severity 0 --write /tmp/cases
     python tests/studies/naming.py --count 12 --seed 9 --radii 0.2
 
-``--count`` cases of each kind; successive seeds go round the names. Limits are Wilson's, 95 %. A
-case fails on its own: an error of the program is an outcome like any other and is counted.
+``--count`` cases of each kind; successive seeds go round the names. ``--radii`` is the sd of the
+vehicle file's rolling radii [%]; ``--rows`` appends every case to a file, one JSON a line;
+``--write`` writes the cases into a folder. Limits are Wilson's, 95 %. A case fails on its own: an
+error of the program is an outcome like any other and is counted.
 """
 
-import argparse
 import json
 import math
 import sys
 import time
 import traceback
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.studies.pool import carried_out
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from tests.studies.study import arguments, carried_out, share
 from tests.support.hidden.cases import KINDS, HiddenCase, draw, write
 from tests.support.hidden.score import FAINT, MOST_LEFT, Replays, Score, score
 
@@ -54,9 +55,14 @@ class Job:
 
 def main() -> None:
     """Draw, diagnose, score, print."""
-    asked = arguments()
+    asked = arguments(
+        __doc__,
+        count=21, seed=0, severity=-1, radii=0.0, jobs=1, rows="", write="", kind=list(KINDS),
+    )  # fmt: skip
+    folder = Path(asked.write) if asked.write else None
+    severity = None if asked.severity < 0 else asked.severity
     jobs = [
-        Job(kind, asked.seed + i, asked.severity, asked.write, asked.radii)
+        Job(kind, asked.seed + i, severity, folder, asked.radii)
         for kind in asked.kind
         for i in range(asked.count)
     ]
@@ -65,27 +71,9 @@ def main() -> None:
         print(line(row), file=sys.stderr, flush=True)
         rows.append(row)
         if asked.rows:
-            with asked.rows.open("a") as file:
+            with Path(asked.rows).open("a") as file:
                 file.write(json.dumps(asdict(row)) + "\n")
     print(report(rows))
-
-
-def arguments() -> argparse.Namespace:
-    """Read the command line."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--count", type=int, default=21, help="cases of each kind")
-    parser.add_argument("--seed", type=int, default=0, help="of the first case")
-    parser.add_argument("--kind", action="append", choices=KINDS)
-    parser.add_argument("--severity", type=int, choices=(0, 1, 2))
-    parser.add_argument(
-        "--radii", type=float, default=0.0, help="sd of the vehicle file's rolling radii [%%]"
-    )
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--rows", type=Path, help="append every case to this file, one JSON a line")
-    parser.add_argument("--write", type=Path, help="write the cases into this folder, too")
-    asked = parser.parse_args()
-    asked.kind = asked.kind or list(KINDS)
-    return asked
 
 
 def carry_out(job: Job) -> Row:
@@ -98,8 +86,6 @@ def carry_out(job: Job) -> Row:
     start = time.perf_counter()
     try:
         answer, before, after = diagnosed(case)
-    except ModuleNotFoundError as error:  # nothing to try yet: the cases alone
-        return Row(job.seed, case.answer, None, 0.0, f"not diagnosed: {error}")
     except Exception:
         spent = time.perf_counter() - start
         return Row(job.seed, case.answer, None, spent, traceback.format_exc(limit=-2))
@@ -107,20 +93,14 @@ def carry_out(job: Job) -> Row:
     return Row(job.seed, case.answer, score(case, answer, before, after), spent)
 
 
-def diagnosed(case: HiddenCase) -> tuple[Mapping[str, Any], Replays, Replays]:
+def diagnosed(case: HiddenCase) -> tuple[dict[str, Any], Replays, Replays]:
     """Run the program on what it may see."""
-    from calib.diagnosis.diagnose import diagnose
-
     found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
-    return told(found), replays(found.before), replays(found.after)
+    before, after = ({log.name: log.channels for log in of} for of in (found.before, found.after))
+    return told(found), before, after
 
 
-def replays(logs: Any) -> Replays:
-    """Channels by log name."""
-    return {log.name: log.channels for log in logs}
-
-
-def told(diagnosis: Any) -> dict[str, Any]:
+def told(diagnosis: Diagnosis) -> dict[str, Any]:
     """What diagnosis.json says, as far as the score reads it."""
     effects = [
         {
@@ -159,89 +139,65 @@ def report(rows: list[Row]) -> str:
     return "\n\n".join(parts)
 
 
+OUTCOMES = (
+    # what, kinds, the goal [%], outcomes that count
+    ("one effect: exact name", "single", ">= 95", "exact"),
+    ("one effect: exact or in the set", "single", "", "exact set"),
+    ("one effect: wrong name", "single", "<= 2", "wrong"),
+    ("two effects: both exact", "double", ">= 90", "exact"),
+    ("two effects: wrong name", "double", "<= 2", "wrong"),
+    ("three effects: all exact", "triple", ">= 70", "exact"),
+    ("three effects: wrong name", "triple", "<= 2", "wrong"),
+    ("nothing hidden: no gap", "none", ">= 99", "exact"),
+    ("nothing hidden, other logs: no gap", "varied", ">= 99", "exact"),
+    ("logs of two groups: no gap", "groups", "", "exact"),
+    ("logs of two groups: a wrong name", "groups", "", "wrong"),
+    ("two groups, one effect: exact", "grouped_single", "", "exact"),
+    ("two groups, one effect: wrong name", "grouped_single", "", "wrong"),
+    ("own slopes or zeros, one effect: exact", "offsets", "", "exact"),
+    ("own slopes or zeros: wrong name", "offsets", "", "wrong"),
+    ("own pads and tyres, one effect: exact", "unlike", "", "exact"),
+    ("own pads and tyres: wrong name", "unlike", "", "wrong"),
+    ("outside: a single wrong name", "outside", "<= 2", "wrong"),
+)
+
+
 def goals(scores: list[Score], rows: list[Row]) -> str:
     """The table of goals."""
-    single = [s for s in scores if s.kind == "single" and not set(s.truth) & FAINT]
+
+    def of(kind: str) -> list[Score]:
+        found = [s for s in scores if s.kind == kind]
+        return [s for s in found if kind != "single" or not set(s.truth) & FAINT]
+
     faint = [s for s in scores if s.kind == "single" and set(s.truth) & FAINT]
-    double, triple, none, varied, outside = (
-        [s for s in scores if s.kind == kind]
-        for kind in ("double", "triple", "none", "varied", "outside")
-    )
-    groups, grouped, offsets, unlike = (
-        [s for s in scores if s.kind == kind]
-        for kind in ("groups", "grouped_single", "offsets", "unlike")
-    )
-    held = [i.held for s in scores for i in s.intervals]
-    same = [i.held for s in scores for i in s.intervals if i.same_form]
-    slack = [i.held_with_slack for s in scores for i in s.intervals]
+    outside, intervals = of("outside"), [i for s in scores for i in s.intervals]
     table = [
-        ("one effect: exact name", ">= 95", [s.outcome == "exact" for s in single]),
-        ("one effect: exact or in the set", "", [s.outcome in ("exact", "set") for s in single]),
-        ("one effect: wrong name", "<= 2", [s.outcome == "wrong" for s in single]),
-        ("two effects: both exact", ">= 90", [s.outcome == "exact" for s in double]),
-        ("two effects: wrong name", "<= 2", [s.outcome == "wrong" for s in double]),
-        ("three effects: all exact", ">= 70", [s.outcome == "exact" for s in triple]),
-        ("three effects: wrong name", "<= 2", [s.outcome == "wrong" for s in triple]),
-        ("nothing hidden: no gap", ">= 99", [s.outcome == "exact" for s in none]),
-        ("nothing hidden, other logs: no gap", ">= 99", [s.outcome == "exact" for s in varied]),
-        ("logs of two groups: no gap", "", [s.outcome == "exact" for s in groups]),
-        ("logs of two groups: a wrong name", "", [s.outcome == "wrong" for s in groups]),
-        ("two groups, one effect: exact", "", [s.outcome == "exact" for s in grouped]),
-        ("two groups, one effect: wrong name", "", [s.outcome == "wrong" for s in grouped]),
-        ("own slopes or zeros, one effect: exact", "", [s.outcome == "exact" for s in offsets]),
-        ("own slopes or zeros: wrong name", "", [s.outcome == "wrong" for s in offsets]),
-        ("own pads and tyres, one effect: exact", "", [s.outcome == "exact" for s in unlike]),
-        ("own pads and tyres: wrong name", "", [s.outcome == "wrong" for s in unlike]),
+        (name, goal, [s.outcome in outcomes.split() for s in of(kind)])
+        for name, kind, goal, outcomes in OUTCOMES
+    ]
+    table += [
         ("outside: unknown or a set", ">= 95", [s.passed for s in outside]),
-        ("outside: a single wrong name", "<= 2", [s.outcome == "wrong" for s in outside]),
         ("outside: axle right, where said", "", [s.axle for s in outside if s.axle is not None]),
-        (
-            "outside: driver right, where said",
-            "",
-            [s.driver for s in outside if s.driver is not None],
-        ),
+        ("outside: driver right", "", [s.driver for s in outside if s.driver is not None]),
         (f"more than {MOST_LEFT:g} noise units left, not told", "<= 1", [s.silent for s in scores]),
         ("mass, inertia: set or no gap", ">= 95", [s.passed for s in faint]),
-        ("intervals hold the truth", "93-97", held),
-        ("... of parameters that mean the same in the plant", "93-97", same),
-        ("... with slack where forms differ", "", slack),
-    ]
-    out = ["| | goal % | % | 95 % limits | n |", "|---|---|---|---|---|"]
-    out += [row(name, goal, hits) for name, goal, hits in table if hits]
-    out += [closed(kind, part) for kind, part in (("one effect", single), ("two effects", double))]
+        ("intervals hold the truth", "93-97", [i.held for i in intervals]),
+        ("... of parameters that mean the same in the plant", "93-97",
+         [i.held for i in intervals if i.same_form]),
+        ("... with slack where forms differ", "", [i.held_with_slack for i in intervals]),
+    ]  # fmt: skip
+    out = ["| | goal % | % (95 % limits, n) |", "|---|---|---|"]
+    out += [f"| {name} | {goal} | {share(hits)} |" for name, goal, hits in table if hits]
+    for kind in ("single", "double"):
+        values = [s.closed for s in of(kind) if math.isfinite(s.closed)]
+        if values:
+            low, middle, high = np.percentile(values, [25, 50, 75])
+            out.append(f"| {kind}: gap closed, median (quartiles) | >= 95 | {100 * middle:.1f} "
+                       f"({100 * low:.1f}-{100 * high:.1f}, n {len(values)}) |")  # fmt: skip
     seconds = [row.seconds for row in rows if row.score is not None]
-    out.append(f"| seconds a case, median and worst | <= 10 | {np.median(seconds):.1f} | "
-               f"{max(seconds):.1f} | {len(seconds)} |")  # fmt: skip
-    return "\n".join(part for part in out if part)
-
-
-def row(name: str, goal: str, hits: list[bool]) -> str:
-    """One line of the table."""
-    low, high = wilson(sum(hits), len(hits))
-    return (
-        f"| {name} | {goal} | {100 * sum(hits) / len(hits):.1f} | "
-        f"{100 * low:.1f} to {100 * high:.1f} | {len(hits)} |"
-    )
-
-
-def closed(kind: str, scores: list[Score]) -> str:
-    """Median of the closed gap with quartiles, over cases where something was named."""
-    values = [s.closed for s in scores if math.isfinite(s.closed)]
-    if not values:
-        return ""
-    low, middle, high = np.percentile(values, [25, 50, 75])
-    return (
-        f"| {kind}: gap closed, median (quartiles) | >= 95 | {100 * middle:.1f} | "
-        f"{100 * low:.1f} to {100 * high:.1f} | {len(values)} |"
-    )
-
-
-def wilson(hits: int, n: int, z: float = 1.959964) -> tuple[float, float]:
-    """95 % limits of a share by Wilson's score interval."""
-    share = hits / n
-    middle = (share + z * z / (2 * n)) / (1 + z * z / n)
-    half = z / (1 + z * z / n) * math.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return max(middle - half, 0.0), min(middle + half, 1.0)
+    out.append(f"| seconds a case, median (worst) | <= 10 | {np.median(seconds):.1f} "
+               f"({max(seconds):.1f}, n {len(seconds)}) |")  # fmt: skip
+    return "\n".join(out)
 
 
 def confusions(scores: list[Score]) -> str:

@@ -14,30 +14,31 @@ and the log spoiled a little) whose verdict or names differ, or whose valid shar
 than 5 points. With ``--hidden`` the hold-outs of the hidden cases, too.
 """
 
-import argparse
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.signal import savgol_filter
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 import calib
 from calib.base.errors import BrakeCalError
+from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.validate import validate_one
 from calib.logs.log import Log
+from calib.model.sensor_noise import LEVELS, add_noise
 from calib.table.table import Table
-from tests.studies.fast_pedal import BITE, drawn, ramp_and_coast, run
-from tests.studies.motors import handed_over
-from tests.studies.pool import carried_out
-from tests.support.plant import Pressure, per_pascal
+from tests.studies.ensemble import car, tyre
+from tests.studies.study import arguments, carried_out
+from tests.support.plant import Plant, Pressure, as_log, drive, per_pascal
 from tests.support.reference_car import without
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
@@ -89,6 +90,10 @@ PLANT_STOPS: dict[str, tuple[Callable[[float], float], float, float, bool]] = {
 unlogged motor at each front wheel [N m], and whether the vehicle file says that there is none."""
 
 
+BITE = 1.5
+"""Time of rolling before the brake [s]."""
+
+
 @dataclass(frozen=True)
 class Answer:
     """What came out of one variant; ``share`` None where there is none."""
@@ -132,43 +137,61 @@ def vehicle_of(folder: str) -> Vehicle:
 
 
 @cache
+def plant() -> Plant:
+    """One car, whose tyres build up their force over 0.3 m."""
+    rng = np.random.default_rng([38, 1])
+    return Plant(
+        vehicle=replace(car(rng), mass_tolerance=WEIGHED),
+        tyre=tyre(rng),
+        drag_area=0.65,
+        rolling_resistance=0.011,
+        radius_scale=(1.0, 1.0 + float(rng.normal(0.0, 0.001))),
+        pitch_frequency=1.3,
+        relaxation=0.3,
+    )
+
+
+def run(of: Plant, pressure: Pressure, v0: float, seed: int, **how: float) -> Log:
+    """One run as its sensors give it, which are quiet ones."""
+    levels = {name: replace(level, sd=0.7 * level.sd) for name, level in LEVELS.items()}
+    log = add_noise(as_log(drive(of, pressure, v0, **how), f"run {seed}"), seed, levels)
+    return replace(without(log, "T_drive_f", "T_drive_r"), truth={})
+
+
+@cache
 def table_of(source: str) -> Table:
-    """The table of a folder as it is, or of the plant."""
+    """The table of a folder as it is, or of the plant: a ramp to 0.58 g and a coast log."""
     if source.startswith("plant"):
-        plant, levels = drawn(38, 1)
-        known = replace(plant.vehicle, motor_odds=0.0 if source == "plant" else 0.1)
-        logs = ramp_and_coast(replace(plant, relaxation=0.3), levels, 0.58)
-        return calib.fit(known, logs)
+        end = BITE + 0.58 / per_pascal(plant().vehicle) / 6e5
+        how = {"duration": round(20.0 * end) / 20.0, "stop_speed": 8.0}
+        ramp = run(plant(), lambda t: 6e5 * max(t - BITE, 0.0), 32.0, 1, **how)
+        coast = run(plant(), lambda t: 0.0, 32.0, 2, duration=12.0)
+        odds = 0.0 if source == "plant" else 0.1
+        return calib.fit(replace(plant().vehicle, motor_odds=odds), [ramp, coast])
     names = FOLDERS[source][1] if source in FOLDERS else ("ramp", "coast", "coast_slow")
     return calib.fit(vehicle_of(source), [sample(source, name) for name in names])
 
 
 def plant_stop(name: str, rate: float, seed: int) -> Log:
-    """A stop of the plant at a rate [Hz]."""
+    """A stop of the plant at a rate [Hz]; a motor hands over to the brakes from 10 to 5 km/h."""
     shape, lag, torque, _ = PLANT_STOPS[name]
-    plant, levels = drawn(38, 1)
-    top = 0.42 / per_pascal(plant.vehicle)
+    top = 0.42 / per_pascal(plant().vehicle)
     pressure: Pressure = lambda t: top * shape(max(t - BITE, 0.0))  # noqa: E731
 
     def motor(t: float) -> tuple[float, float]:
         return -2.0 * torque * min(10.0 * pressure(t) / top, 1.0), 0.0
 
-    car = replace(
-        plant,
-        relaxation=0.3,
+    of = replace(
+        plant(),
         hydraulic_lag=lag,
         motor=motor if torque else None,
-        motor_share=handed_over,
+        motor_share=lambda v: min(max((v - 1.4) / 1.4, 0.0), 1.0),
     )
-    how = {"duration": 11.0, "stop_speed": 1.5, "rate": rate}
-    log = run(car, levels, pressure, 27.0, seed, **how)
-    return replace(without(log, "T_drive_f", "T_drive_r"), truth={})
+    return run(of, pressure, 27.0, seed, duration=11.0, stop_speed=1.5, rate=rate)
 
 
 def parted(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A smooth part and the noise of a channel, (n,) each."""
-    from scipy.signal import savgol_filter
-
     smooth = savgol_filter(x, SMOOTH, 2)
     return smooth, x - smooth
 
@@ -262,7 +285,7 @@ class Found:
         return f"{out}  jumps: {jumps or 'none'}" + (f"\n    {names}" if names else "")
 
 
-def _counted(words: Iterator[str]) -> str:
+def _counted(words: Iterable[str]) -> str:
     return ", ".join(f"{word} {count}" for word, count in Counter(words).most_common())
 
 
@@ -299,16 +322,9 @@ def subjects(hidden: bool) -> list[Subject]:
 
 def main() -> None:
     """Run the study."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--rates", type=int, default=20)
-    parser.add_argument("--jitters", type=int, default=3)
-    parser.add_argument("--seed", type=int, default=38)
-    parser.add_argument("--hidden", action="store_true")
-    parser.add_argument("--jobs", type=int, default=1)
-    asked = parser.parse_args()
+    asked = arguments(__doc__, "hidden", rates=20, jitters=3, seed=38, jobs=1)
     jobs = [(one, asked.rates, asked.jitters, asked.seed) for one in subjects(asked.hidden)]
     total: Counter[str] = Counter()
-    print(f"{asked.rates} rates, {asked.jitters} jitters, seed {asked.seed}")
     for found in carried_out(tried, jobs, asked.jobs):
         print(found.told(), flush=True)
         total += found.jumps

@@ -14,8 +14,8 @@ from calib.suggest.words import (
     STEERING,
     axle,
     corner,
+    loose_corner,
     score,
-    stem,
 )
 
 
@@ -51,7 +51,7 @@ def test_corner(name, wheel):
 
 def test_the_four_of_a_group_have_one_stem():
     for four in (("omega_fl", "omega_rr"), ("nRadVL", "nRadHR"), ("left front V", "right rear V")):
-        assert len({stem(name) for name in four}) == 1
+        assert len({loose_corner(name)[1] for name in four}) == 1
 
 
 @pytest.mark.parametrize(

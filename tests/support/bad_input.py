@@ -24,7 +24,7 @@ from tests.support.fuzzed import READERS, ROOT, SEDAN, Reader
 
 PAGE = ROOT / "tests" / "studies" / "results" / "bad_input.md"
 BEGIN, END = "<!-- made by tests/support/bad_input.py -->", "<!-- end of what was made -->"
-LARGE = 10_000_000
+LARGE = 2_000_000
 
 Text = list[list[str]]
 """Cells of a CSV, the header first."""

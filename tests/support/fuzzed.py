@@ -8,9 +8,10 @@ import io
 import random
 import struct
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 from calib.base.errors import BrakeCalError
@@ -30,6 +31,11 @@ class Reader:
     file: str
     read: Callable[[Path], object]
     seeds: Seeds
+
+
+def by(module: str, name: str, **how: object) -> Callable[[Path], object]:
+    """The function of a module, which is imported when it is called: a guided study looks on."""
+    return lambda path: getattr(import_module(module), name)(path, **how)
 
 
 def of_file(*paths: Path) -> Seeds:
@@ -62,12 +68,6 @@ def parquets() -> list[bytes]:
     sink = io.BytesIO()
     pq.write_table(pc.read_csv(io.BytesIO(short_csv())), sink)
     return [sink.getvalue(), (VERSION / "tyre.parquet").read_bytes()]
-
-
-def read_a_log(path: Path) -> object:
-    from calib.logs.read import read_log
-
-    return read_log(path, require=())
 
 
 def on_bus(path: Path) -> object:
@@ -177,21 +177,9 @@ def described(kind: str) -> Seeds:
     return make
 
 
-def read_a_map(path: Path) -> object:
-    from calib.logs.channel_map_file import read_channel_map
-
-    return read_channel_map(path)
-
-
 def maps() -> list[bytes]:
     text = 'schema = 1\nignore = ["a"]\n[text]\nseparator = ";"\nencoding = "latin-1"\n'
     return [f'{text}[channels.p_mc]\nsource = "P"\nunit = "kPa"\nsign = -1\nscale = 2.0\n'.encode()]
-
-
-def read_a_vehicle(path: Path) -> object:
-    from calib.car.vehicle_file import read_vehicle
-
-    return read_vehicle(path)
 
 
 def read_some_limits(path: Path) -> object:
@@ -218,20 +206,8 @@ def models() -> list[bytes]:
         return [(Path(folder) / "m.toml").read_bytes()]
 
 
-def read_some_settings(path: Path) -> object:
-    from calib.base.settings_file import read_settings
-
-    return read_settings(path)
-
-
 def settings() -> list[bytes]:
     return [b'schema = 1\nstore = "t"\nby = "A"\n[station]\nname = "e"\nexport = ["dcm"]\n']
-
-
-def read_an_export(path: Path) -> object:
-    from calib.exports.read import read_back
-
-    return read_back(path)
 
 
 @cache
@@ -259,22 +235,17 @@ def read_a_record(path: Path) -> object:
     return read_version(path.parent)
 
 
-def read_the_journal(path: Path) -> object:
-    from calib.store.store import Store
+def of_store(missing: str) -> Callable[[Path], object]:
+    """What the store is now, by a file and the sound other one."""
 
-    head = path.with_name("journal.head")
-    if not head.exists():
-        head.symlink_to(ROOT / "tables" / "journal.head")
-    return Store(path.parent).now()
+    def read(path: Path) -> object:
+        from calib.store.store import Store
 
+        if not path.with_name(missing).exists():
+            path.with_name(missing).symlink_to(ROOT / "tables" / missing)
+        return Store(path.parent).now()
 
-def read_the_head(path: Path) -> object:
-    from calib.store.store import Store
-
-    journal = path.with_name("journal.jsonl")
-    if not journal.exists():
-        journal.symlink_to(ROOT / "tables" / "journal.jsonl")
-    return Store(path.parent).now()
+    return read
 
 
 def read_a_summary(path: Path) -> object:
@@ -294,24 +265,6 @@ def summaries() -> list[bytes]:
     logs = '[{"log": "a", "role": "hold-out", "verdict": "passed"}]'
     text = f'{{"schema": 1, "table": "{NAME_OF_TABLE}", "verdict": "passed", "logs": {logs}}}'
     return [text.encode()]
-
-
-def read_a_plan(path: Path) -> object:
-    from calib.line.gauge.plan import read_plan
-
-    return read_plan(path)
-
-
-def read_a_result(path: Path) -> object:
-    from calib.show.result import read_result
-
-    return read_result(path)
-
-
-def read_a_key(path: Path) -> object:
-    from calib.store.minisign_keys import read_public_key
-
-    return read_public_key(path)
 
 
 def read_a_secret(path: Path) -> object:
@@ -349,12 +302,14 @@ def signatures() -> list[bytes]:
     return [sign(ADA, b"content", "table sedan")]
 
 
+READ_LOG = by("calib.logs.read", "read_log", require=())
+READ_BACK = by("calib.exports.read", "read_back")
 READERS = {
-    "csv": Reader("a.csv", read_a_log, csvs),
-    "csv.gz": Reader("a.csv.gz", read_a_log, lambda: [gzip.compress(short_csv(), mtime=0)]),
-    "vbo": Reader("a.vbo", read_a_log, vbos),
-    "parquet": Reader("a.parquet", read_a_log, parquets),
-    "mdf": Reader("a.mf4", read_a_log, mdfs),
+    "csv": Reader("a.csv", READ_LOG, csvs),
+    "csv.gz": Reader("a.csv.gz", READ_LOG, lambda: [gzip.compress(short_csv(), mtime=0)]),
+    "vbo": Reader("a.vbo", READ_LOG, vbos),
+    "parquet": Reader("a.parquet", READ_LOG, parquets),
+    "mdf": Reader("a.mf4", READ_LOG, mdfs),
     "blf": Reader("a.blf", on_bus, recorded(".blf")),
     "asc": Reader("a.asc", on_bus, recorded(".asc")),
     "candump": Reader("a.log", on_bus, candumps),
@@ -363,22 +318,30 @@ READERS = {
     "arxml": Reader("a.arxml", read_a_dbc, described("arxml")),
     "kcd": Reader("a.kcd", read_a_dbc, described("kcd")),
     "sym": Reader("a.sym", read_a_dbc, described("sym")),
-    "map": Reader("a.toml", read_a_map, maps),
-    "vehicle": Reader("a.toml", read_a_vehicle, of_file(SEDAN / "vehicle.toml")),
+    "map": Reader("a.toml", by("calib.logs.channel_map_file", "read_channel_map"), maps),
+    "vehicle": Reader(
+        "a.toml", by("calib.car.vehicle_file", "read_vehicle"), of_file(SEDAN / "vehicle.toml")
+    ),
     "limits": Reader("a.toml", read_some_limits, of_file(ROOT / "sample_logs" / "limits.toml")),
     "model": Reader("a.toml", read_a_model, models),
-    "settings": Reader("a.toml", read_some_settings, settings),
-    "dcm": Reader("a.dcm", read_an_export, lambda: [_exports()[0]]),
-    "cdfx": Reader("a.cdfx", read_an_export, lambda: [_exports()[1]]),
+    "settings": Reader("a.toml", by("calib.base.settings_file", "read_settings"), settings),
+    "dcm": Reader("a.dcm", READ_BACK, lambda: [_exports()[0]]),
+    "cdfx": Reader("a.cdfx", READ_BACK, lambda: [_exports()[1]]),
     "record": Reader("record.json", read_a_record, of_file(VERSION / "record.json")),
     "journal": Reader(
-        "journal.jsonl", read_the_journal, of_file(ROOT / "tables" / "journal.jsonl")
+        "journal.jsonl", of_store("journal.head"), of_file(ROOT / "tables" / "journal.jsonl")
     ),
-    "head": Reader("journal.head", read_the_head, of_file(ROOT / "tables" / "journal.head")),
+    "head": Reader(
+        "journal.head", of_store("journal.jsonl"), of_file(ROOT / "tables" / "journal.head")
+    ),
     "summary": Reader("summary.json", read_a_summary, summaries),
-    "plan": Reader("plan.csv", read_a_plan, lambda: [b"log,car,station\na.csv,1,x\nb.csv,2,x\n"]),
-    "result": Reader("a.parquet", read_a_result, parquets),
-    "public key": Reader("a.pub", read_a_key, public),
+    "plan": Reader(
+        "plan.csv",
+        by("calib.line.gauge.plan", "read_plan"),
+        lambda: [b"log,car,station\na.csv,1,x\nb.csv,2,x\n"],
+    ),
+    "result": Reader("a.parquet", by("calib.show.result", "read_result"), parquets),
+    "public key": Reader("a.pub", by("calib.store.minisign_keys", "read_public_key"), public),
     "secret key": Reader("a.key", read_a_secret, secrets),
     "signature": Reader("a.minisig", read_a_signature, signatures),
 }
@@ -432,15 +395,3 @@ def mutated(seeds: list[bytes], chance: random.Random) -> bytes:
             case 7 if chance.random() < 0.3:
                 del data[at:]
     return bytes(data)
-
-
-def runs(reader: Reader, seed: int, count: int | None = None) -> Iterator[tuple[bytes, Exception]]:
-    """Run a reader on the seeds and on ``count`` mutated files; yields what it finds."""
-    chance, seeds, done = random.Random(seed), reader.seeds(), 0
-    with tempfile.TemporaryDirectory() as folder:
-        while count is None or done < count:
-            data = seeds[done] if done < len(seeds) else mutated(seeds, chance)
-            error = finding(reader, Path(folder), data)
-            done += 1
-            if error is not None:
-                yield data, error

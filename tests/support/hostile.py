@@ -39,66 +39,55 @@ class Case:
     large: bool = False
 
 
-def toml_case(name: str, text: str | bytes, large: bool = False) -> list[Case]:
+COMMANDS = {
+    "check": f"check {RAMP} --map",
+    "fit": f"fit {RAMP} --store new --vehicle",
+    "limits": f"validate sedan-2up {RAMP} --store {ROOT / 'tables'} --limits",
+    "model": f"simulate {RAMP} --vehicle {CAR} --out o.csv --model",
+    "effect": f"fit {RAMP} --store new --vehicle {CAR} --effect",
+    "plan": f"repeatability --vehicle {CAR} --plan",
+    "key": f"tables verify --store {ROOT / 'tables'} --key",
+    "import": "tables import",
+    "validation": f"tables export {TABLE} --format dcm --out o.dcm --store {ROOT / 'tables'} "
+    "--unreleased --validation",
+    "log": "check",
+    "map": "map suggest",
+}
+"""Commands by the kind of file that is their last word."""
+
+
+def words(kind: str, file: str) -> Words:
+    return [*COMMANDS[kind].split(), file]
+
+
+def toml_case(name: str, text: str | bytes) -> list[Case]:
     """One text as each kind of TOML file that a command reads."""
     data = text.encode() if isinstance(text, str) else text
-
-    def as_file(words: Words) -> Callable[[Path], Words]:
-        def make(folder: Path) -> Words:
-            (folder / "bad.toml").write_bytes(data)
-            return words
-
-        return make
-
-    ramp = str(RAMP)
-    uses = {
-        "vehicle": ["fit", ramp, "--vehicle", "bad.toml", "--store", "new"],
-        "map": ["check", ramp, "--map", "bad.toml"],
-        "limits": [
-            "validate",
-            "sedan-2up",
-            ramp,
-            "--limits",
-            "bad.toml",
-            "--store",
-            str(ROOT / "tables"),
-        ],
-        "model": ["simulate", ramp, "--vehicle", str(CAR), "--model", "bad.toml", "--out", "o.csv"],
-    }
-    return [Case(f"{name} as {kind}", 3, as_file(words), large) for kind, words in uses.items()]
+    kinds = ("fit", "check", "limits", "model")
+    return [bytes_case(f"{name} for {kind}", kind, "bad.toml", data) for kind in kinds]
 
 
-def car_with(line: str) -> Callable[[Path], Words]:
+def car_with(name: str, line: str) -> Case:
     """A vehicle whose mass is this value."""
-
-    def make(folder: Path) -> Words:
-        text = CAR.read_text().splitlines()
-        text = [line if row.startswith("mass =") else row for row in text]
-        (folder / "car.toml").write_text("\n".join(text) + "\n")
-        return ["fit", str(RAMP), "--vehicle", "car.toml", "--store", "new"]
-
-    return make
+    text = [line if row.startswith("mass =") else row for row in CAR.read_text().splitlines()]
+    return bytes_case(name, "fit", "car.toml", ("\n".join(text) + "\n").encode())
 
 
 def encoding(name: str) -> Case:
     """A channel map with this encoding."""
-
-    def make(folder: Path) -> Words:
-        (folder / "map.toml").write_text(f"schema = 1\n[text]\nencoding = {json.dumps(name)}\n")
-        return ["check", str(RAMP), "--map", "map.toml"]
-
-    return Case(f"encoding {name[:20]!r}", 3, make)
+    text = f"schema = 1\n[text]\nencoding = {json.dumps(name)}\n"
+    return bytes_case(f"encoding {name[:20]!r}", "check", "map.toml", text.encode())
 
 
-def store(spoil: Callable[[Path], None], words: Words) -> Callable[[Path], Words]:
+def store(name: str, code: int, spoil: Callable[[Path], None], command: str) -> Case:
     """A command on a copy of the repository's store that ``spoil`` has spoilt."""
 
     def make(folder: Path) -> Words:
         shutil.copytree(ROOT / "tables", folder / "tables")
         spoil(folder / "tables")
-        return [*words, "--store", "tables"]
+        return [*command.split(), "--store", "tables"]
 
-    return make
+    return Case(name, code, make)
 
 
 def replaced(path: str, data: bytes) -> Callable[[Path], None]:
@@ -118,9 +107,9 @@ def pipe(path: str) -> Callable[[Path], None]:
 
 def bytes_case(
     name: str,
+    kind: str,
     file: str,
     data: bytes | Callable[[], bytes],
-    words: Words,
     code: int = 3,
     large: bool = False,
 ) -> Case:
@@ -128,41 +117,41 @@ def bytes_case(
 
     def make(folder: Path) -> Words:
         (folder / file).write_bytes(data if isinstance(data, bytes) else data())
-        return words
+        return words(kind, file)
 
     return Case(name, code, make, large)
 
 
-def linked(name: str, target: str, words: Words, code: int = 3) -> Case:
+def linked(name: str, kind: str, file: str, target: str) -> Case:
     """A link; to itself it is a loop."""
 
     def make(folder: Path) -> Words:
-        (folder / words[-1]).symlink_to(target)
-        return words
+        (folder / file).symlink_to(target)
+        return words(kind, file)
 
-    return Case(name, code, make)
+    return Case(name, 3, make)
 
 
-def fifo(name: str, words: Words, code: int = 3) -> Case:
-    """A named pipe, in the place of the last word."""
+def fifo(kind: str, file: str) -> Case:
+    """A named pipe."""
 
     def make(folder: Path) -> Words:
-        os.mkfifo(folder / words[-1])
-        return words
+        os.mkfifo(folder / file)
+        return words(kind, file)
 
-    return Case(name, code, make)
+    return Case(f"pipe {file} for {kind}", 3, make)
 
 
-def holes(name: str, file: str, size: int, words: Words, head: bytes = b"") -> Case:
-    """A file of zeros that takes no room."""
+def holes(kind: str, file: str, head: bytes = b"") -> Case:
+    """A file of 3 GB of zeros that takes no room."""
 
     def make(folder: Path) -> Words:
         with (folder / file).open("wb") as made:
             made.write(head)
-            made.truncate(size)
-        return words
+            made.truncate(3_000_000_000)
+        return words(kind, file)
 
-    return Case(name, 3, make, large=True)
+    return Case(f"3 GB of zeros in {file}", 3, make, large=True)
 
 
 def bomb(line: bytes, size: int = 1_500_000_000) -> bytes:
@@ -256,11 +245,6 @@ def dbc_pipe(folder: Path) -> Words:
     return ["check", "a.log", "--map", "map.toml"]
 
 
-def unit_of_source(folder: Path) -> Words:
-    (folder / "a.csv").write_bytes(header(f"y [{TERMINAL}]"))
-    return ["check", "a.csv"]
-
-
 def ramp_named(name: str) -> Callable[[Path], Words]:
     def make(folder: Path) -> Words:
         shutil.copy(RAMP, folder / name)
@@ -276,20 +260,10 @@ DBC_SIGNALS = b'VERSION ""\nBU_: E\nBO_ 256 M: 64 E\n' + b"".join(
 )
 ENTITIES = b"<!DOCTYPE MSRSW [<!ENTITY a '" + b"z" * 100_000 + b"'>]><MSRSW>" + b"&a;" * 9_000
 RECORD = "sedan-2up/v0001/record.json"
-IMPORT = ["tables", "import", "in.dcm"]
-EXPORT = [
-    "tables",
-    "export",
-    TABLE,
-    "--format",
-    "dcm",
-    "--out",
-    "o.dcm",
-    "--store",
-    str(ROOT / "tables"),
-    "--unreleased",
-    "--validation",
-]
+DEEP = b"[" * 100_000
+ENCODINGS = ("hex", "rot13", "zlib", "undefined", "punycode", "utf-8\0", "idna", "base64", "bz2")
+XML = b'<?xml version="1.0" encoding="%s"?><MSRSW/>'
+SCALE = b'schema = 1\n[channels.v]\nsource = "v"\nscale = ' + b"1" * 400
 
 CASES: list[Case] = [
     *toml_case("TOML nested 20,000 deep", "x = " + "[" * 20_000),
@@ -298,69 +272,25 @@ CASES: list[Case] = [
     *toml_case("TOML header of 20,000 parts", f"[{'.'.join(['a'] * 20_000)}]"),
     *toml_case("TOML integer of 5,000 digits", "schema = " + "1" * 5_000),
     *toml_case("TOML integer of 400 digits", "schema = " + "1" * 400),
-    bytes_case(
-        "TOML key of 900,000 letters",
-        "m.toml",
-        b"schema = 1\nignore = []\n" + b"a" * 900_000 + b" = 1\n",
-        ["check", str(RAMP), "--map", "m.toml"],
-    ),
     *toml_case("TOML with a nul", b"schema = 1\0\n"),
-    Case("mass of 400 digits", 3, car_with("mass = " + "1" * 400)),
-    Case("mass of 400 digits in text", 3, car_with(f'mass = "{"1" * 400} kg"')),
-    Case("mass with 200,000 blanks", 3, car_with(f'mass = "1{" " * 200_000}x kg"')),
-    Case("mass of 5,000 digits", 3, car_with("mass = " + "1" * 5_000)),
-    bytes_case(
-        "scale of 400 digits",
-        "m.toml",
-        b'schema = 1\n[channels.v]\nsource = "v"\nscale = ' + b"1" * 400,
-        ["check", str(RAMP), "--map", "m.toml"],
-    ),
-    *map(
-        encoding,
-        (
-            "hex",
-            "rot13",
-            "zlib",
-            "undefined",
-            "punycode",
-            "utf-8\0",
-            "idna",
-            "base64",
-            "bz2",
-            "unicode_escape",
-            "a" * 500,
-        ),
-    ),
-    Case(
-        "record of 100,000 [, list", 0, store(replaced(RECORD, b"[" * 100_000), ["tables", "list"])
-    ),
-    Case(
-        "record of 100,000 [, show",
-        4,
-        store(replaced(RECORD, b"[" * 100_000), ["tables", "show", "sedan-2up@1"]),
-    ),
-    Case(
-        "record of 100,000 [, verify",
-        4,
-        store(replaced(RECORD, b"[" * 100_000), ["tables", "verify"]),
-    ),
-    Case(
-        "record with a number of 5,000 digits",
-        0,
-        store(replaced(RECORD, b'{"version": ' + b"1" * 5000 + b"}"), ["tables", "list"]),
-    ),
-    Case(
-        "journal of 100,000 [",
-        4,
-        store(replaced("journal.jsonl", b"[" * 100_000 + b"\n"), ["tables", "list"]),
-    ),
-    Case(
-        "head with 5,000 digits",
-        4,
-        store(replaced("journal.head", b"0" * 64 + b" " + b"1" * 5000 + b"\n"), ["tables", "list"]),
-    ),
+    bytes_case("TOML key of 900,000 letters", "check", "m.toml",
+               b"schema = 1\nignore = []\n" + b"a" * 900_000 + b" = 1\n"),
+    car_with("mass of 400 digits", "mass = " + "1" * 400),
+    car_with("mass of 400 digits in text", f'mass = "{"1" * 400} kg"'),
+    car_with("mass with 200,000 blanks", f'mass = "1{" " * 200_000}x kg"'),
+    car_with("mass of 5,000 digits", "mass = " + "1" * 5_000),
+    bytes_case("scale of 400 digits", "check", "m.toml", SCALE),
+    *map(encoding, (*ENCODINGS, "unicode_escape", "a" * 500)),
+    store("record of 100,000 [, list", 0, replaced(RECORD, DEEP), "tables list"),
+    store("record of 100,000 [, show", 4, replaced(RECORD, DEEP), "tables show sedan-2up@1"),
+    store("record of 100,000 [, verify", 4, replaced(RECORD, DEEP), "tables verify"),
+    store("record with a number of 5,000 digits", 0,
+          replaced(RECORD, b'{"version": ' + b"1" * 5000 + b"}"), "tables list"),
+    store("journal of 100,000 [", 4, replaced("journal.jsonl", DEEP + b"\n"), "tables list"),
+    store("head with 5,000 digits", 4,
+          replaced("journal.head", b"0" * 64 + b" " + b"1" * 5000 + b"\n"), "tables list"),
     *(
-        Case(f"pipe as {name}, list", code, store(pipe(name), ["tables", "list"]))
+        store(f"pipe as {name}, list", code, pipe(name), "tables list")
         for name, code in (
             (RECORD, 0),
             ("sedan-2up/v0001/tyre.parquet", 0),
@@ -370,190 +300,66 @@ CASES: list[Case] = [
             ("sedan-2up/v0001.AB.minisig", 0),
         )
     ),
-    bytes_case(
-        "CDF with encoding UTF-0",
-        "in.dcm",
-        b'<?xml version="1.0" encoding="UTF-0"?><MSRSW/>',
-        IMPORT,
+    *(
+        bytes_case(f"CDF with encoding {name}", "import", "in.dcm", XML % name.encode())
+        for name in ("UTF-0", "hex", "utf-7")
     ),
-    bytes_case(
-        "CDF with encoding hex", "in.dcm", b'<?xml version="1.0" encoding="hex"?><MSRSW/>', IMPORT
-    ),
-    bytes_case(
-        "CDF with encoding UTF-7",
-        "in.dcm",
-        b'<?xml version="1.0" encoding="utf-7"?><MSRSW/>',
-        IMPORT,
-    ),
-    bytes_case("CDF with entities of 900 MB", "in.dcm", ENTITIES + b"</MSRSW>", IMPORT),
-    bytes_case("CDF nested 100,000 deep", "in.dcm", b"<MSRSW>" + b"<a>" * 100_000, IMPORT),
-    linked("link to /dev/zero, import", "/dev/zero", IMPORT),
-    linked("loop of links as DCM", "in.dcm", IMPORT),
-    linked("loop of links as log", "loop.csv", ["check", "loop.csv"]),
-    linked(
-        "loop of links as limits",
-        "loop.toml",
-        [
-            "validate",
-            "sedan-2up",
-            str(RAMP),
-            "--store",
-            str(ROOT / "tables"),
-            "--limits",
-            "loop.toml",
-        ],
-    ),
-    linked("loop of links as map", "loop.toml", ["check", str(RAMP), "--map", "loop.toml"]),
-    linked("link to /dev/zero, log", "/dev/zero", ["check", "zero.csv"]),
-    linked("link to /dev/zero, validation", "/dev/zero", [*EXPORT, "zero.json"]),
-    fifo("pipe, import", IMPORT),
-    fifo("pipe, validation", [*EXPORT, "v.json"]),
-    fifo("pipe, log", ["check", "p.csv"]),
-    fifo("pipe, recording", ["check", "p.mf4"]),
-    fifo("pipe, plan", ["repeatability", "--vehicle", str(CAR), "--plan", "p.csv"]),
-    fifo(
-        "pipe, effect",
-        ["fit", str(RAMP), "--store", "new", "--vehicle", str(CAR), "--effect", "p.py"],
-    ),
-    fifo(
-        "pipe, key",
-        ["tables", "verify", "--store", str(ROOT / "tables"), "--key", "k.pub"],
-    ),
+    bytes_case("CDF with entities of 900 MB", "import", "in.dcm", ENTITIES + b"</MSRSW>"),
+    bytes_case("CDF nested 100,000 deep", "import", "in.dcm", b"<MSRSW>" + b"<a>" * 100_000),
+    linked("link to /dev/zero, import", "import", "in.dcm", "/dev/zero"),
+    linked("link to /dev/zero, log", "log", "zero.csv", "/dev/zero"),
+    linked("link to /dev/zero, validation", "validation", "zero.json", "/dev/zero"),
+    linked("loop of links as DCM", "import", "in.dcm", "in.dcm"),
+    linked("loop of links as log", "log", "loop.csv", "loop.csv"),
+    linked("loop of links as limits", "limits", "loop.toml", "loop.toml"),
+    linked("loop of links as map", "check", "loop.toml", "loop.toml"),
+    *map(fifo, ("import", "validation", "log", "log", "plan", "effect", "key"),
+         ("in.dcm", "v.json", "p.csv", "p.mf4", "p.csv", "p.py", "k.pub")),
     Case("pipe, DBC", 3, dbc_pipe),
     Case("log name of 304 bytes", 3, long_name),
-    bytes_case("MDF version that is no text", "a.mf4", mdf_version(b"4\xff10"), ["check", "a.mf4"]),
-    bytes_case(
-        "plan with a long cell",
-        "p.csv",
-        b"log,car\n" + b"a" * 200_000 + b",b\n",
-        ["repeatability", "--vehicle", str(CAR), "--plan", "p.csv"],
-    ),
-    bytes_case(
-        "plan with a nul",
-        "p.csv",
-        b"log,car\na\0b,b\n",
-        ["repeatability", "--vehicle", str(CAR), "--plan", "p.csv"],
-    ),
-    bytes_case(
-        "effect nested 100,000 deep",
-        "e.py",
-        b"(" * 100_000,
-        ["fit", str(RAMP), "--store", "new", "--vehicle", str(CAR), "--effect", "e.py"],
-    ),
-    bytes_case(
-        "effect of 100,000 minus signs",
-        "e.py",
-        b"x=" + b"-" * 100_000 + b"1",
-        ["fit", str(RAMP), "--store", "new", "--vehicle", str(CAR), "--effect", "e.py"],
-    ),
+    bytes_case("MDF version that is no text", "log", "a.mf4", mdf_version(b"4\xff10")),
+    bytes_case("plan with a long cell", "plan", "p.csv", b"log,car\n" + b"a" * 200_000 + b",b\n"),
+    bytes_case("plan with a nul", "plan", "p.csv", b"log,car\na\0b,b\n"),
+    bytes_case("effect nested 100,000 deep", "effect", "e.py", b"(" * 100_000),
+    bytes_case("effect of 100,000 minus signs", "effect", "e.py", b"x=" + b"-" * 100_000 + b"1"),
     *(
-        case
+        Case(f"{kind} with {what}", 3, described_by(f"a.{kind}", data))
         for kind in ("kcd", "arxml")
-        for case in (
-            Case(
-                f"{kind.upper()} with entities of 900 MB",
-                3,
-                described_by(f"a.{kind}", ENTITIES + b"</MSRSW>"),
-            ),
-            Case(
-                f"{kind.upper()} nested 100,000 deep",
-                3,
-                described_by(f"a.{kind}", b"<a>" * 100_000 + b"</a>" * 100_000),
-            ),
+        for what, data in (
+            ("entities of 900 MB", ENTITIES + b"</MSRSW>"),
+            ("100,000 levels", b"<a>" * 100_000 + b"</a>" * 100_000),
         )
     ),
     Case("SYM with a text of 4 MB", 3, described_by("a.sym", SYM_TEXT)),
     Case("DBC with a text of 4 MB", 3, described_by("a.dbc", DBC_TEXT)),
-    Case("DBC of 100,000 signals", 3, described_by("a.dbc", DBC_SIGNALS)),
+    Case("DBC of 100,000 signals", 3, described_by("a.dbc", DBC_SIGNALS), large=True),
     Case("DBC of another grammar", 3, on_bus("a.dbc", b"BO_ 1 \n\nx\r\ny")),
-    bytes_case(
-        "controls in a header, check", "a.csv", header(f"{TERMINAL} [bar]"), ["check", "a.csv"], 0
-    ),
-    bytes_case(
-        "header of 100,000 blanks", "r.csv", header(f"x{chr(9) * 100_000}y"), ["check", "r.csv"], 0
-    ),
-    bytes_case("header of 30,000 brackets", "r.csv", header("x (" * 30_000), ["check", "r.csv"], 0),
-    Case("controls in a unit, check", 0, unit_of_source),
-    bytes_case(
-        "controls in a header, suggest",
-        "a.csv",
-        header(f"{TERMINAL} [bar]"),
-        ["map", "suggest", "a.csv"],
-        0,
-    ),
+    bytes_case("controls in a header", "log", "a.csv", header(f"{TERMINAL} [bar]"), 0),
+    bytes_case("header of 100,000 blanks", "log", "r.csv", header(f"x{chr(9) * 100_000}y"), 0),
+    bytes_case("header of 30,000 brackets", "log", "r.csv", header("x (" * 30_000), 0),
+    bytes_case("controls in a unit", "log", "a.csv", header(f"y [{TERMINAL}]"), 0),
+    bytes_case("controls in a header, map", "map", "a.csv", header(f"{TERMINAL} [bar]"), 0),
     Case("controls in a file name", 0, ramp_named(f"{TERMINAL}.csv".replace("/", ""))),
     Case("byte in a file name that is not UTF-8", 0, ramp_named(os.fsdecode(b"r\xfc.csv"))),
-    bytes_case(
-        "controls in a map",
-        "m.toml",
-        ('schema = 1\n[channels.v]\nsource = "' + "\\u001b[2J\\u202e" + '"\n').encode(),
-        ["check", str(RAMP), "--map", "m.toml"],
+    bytes_case("controls in a map", "check", "m.toml",
+               b'schema = 1\n[channels.v]\nsource = "\\u001b[2J\\u202e"\n'),
+    bytes_case("key with controls in a map", "check", "m.toml",
+               'schema = 1\n"\\u001b[2J\u202e" = 1\n'.encode()),
+    *(
+        bytes_case(f"gzip bomb of 1.5 GB of {what}", "log", file, made, large=True)
+        for what, file, made in (
+            ("lines", "a.csv.gz", lambda: bomb(row())),
+            ("zeros", "a.csv.gz", lambda: bomb(b"\0" * 100)),
+            ("line ends", "a.csv.gz", lambda: bomb(b"\n")),
+            ("lines, cut off", "a.csv.gz", lambda: bomb(row())[:-9]),
+            ("line ends, as VBO", "a.vbo.gz", lambda: bomb(b"\n")),
+        )
     ),
-    bytes_case(
-        "key with controls in a map",
-        "m.toml",
-        'schema = 1\n"\\u001b[2J\u202e" = 1\n'.encode(),
-        ["check", str(RAMP), "--map", "m.toml"],
-    ),
-    bytes_case(
-        "gzip bomb of 1.5 GB of lines",
-        "a.csv.gz",
-        lambda: bomb(row()),
-        ["check", "a.csv.gz"],
-        large=True,
-    ),
-    bytes_case(
-        "gzip bomb of 1.5 GB of zeros",
-        "a.csv.gz",
-        lambda: bomb(b"\0" * 100),
-        ["check", "a.csv.gz"],
-        large=True,
-    ),
-    bytes_case(
-        "gzip bomb of 1.5 GB of line ends",
-        "a.csv.gz",
-        lambda: bomb(b"\n"),
-        ["check", "a.csv.gz"],
-        large=True,
-    ),
-    bytes_case(
-        "gzip bomb that is cut off",
-        "a.csv.gz",
-        lambda: bomb(row())[:-9],
-        ["check", "a.csv.gz"],
-        large=True,
-    ),
-    bytes_case(
-        "gzip bomb as VBO", "a.vbo.gz", lambda: bomb(b"\n"), ["check", "a.vbo.gz"], large=True
-    ),
-    bytes_case(
-        "Parquet of 3.2 GB a column", "a.parquet", parquet_bomb, ["check", "a.parquet"], large=True
-    ),
+    bytes_case("Parquet of 3.2 GB a column", "log", "a.parquet", parquet_bomb, large=True),
     Case("BLF container of 2 GB", 3, on_bus("a.blf", blf_bomb), large=True),
-    holes("CSV of 3 GB of zeros", "a.csv", 3_000_000_000, ["check", "a.csv"]),
-    holes("Parquet of 3 GB of zeros", "a.parquet", 3_000_000_000, ["check", "a.parquet"]),
-    holes(
-        "recording of 3 GB of zeros",
-        "a.mf4",
-        3_000_000_000,
-        ["check", "a.mf4"],
-        mdf_version(b"4.10"),
-    ),
-    holes(
-        "TOML of 3 GB of zeros", "a.toml", 3_000_000_000, ["check", str(RAMP), "--map", "a.toml"]
-    ),
-    holes("DCM of 3 GB of zeros", "in.dcm", 3_000_000_000, IMPORT),
-    holes("validation of 3 GB of zeros", "v.json", 3_000_000_000, [*EXPORT, "v.json"]),
-    holes(
-        "plan of 3 GB of zeros",
-        "p.csv",
-        3_000_000_000,
-        ["repeatability", "--vehicle", str(CAR), "--plan", "p.csv"],
-    ),
-    holes(
-        "effect of 3 GB of zeros",
-        "e.py",
-        3_000_000_000,
-        ["fit", str(RAMP), "--store", "new", "--vehicle", str(CAR), "--effect", "e.py"],
-    ),
-]
+    holes("log", "a.csv"),
+    holes("log", "a.parquet"),
+    holes("log", "a.mf4", mdf_version(b"4.10")),
+    *map(holes, ("check", "import", "validation", "plan", "effect"),
+         ("a.toml", "in.dcm", "v.json", "p.csv", "e.py")),
+]  # fmt: skip

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from calib.logs.log import Log
-from tests.studies.answers import answer
 from tests.studies.causes import CAUSES, RAMP, STOP
 from tests.studies.ensemble import LEVELS
 from tests.studies.made_lines import RUNS, Line, line, recorded
 from tests.studies.made_mistakes import KINDS
+from tests.studies.scored_mistakes import answer
 from tests.support.reference_car import IDEAL
 
 OF_THE_FILE = {

@@ -16,7 +16,7 @@ have one value, such as a prior's, the other cars are judged among themselves.
 
 No rule finds bad cars and is right for every distribution: ranks alone cannot, since one car is
 always the farthest. What is assumed is that good cars have tails about as long as those of a t
-distribution with 4 degrees of freedom, or shorter. `tests/studies/fleet_alarms.py` measures how
+distribution with 4 degrees of freedom, or shorter. `tests/studies/results/fleet_alarms.md` says how
 often a fleet of good cars names one, and how often a bad car is found.
 """
 

@@ -21,7 +21,7 @@ SKEW = np.array([-0.9, -0.7, -0.5, -0.35, -0.2, 0.0, 0.2, 0.35, 0.5, 0.7, 0.9])
 SKEW_PRIOR = np.array([0.5, 0.5, 1.0, 1.5, 2.5, 988.0, 2.5, 1.5, 1.0, 0.5, 0.5]) / 1000.0
 TAIL = np.array([0.0, 0.1, 0.2, 0.3])
 TAIL_PRIOR = np.array([0.70, 0.18, 0.08, 0.04])
-"""Weight of each g and h before any value is seen. `tests/studies/fleet_alarms.py` set them: with
+"""Weight of each g and h before any value is seen (`tests/studies/results/fleet_alarms.md`): with
 more weight on long tails fewer bad cars are found, with less more good cars are named."""
 
 SCALES = 9

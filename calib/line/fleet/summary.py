@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,6 @@ from calib.base.errors import InputError
 from calib.base.plain import plain
 from calib.base.toml import did_you_mean
 from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, least_p
-from calib.line.fleet.edges import possible, within
 from calib.line.fleet.outliers import MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
@@ -163,7 +162,20 @@ def _real(name: str, spread: MetricSpread) -> MetricSpread:
     """The spread of the metric ``name`` without edges that no value of it can pass."""
     if spread.edges is None:
         return spread
-    return replace(spread, edges=within(spread.edges, possible(name)))
+    (low, high), one = spread.edges, plain(name)
+    low = -np.inf if one.least is not None and low <= one.least else low
+    high = np.inf if one.most is not None and high >= one.most else high
+    return replace(spread, edges=(low, high))
+
+
+def in_words(edges: tuple[float, float], shown: Callable[[float], str]) -> str:
+    """Edges as `below 0.31 or above 0.45`; empty if none is finite.
+
+    >>> in_words((-np.inf, 8.0), str)
+    'above 8.0'
+    """
+    sides = zip(("below", "above"), edges, strict=True)
+    return " or ".join(f"{side} {shown(edge)}" for side, edge in sides if np.isfinite(edge))
 
 
 def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:

@@ -24,7 +24,7 @@ near 100 % for any gauge and has no meaning; that of the tolerance still has.
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
 Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): draws of
 nu MS/chi2(nu) replace each expected mean square, and the 2.5 and 97.5 % points of the results are
-the ends. `tests/studies/repeatability_coverage.py` measures how often they contain the truth.
+the ends. `tests/studies/results/repeatability_coverage.md` says how often they contain the truth.
 """
 
 from dataclasses import dataclass

@@ -52,21 +52,15 @@ def column_from_cell(cell: str) -> Column:
     Column(name='p_mc', unit=None, full='')
     """
     cell = cell.strip()
-    found = _split(cell, "[", "]") or _barred(cell)
-    if found is not None:
-        return _column(*found, cell)
-    found = _split(cell, "(", ")")
-    if found is not None and found[0] and (is_unit(found[1]) or _ours(found[0])):
-        return _column(*found, cell)
-    for name, unit in _endings(cell):
-        return _column(name, unit, cell)
-    return Column(cell, None)
+    found = _split(cell, "[", "]") or _barred(cell) or _rounded(cell) or _ending(cell)
+    if found is None:
+        return Column(cell, None)
+    name, unit = found
+    return Column(name, unit.strip(), "" if cell == f"{name} [{unit}]" else cell)
 
 
 def _split(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
-    """Name and unit of ``name [unit]``, or None. An expression would take cubic time for a cell of
-    many blanks.
-    """
+    # An expression would take cubic time for a cell of many blanks.
     name, found, unit = cell.rpartition(opening)
     if not found or not unit.endswith(closing) or closing in unit[:-1]:
         return None
@@ -74,37 +68,32 @@ def _split(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
 
 
 def _barred(cell: str) -> tuple[str, str] | None:
-    """Name and unit of ``name|"unit"|0.0|100.0|50``, or None."""
     name, bar, rest = cell.partition("|")
     return (name.strip('" '), rest.partition("|")[0].strip('" ')) if bar else None
 
 
-def _column(name: str, unit: str, cell: str) -> Column:
-    plain = f"{name} [{unit}]"
-    return Column(name, unit.strip(), "" if cell == plain else cell)
+def _rounded(cell: str) -> tuple[str, str] | None:
+    found = _split(cell, "(", ")")
+    if found is None or not found[0]:
+        return None
+    ours = found[0] in CHANNELS or found[0].startswith("true_")
+    return found if ours or is_unit(found[1]) else None
 
 
-def _ours(name: str) -> bool:
-    return name in CHANNELS or name.startswith("true_")
-
-
-def _endings(cell: str) -> list[tuple[str, str]]:
-    """``cell`` split as ``name_unit``: a list of one pair, or an empty list."""
-    if _ours(cell) and not cell.startswith("true_"):
-        return []
+def _ending(cell: str) -> tuple[str, str] | None:
+    if cell in CHANNELS:
+        return None
     parts = cell.split("_")
     for count in (2, 1):  # m_s before s
         name, ending = "_".join(parts[:-count]), "_".join(parts[-count:])
-        if not name:
-            continue
         unit = ENDINGS.get(ending)
         if name in CHANNELS:
             unit = unit or ending
             if is_unit(unit, CHANNELS[name].si):
-                return [(name, unit)]
-        elif unit is not None:
-            return [(name, unit)]
-    return []
+                return name, unit
+        elif name and unit is not None:
+            return name, unit
+    return None
 
 
 def is_unit_row(cells: Sequence[str]) -> bool:
@@ -113,16 +102,14 @@ def is_unit_row(cells: Sequence[str]) -> bool:
     >>> is_unit_row(["s", "bar", "1", ""]), is_unit_row(["0.0", "bar"])
     (True, False)
     """
-    texts = [bare_unit(cell) for cell in cells]
-    words = [text for text in texts if text and text != "1"]
-    return not any(_numeric(w) for w in words) and any(is_unit(w) for w in words)
+    words = [text for text in map(_bare_unit, cells) if text and text != "1"]
+    return not any(map(_NUMERIC.fullmatch, words)) and any(map(is_unit, words))
 
 
-def _numeric(text: str) -> bool:
-    return re.fullmatch(r"[-+]?[\d.,]+([eE][-+]?\d+)?", text) is not None
+_NUMERIC = re.compile(r"[-+]?[\d.,]+([eE][-+]?\d+)?")
 
 
-def bare_unit(cell: str) -> str:
+def _bare_unit(cell: str) -> str:
     """A unit without brackets around it: ``[bar]`` and ``(bar)`` are ``bar``."""
     text = cell.strip()
     if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
@@ -137,7 +124,7 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
     """
     out = []
     for column, cell in zip(columns, cells, strict=True):
-        unit = bare_unit(cell)
+        unit = _bare_unit(cell)
         if unit and column.unit and spelling(unit) != spelling(column.unit):
             raise LogError(
                 f"the header has two units: {column.unit!r} and, in the row below, {unit!r}",

@@ -4,12 +4,11 @@ import csv
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from calib.base.errors import LogError
-from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.source import Array, Column, ColumnSource, damaged
 from calib.logs.text.cells import (
     clock_seconds,
     column_from_cell,
@@ -21,15 +20,15 @@ from calib.logs.text.cells import (
 from calib.logs.text.dialect import (
     EMPTY,
     LOOKED,
-    SEPARATORS,
     Dialect,
     TextFormat,
     dialect_of,
     is_number,
     layout_of,
+    mostly,
     sample_of,
 )
-from calib.logs.text.encoding import gunzip, head_text, to_utf8
+from calib.logs.text.encoding import GZIP, gunzip, head_text, to_utf8
 
 FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
 FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}
@@ -48,7 +47,7 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
     Raises LogError for a file without text, header or rows, for an ambiguous dialect (see
     `calib.logs.text.dialect`), and for a file that is cut off.
     """
-    if data.startswith(b"\x1f\x8b"):
+    if data.startswith(GZIP):
         data = gunzip(data, where)
     data = to_utf8(data, where, text_format.encoding)
     text = data.rstrip(b"\0")  # a logger that lost its power leaves them
@@ -65,7 +64,13 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
 
 
 def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
-    text_format, begin = _spreadsheet(data, where, text_format)
+    if not data or data.isspace():
+        raise LogError("the file is empty", where=where, expected="a header and samples")
+    begin = 0
+    told = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)  # spreadsheets
+    if told:
+        begin, separator = told.end(), text_format.separator or told[1].decode()
+        text_format = replace(text_format, separator=separator)
     layout = layout_of(data, begin, text_format)
     start = layout.start
     if _only_units(data, start, text_format):
@@ -74,14 +79,19 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     dialect = dialect_of(names.partition("\n")[0], data, start, text_format, where)
     cells, units, more = (dialect.cells([line])[0] for line in names.split("\n"))
     columns = [column_from_cell(cell) for cell in cells]
-    _refuse_uneven(cells, units, more, where)
+    for row in (units, more):
+        if row and len(row) != len(cells):
+            what = f"{len(cells)} names, and {len(row)} cells in the header row below"
+            raise LogError(what, where=where, expected="a cell, which may be empty, for each name")
     _refuse_frames(columns, where)
     if units:
         columns = with_unit_row(columns, units, where)
     if more:
         columns = [with_more(c, text) for c, text in zip(columns, more, strict=True)]
     rows = dialect.cells(sample_of(data, start))
-    clocks = [i for i in range(len(columns)) if _is_clock([r[i] for r in rows if len(r) > i])]
+    clocks = [
+        i for i in range(len(columns)) if mostly(is_clock, [r[i] for r in rows if len(r) > i])
+    ]
     for i in clocks:
         columns[i] = Column(columns[i].name, "s", columns[i].full or cells[i])
     above = f"{layout.above} lines above the header were not read" if layout.above else ""
@@ -95,38 +105,14 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     return ColumnSource(tuple(columns), read, notes)
 
 
-def _spreadsheet(data: bytes, where: str, text_format: TextFormat) -> tuple[TextFormat, int]:
-    """The text format, and where the text begins.
-
-    A line ``sep=;`` at the top, as spreadsheets use it, gives the separator.
-    """
-    if not data or data.isspace():
-        raise LogError("the file is empty", where=where, expected="a header and samples")
-    told = re.match(rb"\s*sep=([^\r\n]+)\r?\n", data, re.IGNORECASE)
-    separator = told[1].decode(errors="replace") if told else ""
-    if told is None or separator not in SEPARATORS:
-        return text_format, 0
-    return replace(text_format, separator=text_format.separator or separator), told.end()
-
-
 def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
     """Whether no row follows, or a row of units only."""
     rest = data[start : start + 65536].strip() or data[start:].strip()
     if b"\n" in rest:
         return False
     line = rest.decode("latin-1")
-    separators = [text_format.separator] if text_format.separator else list(SEPARATORS)
-    return not line or any(is_unit_row(Dialect(s, ".").cells([line])[0]) for s in separators)
-
-
-def _refuse_uneven(names: list[str], units: list[str], more: list[str], where: str) -> None:
-    for row in (units, more):
-        if row and len(row) != len(names):
-            raise LogError(
-                f"{len(names)} names, and {len(row)} cells in the header row below",
-                where=where,
-                expected="a cell, which may be empty, for each name",
-            )
+    possible = text_format.separators
+    return not line or any(is_unit_row(Dialect(s, ".").cells([line])[0]) for s in possible)
 
 
 def _refuse_frames(columns: Sequence[Column], where: str) -> None:
@@ -139,12 +125,6 @@ def _refuse_frames(columns: Sequence[Column], where: str) -> None:
             expected="a column for each channel",
             do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
         )
-
-
-def _is_clock(cells: Sequence[str]) -> bool:
-    """Whether more than half of the cells with a value are times of day."""
-    filled = [cell for cell in cells if cell not in EMPTY]
-    return 2 * sum(is_clock(cell) for cell in filled) > len(filled)
 
 
 def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) -> str | None:
@@ -161,37 +141,21 @@ def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) 
     lines = text.splitlines()[-20:]
     cells = dialect.cells([line.decode(errors="replace") for line in lines])
     ended = data.endswith((b"\n", b"\r"))
-    _refuse_no_table([len(row) for row in cells[:-1] if row], width, where)
-    before, last = [row[-1] for row in cells[:-1] if row], cells[-1]
-    open_quote = lines[-1].count(b'"') % 2 == 1
-    if (
-        len(last) < width
-        or open_quote
-        or (not ended and _shorter(last[-1], before, dialect.decimal))
-    ):
-        raise LogError(
-            f"the last line is cut off: {lines[-1].decode(errors='replace')[:60]!r}",
-            where=where,
-            expected=f"{width} complete cells",
-            do="copy the log again; if the rest is good, delete the last line",
-        )
-    return None if ended else "no end of line after the last row, which looks complete"
-
-
-def _refuse_no_table(counts: list[int], width: int, where: str) -> None:
-    """Raise LogError if the rows before the last one do not have the cells of the header, either.
-
-    Such a file was not cut off: it is text of another kind.
-    """
+    counts = [len(row) for row in cells[:-1] if row]
     wrong = [count for count in counts if count != width]
-    if 2 * len(wrong) > len(counts):
+    if 2 * len(wrong) > len(counts):  # not cut off: text of another kind
+        what = f"{len(wrong)} of the {len(counts)} rows before the last one have"
         raise LogError(
-            f"{len(wrong)} of the {len(counts)} rows before the last one have {min(wrong)} to "
-            f"{max(wrong)} cells",
+            f"{what} {min(wrong)} to {max(wrong)} cells",
             where=where,
             expected=f"a table: {width} cells in each row, as the header has",
-            do="is it text of another kind?",
         )
+    before, last = [row[-1] for row in cells[:-1] if row], cells[-1]
+    shown = lines[-1].decode(errors="replace")
+    short = len(last) < width or shown.count('"') % 2 == 1
+    if short or (not ended and _shorter(last[-1], before, dialect.decimal)):
+        raise damaged(where, f"the last line is cut off: {shown[:60]!r}", f"{width} whole cells")
+    return None if ended else "no end of line after the last row, which looks complete"
 
 
 def _shorter(cell: str, before: list[str], mark: str) -> bool:
@@ -225,10 +189,23 @@ def read_columns(
     Raises LogError with row, counted from 1, and column of that cell.
     """
     import pyarrow as pa
+    import pyarrow.csv as arrow_csv
 
-    rows = pa.py_buffer(data).slice(start)
+    types = {str(i): pa.string() if i in clocks else pa.float64() for i in indices}
     try:
-        table = _arrow_table(rows, len(columns), indices, dialect, clocks)
+        table = arrow_csv.read_csv(
+            pa.BufferReader(pa.py_buffer(data).slice(start)),
+            read_options=arrow_csv.ReadOptions(
+                column_names=[str(i) for i in range(len(columns))], use_threads=False
+            ),
+            parse_options=arrow_csv.ParseOptions(delimiter=dialect.separator),
+            convert_options=arrow_csv.ConvertOptions(
+                include_columns=list(map(str, indices)),
+                column_types=types,
+                null_values=list(EMPTY),
+                decimal_point=dialect.decimal,
+            ),
+        )
     except pa.ArrowInvalid as cause:
         numbers = [i for i in indices if i not in clocks]
         raise _bad_row(data[start:], columns, numbers, dialect, where, str(cause)) from cause
@@ -238,27 +215,6 @@ def read_columns(
         else column.to_numpy().astype(np.float64, copy=False)  # null becomes NaN
         for i, column in zip(indices, table.columns, strict=True)
     ]
-
-
-def _arrow_table(
-    rows: Any, width: int, indices: Sequence[int], dialect: Dialect, clocks: Collection[int]
-) -> Any:
-    import pyarrow as pa
-    import pyarrow.csv as arrow_csv
-
-    names = [str(i) for i in range(width)]
-    wanted = [str(i) for i in indices]
-    return arrow_csv.read_csv(
-        pa.BufferReader(rows),
-        read_options=arrow_csv.ReadOptions(column_names=names, use_threads=False),
-        parse_options=arrow_csv.ParseOptions(delimiter=dialect.separator),
-        convert_options=arrow_csv.ConvertOptions(
-            include_columns=wanted,
-            column_types={str(i): pa.string() if i in clocks else pa.float64() for i in indices},
-            null_values=list(EMPTY),
-            decimal_point=dialect.decimal,
-        ),
-    )
 
 
 def _bad_row(

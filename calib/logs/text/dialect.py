@@ -17,7 +17,7 @@ channel map that decides: ``separator`` and ``decimal`` of [text].
 import csv
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from calib.base.errors import LogError
@@ -42,6 +42,11 @@ class TextFormat:
     decimal: str | None = None
     encoding: str | None = None
 
+    @property
+    def separators(self) -> list[str]:
+        """The separators that are possible."""
+        return [self.separator] if self.separator else list(SEPARATORS)
+
 
 LOOKED = TextFormat()
 """Everything is detected from the file."""
@@ -59,10 +64,6 @@ class Dialect:
         return [
             [cell.strip() for cell in row] for row in csv.reader(lines, delimiter=self.separator)
         ]
-
-    def __str__(self) -> str:
-        marks = {".": "point", ",": "comma"}
-        return f"{SEPARATORS[self.separator]} between cells and decimal {marks[self.decimal]}"
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
@@ -86,21 +87,12 @@ def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> li
 def dialect_of(
     header: str, data: bytes, start: int, text_format: TextFormat, where: str
 ) -> Dialect:
-    """The dialect of a table.
-
-    Parameters
-    ----------
-    header : first line.
-    data : the whole file.
-    start : position of the first sample.
-    text_format : text format from a channel map.
-    where : the file's path, for messages.
+    """The dialect of a table with this ``header`` line; ``start`` is where its first sample begins.
 
     Raises LogError, with the candidates, if no dialect fits or several do.
     """
     rows = sample_of(data, start)
-    possible = [text_format.separator] if text_format.separator else list(SEPARATORS)
-    separators = [s for s in possible if _fits(s, header, rows)]
+    separators = [s for s in text_format.separators if _fits(s, header, rows)]
     if len(separators) != 1:
         raise _undecided(separators, header, rows, where)
     (separator,) = separators
@@ -121,14 +113,17 @@ def _fits(separator: str, header: str, rows: list[str]) -> bool:
     if 2 * len(whole) <= len(table):
         return False
     columns = list(zip(*whole, strict=True))
-    return sum(numeric_column(column) for column in columns) >= 2
+    return sum(mostly(_any_number, column) for column in columns) >= 2
 
 
-def numeric_column(column: tuple[str, ...]) -> bool:
-    """Whether more than half of the cells with a value are numbers."""
+def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:
+    """Whether more than half of the cells with a value are of a kind."""
     filled = [cell for cell in column if cell not in EMPTY]
-    numbers = sum(is_number(c, ".") or is_number(c, ",") for c in filled)
-    return 2 * numbers > len(filled)
+    return 2 * sum(map(kind, filled)) > len(filled)
+
+
+def _any_number(cell: str) -> bool:
+    return is_number(cell, ".") or is_number(cell, ",")
 
 
 def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: str) -> str:
@@ -161,23 +156,18 @@ def _undecided(separators: list[str], header: str, rows: list[str], where: str) 
             expected="one separator that fits",
             do='give it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
         )
-    present = [s for s in SEPARATORS if s in header]
-    tried = [
-        f"{SEPARATORS[s]}: {len(Dialect(s, '.').cells([header])[0])} names over rows of "
-        f"{_widths(s, rows)} cells"
-        for s in present
-    ]
+    tried = []
+    for separator in filter(header.__contains__, SEPARATORS):
+        above, *table = Dialect(separator, ".").cells([header, *rows])
+        counts = " or ".join(map(str, sorted({len(row) for row in table})[:3]))
+        what = f"{len(above)} names over rows of {counts} cells"
+        tried.append(f"{SEPARATORS[separator]}: {what}")
     return LogError(
         f"no separator fits this table ({'; '.join(tried) or 'no separator'})",
         where=where,
         expected="a header, and rows of as many numbers, separated by comma, semicolon, tab or bar",
         do="decimal commas need another separator than the comma; see the first lines of the file",
     )
-
-
-def _widths(separator: str, rows: list[str]) -> str:
-    counts = sorted({len(row) for row in Dialect(separator, ".").cells(rows)})
-    return " or ".join(str(count) for count in counts[:3])
 
 
 TOP = 200
@@ -207,9 +197,8 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat) -> Layout:
     header, the first line is the header.
     """
     lines, starts = _lines(data, begin)
-    possible = [text_format.separator] if text_format.separator else list(SEPARATORS)
     sample = sample_of(data, starts[0])
-    found = [_found(lines, starts, sample, s) for s in possible]
+    found = [_found(lines, starts, sample, s) for s in text_format.separators]
     best = max(found, key=lambda pair: pair[0])
     return best[1] or Layout(lines[0], starts[1])
 
@@ -266,7 +255,7 @@ def _columns(rows: Sequence[Sequence[str]]) -> tuple[int, list[int], bool]:
     """
     ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
-    numbers = [i for i, column in enumerate(columns) if numeric_column(column)]
+    numbers = [i for i, column in enumerate(columns) if mostly(_any_number, column)]
     return width, numbers, sum(map(bool, columns[-1])) <= 1 if columns else False
 
 
@@ -275,7 +264,7 @@ def _first_row(table: Sequence[Sequence[str]], width: int, numbers: Sequence[int
 
     def is_row(row: Sequence[str]) -> bool:
         cells = [row[i] for i in numbers if row[i] not in EMPTY] if len(row) == width else []
-        return any(is_number(c, ".") or is_number(c, ",") for c in cells) and not is_unit_row(row)
+        return any(map(_any_number, cells)) and not is_unit_row(row)
 
     filled = [i for i, row in enumerate(table) if row]
     for place, index in enumerate(filled):

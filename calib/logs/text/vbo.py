@@ -33,17 +33,11 @@ STANDARD = (
 
 DIALECT = Dialect(" ", ".")
 
-_SECTION = re.compile(rb"^\[([^\]\r\n]+)\][^\r\n]*\r?$", re.MULTILINE)
+_DATA = re.compile(rb"^\[\s*data\s*\][^\r\n]*\r?$", re.MULTILINE | re.IGNORECASE)
 
 
 def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> ColumnSource:
-    """Open a VBO file.
-
-    Parameters
-    ----------
-    data : the whole file.
-    where : its path, for messages.
-    text_format : text format from a channel map; only the encoding is used.
+    """Open a VBO file; of ``text_format`` only the encoding is used.
 
     Raises LogError for missing sections, names that do not fit the columns, no samples, or a last
     line with too few columns, because the file was cut off.
@@ -69,22 +63,20 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
 
 
 def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, list[str]]:
-    marks = list(_SECTION.finditer(data))
-    names = [m[1].decode(errors="replace").strip().lower() for m in marks]
-    if "data" not in names:
+    begin = _DATA.search(data)
+    if begin is None:
         raise LogError(
-            "no section [data]" + (": is the file cut off?" if names else ": not a VBO file"),
+            "no section [data]: not a VBO file, or cut off",
             where=where,
             expected="[header], [column names] and [data]",
         )
-    cut = names.index("data")
-    head, note = head_text(data[: marks[cut].start()], where)
+    head, note = head_text(data[: begin.start()], where)
     parts = re.split(r"^\[([^\]\r\n]+)\].*$", head, flags=re.MULTILINE)
     texts = {
         name.strip().lower(): [line.strip() for line in text.split("\n")[1:-1]]
         for name, text in zip(parts[1::2], parts[2::2], strict=True)
     }
-    body = data[marks[cut].end() :].lstrip(b"\r\n")
+    body = data[begin.end() :].lstrip(b"\r\n")
     for needed in ("header", "column names"):
         if not any(texts.get(needed, [])):
             raise LogError(f"no section [{needed}]", where=where, expected="names of the channels")
@@ -162,10 +154,10 @@ def _column(name: str, word: str, unit: str | None) -> Column:
     """A column: ``velocity kmh`` has its unit after the name, ``Brake [bar]`` in brackets."""
     if name.lower() == "time":
         return Column("time", "s", word)
-    stem, _, last = name.rpartition(" ")
-    if unit is None and stem and is_unit(last):
-        return Column(stem, last, word if word != stem else "")
-    plain = column_from_cell(name)
+    if unit is None and (own := _own_unit(name)):
+        plain = Column(name.rpartition(" ")[0], own)
+    else:
+        plain = column_from_cell(name)
     return Column(plain.name, unit or plain.unit, word if word != plain.name else "")
 
 

@@ -1,7 +1,5 @@
 """A result is computed once for the same inputs, and again for others."""
 
-import pickle
-
 from calib.diagnosis.explanation.kept import Kept
 
 
@@ -13,10 +11,3 @@ def test_a_result_is_computed_again_only_for_other_inputs():
 
     assert [of((1,)), of((1,)), of((2,)), of((1,))] == [2, 2, 4, 2]
     assert asked == [(1,), (2,), (1,)]
-
-
-def test_a_copy_for_another_process_begins_without():
-    kept = Kept()
-    kept.of(1, lambda: "large")
-    assert b"large" not in pickle.dumps(kept)
-    assert pickle.loads(pickle.dumps(kept)).of(1, lambda: "other") == "other"

@@ -83,18 +83,6 @@ def test_what_only_the_hold_outs_show_is_placed_with_them():
     assert not place_of_rest(fit(problem, (), at.x), HoldOuts((), problem)).on_hold_outs
 
 
-def test_a_temperature_that_a_hold_out_lacks_is_no_driver():
-    """The pads of both axles fade; without the rear discs only a term in front can be proved."""
-    case = draw("single", 34, names=("pad_thermal_fade",), severity=2)
-    runs = [run_of(log) for log in case.calibration if log.name in ("ramp", "coast", "hot")]
-    problem = problem_of(case.vehicle, runs)
-    held = (replace(runs[0], temperature_r=None),)
-    found = locate(fit(problem, (), np.zeros(BASE)), held)
-    tried = [(found.term.place, found.term.driver), *(r[:2] for r in found.runners_up)]
-    assert tried[0] == ("front_brakes", "temperature")
-    assert not {("brakes", "temperature"), ("rear_brakes", "temperature")} & set(tried)
-
-
 @pytest.mark.parametrize(("limit", "told"), [(14e5, 15e5), (30e5, None)])
 def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, told):
     p = np.array([0.0, 1.5e5, 8e5, 15e5, 22e5, 29e5])

@@ -55,14 +55,6 @@ def test_logs_of_one_car_on_one_road_are_one_group():
     assert regrouped(decision) is decision
 
 
-def test_a_cause_outside_the_catalogue_is_no_group():
-    case = draw("outside", 5)
-    runs = problem(case)
-    decision = decide(fit(runs, (), np.zeros(BASE)))
-    assert decision.verdict == "unknown"
-    assert regrouped(decision) is decision
-
-
 def test_a_further_log_is_placed_on_the_ground_that_fits_it(case):
     runs = problem(case)
     ground = Ground(0.9, 0.85, 1.0, 1.0)

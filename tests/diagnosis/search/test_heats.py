@@ -14,7 +14,6 @@ from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
-from calib.diagnosis.written.words import start_heats
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.hidden.cases import draw
@@ -39,7 +38,6 @@ def test_fade_is_named_without_temperatures_and_the_hot_run_is_the_hot_one():
     hot = max(case.calibration, key=lambda log: log["T_disc_f"][0])
     braked = {log.name for log in case.calibration if log["p_mc"].max() > 5e5}
     assert max(braked, key=lambda name: found.start_heats[name][0]) == hot.name
-    assert hot.name in start_heats(found)
 
 
 def test_front_and_rear_discs_that_begin_unlike_are_found_with_the_fade():

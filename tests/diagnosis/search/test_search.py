@@ -7,7 +7,7 @@ import pytest
 
 from calib.base.processes import side_by_side
 from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.fit import fit, fit_base, fit_without
+from calib.diagnosis.explanation.fit import fit, fit_base
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.unexplained import locate
@@ -58,13 +58,6 @@ def test_what_is_not_fitted_to_its_end_cannot_be_the_best():
     for one in rough:
         assert fit(problem, one.names, one.x).chi2 > found[0].chi2
     assert found[0].chi2 == pytest.approx(fit(problem, found[0].names, found[0].x).chi2, rel=1e-3)
-
-
-def test_an_explanation_keeps_its_fits(problem):
-    base = fit(problem, (), np.zeros(BASE))
-    found = refine(base, 3)
-    assert all(one is other for one, other in zip(found, refine(base, 3), strict=True))
-    assert fit_without(found[0], found[0].names[0]) is fit_without(found[0], found[0].names[0])
 
 
 def test_what_cannot_come_near_the_noise_is_not_fitted(problem):

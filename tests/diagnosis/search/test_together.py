@@ -34,7 +34,3 @@ def test_a_pair_gains_more_than_either_of_its_effects(base):
     best = pairs(base)[0]
     alone = {c.names[0]: base.chi2 - c.chi2 for c in refine(base, 4)}
     assert best.gain > max(alone.get(name, 0.0) for name in best.names)
-
-
-def test_pairs_that_promise_too_little_are_not_fitted(base):
-    assert together(base, 3, base.reduced) == []

@@ -75,8 +75,3 @@ def test_more_of_it_shows_more(cold):
     more = replace(problem, runs=(*problem.runs, coast))
     (both,) = drives(more, at, ("aerodynamic_drag",))
     assert both.sigma > 1.2 * alone.sigma
-
-
-def test_without_unresolved_effects_nothing_is_driven(cold):
-    _, problem, at = cold
-    assert drives(problem, at, ()) == ()

@@ -60,11 +60,6 @@ def test_the_test_that_is_proposed_separates_most(rivals):
     assert shown[name] > 1.5 * shown["light stop at 8 bar from 60 km/h"]
 
 
-def test_nothing_separates_an_explanation_from_itself(rivals):
-    _, problem, (one, _) = rivals
-    assert best_drive(problem, one, one)[1] == 0.0
-
-
 def test_the_confusion_set_has_each_pair_with_its_drive(rivals):
     _, problem, (drag, rolling) = rivals
     assert confusion_of(problem, drag, []) is None

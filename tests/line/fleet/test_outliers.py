@@ -9,7 +9,7 @@ from scipy.stats import binom, norm
 from calib.line.fleet import control_chart, outliers
 from calib.line.fleet.outliers import SHARE, effective, judge, named
 from calib.line.fleet.shapes import SKEW, TAIL, TAIL_PRIOR, Bulk
-from tests.studies.fleet_alarms import alarms, long_tails, normal, repeated, shrunk, skewed
+from calib.line.fleet.summary import drifting
 
 
 def spread(values, least=0.0):
@@ -43,6 +43,35 @@ def test_what_is_not_known_is_never_named():
 FLEETS = 25
 
 
+def normal(rng, m, n):
+    return rng.normal(size=(m, n))
+
+
+def long_tails(rng, m, n):
+    """Student's t with 4 degrees of freedom."""
+    return rng.standard_t(4, size=(m, n)) / np.sqrt(2.0)
+
+
+def skewed(rng, m, n):
+    return np.exp(0.5 * rng.normal(size=(m, n))) / 0.604
+
+
+def shrunk(rng, m, n):
+    """Each car drawn to the nominal value by a weight of its own."""
+    return rng.normal(size=(m, n)) * (1.0 - rng.beta(4.0, 1.0, size=(m, n))) * 3.6
+
+
+def repeated(rng, m, n):
+    """Four logs of each car, one after the other; 80 % of the variance is that of the cars."""
+    cars = np.repeat(rng.normal(size=(m, -(-n // 4))), 4, axis=1)[:, :n]
+    return np.sqrt(0.8) * cars + np.sqrt(0.2) * rng.normal(size=(m, n))
+
+
+def alarms(values):
+    """Whether the page of a fleet, (m, n), calls any car apart or any drift."""
+    return bool(judge(values).named.any() or any(drifting(values)[1]))
+
+
 def wrong(draw, metrics, cars):
     """Number of pages of good cars, of `FLEETS`, that name a car or a drift."""
     rng = np.random.default_rng([1, cars, metrics])
@@ -58,7 +87,6 @@ MOST = binom.ppf(0.999, FLEETS, 0.08)
     [(normal, 2, 12), (long_tails, 1, 60), (skewed, 1, 60), (shrunk, 1, 60), (repeated, 3, 60)],
 )
 def test_a_page_of_good_cars_seldom_names_a_car_or_a_drift(draw, metrics, cars):
-    """The study `fleet_alarms` measures it for all settings."""
     assert wrong(draw, metrics, cars) <= MOST
 
 

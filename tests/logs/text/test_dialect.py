@@ -109,7 +109,7 @@ def cell(number, separator, decimal):
 
 
 @pytest.mark.parametrize(("separator", "decimal"), list(itertools.product(",;\t", ".,")))
-@pytest.mark.parametrize("cut", range(2, 12))
+@pytest.mark.parametrize("cut", [2, 5, 11])
 def test_every_cut_within_the_last_line_is_refused(separator, decimal, cut):
     table = np.column_stack([np.arange(60) / 200, np.arange(60) / 8 + 0.0625, np.arange(60) + 0.25])
     rows = "".join(
@@ -122,7 +122,7 @@ def test_every_cut_within_the_last_line_is_refused(separator, decimal, cut):
         open_csv(whole[:-cut].encode(), "run.csv")
 
 
-@pytest.mark.parametrize("share", [0.02, 0.3, 0.5, 0.9, 0.999])
+@pytest.mark.parametrize("share", [0.02, 0.5, 0.999])
 def test_a_cut_gzip_file_is_refused(share):
     data = gzip.compress(text(",", ".", "square").encode())
     with pytest.raises(LogError, match="gzip file is cut off"):

@@ -102,11 +102,6 @@ def test_time_of_day_runs_on_past_midnight(start):
     np.testing.assert_allclose(time, start + np.arange(60) / 100, rtol=0, atol=1e-6)
 
 
-def test_midnight_is_passed():
-    (time,) = open_vbo(vbo(86399.8), "run.vbo").read([1])
-    np.testing.assert_allclose(time, 86399.8 + np.arange(60) / 100, rtol=0, atol=1e-6)
-
-
 @pytest.mark.smoke
 def test_as_a_log_through_a_map(tmp_path):
     path = tmp_path / "stop.VBO"
@@ -125,7 +120,7 @@ def test_a_row_with_too_few_columns_was_cut_off(cut):
 
 
 def test_cut_off_in_the_header():
-    assert "no section [data]: is the file cut off?" in refused(HEAD[:200].encode())
+    assert "no section [data]" in refused(HEAD[:200].encode())
 
 
 @pytest.mark.parametrize(
@@ -141,12 +136,6 @@ def test_cut_off_in_the_header():
 )
 def test_what_is_no_vbo(data, words):
     assert words in refused(data)
-
-
-def test_units_that_do_not_fit_the_names_are_not_taken():
-    source = open_vbo(vbo().replace(b"bar\r\n", b"bar\r\nbar\r\nbar\r\n"), "run.vbo")
-    assert {c.name: c.unit for c in source.columns}["Brake Pressure"] is None
-    assert "4 lines for 3 channels" in source.notes[0]
 
 
 def with_units(header, units):

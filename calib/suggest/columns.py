@@ -1,0 +1,175 @@
+"""The numeric columns of a log, in SI if their unit is known, and physical tests for them.
+
+speed        the four wheels and the car agree
+a_x          is the derivative of speed, up to a sign
+pressure     comes before the deceleration, and both rise and fall together
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.errors import LogError
+from calib.base.names import CHANNELS
+from calib.base.units import UnknownUnit, is_unit, si_of, to_si
+from calib.logs.clock import step_of
+from calib.logs.gaps import ONLY, fill_rows
+from calib.logs.source import Array, Column, ColumnSource, address_of
+from calib.run.filters import centred_mean, runs
+
+SMOOTH = 0.2
+"""Width [s] over which a speed is smoothed before it is differentiated."""
+LAG = 0.5
+"""Longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s."""
+SLOW = 0.15
+"""Share of the highest speed [1] below which samples are not used: the car is about to stop."""
+TOGETHER, RATIO = 0.99, 0.1
+"""Lowest correlation of two wheels, and largest relative difference of their means [1]."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """A numeric column; ``si`` is the SI unit, None without a unit, ``?`` for an unknown one.
+
+    ``values``, shape (n,), are in SI if the unit is known, else as written. ``rate`` is that of its
+    samples [Hz], None if they are the rows. ``name`` is the address that only this column has.
+    """
+
+    name: str
+    column: Column
+    values: Array
+    si: str | None
+    rate: float | None = None
+
+
+def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[str, str]]:
+    """The columns with a number in every row, those with gaps, and for the others the reason."""
+    found, gapped, left = list[Series](), list[Series](), dict[str, str]()
+    for index, (column, values) in enumerate(zip(source.columns, _arrays(source), strict=True)):
+        name = address_of(column, source.columns)
+        if isinstance(values, str):
+            left[name] = values
+        elif column.name.startswith("true_"):
+            left[name] = "truth of a simulation"
+        elif np.isnan(values).all():
+            left[name] = "empty"
+        elif np.isinf(values).any():
+            left[name] = "has infinite values"
+        else:
+            item = replace(_series(name, column, values), rate=source.rates.get(index))
+            (gapped if np.isnan(values).any() else found).append(item)
+    return found, gapped, left
+
+
+def _arrays(source: ColumnSource) -> list[Array] | list[Array | str]:
+    every = range(len(source.columns))
+    try:
+        return source.read(every)
+    except LogError:
+        return [_one(source, index) for index in every]
+
+
+def _one(source: ColumnSource, index: int) -> Array | str:
+    try:
+        return source.read([index])[0]
+    except LogError as error:
+        return error.what
+
+
+def _series(name: str, column: Column, values: Array) -> Series:
+    if not column.unit:
+        return Series(name, column, values, None)
+    own = CHANNELS.get(column.name)
+    try:
+        # For a canonical channel only its own units count: `Hz` on a wheel is an angular speed.
+        si = own.si if own and is_unit(column.unit, own.si) else si_of(column.unit)
+    except UnknownUnit:
+        return Series(name, column, values, "?")
+    return Series(name, column, to_si(values, column.unit, si), si)
+
+
+def without_gaps(series: Series, time: Array) -> Series | str:
+    """The column with its short gaps bridged, or why it cannot be used; ``time`` [s], (n,)."""
+    filled, _, _ = fill_rows({series.name: series.values}, time)
+    values, known = filled[series.name], time[~np.isnan(series.values)]
+    missing = np.flatnonzero(np.isnan(values))
+    if missing.size:
+        first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
+        return f"no value in {first}; gaps are bridged {ONLY}"
+    return replace(series, values=values, rate=series.rate or 1.0 / step_of(known))
+
+
+def rising(time: Array) -> NDArray[np.bool_]:
+    """Mask of the rows that do not repeat the time before them, shape (n,)."""
+    return np.append(True, np.diff(time) > 0.0) if time.size else np.zeros(0, bool)
+
+
+@dataclass(frozen=True)
+class ColumnClock:
+    """Time of each row [s], shape (n,), and the mean step [s]."""
+
+    time: Array
+    step: float
+
+    def width(self, seconds: float) -> int:
+        """Number of samples in ``seconds`` [s], at least 1."""
+        return max(1, round(seconds / self.step))
+
+    def smooth(self, x: Array) -> Array:
+        """The mean of x (n,) over `SMOOTH`."""
+        return centred_mean(x, self.width(SMOOTH) | 1)
+
+    def rate_of(self, speed: Array) -> Array:
+        """Derivative of a speed, smoothed over `SMOOTH` [unit/s]."""
+        return self.smooth(np.gradient(self.smooth(speed), self.time))
+
+
+def together(four: list[Array]) -> bool:
+    """Whether four speeds are of one car: similar means, high correlation."""
+    means = [float(np.mean(x)) for x in four]
+    if min(means) <= 0.0 or max(means) > (1.0 + RATIO) * min(means):
+        return False
+    if any(np.ptp(x) == 0.0 for x in four):
+        return False
+    steady = max(float(np.std(x)) for x in four) < 0.02 * max(means)  # constant: no correlation
+    return steady or float(np.corrcoef(four).min()) > TOGETHER
+
+
+def correlation(a: Array, b: Array) -> float:
+    """Correlation of ``a`` and ``b``, both (n,) [1]; 0 if one of them is constant."""
+    if np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
+        return 0.0
+    return float(np.corrcoef(a, b)[0, 1])
+
+
+def lead(first: Array, then: Array, clock: ColumnClock, latest: float = LAG) -> tuple[float, float]:
+    """Time by which ``first`` leads ``then`` [s], and their correlation at that lag [1].
+
+    ``first`` may be later by at most ``latest`` [s]. The lag is uncertain for a slow ramp alone.
+    """
+    n = first.size
+    reach = min(clock.width(LAG), n // 4)
+    back = min(reach, round(latest / clock.step))
+
+    def lagged(k: int) -> float:
+        return correlation(first[max(0, -k) : n - max(0, k)], then[max(0, k) : n - max(0, -k)])
+
+    best = max(range(-back, reach + 1), key=lagged)
+    return best * clock.step, lagged(best)
+
+
+def follows(x: Array, rate: Array, clock: ColumnClock) -> float:
+    """Correlation of x with the derivative of speed at the best lag, with its sign [1]."""
+    smooth = clock.smooth(x)
+    forward, back = lead(smooth, rate, clock)[1], lead(-smooth, rate, clock)[1]
+    return forward if forward >= back else -back
+
+
+def moving(speed: Array, clock: ColumnClock) -> slice:
+    """The longest part in which the car moves, without the ends that smoothing distorts."""
+    fast = speed > SLOW * float(speed.max())
+    start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, speed.size))
+    margin = 2 * clock.width(SMOOTH)
+    whole = end - start > 6 * margin
+    return slice(start + margin, end - margin) if whole else slice(start, end)
