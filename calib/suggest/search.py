@@ -92,10 +92,9 @@ class Search:
     def given(self, channel: str) -> Array | None:
         """The values [SI] of the column that the user gave for a channel, or None."""
         proposal = self.proposals.get(channel)
-        item = proposal and next(
-            (s for s in self.series if s.name == proposal.mapping.source), None
-        )
-        if not proposal or not item:
+        source = proposal.mapping.source if proposal else None
+        item = next((s for s in self.series if s.name == source), None)
+        if proposal is None or item is None:
             return None
         mapping, written = proposal.mapping, item.values
         if mapping.unit is None:
