@@ -1,10 +1,14 @@
-"""Plain names of metrics for pages and pictures: what people call them, in the unit they read.
+"""Every metric by its key, as the JSON files and limits files have it: `metrics.csv`.
 
-The keys are those of the JSON files and of limits files; a page shows them small beside the name.
+A row says how people call it and in which unit they read it, what it means, which values it can
+have, and at the station its limits, the reason for them and the next step where they do not hold.
 """
 
+import csv
 import math
 from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
 
 NBSP = "\xa0"
 """Space at which no line ends."""
@@ -40,16 +44,34 @@ def signed_percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class Plain:
-    """How a metric is shown: ``name``, ``unit`` ("" without one), ``factor`` from SI to it.
+    """A metric; None where an end is open.
 
-    ``step``: the smallest difference that matters, in the metric's SI unit; 0 if not known. The
-    decimals of a shown value follow from it.
+    ``of``: "car" for one of the station, "stop" for one of a validation, else "". ``unit`` is the
+    one that is shown ("" without one), ``factor`` from SI to it. ``step``: the smallest difference
+    that matters [SI], 0 if not known; the decimals of a shown value follow from it. ``least`` and
+    ``most`` are the values that it can have; ``cut`` is one that stands for all larger ones.
+
+    The station fails outside ``low`` to ``high`` and warns outside ``warn_low`` to ``warn_high``;
+    ``judged`` is the place among those that it judges, 0 of all others.
     """
 
     name: str
     unit: str = ""
     factor: float = 1.0
     step: float = 0.0
+    of: str = ""
+    least: float | None = None
+    most: float | None = None
+    cut: float | None = None
+    judged: int = 0
+    low: float | None = None
+    high: float | None = None
+    warn_low: float | None = None
+    warn_high: float | None = None
+    required: bool = False
+    meaning: str = ""
+    reason: str = ""
+    action: str = ""
 
     @property
     def heading(self) -> str:
@@ -68,13 +90,14 @@ class Plain:
         if not self.step:
             return f"{shown:.{digits}g}"
         places = max(0, -math.floor(math.log10(self.factor * self.step) + 1e-9))
-        text = f"{shown:.{places}f}"
-        return text.removeprefix("-") if float(text) == 0.0 else text
+        return f"{shown:z.{places}f}"
 
     def with_unit(self, value: float | None) -> str:
         """A value with its unit, which stay on one line: `95.2 %`."""
         text = self.value(value)
-        return f"{text}{NBSP}{self.unit}" if self.unit and text != "not known" else text
+        if self.unit and text != "not known":
+            text += f"{NBSP}{self.unit}"
+        return text + " or more" * (value is not None and value == self.cut)
 
     def bounds(self, low: float | None, high: float | None) -> str:
         r"""A range in the unit shown, as it was written: `step` rounds no limit.
@@ -91,123 +114,38 @@ class Plain:
         return f"{ends[0]} to {ends[1]}{unit}"
 
 
-def _percent(name: str, step: float = 0.001) -> Plain:
-    return Plain(name, "%", 100.0, step)
+TEXTS = ("key", "of", "name", "unit", "meaning", "reason", "action")
 
 
-def _sigma(name: str) -> Plain:
-    return Plain(name, "sigma", 1.0, 0.1)
+def rows(file: str) -> list[dict[str, str]]:
+    """The rows of a table beside this file."""
+    text = (files("calib.base") / file).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
 
 
-METRICS: dict[str, Plain] = {
-    # of a car
-    "ramp_deceleration": Plain("Deceleration that the ramp reached", "g", 1.0, 0.01),
-    "measured_share": _percent("Rows of the table that were measured"),
-    "band_width": _percent("Half width of the table's 95 % band"),
-    "ramp_eta_zero": _percent("Difference of the axles' tyre radii from the file's, ramp", 0.0001),
-    "pad_scale": _percent("Pad friction as a share of the vehicle file's"),
-    "pad_ratio": _percent("Front over rear pads, against the vehicle file"),
-    "side_difference_f": _percent("Front brakes, left less right"),
-    "side_difference_r": _percent("Rear brakes, left less right"),
-    "repeatability_f": _percent("Front pads, stop farthest from their mean"),
-    "repeatability_r": _percent("Rear pads, stop farthest from their mean"),
-    "golden_distance": _percent("Distance of D from the golden table"),
-    "golden_bands": Plain("The same over both 95 % bands", "", 1.0, 0.01),
-    "golden_pads_f": _percent("Front pads against the golden table"),
-    "golden_pads_r": _percent("Rear pads against the golden table"),
-    "golden_stiffness": _percent("Tyre stiffness against the golden table"),
-    "golden_sigma_d": _sigma("D against the golden fleet"),
-    "golden_sigma_level": _sigma("Pad level against the golden fleet"),
-    "golden_sigma_ratio": _sigma("Pad ratio against the golden fleet"),
-    "golden_sigma_stiffness": _sigma("Tyre stiffness against the golden fleet"),
-    # of a stop
-    "valid_share": _percent("Valid samples"),
-    "covered_share": _percent("Valid samples that the table covers"),
-    "pad_friction_f": Plain("Pad friction, front", "", 1.0, 0.001),
-    "pad_friction_r": Plain("Pad friction, rear", "", 1.0, 0.001),
-    "pad_friction_drift_f": _percent("Change of the front pads within the stop"),
-    "pad_friction_drift_r": _percent("Change of the rear pads within the stop"),
-    "interval_f": _percent("Half width of the 95 % interval, front pads"),
-    "interval_r": _percent("Half width of the 95 % interval, rear pads"),
-    "innovation_rms": Plain("Errors of prediction over those expected", "", 1.0, 0.01),
-    "innovation_lag1": Plain("Likeness of successive errors of prediction", "", 1.0, 0.01),
-    "innovation_colour": Plain("Lasting part of the errors of prediction", "", 1.0, 0.01),
-    "eta_zero": _percent("Difference of the axles' tyre radii from the file's", 0.0001),
-    "force_sum_error": _percent("Error of the sum of forces"),
-    "torque_error_f": _percent("Error of the front torque"),
-    "torque_error_r": _percent("Error of the rear torque"),
-    "pad_friction_bias_f": _percent("Mean error of the front pads"),
-    "pad_friction_bias_r": _percent("Mean error of the rear pads"),
-    "final_error_f": _percent("Error of the front pads at the end"),
-    "final_error_r": _percent("Error of the rear pads at the end"),
-    "normalised_force_rmse_f": Plain("Error of F_x/F_z, front", "", 1.0, 0.001),
-    "normalised_force_rmse_r": Plain("Error of F_x/F_z, rear", "", 1.0, 0.001),
-    "truth_in_interval": _percent("Samples with the truth in the 95 % interval"),
-    "gain_over_nominal": Plain(
-        "Torque error of nominal pads over that of the estimate", "", 1, 0.1
-    ),
-    # of a fit
-    "pad_friction_f_sigma": Plain("Front pads, one sigma", "", 1.0, 0.001),
-    "pad_friction_r_sigma": Plain("Rear pads, one sigma", "", 1.0, 0.001),
-    "pad_scale_sigma": _percent("Pad friction over the file's, one sigma"),
-    "deceleration_max": Plain("Highest deceleration", "g", 1.0, 0.01),
-    "front_biased_up_to": Plain("Front axle locks first up to", "g", 1.0, 0.01),
-    "eta_peak": Plain("Largest slip ratio of the axles, eta", "", 1.0, 0.0001),
-    "eta_peak_deceleration": Plain("Deceleration at the largest eta", "g", 1.0, 0.01),
-    "eta_peak_is_real": Plain("Eta falls again within the ramp", "1 = yes", 1.0, 1.0),
-    "residual_eta_rms_sigma": Plain("Errors of eta in the fit over those expected", "", 1, 0.01),
-    "residual_slip_rms_sigma": Plain("Errors of slip in the fit over those expected", "", 1, 0.01),
-    "outliers": Plain("Blocks of eta left out", "blocks", 1.0, 1.0),
-    "pad_ratio_nominal_weight": _percent("Weight of the vehicle file in the pad ratio"),
-    # of a log
-    "samples": Plain("Samples", "", 1.0, 1.0),
-    "duration": Plain("Duration", "s", 1.0, 0.1),
-    "rate": Plain("Rate", "Hz", 1.0, 0.1),
-    "jitter": Plain("Jitter of the clock", "ms", 1e3, 1e-5),
-    "gaps": Plain("Gaps in the clock", "gaps", 1.0, 1.0),
-    "brakings": Plain("Applications of the brake", "", 1.0, 1.0),
-    "lead_in": Plain("Steady rolling before the braking", "s", 1.0, 0.1),
-    "coasting": Plain("Steady rolling in all", "s", 1.0, 0.1),
-    "speed_max": Plain("Highest speed", "km/h", 3.6, 0.1 / 3.6),
-    "pressure_max": Plain("Highest brake pressure", "bar", 1e-5, 1e4),
-    "warnings": Plain("Warnings", "", 1.0, 1.0),
-    # codes of warnings
-    "level_changed": _percent("Brakes changed from the ramp to the stops"),
-    "pads_changed_apart": _percent("Front and rear pads changed apart"),
-    "axles_exchanged": Plain("Front and rear wheel speeds exchanged, log odds"),
-    "pads_off_file_f": Plain("Front pads, not as in the vehicle file", "", 1.0, 0.001),
-    "pads_off_file_r": Plain("Rear pads, not as in the vehicle file", "", 1.0, 0.001),
-    "a_x_scale": _percent("Scale of a_x"),
-    "v_scale": _percent("v against a_x"),
-    "unexplained_braking_force": _percent("Braking force without pressure"),
-    "braking_force_missing": _percent("Braking force that is missing"),
-    "tyre_stiffness": _percent("Slip stiffness of the tyres"),
-    "rear_pressure_limited": Plain("Limited rear pressure, fall of the chi-square"),
-    "v_of_wheels": _percent("Slip against v, over the least of any tyre"),
-    "lost_pulses": _percent("Wheel speed samples that lost a pulse"),
-    "saturated": Plain("Time at the end of a channel's range", "s", 1.0, 0.1),
-    "sides_f": _percent("Front brakes, left less right"),
-    "sides_r": _percent("Rear brakes, left less right"),
-    # of a diagnosis
-    "gap_before": Plain("Gap on the hold-outs, nothing added", "times the noise", 1.0, 0.1),
-    "gap_after": Plain("Gap on the hold-outs, effects added", "times the noise", 1.0, 0.1),
-    "gap_closed": _percent("Share of the gap that is closed"),
-}
+def _read(row: dict[str, str]) -> Plain:
+    given: dict[str, Any] = {
+        name: row[name] if name in TEXTS else float(row[name])
+        for name in row
+        if row[name] and name not in ("key", "judged", "required")
+    }
+    return Plain(**given, judged=int(row["judged"] or 0), required=row["required"] == "yes")
+
+
+METRICS: dict[str, Plain] = {row["key"]: _read(row) for row in rows("metrics.csv")}
 """Each metric by its key."""
 
-WORDS = {
-    "usable_fit": "Usable for fit",
-    "usable_validate": "Usable for validate",
-    "usable_diagnose": "Usable for diagnose",
-    "not_held": "Limits that are not held",
-    "warned": "Warnings",
-    "table_digest": "Digest of the table",
-    "verdict": "Verdict",
-    "effects": "Named effects",
-}
-"""Columns of text and of yes and no by their keys."""
+
+def meanings(of: str) -> dict[str, str]:
+    """Keys and meanings of the metrics of a "car" or of a "stop", in their order."""
+    return {key: one.meaning for key, one in METRICS.items() if one.of == of}
+
+
+def bound(key: str, end: str) -> float:
+    """A limit that another room uses, too: ``end`` low, high, warn_low or warn_high."""
+    return float(getattr(METRICS[key], end))
 
 
 def plain(key: str, unit: str = "1") -> Plain:
     """How a metric is shown; one that is not known by its key with its ``unit``."""
-    return METRICS.get(key) or Plain(WORDS.get(key, key), "" if unit == "1" else unit)
+    return METRICS.get(key) or Plain(key, "" if unit == "1" else unit)

@@ -9,6 +9,7 @@ some cars have is for a person to confirm.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from calib.base.plain import bound
 from calib.base.units import from_si
 from calib.base.warning import PlausibilityWarning
 from calib.car.bias import front_share, lock_efficiency, pressure_per_g
@@ -20,12 +21,12 @@ GOOD_ROAD = 0.8
 """Friction [1] of a road on which the efficiency of the brakes is judged: dry asphalt, used up to
 what passenger tyres hold for certain."""
 
-LEAST_FRONT_BIASED = 0.3
+LEAST_FRONT_BIASED = bound("front_biased_up_to", "low")
 """Deceleration [g] up to which the front axle must lock first, by the file here and by the pads of
 the car at the station. Cars with control of the rear pressure (EBD) have 0.4 or more by design, of
 which pads that scatter by 3 % between the axles take up to 0.1 in one car of a thousand."""
 
-UNCONTROLLED = 0.5
+UNCONTROLLED = bound("front_biased_up_to", "warn_low")
 """What cars without that control have at least [g]."""
 
 FRONT_ENGINE = 0.46

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.plain import meanings
 from calib.car.vehicle import Axle, Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
@@ -18,31 +19,7 @@ from calib.logs.log import Log
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-METRICS: dict[str, str] = {
-    "valid_share": "share of valid samples among the braked ones above 3 m/s [1]",
-    "covered_share": "share of valid samples whose eta and z the table covers [1]",
-    "pad_friction_f": "mean compensated pad friction, front, over valid samples [1]",
-    "pad_friction_r": "mean compensated pad friction, rear, over valid samples [1]",
-    "pad_friction_drift_f": "change of pad friction from first to last third, front, relative [1]",
-    "pad_friction_drift_r": "change of pad friction from first to last third, rear, relative [1]",
-    "interval_f": "median half width of the 95 % interval, front, relative [1]",
-    "interval_r": "median half width of the 95 % interval, rear, relative [1]",
-    "innovation_rms": "rms of the innovation of eta over its sigma; expected: 1 or below",
-    "innovation_lag1": "autocorrelation of the innovation from block to block; white: 0",
-    "innovation_colour": "mean product of successive innovations, over their sigmas; white: 0",
-    "eta_zero": "radius mismatch that was zeroed, over that of the vehicle file [1]",
-    "force_sum_error": "rms of the force sum against M a_x, relative; small for any table",
-    "torque_error_f": "rms error of the axle torque against truth, front, relative to its rms [1]",
-    "torque_error_r": "rms error of the axle torque against truth, rear, relative to its rms [1]",
-    "pad_friction_bias_f": "mean error of the pad friction against truth, front, relative [1]",
-    "pad_friction_bias_r": "mean error of the pad friction against truth, rear, relative [1]",
-    "final_error_f": "error of the pad friction at the end of the braking, front, relative [1]",
-    "final_error_r": "error of the pad friction at the end of the braking, rear, relative [1]",
-    "normalised_force_rmse_f": "rms error of F_x/F_z against truth, quasi-static load, front [1]",
-    "normalised_force_rmse_r": "rms error of F_x/F_z against truth, quasi-static load, rear [1]",
-    "truth_in_interval": "share of valid samples with the truth in the 95 % interval [1]",
-    "gain_over_nominal": "torque error with nominal pads over that of the estimate [1]",
-}
+METRICS: dict[str, str] = meanings("stop")
 """Every metric of a validation, with its meaning."""
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.errors import LogError, VehicleError
+from calib.base.plain import bound
 from calib.base.warning import PlausibilityWarning
 from calib.base.warning import to_dict as warning_dict
 from calib.car.mass import MassUsed, mass_used
@@ -116,7 +117,7 @@ class Validation:
         return budget(self.estimate)
 
 
-DEPARTURE_F, DEPARTURE_R = 0.08, 0.20
+DEPARTURE_F, DEPARTURE_R = (bound(f"repeatability_{axle}", "warn_high") for axle in "fr")
 """Largest departure of a stop from the mean pad friction of its road [1], front and rear, that the
 same pads have. The rear signal is weaker. The station warns past it."""
 

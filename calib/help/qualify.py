@@ -20,7 +20,8 @@ from calib.fitting.fit import fit
 from calib.help.doctor import environment, packages
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
-from calib.show.html import page
+from calib.show.facts import Facts
+from calib.show.facts import Table as Cells
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.table import Table
@@ -212,28 +213,36 @@ def to_dict(found: Qualification, date: str) -> dict[str, Any]:
     }
 
 
-def report_html(found: Qualification, document: dict[str, Any]) -> str:
-    """The page: one HTML file that fetches nothing, with what `to_dict` says."""
-    return page(
-        "qualification",
-        title=f"{PROGRAM}: qualification",
-        tool=PROGRAM,
-        verdict=found.verdict,
+def facts(found: Qualification, document: dict[str, Any]) -> Facts:
+    """What `to_dict` says, for a terminal and for a page."""
+    of = document["environment"].items()
+    failures = [_failure(one) for one in found.failed]
+    truths = [
+        (o.check.name, f"{o.check.quantity} [{o.check.unit}]. Truth: {o.check.truth}.")
+        for o in found.outcomes
+    ]
+    heads = ("check", "expected", "result", "value", "tolerance", "unit")
+    kinds = ["passed" if one.held else "failed" for one in found.outcomes]
+    rows = [_row(one) for one in found.outcomes]
+    return Facts(
+        f"Qualification of {PROGRAM} on this machine",
         headline=found.headline,
-        identity=[
+        verdict=found.verdict,
+        word=found.verdict.upper(),
+        rows=[
             ("Date", document["date"]),
             ("Results, SHA-256", found.digest),
-            *((name.capitalize(), text) for name, text in document["environment"].items() if text),
+            *((name.capitalize(), text) for name, text in of if text),
         ],
-        checks=[_row(one) for one in found.outcomes],
-        kinds=["passed" if one.held else "failed" for one in found.outcomes],
-        failures=[_failure(one) for one in found.failed],
-        truths=[
-            (o.check.name, f"{o.check.quantity} [{o.check.unit}]. Truth: {o.check.truth}.")
-            for o in found.outcomes
+        tables=[
+            Cells(("check", "what", "expected", "came"), failures, "Checks that do not hold."),
+            Cells(heads, rows, "A check holds within the tolerance of its expected value.", kinds),
         ],
-        packages=list(document["packages"].items()),
-        files=list(found.files.items()),
+        parts=[
+            Facts("What each check computes, and where its truth comes from", rows=truths),
+            Facts("Packages", rows=list(document["packages"].items())),
+            Facts("Sample logs, with their SHA-256", rows=list(found.files.items()), folded=True),
+        ],
     )
 
 

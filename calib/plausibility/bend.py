@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning, warning
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.plausibility.limits import PLAUSIBLE
@@ -27,17 +27,7 @@ def bend_warnings(
     equal = np.concatenate([sides(log)[_rolls(log)] for log in straight])
     turned = float(np.mean(lateral(ramp, s, track_width, float(np.mean(equal)))[told]))
     if abs(turned) > PLAUSIBLE.lateral:
-        yield PlausibilityWarning(
-            "bend",
-            ramp.name,
-            turned,
-            (-PLAUSIBLE.lateral, PLAUSIBLE.lateral),
-            (
-                "a bend in the ramp or the coast log",
-                "wheels that were changed between the runs",
-            ),
-            "drive ramp and coast log straight, and log the steering angle",
-        )
+        yield warning("bend", ramp.name, turned, (-PLAUSIBLE.lateral, PLAUSIBLE.lateral))
 
 
 def _rolls(log: Log) -> NDArray[np.bool_]:

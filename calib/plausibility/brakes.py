@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.half_normal import likelihood_ratio, mean_square
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning, warning
 from calib.car.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
 from calib.run.axle_signals import Signals
@@ -39,32 +39,15 @@ def response_warnings(
     sure = abs(response.share) > PLAUSIBLE.sure * response.share_sigma
     motor = motor_of(response, odds)
     if motor.share > PLAUSIBLE.force and motor.chance > PLAUSIBLE.motor_likely:
-        yield PlausibilityWarning(
+        yield warning(
             "unexplained_braking_force",
             log,
             motor.share,
             (PLAUSIBLE.force_missing, PLAUSIBLE.force),
-            (
-                "a motor or an engine that brakes along with the pedal",
-                "the zero of p_mc, too low",
-                "rear brakes that do not get all of the pressure",
-            ),
-            "log T_drive_f and T_drive_r, negative where they slow the car, or brake without the "
-            "motor; check the zero of p_mc",
         )
     if sure and response.share < PLAUSIBLE.force_missing:
-        yield PlausibilityWarning(
-            "braking_force_missing",
-            log,
-            response.share,
-            (PLAUSIBLE.force_missing, PLAUSIBLE.force),
-            (
-                "the zero of p_mc, too high",
-                "a clock of a_x or of the brakes that is late against p_mc",
-                "a pressure below which the pads do not bite",
-                "pads that are wet at first",
-            ),
-            "check the zero of p_mc; `brake-cal diagnose` tells these causes apart",
+        yield warning(
+            "braking_force_missing", log, response.share, (PLAUSIBLE.force_missing, PLAUSIBLE.force)
         )
     at, step, scatter = response.step
     if abs(step) > max(STEP, CLEAR * scatter):
@@ -188,11 +171,9 @@ def pressure_warnings(log: str, s: Signals) -> Iterator[PlausibilityWarning]:
         return
     zero = max((float(np.mean(p[s.lead_in])) for p in (s.p_f, s.p_r)), key=abs)
     if abs(zero) > PLAUSIBLE.pressure_zero:
-        yield PlausibilityWarning(
+        yield warning(
             "pressure_zero",
             log,
             zero / BAR,
             (-PLAUSIBLE.pressure_zero / BAR, PLAUSIBLE.pressure_zero / BAR),
-            ("the zero of p_mc", "a brake that is not released"),
-            "zero the pressure sensor with the pedal released, or give an offset in a channel map",
         )

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.names import WHEELS
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning, warning
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.plausibility.limits import PLAUSIBLE
@@ -55,24 +55,10 @@ def _twice(log: Log) -> Iterator[PlausibilityWarning]:
 def _held(log: Log, v_used: bool) -> Iterator[PlausibilityWarning]:
     """Channels that keep a value for too long: a v that the signals left out, and wheel speeds."""
     if "v" in log and not v_used:
-        yield PlausibilityWarning(
-            "v_held",
-            log.name,
-            held_time(log),
-            (0.0, HELD),
-            ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
-            "v is not used; log a v of 20 Hz or more",
-        )
+        yield warning("v_held", log.name, held_time(log), (0.0, HELD))
     longest = wheels_held(log)
     if longest > LIMITS.wheels_held:
-        yield PlausibilityWarning(
-            "wheels_held",
-            log.name,
-            longest,
-            (0.0, LIMITS.wheels_held),
-            ("a slow bus, whose wheel speeds are held in between", "coarse wheel speeds"),
-            "log the wheel speeds at 100 Hz or more",
-        )
+        yield warning("wheels_held", log.name, longest, (0.0, LIMITS.wheels_held))
 
 
 def _late(log: str, delay: SpeedDelay) -> PlausibilityWarning:
@@ -94,11 +80,4 @@ def _radii(log: str, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarni
     for (side, axle), radius in zip(axles, radii, strict=True):
         low, high = ((1.0 + sign * PLAUSIBLE.radius) * axle.rolling_radius for sign in (-1.0, 1.0))
         if not low < radius < high:
-            yield PlausibilityWarning(
-                f"rolling_radius_{side}",
-                log,
-                radius,
-                (low, high),
-                ("the scale or the unit of v", "the rolling radius of the vehicle file"),
-                "measure the rolling radius; check the unit of v and of the wheel speeds",
-            )
+            yield warning(f"rolling_radius_{side}", log, radius, (low, high))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from calib.base.errors import LogError
 from calib.base.intervals import Z95
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning, warning
 from calib.car.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
 from calib.table.table import Calibration, TyrePosterior
@@ -61,34 +61,16 @@ def calibration_warnings(
     rho = calibration.pad_log_ratio
     usual = max(PLAUSIBLE.pad_ratio, Z95 * rho.sigma)
     if abs(rho.value) > usual:
-        yield PlausibilityWarning(
+        yield warning(
             "pad_ratio",
             vehicle.name,
             math.expm1(rho.value),
             (math.expm1(-usual), math.expm1(usual)),
-            (
-                "piston areas, radii or pads of one axle in the vehicle file",
-                "cg_height or the axle distances of the vehicle file",
-                "tyres that differ between the axles",
-                "a motor that brakes one axle",
-            ),
-            "check the brakes of both axles, cg_height and the tyres",
         )
     stiffness = math.exp(-posterior.value("log_compliance"))
     margin = math.exp(posterior.sigma("log_compliance"))
     if not PLAUSIBLE.stiffness[0] / margin <= stiffness <= PLAUSIBLE.stiffness[1] * margin:
-        yield PlausibilityWarning(
-            "tyre_stiffness",
-            vehicle.name,
-            stiffness,
-            PLAUSIBLE.stiffness,
-            (
-                "the wheel speeds: teeth, unit or a copy",
-                "the scale of v",
-                "cg_height of the vehicle file",
-            ),
-            "check the wheel speeds with `brake-cal check`, then cg_height",
-        )
+        yield warning("tyre_stiffness", vehicle.name, stiffness, PLAUSIBLE.stiffness)
 
 
 def level_warnings(log: str, level: float, sigma: float) -> Iterator[PlausibilityWarning]:

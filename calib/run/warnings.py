@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning, warning
 from calib.logs.log import Log
 from calib.run.limits import LIMITS
 from calib.run.observation import Observation
@@ -31,16 +31,9 @@ def impossible_samples(log: Log) -> Iterator[PlausibilityWarning]:
 def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     clock = seen.clock
     if clock.rate < LIMITS.slow_rate:
-        yield PlausibilityWarning(
-            "clock_rate", log, clock.rate, (LIMITS.slow_rate, None),
-            ("the rate of the logger",),
-            "log with 200 Hz: it shows the build-up of the brake",
-        )  # fmt: skip
+        yield warning("clock_rate", log, clock.rate, (LIMITS.slow_rate, None))
     if clock.jitter * clock.rate > LIMITS.jitter:
-        yield PlausibilityWarning(
-            "clock_jitter", log, clock.jitter * clock.rate, (0.0, LIMITS.jitter),
-            ("a logger or a bus that is too busy",), "log fewer channels, or with a faster logger",
-        )  # fmt: skip
+        yield warning("clock_jitter", log, clock.jitter * clock.rate, (0.0, LIMITS.jitter))
     yield from clock_gaps(log, seen)
 
 
@@ -59,21 +52,11 @@ def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
 
 def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if seen.events and seen.lead_in < LIMITS.lead_in_good:
-        yield PlausibilityWarning(
-            "lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None),
-            ("the log starts shortly before the braking",), "roll for 1 s: it zeroes eta better",
-        )  # fmt: skip
+        yield warning("lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None))
     if seen.lead_in_driven:
-        yield PlausibilityWarning(
-            "lead_in_driven", log, 1.0, NONE,
-            ("the engine accelerates the car before the braking",),
-            "let the car roll: driven wheels slip",
-        )  # fmt: skip
+        yield warning("lead_in_driven", log, 1.0, NONE)
     if seen.standing > 0.0:
-        yield PlausibilityWarning(
-            "standing", log, seen.standing, NONE,
-            ("the car stands in a part of the log",), "do nothing: it is not used",
-        )  # fmt: skip
+        yield warning("standing", log, seen.standing, NONE)
 
 
 def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
@@ -82,28 +65,15 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         return
     eta = axles.front_rear
     if eta is None:
-        yield PlausibilityWarning(
-            "eta_zero_unknown", log, 1.0, NONE,
-            ("nothing is driven without braking",), "roll for 1 s before the braking",
-        )  # fmt: skip
+        yield warning("eta_zero_unknown", log, 1.0, NONE)
     else:
         if abs(eta.value) > max(LIMITS.tyres, eta.half):  # tyres that are worn unlike are zeroed
-            yield PlausibilityWarning(
-                "eta_zero", log, eta.value, (-LIMITS.tyres, LIMITS.tyres),
-                ("other tyres front and rear",), "check sizes and pressures of the tyres",
-            )  # fmt: skip
+            yield warning("eta_zero", log, eta.value, (-LIMITS.tyres, LIMITS.tyres))
         if eta.half > LIMITS.zero:
-            yield PlausibilityWarning(
-                "eta_zero_uncertain", log, eta.half, (0.0, LIMITS.zero),
-                ("coarse wheel speeds", "a short lead-in"),
-                "roll for longer: eta rises by 0.1 to 0.8 % only",
-            )  # fmt: skip
+            yield warning("eta_zero_uncertain", log, eta.half, (0.0, LIMITS.zero))
     for axle, sides in (("f", axles.left_right_f), ("r", axles.left_right_r)):
         if sides is not None and abs(sides.value) > max(LIMITS.sides, sides.half):
-            yield PlausibilityWarning(
-                f"sides_{axle}", log, sides.value, (-LIMITS.sides, LIMITS.sides),
-                ("a bend", "unlike tyres left and right"), "drive straight on",
-            )  # fmt: skip
+            yield warning(f"sides_{axle}", log, sides.value, (-LIMITS.sides, LIMITS.sides))
 
 
 def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
@@ -146,26 +116,15 @@ def locked_wheels(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
 
 def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if "v" not in seen.present:
-        yield PlausibilityWarning(
-            "no_reference_speed", log, 1.0, NONE,
-            ("no reference speed v is logged",),
-            "log v: without it slip stiffness and the ratio of the pads cannot be told apart",
-        )  # fmt: skip
+        yield warning("no_reference_speed", log, 1.0, NONE)
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel == "v":
             longest = max(end - start for start, end in sensor.stuck)
-            yield PlausibilityWarning(
-                "v_stuck", log, longest, NONE,
-                ("a sensor of v that hangs",), "repair the sensor, or leave v out of the log",
-            )  # fmt: skip
+            yield warning("v_stuck", log, longest, NONE)
     yield from saturated(log, seen)
     blur = _blur(seen)
     if blur > LIMITS.zero:
-        yield PlausibilityWarning(
-            "coarse_wheel_speeds", log, blur, (0.0, LIMITS.zero),
-            ("the resolution of the wheel speeds", "their noise"),
-            "log the wheel speeds finer and faster",
-        )  # fmt: skip
+        yield warning("coarse_wheel_speeds", log, blur, (0.0, LIMITS.zero))
 
 
 def saturated(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
@@ -195,14 +154,8 @@ def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if pressure is None or a_x is None or not seen.events:
         return
     if pressure.flat > LIMITS.flat and pressure.low == 0.0 and a_x.noise > 0.01:
-        yield PlausibilityWarning(
-            "pressure_computed", log, pressure.flat, (0.0, LIMITS.flat),
-            ("p_mc is computed, not measured: exactly 0 without braking, without noise",),
-            "log the pressure of a sensor",
-        )  # fmt: skip
+        yield warning("pressure_computed", log, pressure.flat, (0.0, LIMITS.flat))
     if seen.z > 0.1 and pressure.high / seen.z > LIMITS.stiff:
-        yield PlausibilityWarning(
-            "pressure_per_g", log, pressure.high / seen.z / 1e5, (0.0, LIMITS.stiff / 1e5),
-            ("the unit or the scale of p_mc", "another signal in the place of p_mc"),
-            "check the unit of p_mc",
-        )  # fmt: skip
+        yield warning(
+            "pressure_per_g", log, pressure.high / seen.z / 1e5, (0.0, LIMITS.stiff / 1e5)
+        )

@@ -1,4 +1,4 @@
-"""A diagnosis: the hold-outs replayed before and after, and the evidence for the named effects.
+"""A diagnosis: the hold-outs replayed before and after.
 
 Replays use the pressure and the first speed only. Drawn is replay less measurement, as its mean
 over 0.1 s; the noise of the sensor is the band around zero.
@@ -13,10 +13,9 @@ from calib.base.intervals import Z95
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnose import Diagnosis
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
-from calib.diagnosis.written.headline import outcome
-from calib.diagnosis.written.printed import in_shown, unit_shown
-from calib.diagnosis.written.words import plain
 from calib.logs.log import Log
+from calib.show.diagnosis import heading
+from calib.show.numbers import in_shown, spaced, unit_shown
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BODY,
@@ -27,7 +26,6 @@ from calib.show.style import (
     Array,
     Axes,
     Stroke,
-    beside,
     smooth,
     view,
     zero,
@@ -44,9 +42,6 @@ PAUSE = 0.6
 
 DECADES = tuple(m * 10.0**k for k in range(-2, 6) for m in (1.0, 3.0))
 """Ticks of a logarithmic axis over all gaps, two in each decade."""
-
-ROUND = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
-"""Ticks of a logarithmic axis that begins at one."""
 
 AXLES = {"omega_fl": 0.5, "omega_fr": 0.5, "omega_rl": -0.5, "omega_rr": -0.5}
 FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
@@ -95,9 +90,8 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
             lambda ax: one(ax, worst, weights, "replay less measured [rad/s]", same),
         ),
         Panel("gap", "Gap on the hold-outs", gap, (found,)),
-        Panel("evidence", "What explains the calibration logs", evidence, (found,)),
     ]
-    rows: list[tuple[str, ...]] = [("speed",) * 2, ("acceleration", "split"), ("gap", "evidence")]
+    rows: list[tuple[str, ...]] = [("speed",) * 2, ("acceleration", "split"), ("gap",) * 2]
     if found.unexplained is not None:
         panels.append(_term_panel(found.unexplained))
         rows.append(("term",) * 2)
@@ -108,26 +102,11 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         note=(
             "Replays are open loop: pressure and first speed only. Before: pads and tyre "
             "re-identified, no effect added. After: with all that was added. The band is 95 % of "
-            "the noise of single samples. The unexplained error is the mean square of the "
-            "innovations, residuals after whitening over their noise: 1 is noise alone."
+            "the noise of single samples."
         ),
         panels=tuple(panels),
         rows=tuple(rows),
     )
-
-
-def heading(found: Diagnosis) -> str:
-    """The verdict in a few words."""
-    if found.verdict == "no_gap":
-        return "no gap"
-    names = " and ".join(plain(effect.name) for effect in found.effects)
-    if found.unexplained is not None:
-        if names:
-            return f"{names}, and something else"
-        return f"unknown, {plain(found.unexplained.term.place)}"
-    if outcome(found) == "worse":
-        return f"{names}, and the hold-outs are no better"
-    return f"{names} (ambiguous)" if found.verdict == "ambiguous" else names or found.verdict
 
 
 def replays_of(found: Diagnosis) -> list[Replay]:
@@ -237,56 +216,9 @@ def _symbol(channel: str) -> str:
     return f"${head}_{tail}$" if tail else f"${head}$"
 
 
-def evidence(ax: Axes, found: Diagnosis) -> None:
-    """The unexplained error that each explanation leaves; noise alone is 1."""
-    rows = explanations(found)
-    place = -np.arange(len(rows), dtype=float)
-    for y, (label, left, stroke) in zip(place, rows, strict=True):
-        ax.plot([1.0, left], [y, y], color=stroke["color"], linewidth=1.2)
-        marker = {"s": 28.0, "color": stroke["color"], "zorder": 3}
-        ax.scatter([left], [y], marker="o" if stroke is AFTER else "D", **marker)
-        beside(ax, f"{label}: {left:.2f}", (1.0, y), (5.0, 5.0))
-    ax.axvline(1.0, color=BODY["color"], linewidth=1.0, linestyle=DOTTED, label="noise alone")
-    worst = max(left for _, left, _ in rows)
-    if worst > 3.0:
-        ax.set_xscale("log")
-        ticks = [t for t in ROUND if t < 1.3 * worst]
-        ax.set_xticks(ticks, [f"{t:g}" for t in ticks])
-        ax.minorticks_off()
-    least = min(1.0, *(left for _, left, _ in rows))
-    ax.set_xlim(least * (0.97 if worst < 3.0 else 0.9), max(1.12 * worst, 1.5))
-    ax.set_ylim(place[-1] - 0.4, 0.75)
-    ax.set_yticks([])
-    ax.set(xlabel="unexplained error, 1 is noise [1]")
-
-
-def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
-    """The explanations, worst first: label, unexplained error that it leaves, stroke."""
-    before, after = found.reduced_before, found.reduced_after
-    rows = [("nothing added", before, BEFORE)]
-    if found.unexplained is not None and not found.effects:
-        for place, driver, share in reversed(found.unexplained.runners_up):
-            left = before - share * (before - 1.0)
-            rows.append((f"{plain(place)} over {driver}", left, BODY))
-        term = found.unexplained.term
-        rows.append((f"{plain(term.place)} over {term.driver}, added", after, AFTER))
-        return rows
-    seconds = {e.runner_up[0]: e.runner_up[1] for e in found.effects if e.runner_up is not None}
-    for name, gained in sorted(seconds.items(), key=lambda item: item[1]):
-        rows.append((f"{plain(name)}, runner-up", before - gained, BODY))
-    if found.effects:
-        names = " + ".join(plain(effect.name) for effect in found.effects)
-        rows.append((f"{names}, added", after, AFTER))
-        if found.unexplained is not None:
-            term, share = found.unexplained.term, found.unexplained.explained
-            left = after - share * (after - 1.0)
-            rows.append((f"{plain(term.place)} over {term.driver}, not added", left, BODY))
-    return rows
-
-
 def _term_panel(found: UnexplainedTerm) -> Panel:
     term = found.term
-    title = f"Empirical term on the {plain(term.place)} over {term.driver}"
+    title = f"Empirical term on the {spaced(term.place)} over {term.driver}"
     return Panel("term", title, empirical, (found,))
 
 

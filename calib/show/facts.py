@@ -20,6 +20,7 @@ Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
 """Verdicts, which set the colour of a page's head, of a section or of a row; "" for none."""
+WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 
 
 @dataclass(frozen=True)
@@ -52,13 +53,13 @@ class Table:
 
     @property
     def numeric(self) -> tuple[bool, ...]:
-        """Whether each column holds numbers, by the first signs of its cells.
+        """Whether each column but the first holds numbers, by the first signs of its cells.
 
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
         """
-        columns = ([row[i][:1] for row in self.rows if row[i]] for i in range(len(self.heads)))
-        return tuple(
+        columns = ([row[i][:1] for row in self.rows if row[i]] for i in range(1, len(self.heads)))
+        return False, *(
             any(sign.isdigit() for sign in signs) and all(x.isdigit() or x in "+-" for x in signs)
             for signs in columns
         )

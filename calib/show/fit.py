@@ -1,13 +1,14 @@
-"""The report of a fit: may the table be used, what limits it, its curves, its inputs."""
+"""Facts of a fit: may the table be used, what limits it, its curves, its inputs."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plus_minus
 from calib.car.mass import MassUsed
 from calib.logs.log import Log
-from calib.show.html import Report, drawn
-from calib.show.judged import warned
-from calib.show.origin import PageOrigin, where_from
+from calib.show.facts import PASSED, WARNING, Facts, Picture, Table
+from calib.show.origin import PageOrigin, origin
 from calib.show.ramp import measure
 from calib.show.table import sheet
 from calib.store.answer import answer, verdict
@@ -15,95 +16,73 @@ from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.effect_figures import effect_figures
 from calib.table.pads_budget import pads_budget
-from calib.table.table import Value
 
 MADE_OF = "What the interval of the pads is made of, as standard deviations; their squares add up."
-CURVES = "The curves that the estimator looks up, with their 95 % bands"
+CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
 
 
-def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: PageOrigin) -> str:
-    """Return the report as one HTML document; ``ramps`` are the logs with braking of the fit.
+def facts(stored: Stored, mass: MassUsed) -> Facts:
+    """A version of a table that was fitted on a car of ``mass``."""
+    table, said, cal = stored.table, answer(stored), stored.table.calibration
+    budgets, count = pads_budget(table), len(table.warnings)
+    pads = {"front pads": cal.pad_friction_f, "rear pads": cal.pad_friction_r}
+    return Facts(
+        title=f"Table {stored.id}",
+        headline=f"{stored.id} is {verdict(stored)}; next: {said.next}",
+        verdict=WARNING if count else PASSED,
+        word=f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
+        numbers=[
+            *((name, plus_minus(x.value, x.ci95[1] - x.value)) for name, x in pads.items()),
+            ("of the vehicle file's", f"{100.0 * cal.pad_scale.value:.1f} %"),
+            ("usable up to", f"{said.decelerations[1]:.2f} g"),
+        ],
+        rows=[
+            ("state", stored.state.words),
+            ("range", said.limit),
+            ("mass", str(mass)),
+            *((f"{w} pads", of.words) for w, of in zip(AXLE_NAMES.values(), budgets, strict=True)),
+        ],
+        tables=[_figures(stored)],
+        notes=[*advice_lines(budgets), *table.remarks],
+        warnings=table.warnings,
+    )
 
-    Equal inputs give equal bytes but for the date of ``origin``.
-    """
-    table, found = stored.table, answer(stored)
-    cal = table.calibration
-    budgets = pads_budget(table)
-    panels = sheet(table, stored.id, tuple(measure(table, log) for log in ramps))
+
+def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrigin) -> Facts:
+    """The facts with pictures and origin; ``ramps`` are the logs with braking of the fit."""
+    panels = sheet(stored.table, stored.id, tuple(measure(stored.table, log) for log in ramps))
     of_ramps = [n for n in panels.names if n.startswith(("ramp", "pressure", "forces"))]
-    count = len(table.warnings)
-    page = Report(
-        f"Table {stored.id}",
-        f"Table {stored.id}",
-        "warning" if count else "passed",
-        f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
-    )
-    page.text(f"{stored.id} is {verdict(stored)}.")
-    key_numbers = {
-        "front pads": _pads(cal.pad_friction_f),
-        "rear pads": _pads(cal.pad_friction_r),
-        "of the vehicle file's": f"{100.0 * cal.pad_scale.value:.1f} %",
-        "usable up to": f"{found.decelerations[1]:.2f} g",
-    }
-    page.add("key_numbers", list(key_numbers.items()))
-    page.section("What limits it")
-    page.terms(
-        {
-            "State": stored.state.words,
-            "Range": found.limit,
-            "Front pads": budgets[0].words,
-            "Rear pads": budgets[1].words,
-            "Next": found.next.replace("`", ""),
-        }
-    )
-    page.listing(advice_lines(budgets))
-    page.figure(drawn(panels, "budget"), MADE_OF)
-    page.warnings(map(warned, table.warnings))
-    page.section("Key figures")
-    heads = ("figure", "value", "95 % interval", "unit")
-    page.table("What was estimated, with 95 % intervals.", heads, _figures(stored))
-    page.section("The curves")
-    page.figure(drawn(panels, "f1-f2", "difference"), f"{CURVES}, and the measured points.")
-    tyre = drawn(panels, "tyre", "torque-distribution")
-    page.figure(tyre, "The tyre curve, and the brake torques front against rear.")
-    if of_ramps:
-        page.figure(drawn(panels, *of_ramps), "The ramps of the fit.")
-    page.section("Remarks")
-    page.listing(table.remarks)
-    logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
-    where_from(page, origin, table, logs, str(mass))
-    return page.html()
+    pictures = [
+        Picture(MADE_OF, panels, ("budget",)),
+        Picture(CURVES, panels, ("f1-f2", "difference")),
+        Picture("The tyre curve, and the torques.", panels, ("tyre", "torque-distribution")),
+        *([Picture("The ramps of the fit.", panels, of_ramps)] if of_ramps else []),
+    ]
+    logs = [(log.role, log.name, log.digest) for log in stored.table.provenance.logs]
+    parts = [origin(given, stored, logs, str(mass))]
+    return replace(facts(stored, mass), pictures=pictures, parts=parts)
 
 
-def _pads(value: Value) -> str:
-    return plus_minus(value.value, value.ci95[1] - value.value)
-
-
-def _figures(stored: Stored) -> list[tuple[str, ...]]:
-    """Name, value, 95 % interval and unit of everything that was estimated."""
+def _figures(stored: Stored) -> Table:
+    """Everything that was estimated."""
     cal, q = stored.table.calibration, stored.table.quality
+    estimated = [
+        ("Pad friction, front", cal.pad_friction_f.value, cal.pad_friction_f.ci95, "1"),
+        ("Pad friction, rear", cal.pad_friction_r.value, cal.pad_friction_r.ci95, "1"),
+        ("Pad friction over the vehicle file's", cal.pad_scale.value, cal.pad_scale.ci95, "1"),
+        *(
+            (f"{of.effect}: {of.name}".replace("_", " "), of.value.value, of.ci95, of.unit)
+            for of in effect_figures(stored.table)
+        ),
+    ]
     rows = [
-        _row(name, value.value, value.ci95, "1")
-        for name, value in (
-            ("Pad friction, front", cal.pad_friction_f),
-            ("Pad friction, rear", cal.pad_friction_r),
-            ("Pad friction as a share of the vehicle file's", cal.pad_scale),
-        )
+        (name, f"{value:.4g}", f"{low:.4g} to {high:.4g}", unit)
+        for name, value, (low, high), unit in estimated
     ]
     rows += [
-        _row(f"{of.effect}: {of.name}".replace("_", " "), of.value.value, of.ci95, of.unit)
-        for of in effect_figures(stored.table)
-    ]
-    eta, peak = 100.0 * (q["eta_peak"] - 1.0), q["eta_peak_deceleration"]
-    return [
-        *rows,
         ("Deceleration that the ramp reached", f"{q['deceleration_max']:.2f}", "", "g"),
-        ("Largest eta - 1", f"{eta:.2f}", "", "%"),
-        ("Deceleration at the largest eta", f"{peak:.2f}", "", "g"),
+        ("Largest eta - 1", f"{100.0 * (q['eta_peak'] - 1.0):.2f}", "", "%"),
+        ("Deceleration at the largest eta", f"{q['eta_peak_deceleration']:.2f}", "", "g"),
         ("Front axle locks first up to", f"{q['front_biased_up_to']:.2f}", "", "g"),
     ]
-
-
-def _row(name: str, value: float, ci95: tuple[float, float], unit: str) -> tuple[str, ...]:
-    low, high = ci95
-    return name, f"{value:.4g}", f"{low:.4g} to {high:.4g}", unit
+    return Table(("figure", "value", "95 % interval", "unit"), rows, "What was estimated.")

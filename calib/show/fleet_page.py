@@ -1,17 +1,19 @@
-"""The report of a fleet: one HTML file with its pictures, and a JSON document."""
+"""Facts of a fleet, and its JSON document."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from calib.base.plain import METRICS, NBSP, plain
+from calib.base.plain import METRICS, NBSP, counted, plain
 from calib.line.fleet import control_chart, outliers
 from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
 from calib.line.fleet.edges import in_words
 from calib.line.fleet.outliers import MetricSpread
 from calib.line.fleet.summary import DRIFT, Look, Outlier, Summary
-from calib.show.html import Picture, Report
+from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
+from calib.show.fleet_figure import sheet
 
 NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
@@ -22,29 +24,18 @@ HEADS = (
 
 def headline(found: Summary) -> str:
     """The fleet in one sentence."""
+    errors = sum(failure.count for failure in found.failures)
+    failed = f"; {counted(errors, 'log')} with an error" if errors else ""
     if _too_few(found):
         some = any(look.spread.count for look in found.looks)
         why = "too few to judge outliers or drift" if some else "none has a metric"
-        text = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
-        return text + f"; {_errors(found)}." if found.failures else text + "."
-    drifting = [
-        plain(look.metric.name, look.metric.unit).name for look in found.looks if look.drifts
-    ]
-    logs = len(found.apart)
-    steady = "No drift" if _drift_tested(found) else "Drift not tested"
-    parts = [
-        f"{', '.join(drifting)} {'drift' if len(drifting) > 1 else 'drifts'}"
-        if drifting
-        else steady,
-        f"{_count(logs, 'log stands', 'logs stand')} apart" if logs else "no log stands apart",
-    ]
-    if found.failures:
-        parts.append(_errors(found))
-    return "; ".join(parts) + "."
-
-
-def _errors(found: Summary) -> str:
-    return f"{_count(sum(f.count for f in found.failures), 'log', 'logs')} with an error"
+        return f"{counted(len(found.logs), 'log')}: {why}{failed}."
+    names, logs = [_name(look) for look in found.looks if look.drifts], len(found.apart)
+    drift = "No drift" if _drift_tested(found) else "Drift not tested"
+    if names:
+        drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
+    apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
+    return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
 
 
 def _too_few(found: Summary) -> bool:
@@ -57,67 +48,69 @@ def _drift_tested(found: Summary) -> bool:
     return any(look.change is not None for look in found.looks)
 
 
-def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> str:
-    """Return the page; ``pictures`` by name of metric."""
-    page = Report(f"{title}: fleet", title, _kind(found), "Fleet")
-    page.text(headline(found))
-    page.add("key_numbers", [("logs", len(found.logs)), *found.status.items()])
-    page.section("Errors")
-    errors = [(f.message, f.count, ", ".join(f.logs)) for f in found.failures]
-    page.table("Logs without a result.", ("error", "logs", "such as"), errors, "steps")
-    page.section("Copies: one recording under several names, which counts more than once")
-    page.listing(", ".join(group) for group in found.copies)
-    page.section("Logs that stand apart")
-    apart = found.apart[:NAMES]
-    if apart:
-        more = len(found.apart) - len(apart)
-        rest = f" and {more} more in fleet.json" if more else ""
-        page.text(f"{_count(len(apart), 'log', 'logs')}, the farthest first{rest}.")
-    else:
-        page.text("Too few logs to judge." if _too_few(found) else "None.")
-    page.terms((car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in apart)
-    page.text(reach(found))
-    told = [x for x in _first(found) if x.drifts or x.outlying.any()]
-    calm = [x for x in _first(found) if not (x.drifts or x.outlying.any())]
-    page.section("Metrics to look at")
-    _metrics(page, found, told, pictures)
-    page.section("All metrics")
-    overview = [_row(look) for look in found.looks if look.spread.count]
-    page.table("Every metric that has values.", HEADS, overview)
-    page.text("" if overview else "None.")
-    with page.inside("fold", f"Metrics where nothing stands apart and nothing drifts: {len(calm)}"):
-        _metrics(page, found, calm, pictures)
-    page.section("Other columns")
+def facts(found: Summary, title: str = "") -> Facts:
+    """A fleet, the logs that stand apart first."""
+    looks = [look for look in found.looks if look.spread.count]
+    apart = [(car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in found.apart]
+    more = len(apart) - NAMES
+    errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
         (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
         for s in found.shares
     ]
-    page.table("How often.", ("column", "logs"), classes, "steps")
-    page.section("How it was judged")
-    page.text(
-        f"The line is in the order of {_ordered_by(found)}. A log is named by all its metrics at a "
+    return Facts(
+        title,
+        headline=headline(found),
+        verdict=_kind(found),
+        numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
+        rows=apart[:NAMES],
+        tables=[
+            Table(("error", "logs", "such as"), errors, "Logs without a result."),
+            Table(HEADS, [_row(found, look) for look in looks], "All metrics."),
+            Table(("column", "logs"), classes, "Other columns."),
+        ],
+        notes=[
+            *([f"And {more} more stand apart: fleet.json has them."] if more > 0 else []),
+            *(f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies),
+            *([told] if (told := reach(found)) else []),
+        ],
+    )
+
+
+def report(found: Summary, title: str) -> Facts:
+    """The facts with a part for each metric: those first that drift or in which a log is apart."""
+    filled = [look for look in found.looks if look.values.size]
+    filled.sort(key=lambda look: (not look.drifts, not look.outlying.any()))
+    told = [x for x in filled if x.drifts or x.outlying.any()]
+    calm = [x for x in filled if not (x.drifts or x.outlying.any())]
+    quiet = f"Metrics where nothing stands apart and nothing drifts: {len(calm)}"
+    parts = [
+        Facts("Metrics to look at", parts=[_metric(found, look) for look in told]),
+        Facts(quiet, parts=[_metric(found, look) for look in calm], folded=True),
+        Facts("How it was judged", notes=_judged(found)),
+    ]
+    return replace(facts(found, title), parts=parts)
+
+
+def _metric(found: Summary, look: Look) -> Facts:
+    caption = f"Distribution of {_name(look)}, and the logs in order."
+    picture = Picture(caption, sheet(found, look))
+    return Facts(f"{_name(look)} ({look.metric.name})", pictures=[picture])
+
+
+def _judged(found: Summary) -> list[str]:
+    by = found.ordered_by
+    rules = "; ".join(f"{number}: {text}" for number, text in RULES.items())
+    return [
+        f"The line is in the order of {plain(by).name}. A log is named by all its metrics at a "
         f"share of false names of {100 * outliers.SHARE:.0f} %, and none below {outliers.FEWEST} "
         f"logs; {round(found.together)} of the metrics say new things. Of pages with good cars "
         "only, at most 8 % are expected to name one, or a drift. At most "
-        f"{100 * DRIFT:.0f} % of the metrics drift by chance."
-    )
-    rules = "; ".join(f"{number}: {text}" for number, text in RULES.items())
-    page.text(
+        f"{100 * DRIFT:.0f} % of the metrics drift by chance.",
         "In the pictures, dotted: one more log beyond it is named for this metric. Where a metric "
         "drifts, dashed: three sigma from log to log, and logs that break a Western Electric rule "
-        f"({rules}) are marked: they show where to look and prove nothing."
-    )
-    return page.html()
-
-
-def _metrics(
-    page: Report, found: Summary, looks: list[Look], pictures: Mapping[str, Picture]
-) -> None:
-    for look in looks:
-        name = plain(look.metric.name, look.metric.unit).name
-        page.add("heading", name, look.metric.name)
-        page.figure(pictures[look.metric.name], f"Distribution of {name}, and the logs in order.")
-        page.text(described(found, look))
+        f"({rules}) are marked: they show where to look and prove nothing.",
+    ]
 
 
 def reach(found: Summary) -> str:
@@ -129,30 +122,25 @@ def reach(found: Summary) -> str:
     ]
     if not ratios:
         return ""
-    least, middle, most = np.quantile(ratios, [0.0, 0.5, 1.0], method="nearest")
-    logs = _count(max(look.spread.count for look in found.looks), "log", "logs")
+    middle = float(np.quantile(ratios, 0.5, method="nearest"))
+    logs = counted(max(look.spread.count for look in found.looks), "log")
     if not np.isfinite(middle):
         return f"{logs} are too few to tell one apart in a typical metric, however far away it is."
-    text = (
+    return (
         f"Among {logs} only one that is far away can be told apart: {middle:.1f} times the usual "
-        "scatter (one sigma) from the median"
+        "scatter (one sigma) from the median in a typical metric. One that is nearer may be odd, "
+        "too: these logs cannot show it."
     )
-    if len(ratios) > 1:
-        end = f" to {most:.1f}" if np.isfinite(most) else ""
-        text += f" in a typical metric; by metric, from {least:.1f}{end} times on"
-    return text + ". A log that is nearer may be odd, too: these logs cannot show it."
 
 
 def reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
     look = next(look for look in found.looks if look.metric.name == o.metric)
-    s, shown = look.spread, _shown(look)
+    shown = _shown(look)
     low, high = map(shown, look.others)
-    side = "above" if o.value > s.median else "below"
-    return (
-        f"{plain(o.metric).name} {shown(o.value)}: {side} the others, "
-        f"90 % of them from {low} to {high}"
-    )
+    side = "above" if o.value > look.spread.median else "below"
+    value = f"{plain(o.metric).name} {shown(o.value)}"
+    return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
 def _class(text: str) -> str:
@@ -161,8 +149,8 @@ def _class(text: str) -> str:
     return "; ".join(plain(key).name if key in METRICS else key for key in keys)
 
 
-def _ordered_by(found: Summary) -> str:
-    return plain(found.ordered_by).name if found.ordered_by in METRICS else found.ordered_by
+def _name(look: Look) -> str:
+    return plain(look.metric.name, look.metric.unit).name
 
 
 def _shown(look: Look) -> Callable[[float], str]:
@@ -174,66 +162,32 @@ def _shown(look: Look) -> Callable[[float], str]:
     return lambda value: number(one.factor * value, look.spread) + unit
 
 
-def _first(found: Summary) -> list[Look]:
-    """Metrics with drift first, then those with outliers, then the others that have values."""
-    filled = [look for look in found.looks if look.values.size]
-    return sorted(filled, key=lambda look: (not look.drifts, not look.outlying.any()))
-
-
 def _kind(found: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
     calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
     if _too_few(found) or (calm and not _drift_tested(found)):
-        return "unknown"
-    return "no_gap" if calm else "ambiguous"
+        return UNJUDGED
+    return PASSED if calm else WARNING
 
 
-def _row(look: Look) -> tuple[str, ...]:
-    """One metric as a row of the table of all metrics."""
-    s, shown = look.spread, _shown(look)
+def _row(found: Summary, look: Look) -> tuple[str, ...]:
+    """One metric: its scatter, beyond what a log is named, and where its level changes."""
+    s, shown, c = look.spread, _shown(look), look.change
+    low, high = map(shown, look.others)
     judged = bool(np.isfinite(s.z).any())
-    drift = "not tested" if look.change is None else "yes" if look.drifts else "no"
+    drift = "not tested" if c is None else "no"
+    if look.drifts and c is not None:
+        place = f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
+        drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
     return (
-        plain(look.metric.name, look.metric.unit).name,
+        _name(look),
         str(s.count),
         shown(s.median),
-        f"{shown(s.quantiles[0])} to {shown(s.quantiles[3])}",
-        _named_beyond(look) or "no limit",
+        f"{low} to {high}",
+        (in_words(s.edges, shown) if s.edges else "") or "no limit",
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )
-
-
-def _named_beyond(look: Look) -> str:
-    """The limits beyond which a log is named: `below 0.31 or above 0.45`; empty without any."""
-    return in_words(look.spread.edges, _shown(look)) if look.spread.edges else ""
-
-
-def described(found: Summary, look: Look) -> str:
-    """One metric in words: median and range, change of level, limits of the line."""
-    s, shown = look.spread, _shown(look)
-    low, high = map(shown, look.others)
-    whose = "others" if look.outlying.any() else "logs"
-    parts = [f"Median {shown(s.median)}, 90 % of the {whose} from {low} to {high}."]
-    if look.drifts and look.change is not None:
-        c = look.change
-        parts.append(
-            f"The level changes from {shown(c.before)} to {shown(c.after)} about "
-            f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
-            f"(p {c.p:.1e})."
-        )
-    if told := _named_beyond(look):
-        parts.append(f"One more log is named {told}.")
-    elif look.spread.edges is not None:
-        parts.append("No log can be named: as far away as that no value can be.")
-    else:
-        parts.append("No log is named: too few logs, or no scatter that matters.")
-    if look.metric.name == found.ordered_by:
-        parts.append("The logs are ordered by it, so it cannot drift.")
-    elif look.drifts and look.chart is not None:
-        low, high = map(shown, look.chart.limits)
-        parts.append(f"Limits of a steady line: {low} to {high}, three sigma from log to log.")
-    return " ".join(parts)
 
 
 def _by_chance(look: Look, rule: int) -> float | None:
@@ -308,7 +262,3 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
             "after": c.after,
         },
     }
-
-
-def _count(number: int, one: str, many: str) -> str:
-    return f"{number} {one if number == 1 else many}"

@@ -1,4 +1,4 @@
-"""Rows of judged metrics for a page: plain name, value, bar, limits, verdict; the worst first.
+"""Judged metrics as a table: plain name, value, bar, limits, verdict; the worst first.
 
 A value within its limits as a bar: where it may be, where a warning begins, where it is.
 
@@ -7,123 +7,68 @@ failed | warning |        passed        | warning | failed
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
-from calib.base.plain import METRICS, Plain, plain
-from calib.base.warning import PlausibilityWarning
+from calib.base.plain import counted, plain
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
+from calib.estimation.validate import CALIBRATION, Validation
 from calib.show.facts import Bar, Table
-from calib.show.html import Report
 
 ROOM = 0.3
 """Part of the bar beyond each limit, over the range within them."""
 WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
-KINDS = {FAILED: "failed", WARNING: "warning", PASSED: "passed", NOT_KNOWN: "unjudged"}
-"""Class of a row by its verdict."""
+HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
+Ends = tuple[float | None, float | None]
+"""Low and high, None for an open end."""
 
 
-@dataclass(frozen=True)
-class JudgedRow:
-    """One metric: ``key`` is its name in the files; ``kind`` the class of the row."""
-
-    name: str
-    key: str
-    value: str
-    bar: Bar | None
-    limit: str
-    warn: str
-    verdict: str
-    kind: str
-
-
-def row(judgements: Sequence[Judgement], most: float | None = None) -> JudgedRow:
-    """The row of one metric, judged once or stop by stop with the same limits.
-
-    ``most``: a value that stands for all larger ones.
-    """
-    first = judgements[0]
-    shown = plain(first.figure)
-    values = [_value(shown, j.value, most) for j in judgements]
-    words = {j.verdict for j in judgements}
-    verdict = next(word for word in WORST_FIRST if word in words)
-    text = values[0] if len({*values}) == 1 else ", ".join(values)
-    limit = shown.bounds(first.low, first.high)
-    warn = shown.bounds(first.warn_low, first.warn_high)
-    unit = f" {shown.unit}" if shown.unit and text != "not known" else ""
-    drawn = bar(
-        [j.value for j in judgements],
-        (first.low, first.high),
-        (first.warn_low, first.warn_high),
-        f"{text}{unit}; limit {limit}",
-    )
-    return JudgedRow(
-        shown.name,
-        first.figure,
-        text + unit,
-        drawn,
-        "" if limit == "none" else limit,
-        "" if warn == "none" else warn,
-        verdict,
-        KINDS[verdict],
-    )
+def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, list[str]]:
+    """One row for each metric, judged once or stop by stop, and a note on what is not known."""
+    rows, bars, unknown = [], [], []
+    for group in sorted(groups, key=lambda group: WORST_FIRST.index(_worst(group))):
+        first, shown = group[0], plain(group[0].figure)
+        if _worst(group) == NOT_KNOWN:
+            unknown.append(shown.name)
+            continue
+        values = [shown.value(j.value) for j in group]
+        unit = f" {shown.unit}" if shown.unit else ""
+        alike = len({*values}) == 1
+        text = shown.with_unit(first.value) if alike else ", ".join(values) + unit
+        fail, warn = (first.low, first.high), (first.warn_low, first.warn_high)
+        limits = [shown.bounds(*ends) for ends in (fail, warn)]
+        told = ["" if limit == "none" else limit for limit in limits]
+        rows.append((shown.name, text, *told, _worst(group), first.figure))
+        bars.append(bar([j.value for j in group], fail, warn, f"{text}; limit {limits[0]}"))
+    table = Table(HEADS, rows, caption, [row[4] for row in rows], bars)
+    return table, [f"Not known and so not judged: {', '.join(unknown)}."] * bool(unknown)
 
 
-def judged(
-    caption: str, groups: Sequence[Sequence[Judgement]], most: Mapping[str, float] | None = None
-) -> tuple[Table, list[str]]:
-    """One row for each metric, judged once or stop by stop, and a note on what is not known.
-
-    ``most``: values that stand for all larger ones, by metric.
-    """
-    rows = sorted_rows([row(group, (most or {}).get(group[0].figure)) for group in groups])
-    known = [r for r in rows if r.verdict != NOT_KNOWN]
-    cells = [(r.name, r.value, r.limit, r.warn, r.verdict, r.key) for r in known]
-    heads = ("metric", "value", "limit", "no warning", "verdict", "key")
-    table = Table(heads, cells, caption, [r.kind for r in known], [r.bar for r in known])
-    unknown = ", ".join(r.name for r in rows if r.verdict == NOT_KNOWN)
-    return table, [f"Not known and so not judged: {unknown}."] * bool(unknown)
+def word(r: Validation) -> str:
+    """The verdict on one log in a word or two."""
+    if r.role == CALIBRATION:
+        return "no hold-out"
+    count = len(r.all_warnings)
+    return f"{r.verdict}, {counted(count, 'warning')}" if count else r.verdict
 
 
-def sorted_rows(rows: Sequence[JudgedRow]) -> list[JudgedRow]:
-    """The rows with the worst verdict first, else in their order."""
-    return sorted(rows, key=lambda row: WORST_FIRST.index(row.verdict))
+def broken(r: Validation) -> list[str]:
+    """Name and value of each metric that breaks its limit, and the limit."""
+    return [
+        f"{shown.name} ({j.figure}) is {shown.with_unit(j.value)}, {shown.bounds(j.low, j.high)}"
+        for j in r.judgements
+        if j.passed is False and (shown := plain(j.figure))
+    ]
 
 
-def warned(w: PlausibilityWarning) -> tuple[str, ...]:
-    """A warning as a row: what and where, measured and expected, likely causes, what to do."""
-    known = METRICS.get(w.code)
-    name, amount, expected = w.code.replace("_", " "), w.amount, w.bounds
-    if known is not None:
-        name, amount, expected = known.name, known.with_unit(w.measured), known.bounds(*w.expected)
-    return f"{w.log}: {name}", f"{amount}; expected {expected}", ", or ".join(w.causes), w.do
+def _worst(group: Sequence[Judgement]) -> str:
+    """The verdict on all of them; what is known of one stop hides that another has no value."""
+    return min((j.verdict for j in group), key=WORST_FIRST.index)
 
 
-def _value(shown: Plain, value: float | None, most: float | None) -> str:
-    return shown.value(value) + " or more" * (value is not None and value == most)
-
-
-def judged_rows(page: Report, caption: str, rows: Sequence[JudgedRow]) -> None:
-    """The table of ``rows``, and the names of those that are not known."""
-    if known := [r for r in rows if r.verdict != NOT_KNOWN]:
-        page.add("judged", caption, known)
-    if unknown := [r.name for r in rows if r.verdict == NOT_KNOWN]:
-        page.add("small", f"Not known and so not judged: {', '.join(unknown)}.")
-
-
-def bar(
-    values: Sequence[float | None],
-    fail: tuple[float | None, float | None],
-    warn: tuple[float | None, float | None],
-    label: str,
-) -> Bar | None:
-    """The bar of ``values`` with their limits (low, high), None for an open end.
-
-    None without any limit, and without any value.
-    """
+def bar(values: Sequence[float | None], fail: Ends, warn: Ends, label: str) -> Bar | None:
+    """The bar of ``values`` with their limits; None without any limit, and without any value."""
     known = [v for v in values if v is not None and math.isfinite(v)]
-    ends = [x for x in (*fail, *warn) if x is not None]
-    if not ends or not known:
+    if not known or (*fail, *warn) == (None,) * 4:
         return None
     low, high = _axis(known, fail, warn)
 
@@ -132,23 +77,12 @@ def bar(
         return round(100.0 * (at - low) / (high - low), 2)
 
     held = place(fail[0], low), place(fail[1], high)
-    calm = (
-        max(held[0], place(warn[0], low)),
-        min(held[1], place(warn[1], high)),
-    )
-    return Bar(
-        (calm[0], round(max(calm[1] - calm[0], 0.0), 2)),
-        (held[0], round(max(held[1] - held[0], 0.0), 2)),
-        tuple(place(v, low) for v in known),
-        label,
-    )
+    calm = max(held[0], place(warn[0], low)), min(held[1], place(warn[1], high))
+    zones = [(start, round(max(end - start, 0.0), 2)) for start, end in (calm, held)]
+    return Bar(zones[0], zones[1], tuple(place(v, low) for v in known), label)
 
 
-def _axis(
-    known: list[float],
-    fail: tuple[float | None, float | None],
-    warn: tuple[float | None, float | None],
-) -> tuple[float, float]:
+def _axis(known: list[float], fail: Ends, warn: Ends) -> tuple[float, float]:
     """Ends of the bar: all limits with room beyond them; zero, if only one side has a limit."""
     lows = [x for x in (fail[0], warn[0]) if x is not None]
     highs = [x for x in (fail[1], warn[1]) if x is not None]
@@ -159,4 +93,4 @@ def _axis(
     if highs:
         return min(0.0, *known), max(highs) * (1.0 + ROOM) if max(highs) > 0.0 else 1.0
     top = max(*lows, min(max(known), 2.0 * max(lows)))
-    return min(0.0, *lows), top * (1.0 + 0.1) if top > 0.0 else 1.0
+    return min(0.0, *lows), top * 1.1 if top > 0.0 else 1.0

@@ -1,40 +1,42 @@
-"""The page of a log: one HTML file with its columns, its events and their picture."""
+"""Facts of a log as it was recorded: its columns and its events."""
 
 from collections.abc import Iterable
 
 from calib.logs.whole import Inventory, WholeLog
 from calib.run.events import BITE, RunEvent
-from calib.show.html import Report, picture
+from calib.show.facts import Facts, Picture, Table
 
-HEADS = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
+RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
+NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
 
 
-def log_html(
-    log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent], drawn: bytes
-) -> str:
-    """Return the page; ``drawn`` the picture as PNG."""
+def facts(
+    log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent], drawn: bytes = b""
+) -> Facts:
+    """What is in a log; ``drawn`` its picture as PNG, for a page."""
     time = log.time
-    page = Report(f"Log {log.name}", f"Log {log.name}")
-    span = f"{time[0]:g} to {time[-1]:g} s, {time.size} rows"
-    page.terms({"file": log.source, "SHA-256": log.digest, "time": span})
-    page.section("Columns over time")
-    raw = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
-    page.figure(picture(drawn, "png", "zoom-channels"), raw)
-    page.section("Events")
-    times = [event_cells(event) for event in events]
-    page.table("Events in order of time.", ("event", "time", "length"), times)
-    if not times:
-        page.text("None: they need a_x and the four wheel speeds, with a value in every row.")
-    page.section("Columns")
-    page.table("What is in each column.", HEADS, map(cells, columns))
-    if log.notes:
-        page.add("heading", "What was changed or left out")
-    page.listing(log.notes)
-    return page.html()
+    rows = [event_cells(event) for event in events]
+    heads = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
+    return Facts(
+        title=f"Log {log.name}",
+        rows=[
+            ("file", log.source),
+            ("SHA-256", log.digest),
+            ("time", f"{time[0]:g} to {time[-1]:g} s, {time.size} rows"),
+        ],
+        tables=[
+            Table(heads, [cells(column) for column in columns], "What is in each column."),
+            Table(("event", "time", "length"), rows, "Events in order of time."),
+        ],
+        notes=[*log.notes, *([] if rows else [NO_EVENTS])],
+        pictures=[Picture(RAW, drawn)] if drawn else [],
+    )
 
 
 def cells(column: Inventory) -> tuple[str, ...]:
-    """A column as text, in the order of `HEADS`."""
+    """A column as text: name, unit, lowest, highest, rate [Hz], number of values, gaps."""
+    start, length = max(column.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
+    gaps = f"{len(column.gaps)}, longest {length:.3f} s at {start:.2f} s" if column.gaps else "none"
     return (
         column.name,
         column.unit or "none",
@@ -42,7 +44,7 @@ def cells(column: Inventory) -> tuple[str, ...]:
         "none" if column.high is None else f"{column.high:.6g}",
         "none" if column.rate is None else f"{column.rate:.4g}",
         str(column.samples),
-        _gaps(column),
+        gaps,
     )
 
 
@@ -51,10 +53,3 @@ def event_cells(event: RunEvent) -> tuple[str, str, str]:
     if event.kind == BITE:
         return event.kind, f"{event.start:.2f} s", ""
     return event.kind, f"{event.start:.2f} to {event.end:.2f} s", f"{event.end - event.start:.2f} s"
-
-
-def _gaps(column: Inventory) -> str:
-    if not column.gaps:
-        return "none"
-    start, length = max(column.gaps, key=lambda gap: gap[1])
-    return f"{len(column.gaps)}, longest {length:.3f} s at {start:.2f} s"

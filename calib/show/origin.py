@@ -11,7 +11,6 @@ from calib.base.program import PROGRAM
 from calib.car.vehicle import Axle, Vehicle
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
-from calib.show.html import Report
 from calib.store.version import Stored
 from calib.table.table import Table
 
@@ -34,21 +33,6 @@ def origin_of(date: str, files: Mapping[str, Path | None]) -> PageOrigin:
     return PageOrigin(date, tuple(given))
 
 
-def where_from(
-    page: Report, origin: PageOrigin, table: Table, logs: Iterable[tuple[str, str, str]], mass: str
-) -> None:
-    """The last section of a page; ``logs`` (role, name, SHA-256)."""
-    runs_on = f"Python {platform.python_version()}, " + ", ".join(_packages())
-    inputs = [(name, role, digest) for role, name, digest in (*logs, *origin.files)]
-    page.section("Where it comes from")
-    page.terms({"Date": origin.date, "Program": PROGRAM, "Runs on": runs_on})
-    heads = ("file", "role", "SHA-256")
-    page.table("Inputs, with the SHA-256 of their bytes.", heads, inputs, "digests stack")
-    with page.inside("fold", "The vehicle"):
-        page.terms([("Name", table.vehicle.name), ("Mass", mass), *_vehicle(table.vehicle)])
-    settings_of(page, table)
-
-
 def origin(
     given: PageOrigin, stored: Stored, logs: Iterable[tuple[str, str, str]], mass: str
 ) -> Facts:
@@ -60,7 +44,7 @@ def origin(
         "Where it comes from",
         rows=[
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
-            ("Date", given.date),
+            ("Date", given.date or "not stated"),
             ("Program", PROGRAM),
             ("Runs on", f"Python {platform.python_version()}, " + ", ".join(_packages())),
         ],
@@ -73,13 +57,6 @@ def settings(table: Table) -> Facts:
     """The settings of the fit of ``table``, shown on demand."""
     rows = [(name, f"{value:g}") for name, value in table.provenance.settings.items()]
     return Facts("Settings, in SI", tables=[Cells(("setting", "value"), rows)], folded=True)
-
-
-def settings_of(page: Report, table: Table) -> None:
-    """The settings of the fit of ``table``, shown on demand."""
-    settings = [(name, f"{value:g}") for name, value in table.provenance.settings.items()]
-    with page.inside("fold", "Settings"):
-        page.table("Settings, in SI.", ("setting", "value"), settings)
 
 
 def _packages() -> list[str]:

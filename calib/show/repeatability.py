@@ -6,12 +6,20 @@ bars     |  [==]--|    standard deviation of each cause over the total, 95 % int
 
 import numpy as np
 
-from calib.line.gauge.gauge_rr import CAR, GAUGE, INTERACTION, REPEATABILITY, STATION, TOTAL
-from calib.line.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy, GaugeVerdict
+from calib.line.gauge.gauge_rr import (
+    CAR,
+    GAUGE,
+    INTERACTION,
+    REPEATABILITY,
+    REPRODUCIBILITY,
+    STATION,
+    TOTAL,
+)
+from calib.line.gauge.study import GOOD_GRR, REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
+from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes
 
-SUMMARY, SMALLER = "summary", "%GRR of each metric: the smaller, the better the gauge"
 LABELS = {
     REPEATABILITY: "repeatability",
     STATION: "station",
@@ -36,14 +44,49 @@ TITLES = {
     "f2": "$f_2$",
 }
 """The metrics in words; another one has its own name."""
-HEAT = {
-    GaugeVerdict.GOOD: "#BFE3D6",
-    GaugeVerdict.MARGINAL: "#F3E3A9",
-    GaugeVerdict.BAD: "#F0B08C",
-    GaugeVerdict.ALIKE: "#D9D9D9",
-    GaugeVerdict.NOT_JUDGED: "#FFFFFF",
-}
-"""Colours of the verdicts; each cell says its verdict in words too."""
+
+
+def facts(found: GaugeStudy) -> Facts:
+    """A gauge study: the verdict, and each metric with its causes of scatter."""
+    judged = [one for one in found.results if one.verdict != GaugeVerdict.NOT_JUDGED]
+    held = sum(one.verdict not in REFUSED for one in judged)
+    told = [f"{held} of {len(judged)} metrics within the limits"]
+    for verdict in REFUSED:
+        bad = [one.name for one in judged if one.verdict == verdict]
+        told += [f"{verdict}: {', '.join(bad)}"] if bad else []
+    if not judged:
+        told = ["none of the metrics could be judged: their repeats do not scatter"]
+    heads = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc", "of tolerance")
+    rows = [(one.name, *_cells(one), one.verdict) for one in found.results]
+    caption = "Repeatability, reproducibility and cars: standard deviations [1]."
+    negative = [
+        f"{one.name}: variances that came out negative count as zero: {', '.join(names)}"
+        for one in found.results
+        if one.gauge and (names := one.gauge.negative)
+    ]
+    word = (PASSED if found.passed else FAILED) if judged else UNJUDGED
+    return Facts(
+        "Gauge study",
+        headline="; ".join(told),
+        verdict=word,
+        word=WORDS.get(word, "Not judged"),
+        tables=[Table(("metric", *heads, "verdict"), rows, caption)],
+        notes=[*negative, *found.notes],
+    )
+
+
+def _cells(result: GaugeResult) -> tuple[str, ...]:
+    g = result.gauge
+    if g is None:
+        return ("-",) * 7
+    names = (REPEATABILITY, REPRODUCIBILITY, CAR)
+    sds = [f"{g.components[name].sd:.3g}" if name in g.components else "-" for name in names]
+    of_tolerance = "-" if g.tolerance is None else f"{100.0 * g.tolerance:.1f}"
+    if not g.cars_differ:
+        return *sds, "-", "-", "-", of_tolerance
+    low, high = (100.0 * end for end in g.grr95)
+    share = (f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories))
+    return *sds, *share, of_tolerance
 
 
 def sheet(found: GaugeStudy) -> Sheet:
@@ -63,12 +106,9 @@ def sheet(found: GaugeStudy) -> Sheet:
         name="repeatability",
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
         note=". ".join(s[0].upper() + s[1:] for s in sentences) + ".",
-        panels=(
-            Panel(SUMMARY, SMALLER, heat, (found,)),
-            *(panel for pair in pairs for panel in pair),
-        ),
-        rows=((SUMMARY,) * 3, *((values.name, values.name, parts.name) for values, parts in pairs)),
-        heights=(0.62, *(0.8 for _ in pairs)),
+        panels=tuple(panel for pair in pairs for panel in pair),
+        rows=tuple((values.name, values.name, parts.name) for values, parts in pairs),
+        heights=(0.8,) * len(pairs),
         result=_result(found),
     )
 
@@ -77,8 +117,7 @@ def _result(found: GaugeStudy) -> str:
     """Passed, or the metrics for which it failed."""
     if found.passed:
         return "Passed"
-    bad = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
-    return f"Failed: {', '.join(title_of(r) for r in found.results if r.verdict in bad)}"
+    return f"Failed: {', '.join(title_of(r) for r in found.results if r.verdict in REFUSED)}"
 
 
 def _panels(found: GaugeStudy, result: GaugeResult) -> tuple[Panel, Panel]:
@@ -165,55 +204,3 @@ def components(ax: Axes, result: GaugeResult) -> None:
 def title_of(result: GaugeResult) -> str:
     """The metric in words."""
     return TITLES.get(result.name, result.name.replace("_", " "))
-
-
-def heat(ax: Axes, found: GaugeStudy) -> None:
-    """One cell for each metric with %GRR and ndc; below it %GRR of its tolerance, where known."""
-    from matplotlib.patches import Rectangle
-
-    rows = {"of the cars": _of_cars}
-    if any(_tolerance(result) is not None for result in found.results):
-        rows["of the tolerance"] = _of_tolerance
-    for j, cell in enumerate(rows.values()):
-        for i, result in enumerate(found.results):
-            text, verdict = cell(result)
-            place = (i - 0.48, j - 0.46)
-            ax.add_patch(Rectangle(place, 0.96, 0.92, color=HEAT[verdict], linewidth=0.0))
-            ax.text(i, j, text, ha="center", va="center", fontsize=7.0)
-    ax.set_xlim(-0.5, len(found.results) - 0.5)
-    ax.set_ylim(len(rows) - 0.5, -0.5)
-    words = {GaugeVerdict.ALIKE: "no verdict"}
-    names = [f"{title_of(r)}\n{words.get(r.verdict, r.verdict)}" for r in found.results]
-    ax.set_xticks(range(len(found.results)), names)
-    ax.set_yticks(range(len(rows)), list(rows))
-    ax.tick_params(length=0)
-    ax.grid(visible=False)
-    ax.spines[:].set_visible(False)
-
-
-def _tolerance(result: GaugeResult) -> float | None:
-    return None if result.gauge is None else result.gauge.tolerance
-
-
-def _of_cars(result: GaugeResult) -> tuple[str, GaugeVerdict]:
-    gauge = result.gauge
-    if gauge is None:
-        return "repeats do\nnot scatter", GaugeVerdict.NOT_JUDGED
-    if not gauge.cars_differ:
-        return "the cars\ndo not differ", GaugeVerdict.ALIKE
-    text = f"{100.0 * gauge.grr:.0f} %\nndc {gauge.categories}"
-    return text, _colour(result, gauge.grr, ("grr", "ndc"))
-
-
-def _of_tolerance(result: GaugeResult) -> tuple[str, GaugeVerdict]:
-    share = _tolerance(result)
-    if share is None:
-        return "not known", GaugeVerdict.NOT_JUDGED
-    return f"{100.0 * share:.0f} %", _colour(result, share, ("grr_of_tolerance",))
-
-
-def _colour(result: GaugeResult, share: float, figures: tuple[str, ...]) -> GaugeVerdict:
-    """The verdict of one cell: by its own limits."""
-    if any(j.passed is False for j in result.judgements if j.figure in figures):
-        return GaugeVerdict.BAD
-    return GaugeVerdict.GOOD if share <= GOOD_GRR else GaugeVerdict.MARGINAL

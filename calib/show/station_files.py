@@ -14,7 +14,8 @@ from calib.line.station.document import to_dict, to_text
 from calib.line.station.folder import DOCUMENT, JUNIT, REPORT, export_name
 from calib.line.station.junit import junit_xml
 from calib.line.station.station import StationOutcome
-from calib.show.station_page import report_html
+from calib.show.html import page_of
+from calib.show.station_page import report
 from calib.store.quality import read_quality
 from calib.store.store import Store
 from calib.store.version import Stored
@@ -62,7 +63,7 @@ def write_all(
     if stored.state.released:
         _write_exports(stored, forms, date, work)
     write_whole(work / JUNIT, junit_xml(found, stored))
-    write_whole(work / REPORT, report_html(found, stored, date).encode())
+    write_whole(work / REPORT, page_of(report(found, stored, date)).encode())
     document = to_dict(found, stored, sorted(p.name for p in work.iterdir() if p.name != DOCUMENT))
     write_whole(work / DOCUMENT, to_text(document).encode())
     return document

@@ -1,7 +1,6 @@
 """The page of an index of runs: the last car, the last runs by their verdicts, and trends."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
@@ -18,44 +17,19 @@ from calib.line.station.index import (
     IndexedRun,
     runs_below,
 )
-from calib.line.station.words import HEADINGS
-from calib.show.html import page
+from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Table
+from calib.show.html import page_of
 
 LAST = 30
-"""Runs that are shown in full, failed ones on top; the others are in a list below."""
-
+"""Runs that are shown in full, failed ones on top; the others are in a table below."""
 DRAWN = 200
 """Runs in a trend, the last of them."""
-
 EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
-
-KINDS = {
-    "passed": "passed",
-    "warning": "warning",
-    "failed": "failed",
-    NO_VERDICT: "failed",
-    UNREADABLE: "failed",
-}
+TOP = "Failed and refused ones on top, then those with warnings; among equal ones the newest first."
+KINDS = {"passed": PASSED, "warning": WARNING, "failed": FAILED, NO_VERDICT: FAILED}
+KINDS[UNREADABLE] = FAILED
 """Verdicts, and as which they are drawn and sorted."""
-
-
-@dataclass(frozen=True)
-class Line:
-    """A trend as a drawing of 100 by 40: ``points`` x,y of the runs in order, oldest first.
-
-    ``limits``: heights of the limits; ``low``, ``high``: values at the lower and the upper edge,
-    ``last``: the last value, all as they are shown; ``label`` says it in words.
-    """
-
-    name: str
-    key: str
-    points: str
-    limits: tuple[float, ...]
-    low: str
-    high: str
-    last: str
-    label: str
 
 
 def write_index(folder: Path) -> int:
@@ -67,44 +41,40 @@ def write_index(folder: Path) -> int:
     for name, every in ((INDEX, 0), (LIVE, EVERY)):
         path = folder / name
         if changed or not path.is_file():
-            write_whole(path, index_html(runs, folder.absolute().name, every).encode())
+            found = facts(runs, folder.absolute().name, every)
+            write_whole(path, page_of(found, every).encode())
     return len(runs)
 
 
-def index_html(runs: Sequence[IndexedRun], name: str, every: int = 0) -> str:
-    """The page of ``runs``, the last first; it loads itself again after ``every`` [s], 0: never."""
+def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
+    """The ``runs``, the last first; ``every`` [s]: of the page that loads itself again."""
     last = runs[0] if runs else None
     counts = {word: sum(run.verdict == word for run in runs) for word in KINDS}
-    return page(
-        "index",
-        title=f"{name}: {_heading(last)}" if last else name,
-        name=name,
-        every=every,
-        other=LIVE if not every else INDEX,
-        last=last and (_car(last), _heading(last), KINDS.get(last.verdict, "failed"), _why(last)),
-        counts=[("cars", len(runs)), *((_word(w), n) for w, n in counts.items() if n)],
-        trends=[line for key in TRENDS if (line := trend(runs, key)) is not None],
-        drawn=DRAWN,
-        rows=[_row(run) for run in worst_first(runs[:LAST])],
-        shown=LAST,
-        more=[_row(run) for run in runs[LAST:]],
+    of = {word: {"warning": "with warnings"}.get(word, word) for word in KINDS}
+    this, other = ("loads itself again", INDEX) if every else ("stays as it is", LIVE)
+    return Facts(
+        name,
+        headline=_why(last) if last else "",
+        verdict=KINDS.get(last.verdict, FAILED) if last else "",
+        word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
+        numbers=[("cars", str(len(runs))), *((of[w], str(n)) for w, n in counts.items() if n)],
+        tables=[_runs(worst_first(runs[:LAST]), f"The last cars. {TOP}")],
+        notes=[f"This page {this}; {other} is the other one."],
+        pictures=[line for key in TRENDS if (line := trend(runs, key)) is not None],
+        parts=[Facts("Earlier cars", tables=[_runs(runs[LAST:])], folded=True)],
     )
 
 
 def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
     """The runs by verdict, failed and refused ones first; equal ones keep their order."""
-    ranks = ("failed", "warning", "passed")
-    return sorted(runs, key=lambda run: ranks.index(KINDS.get(run.verdict, "failed")))
+    ranks = (FAILED, WARNING, PASSED)
+    return sorted(runs, key=lambda run: ranks.index(KINDS.get(run.verdict, FAILED)))
 
 
-def trend(runs: Sequence[IndexedRun], key: str) -> Line | None:
+def trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
     """The trend of a metric over the last runs; None with fewer than two values."""
-    values = [
-        run.trend[key]
-        for run in reversed(runs[:DRAWN])
-        if run.trend and run.trend.get(key) is not None
-    ]
-    known = [v for v in values if v is not None]
+    trends = [run.trend or {} for run in reversed(runs[:DRAWN])]
+    known = [value for one in trends if (value := one.get(key)) is not None]
     if len(known) < 2:
         return None
     shown = plain(key)
@@ -115,48 +85,40 @@ def trend(runs: Sequence[IndexedRun], key: str) -> Line | None:
     low, high = low - room, high + room
 
     def height(value: float) -> float:
-        return round(40.0 * (high - value) / (high - low), 2)
+        return round(120.0 * (high - value) / (high - low), 2)
 
-    step = 100.0 / (len(known) - 1)
-    ends = shown.value(low), shown.value(high)
-    return Line(
-        shown.heading,
-        key,
-        " ".join(f"{i * step:.2f},{height(v)}" for i, v in enumerate(known)),
-        tuple(map(height, limits)),
-        *ends,
-        shown.with_unit(known[-1]),
-        f"{shown.name} of the last {len(known)} cars, between {ends[0]} and {ends[1]}; last "
-        f"{shown.with_unit(known[-1])}",
+    step = 300.0 / (len(known) - 1)
+    points = " ".join(f"{i * step:.2f},{height(v)}" for i, v in enumerate(known))
+    dashed = 'stroke="#666" stroke-dasharray="6 4"'
+    lines = "".join(f'<path d="M0 {height(x)}H300" {dashed}/>' for x in limits)
+    ends = f"{shown.value(low)} to {shown.value(high)}"
+    svg = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 120">{lines}'
+        f'<polyline points="{points}" fill="none" stroke="#00588c" stroke-width="2"/></svg>'
     )
+    caption = (
+        f"{shown.heading} ({key}) of the last {len(known)} cars: {shown.with_unit(known[-1])}; the "
+        f"axis is {ends}, dashed: the limits."
+    )
+    return Picture(caption, svg.encode())
 
 
-def _row(run: IndexedRun) -> dict[str, str]:
-    pads = [
-        plain(f"pad_friction_{x}").value((run.trend or {}).get(f"pad_friction_{x}")) for x in "fr"
-    ]
-    return {
-        "at": datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M:%S"),
-        "car": _car(run),
-        "page": quote(f"{run.place}/{REPORT}") if run.verdict != NO_VERDICT else "",
-        "verdict": _heading(run),
-        "kind": KINDS.get(run.verdict, "failed"),
-        "why": _why(run),
-        "pads": " / ".join(pads) if run.trend else "",
-        "station": run.station,
-    }
+def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
+    heads = ("car", "verdict", "what to do", "pads front / rear", "station", "time")
+    reports = [quote(f"{run.place}/{REPORT}") if run.verdict != NO_VERDICT else "" for run in runs]
+    kinds = [KINDS.get(run.verdict, FAILED) for run in runs]
+    return Table(heads, [_row(run) for run in runs], caption, kinds, links=reports)
 
 
-def _car(run: IndexedRun) -> str:
-    return run.car or run.place
+def _row(run: IndexedRun) -> tuple[str, ...]:
+    names, trend = ("pad_friction_f", "pad_friction_r"), run.trend or {}
+    pads = " / ".join(plain(name).value(trend.get(name)) for name in names) if run.trend else ""
+    at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M:%S")
+    return run.car or run.place, _heading(run), _why(run), pads, run.station, at
 
 
 def _heading(run: IndexedRun) -> str:
-    return HEADINGS.get(run.verdict, run.verdict.capitalize())
-
-
-def _word(verdict: str) -> str:
-    return {"warning": "with warnings"}.get(verdict, verdict)
+    return WORDS.get(run.verdict, run.verdict.capitalize())
 
 
 def _why(run: IndexedRun) -> str:

@@ -1,20 +1,20 @@
-"""The report of a car: verdict, next steps, metrics and limits, curves, origin of the data."""
+"""Facts of a car at the station: verdict, next steps, metrics and limits, curves, origin."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import plain
-from calib.base.program import PROGRAM
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.validate import Validation
-from calib.line.station.advice import action, reason
 from calib.line.station.identity import TITLES
-from calib.line.station.metrics import CUT
+from calib.line.station.limits_file import action
 from calib.line.station.station import StationOutcome
-from calib.line.station.words import HEADINGS, in_full, summary
-from calib.show.html import Report, drawn
-from calib.show.judged import judged_rows, row, sorted_rows, warned
-from calib.show.origin import settings_of
+from calib.show.facts import WORDS, Facts, Picture
+from calib.show.facts import Table as Cells
+from calib.show.judged import judged
+from calib.show.origin import PageOrigin, origin
 from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
 from calib.show.style import FRONT, REAR, Axes
@@ -27,116 +27,102 @@ from calib.table.table import Table
 
 TAKEN = ("f1-f2", "difference", "budget")
 """Panels of the table's own sheet."""
-CURVE_HEADS = ("eta - 1", "deceleration [g]", "f1", "+-", "f2", "+-", "blocks")
+CURVES = "The curves that the estimator looks up, with their 95 % bands."
+BY_STOP = "Pad friction of each stop with its 95 % interval; line and band: the table's."
+OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
 
 
-def report_html(found: StationOutcome, stored: Stored, date: str = "") -> str:
-    """Return the report as one HTML document, without a path in it.
+def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
+    """The verdict on a car, the worst metrics first, without a path.
 
     ``date`` is the one that was stated for the run, "" for none: a clock would change the bytes.
     """
-    table, results, identity = found.table, found.results, found.identity
-    given = [(TITLES[name], value) for name, value in identity.given().items()]
+    table, identity = found.table, found.identity
+    name = identity.vin or identity.serial or table.vehicle.name
+    mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
+    of_stops: dict[str, list[Judgement]] = {}
+    for check in found.checks:
+        if not check.of_car:
+            of_stops.setdefault(check.figure, []).append(check.judgement)
+    stops = ", ".join(r.log for r in found.results)
+    of_car = [[check.judgement] for check in found.checks if check.of_car]
+    car, unknown = judged("The car as a whole, the worst first.", of_car)
+    by_stop, unknown_too = judged(f"Stop by stop, in this order: {stops}.", [*of_stops.values()])
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
-    page = Report(
-        f"{HEADINGS[found.verdict]}: {identity.vin or identity.serial or table.vehicle.name}",
-        "Brake torque calibration of one car",
-        found.verdict,
-        HEADINGS[found.verdict],
-        body="one-page",
-    )
-    page.text(summary(found))
-    page.terms(
-        [
+    steps = [(check.verdict, check.text, action(check.figure)) for check in bad]
+    heads = ("verdict", "result", "next step")
+    return Facts(
+        title=f"Brake torque calibration of {name}",
+        headline=f"{stored.id}, {stored.state.why}: {found.headline}.",
+        verdict=found.verdict,
+        word=WORDS[found.verdict],
+        rows=[
             ("Vehicle", table.vehicle.name),
-            *given,
-            ("Table", f"{stored.id}, {stored.state.why}"),
+            *((TITLES[name], value) for name, value in identity.given().items()),
+            ("Mass", str(found.results[0].mass)),
             ("Date", date or "not stated (--date)"),
             ("Operator", found.by or "not stated (--by)"),
             ("Limits file", found.limits or "none: those of the program"),
-        ]
+            ("Golden table", f"{found.golden}{mean}" if found.golden else "none given"),
+        ],
+        tables=[
+            Cells(heads, steps, "Limits that are not held.", [step[0] for step in steps]),
+            car,
+            by_stop,
+        ],
+        notes=[*unknown, *unknown_too],
+        warnings=found.warnings,
     )
-    page.section("What to do next")
-    steps = [(check.verdict, in_full(check), action(check.figure)) for check in bad]
-    heads = ("verdict", "result", "next step")
-    page.table("Limits that are not held.", heads, steps, "steps", [step[0] for step in steps])
-    if not steps:
-        held = "every judged metric is within its limit."
-        page.text("Look at the warnings:" if found.warnings else "Nothing:", held)
-    page.warnings(map(warned, found.warnings))
-    page.section("Limits")
-    _limits(page, found)
-    page.section("Pads")
-    _pads(page, found)
-    page.section("The table", of="on-screen")
-    curves = "The curves that the estimator looks up, with their 95 % bands."
-    pictures = sheet(table, results)
-    page.figure(drawn(pictures, "f1-f2", "difference"), curves)
-    with page.inside("fold", "Read it as a table"):
-        page.table("Every few rows of f1 and f2.", CURVE_HEADS, _curve_rows(table))
-    page.section("The stops", of="on-screen")
-    over_time = drawn(pictures, *(f"stop-{i}" for i in range(1, len(results) + 1)))
-    page.figure(over_time, "Pad friction over time with its 95 % band; grey: not valid.")
-    page.listing(f"{r.log}: {words}" for r in results for words in on_the_way(r))
-    page.section("Where it comes from")
-    origin = f"{stored.id}, SHA-256 {stored.digest}"
-    page.terms({"Table": origin, "Golden table": _golden(found), "Program": PROGRAM})
-    sources = [(log.name, "ramp", log.digest[:16]) for log in found.ramps]
-    sources += [(log.name, "coast", log.digest[:16]) for log in found.coasts]
-    sources += [(r.log, r.role, r.digest[:16]) for r in results]
-    digests = "Logs, by the first 16 digits of the SHA-256 of their bytes."
-    page.table(digests, ("log", "role", "SHA-256"), sources, "plain stack")
-    with page.inside("on_screen"):
-        settings_of(page, table)
-        with page.inside("fold", "Remarks"):
-            page.listing([*table.remarks, *map(str, found.caveats)])
-    return page.html()
 
 
-def _limits(page: Report, found: StationOutcome) -> None:
-    """The judged metrics of the car and of its stops, the worst first."""
-    by_figure: dict[str, list[Judgement]] = {}
-    for check in found.checks:
-        if not check.of_car:
-            by_figure.setdefault(check.figure, []).append(check.judgement)
-    of_car = [row([c.judgement], CUT.get(c.figure)) for c in found.checks if c.of_car]
-    of_stops = [row(judgements) for judgements in by_figure.values()]
-    judged_rows(page, "The car as a whole, the worst first.", sorted_rows(of_car))
-    stops = ", ".join(r.log for r in found.results)
-    judged_rows(page, f"Stop by stop, in this order: {stops}.", sorted_rows(of_stops))
-    page.add("small", "The bar: darker within the limits, then a warning, at the ends failed.")
+def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
+    """The facts with pads, curves, stops and origin; equal inputs give equal facts."""
+    pictures = sheet(found.table, found.results)
+    stops = [f"stop-{i}" for i, _ in enumerate(found.results, 1)]
+    notes = [f"{r.log}: {text}" for r in found.results for text in on_the_way(r)]
     meant = {check.figure: check.meaning for check in found.checks}
-    with page.inside("on_screen"), page.inside("fold", "What each metric is, and why its limit"):
-        page.terms(
-            (plain(name).name, f"{name}: {meaning}. Why: {reason(name)}.")
-            for name, meaning in meant.items()
-        )
+    meanings = [
+        (plain(key).name, f"{key}: {text}. Why: {plain(key).reason or 'no limit by default'}.")
+        for key, text in meant.items()
+    ]
+    curves = [Picture(CURVES, pictures, ("f1-f2", "difference"))]
+    over_time = [Picture(OVER_TIME, pictures, stops)]
+    logs = [("ramp", log.name, log.digest) for log in found.ramps]
+    logs += [("coast", log.name, log.digest) for log in found.coasts]
+    logs += [(r.role, r.log, r.digest) for r in found.results]
+    remarks = [*found.table.remarks, *map(str, found.caveats)]
+    told = facts(found, stored, date)
+    parts = [
+        Facts("What each metric is, and why its limit", rows=meanings, folded=True),
+        _pads(found, pictures),
+        Facts("The table", pictures=curves),
+        Facts("The stops", pictures=over_time, notes=notes),
+        Facts("Remarks", notes=remarks, folded=True),
+        origin(PageOrigin(date), stored, logs, str(found.results[0].mass)),
+    ]
+    return replace(told, parts=parts)
 
 
-def _pads(page: Report, found: StationOutcome) -> None:
+def _pads(found: StationOutcome, pictures: Sheet) -> Facts:
     """Pad friction from the ramp and by stop, and what its interval is made of."""
     cal, budgets = found.table.calibration, pads_budget(found.table)
     front, rear = (
         f"{pad.value:.3f} ({pad.ci95[0]:.3f} to {pad.ci95[1]:.3f})"
         for pad in (cal.pad_friction_f, cal.pad_friction_r)
     )
-    page.text(f"Pad friction from the ramp: {front} front, {rear} rear.")
     rows = [(f"{i}: {r.log}", *_pad(r, "f"), *_pad(r, "r")) for i, r in enumerate(found.results, 1)]
     heads = ("stop", "front", "95 % interval", "rear", "95 % interval")
-    page.table("Pad friction by stop.", heads, rows)
     parts = "; ".join(f"{AXLE_NAMES[x]} {of.words}" for x, of in zip("fr", budgets, strict=True))
-    pictures = sheet(found.table, found.results)
-    with page.inside("on_screen"):
-        caption = "Pad friction of each stop with its 95 % interval; line and band: the table's."
-        page.figure(drawn(pictures, "pads"), caption)
-        advice = "; ".join(advice_lines(budgets)).capitalize()
-        made_of = f"What the interval of the ramp's pads is made of: {parts}. {advice}."
-        page.figure(drawn(pictures, "budget"), made_of)
-
-
-def _golden(found: StationOutcome) -> str:
-    mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
-    return f"{found.golden}{mean}" if found.golden else "none given"
+    return Facts(
+        "Pads",
+        headline=f"Pad friction from the ramp: {front} front, {rear} rear.",
+        tables=[Cells(heads, rows, "Pad friction by stop.")],
+        notes=advice_lines(budgets),
+        pictures=[
+            Picture(BY_STOP, pictures, ("pads",)),
+            Picture(f"The interval of the ramp's pads is made of: {parts}.", pictures, ("budget",)),
+        ],
+    )
 
 
 def _pad(result: Validation, axle: str) -> tuple[str, str]:
@@ -147,34 +133,15 @@ def _pad(result: Validation, axle: str) -> tuple[str, str]:
     return f"{mu:.3f}", f"{mu - mu * width:.3f} to {mu + mu * width:.3f}"
 
 
-def _curve_rows(table: Table) -> list[tuple[str, ...]]:
-    """Rows of f1 and f2 for the page: at most 16, both ends among them."""
-    p = table.paper
-    return [
-        (
-            f"{100 * (p.eta[i] - 1):.3f} %",
-            f"{p.z[i]:.3f}",
-            f"{p.f1[i]:+.4f}",
-            f"{0.5 * (p.f1_upper[i] - p.f1_lower[i]):.4f}",
-            f"{p.f2[i]:+.4f}",
-            f"{0.5 * (p.f2_upper[i] - p.f2_lower[i]):.4f}",
-            f"{p.count[i]:.0f}",
-        )
-        for i in sorted({round(i * (len(p.eta) - 1) / 15) for i in range(16)})
-    ]
-
-
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
     """Panels of the table, `pads`, and `stop-1`, `stop-2` ... for the hold-outs."""
-    of_table = table_sheet(table, "").panels
-    curves = tuple(panel for panel in of_table if panel.name in TAKEN)
+    curves = [panel for panel in table_sheet(table, "").panels if panel.name in TAKEN]
     pads = Panel("pads", "Pads by stop", pads_by_stop, (table, results), 2)
-    stops = tuple(
+    stops = [
         Panel(f"stop-{i}", _as_text(r.log), pads_over_time, (r,), 2)
         for i, r in enumerate(results, 1)
-    )
-    panels = (*curves, pads, *stops)
-    return Sheet("station", "station", "", "", panels, tuple((p.name,) for p in panels))
+    ]
+    return Sheet("station", "station", "", "", (*curves, pads, *stops), ())
 
 
 def pads_by_stop(ax: Axes, table: Table, results: tuple[Validation, ...]) -> None:

@@ -23,6 +23,7 @@ def drawn(facts: Facts) -> Iterator[RenderableType]:
         if table.rows:
             yield from [table.caption] * bool(table.caption)
             yield _grid(table)
+            yield from [""] * bool(table.caption)
     rows = [*facts.numbers, *facts.rows]
     width = max((len(name) for name, _ in rows), default=0)
     yield from (f"{name:<{width}}  {text}" for name, text in rows)  # whole lines, to copy from

@@ -7,18 +7,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from calib.base.names import AXLE_NAMES, WHEELS
-from calib.base.plain import plus_minus
+from calib.base.names import WHEELS
+from calib.base.plain import plain, plus_minus
 from calib.car import forces
 from calib.car.balance import force_balance
 from calib.car.braking import BITE
 from calib.car.vehicle import Axle, Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
-from calib.estimation.limits import Judgement
 from calib.estimation.plan import calibrated, known_resistance
-from calib.estimation.validate import CALIBRATION, Validation
+from calib.estimation.validate import Validation
 from calib.logs.log import Log
+from calib.show.judged import broken, word
 from calib.show.result import StoredResult
 from calib.show.style import Array, Mask
 from calib.table.budget import AxleBudget
@@ -106,6 +106,7 @@ def from_validation(
     figures = result.figures
     body = force_balance(car, known, e.time, e.speed, e.z, e.pressure_f).body
     total = _force_sum(car, estimate.z, front, rear) + body
+    warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
     return StopTrace(
         name=log.name,
         time=estimate.time,
@@ -125,11 +126,11 @@ def from_validation(
         notes=(
             f"Estimator with table {name}, digest {table.digest[:16]}.",
             *estimate.notes,
-            *warned(result),
+            *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         ),
         refused={NOT_BRAKED: ~estimate.braked, **estimate.refused},
         pads=(_pads_of(figures, "f"), _pads_of(figures, "r")),
-        verdict=verdict_of(result),
+        verdict="; ".join([word(result), *broken(result)]),
         nominal_of=OF_TABLE if vehicle is None else OF_VEHICLE,
     )
 
@@ -247,35 +248,3 @@ def _nominal_excess(vehicle: Vehicle, front: AxleTrace, rear: AxleTrace) -> Arra
         if side.nominal_torque is not None:
             excess = excess + (side.nominal_torque - side.torque) / axle.rolling_radius
     return excess
-
-
-def verdict_of(result: Validation) -> str:
-    """The verdict in words, with what failed: `failed: interval front 0.15, at most 0.14`."""
-    if result.role == CALIBRATION:
-        return "no verdict: the table was fitted on this log"
-    count = len(result.all_warnings)
-    more = f", {count} warning{'s' * (count > 1)}" if count else ""
-    broken = [j for j in result.judgements if j.passed is False]
-    why = "; ".join(f"{_spoken(j.figure)} {_against(j)}" for j in broken)
-    return result.verdict + (f": {why}" if why else "") + more
-
-
-def warned(result: Validation) -> tuple[str, ...]:
-    """The warnings in a sentence, for the note."""
-    names = ", ".join(_spoken(warning.code) for warning in result.all_warnings)
-    return (f"Warnings, which `brake-cal validate` explains: {names}.",) if names else ()
-
-
-def _spoken(figure: str) -> str:
-    """The name of a metric in words."""
-    stem, _, side = figure.rpartition("_")
-    axle = AXLE_NAMES.get(side)
-    return (f"{stem}_{axle}" if axle else figure).replace("_", " ")
-
-
-def _against(judgement: Judgement) -> str:
-    value, low, high = judgement.value, judgement.low, judgement.high
-    if value is None:
-        return "is not known"
-    below = low is not None and value < low
-    return f"{value:.3g}, at least {low:g}" if below else f"{value:.3g}, at most {high:g}"

@@ -8,10 +8,9 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import counted, plain, plus_minus, signed_percent
+from calib.base.plain import plain, plus_minus, signed_percent
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
-from calib.estimation.limits import Judgement
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
@@ -20,8 +19,8 @@ from calib.estimation.validate import (
     all_warnings,
 )
 from calib.estimation.warnings import pads_apart
-from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
-from calib.show.judged import judged
+from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Row, Table
+from calib.show.judged import broken, judged, word
 from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
 from calib.show.sheet import Panel, Sheet
@@ -35,7 +34,6 @@ from calib.table.budget import advice_lines
 Change = tuple[float, float]
 """Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
 
-WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 BY_STOP = (
     "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
 )
@@ -164,16 +162,7 @@ def sentences(r: Validation) -> list[str]:
     """What the pads did, how well that is known, and which limits are not held, if any."""
     if r.role == CALIBRATION:
         return [NO_HOLDOUT]
-    broken = [_broken(one) for one in r.judgements if one.passed is False]
-    return [_pads(r.estimate), _known(r), *broken]
-
-
-def word(r: Validation) -> str:
-    """The verdict on one log in a word or two."""
-    if r.role == CALIBRATION:
-        return "no hold-out"
-    count = len(r.all_warnings)
-    return f"{r.verdict}, {counted(count, 'warning')}" if count else r.verdict
+    return [_pads(r.estimate), _known(r), *broken(r)]
 
 
 def _verdict(r: Validation) -> str:
@@ -241,15 +230,6 @@ def _known(r: Validation) -> str:
             parts.append(f"{what} {_percent(front)} front and {_percent(rear)} rear")
     parts.append(f"{100.0 * (f['valid_share'] or 0.0):.0f} % of the braking is valid")
     return "; ".join(parts)
-
-
-def _broken(one: Judgement) -> str:
-    """Name and value of a metric that breaks its limit, and the limit."""
-    shown = plain(one.figure)
-    if one.value is None:
-        return f"{shown.name} ({one.figure}) is not known, and it is required"
-    bounds = shown.bounds(one.low, one.high)
-    return f"{shown.name} ({one.figure}) is {shown.with_unit(one.value)}, {bounds}"
 
 
 def _percent(share: float) -> str:

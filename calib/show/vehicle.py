@@ -10,8 +10,12 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.car.bias import friction_used, front_share, pressure_per_g
+from calib.car.follows import what_follows
 from calib.car.forces import axle_loads, front_biased_up_to
+from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
+from calib.show.facts import Facts
+from calib.show.facts import Table as Cells
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BAR,
@@ -37,6 +41,53 @@ P = 0.3
 KNM = 1e3
 
 
+def facts(vehicle: Vehicle) -> Facts:
+    """What follows from a vehicle with its nominal pads."""
+    found = what_follows(vehicle)
+    biased = found.front_biased_up_to
+    always = {None: "front always", 0.0: "rear always"}
+    axles = [
+        (name, *(f"{getattr(axle, key):.{digits}f}" for axle in (found.front, found.rear)))
+        for name, key, digits in (
+            ("torque per bar, one wheel [N m]", "torque_per_bar_wheel", 2),
+            ("torque per bar, axle [N m]", "torque_per_bar_axle", 2),
+            ("load at rest [kg]", "static_load", 0),
+            ("load at 0.5 g [kg]", "load_at_half_g", 0),
+            ("mass of a wheel at its radius [kg]", "wheel_mass", 1),
+        )
+    ]
+    brakes = [
+        (
+            *(f"{b.deceleration:.1f}", f"{b.pressure:.1f}"),
+            *(f"{100 * share:.1f}" for share in (b.front_share, b.ideal_front_share)),
+            *("lifted" if x is None else f"{x:.2f}" for x in (b.friction_f, b.friction_r)),
+            *(f"{b.torque_f:.0f}", f"{b.torque_r:.0f}"),
+        )
+        for b in found.distribution
+    ]
+    locks = [
+        (f"{x.friction:.1f}", x.axle, f"{x.deceleration:.2f}", f"{x.pressure:.0f}")
+        for x in found.first_lock
+    ]
+    return Facts(
+        headline=f"{vehicle.name}, {vehicle.mass:g} kg",
+        rows=[
+            ("wheelbase", f"{1e3 * found.wheelbase:.0f} mm"),
+            ("pressure", f"{found.pressure_per_g:.1f} bar per g"),
+            ("brake force", f"{100 * found.front_share:.1f} % front"),
+            ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
+            ("rear lifts at", f"{found.rear_lifts_at:.2f} g"),
+        ],
+        tables=[
+            Cells(("axle", "front", "rear"), axles),
+            Cells(("g", "pressure [bar]", "front [%]", "ideal [%]", "friction front",
+                   "friction rear", "torque front [N m]", "torque rear [N m]"), brakes),
+            Cells(("road friction", "locks first", "at [g]", "at [bar]"), locks),
+        ],
+        warnings=plausible(vehicle),
+    )  # fmt: skip
+
+
 def sheet(vehicle: Vehicle) -> Sheet:
     """Return the sheet of a vehicle with its nominal pads."""
     share, per_g = front_share(vehicle), pressure_per_g(vehicle) / BAR
@@ -60,12 +111,8 @@ def installed(ax: Axes, vehicle: Vehicle) -> None:
     """Rear over front torque: the ideal parabola, the installed line, lines of equal z."""
     ratio = _nominal_ratio(vehicle)
     top = beta_point(vehicle, ratio, TOP)[0]
-    _ideal(ax, vehicle, "ideal: both axles use the same friction")
-    _beta(ax, top, ratio, "installed, nominal pads", IDENTIFIED)
-    for z in (*DECELERATIONS, 0.9, TOP):
-        _constant_deceleration(ax, vehicle, ratio, z, f"{z:g} g")
-    _biased(ax, vehicle, ratio, TOP, "front locks first", BODY["color"])
-    _torques(ax, vehicle, 1.08 * top, ratio * top)
+    _lines(ax, vehicle, {"installed, nominal pads": (ratio, IDENTIFIED)}, 1.08 * top, ratio)
+    _biased(ax, vehicle, ratio, TOP, BODY["color"])
 
 
 def friction(ax: Axes, vehicle: Vehicle) -> None:
@@ -89,20 +136,55 @@ def distribution(ax: Axes, table: Table) -> None:
     nominal = _nominal_ratio(vehicle)
     found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
     top = beta_point(vehicle, min(nominal, found), DECELERATIONS[-1])[0] * 1.08
-    _ideal(ax, vehicle, "I curve: equal friction")
-    line = found * np.array([0.0, top]) / KNM
-    band(ax, np.array([0.0, top]) / KNM, np.exp(-half) * line, np.exp(half) * line, IDENTIFIED)
-    _beta(ax, top, found, r"$\beta$, pads as identified", IDENTIFIED)
-    _beta(ax, top, nominal, r"$\beta$, nominal pads", NOMINAL)
-    for z in DECELERATIONS:
-        _constant_deceleration(ax, vehicle, found, z, f"P, {z:g} g" if z == P else f"{z:g}")
-    ax.plot([], [], "o", color=IDENTIFIED["color"], ms=3.2, label="deceleration [g]")
+    ends = np.array([0.0, top]) / KNM
+    band(ax, ends, np.exp(-half) * found * ends, np.exp(half) * found * ends, IDENTIFIED)
+    betas = {
+        r"$\beta$, pads as identified": (found, IDENTIFIED),
+        r"$\beta$, nominal pads": (nominal, NOMINAL),
+    }
+    _lines(ax, vehicle, betas, top, found)
     end = table.paper.usable[1]
     front, rear = (torque / KNM for torque in beta_point(vehicle, found, end))
     mark = {"color": BODY["color"], "ms": 12.0, "mew": 1.4}
     ax.plot(front, rear, "|", label=f"usable up to {end:.2f} g", **mark)
-    _biased(ax, vehicle, nominal, DECELERATIONS[-1], "front-biased", NOMINAL["color"])
-    _torques(ax, vehicle, top, max(found, nominal) * top)
+    _biased(ax, vehicle, nominal, DECELERATIONS[-1], NOMINAL["color"])
+
+
+def _lines(
+    ax: Axes, vehicle: Vehicle, betas: dict[str, tuple[float, Stroke]], top: float, ratio: float
+) -> None:
+    """The I curve, each beta line up to ``top`` [N m], and the decelerations along ``ratio``."""
+    front, rear = (torque / KNM for torque in ideal(vehicle))
+    ax.plot(front, rear, label="I curve: both axles use the same friction", **BODY)
+    for label, (slope, stroke) in betas.items():
+        ax.plot([0.0, top / KNM], [0.0, slope * top / KNM], label=label, **stroke)
+    for z in DECELERATIONS:
+        _constant_deceleration(ax, vehicle, ratio, z)
+    ax.plot([], [], "o", color=IDENTIFIED["color"], ms=3.2, label="deceleration [g]")
+    highest = max(float(rear.max()), *(slope * top / KNM for slope, _ in betas.values()))
+    ax.set(xlim=(0.0, top / KNM), ylim=(0.0, 1.15 * highest))
+    ax.set(xlabel="front axle torque [kN m]", ylabel="rear axle torque [kN m]")
+
+
+def _constant_deceleration(ax: Axes, vehicle: Vehicle, ratio: float, z: float) -> None:
+    """A thin line of constant z, its point on the beta line, and the number beside it."""
+    radii = vehicle.front.rolling_radius, vehicle.rear.rolling_radius
+    front, rear = (vehicle.weight * z * radius / KNM for radius in radii)
+    ax.plot([front, 0.0], [0.0, rear], color=NOMINAL["color"], lw=0.5, alpha=0.6, zorder=1)
+    front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, z))
+    named = z == P
+    ax.plot(front, rear, "o", color=IDENTIFIED["color"], ms=6.0 if named else 3.2, zorder=3)
+    text, weight = (f"P, {z:g} g", "bold") if named else (f"{z:g}", "normal")
+    beside(ax, text, (front, rear), (4.0, -9.5), fontweight=weight)
+
+
+def _biased(ax: Axes, vehicle: Vehicle, ratio: float, top: float, colour: str) -> None:
+    """Mark the deceleration up to which the front axle uses more friction, if it is in view."""
+    biased = front_biased_up_to(vehicle)
+    if 0.0 < biased <= top:
+        front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, biased))
+        label = f"front locks first up to {biased:.2f} g"
+        ax.plot(front, rear, "D", mfc="white", color=colour, label=label)
 
 
 def ideal(vehicle: Vehicle) -> tuple[Array, Array]:
@@ -127,39 +209,3 @@ def beta_point(vehicle: Vehicle, ratio: float, z: float) -> tuple[float, float]:
 
 def _nominal_ratio(vehicle: Vehicle) -> float:
     return rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)
-
-
-def _ideal(ax: Axes, vehicle: Vehicle, label: str) -> None:
-    front, rear = ideal(vehicle)
-    ax.plot(front / KNM, rear / KNM, label=label, **BODY)
-
-
-def _beta(ax: Axes, top: float, ratio: float, label: str, stroke: Stroke) -> None:
-    ax.plot([0.0, top / KNM], [0.0, ratio * top / KNM], label=label, **stroke)
-
-
-def _constant_deceleration(ax: Axes, vehicle: Vehicle, ratio: float, z: float, text: str) -> None:
-    """A thin line of constant z, its point on the beta line, and ``text`` beside it."""
-    radii = vehicle.front.rolling_radius, vehicle.rear.rolling_radius
-    front, rear = (vehicle.weight * z * radius / KNM for radius in radii)
-    ax.plot([front, 0.0], [0.0, rear], color=NOMINAL["color"], lw=0.5, alpha=0.6, zorder=1)
-    front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, z))
-    named = text.startswith("P")
-    ax.plot(front, rear, "o", color=IDENTIFIED["color"], ms=6.0 if named else 3.2, zorder=3)
-    beside(ax, text, (front, rear), (4.0, -9.5), fontweight="bold" if named else "normal")
-
-
-def _biased(ax: Axes, vehicle: Vehicle, ratio: float, top: float, word: str, colour: str) -> None:
-    """Mark the deceleration up to which the front axle uses more friction, if it is in view."""
-    biased = front_biased_up_to(vehicle)
-    if 0.0 < biased <= top:
-        front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, biased))
-        label = f"{word} up to {biased:.2f} g"
-        ax.plot(front, rear, "D", mfc="white", color=colour, label=label)
-
-
-def _torques(ax: Axes, vehicle: Vehicle, front: float, rear: float) -> None:
-    """Range and names of the axes: to ``front`` and above the curves, [N m]."""
-    highest = max(float(ideal(vehicle)[1].max()), rear)
-    ax.set(xlim=(0.0, front / KNM), ylim=(0.0, 1.15 * highest / KNM))
-    ax.set(xlabel="front axle torque [kN m]", ylabel="rear axle torque [kN m]")

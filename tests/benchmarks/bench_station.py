@@ -31,7 +31,7 @@ try:
     profile.runcall(main)
 except SystemExit:
     pass
-names = ("read_log", "table_of", "validated", "outcome", "save", "report_html", "write_all")
+names = ("read_log", "table_of", "validated", "outcome", "save", "page_of", "write_all")
 found = {name: 0.0 for name in names}
 for (_, _, name), (*_, seconds, _) in pstats.Stats(profile).stats.items():
     if name in found:

@@ -10,7 +10,6 @@ from calib.base.warning import UNITS
 from calib.car.plausible import LEAST_FRONT_BIASED, plausible, to_confirm
 from calib.car.vehicle import Axle, Vehicle
 from calib.car.vehicle_file import read_vehicle
-from calib.line.station.advice import BY_FIGURE
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
 SEDAN = read_vehicle(LOGS / "sedan/vehicle.toml")
@@ -125,5 +124,5 @@ def test_what_only_some_cars_have_is_for_a_person_to_confirm():
 def test_the_check_and_the_station_have_one_limit():
     found = {w.code: w for w in plausible(MISTAKES["area of both sides, rear"][0])}
     warning = found["front_biased_up_to"]
-    assert warning.expected[0] == BY_FIGURE["front_biased_up_to"].limit.low == LEAST_FRONT_BIASED
+    assert warning.expected[0] == LEAST_FRONT_BIASED
     assert "brake-cal station" in warning.do

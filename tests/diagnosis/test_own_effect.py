@@ -8,7 +8,7 @@ from calib.car.own_effects.read import read_own_effect
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.written.document import to_dict
 from calib.model.sensor_noise import add_noise
-from calib.show.diagnosis_page import report_html
+from calib.show.diagnosis import facts
 from tests.support.hidden.cases import CARS, NOISE, run
 from tests.support.hidden.plant import Car
 from tests.support.hidden.settings import Hidden
@@ -46,7 +46,7 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(logs):
     assert found.gap.closed > 0.85
     (told,) = to_dict(found)["effects"]
     assert told["defined_in"] == {"file": "air_brake_flap.py", "sha256": own.sha256}
-    assert own.effect.card.cause in report_html(found, "sedan")
+    assert facts(found, "sedan").parts[0].rows[0] == ("Cause", own.effect.card.cause)
     (tried,) = to_dict(found)["own_effects"]
     assert tried == {"name": "air_brake_flap", **told["defined_in"], "named": True}
 
@@ -61,4 +61,3 @@ def test_an_effect_of_ones_own_that_is_not_hidden_is_not_named():
     assert [effect.name for effect in found.effects] == ["hydraulic_lag"]
     (tried,) = to_dict(found)["own_effects"]
     assert (tried["name"], tried["named"]) == ("air_brake_flap", False)
-    assert "air brake flap of air_brake_flap.py (not named)" in report_html(found, "sedan")

@@ -9,8 +9,9 @@ import pytest
 
 from calib import __version__
 from calib.help.checks import SUITE
-from calib.help.qualify import Check, Outcome, qualify, report_html, to_dict
+from calib.help.qualify import Check, Outcome, facts, qualify, to_dict
 from calib.help.samples import sample_logs
+from calib.show.html import page_of
 from cli.console import plain
 from tests.support.documents import missing_and_unknown
 
@@ -76,8 +77,8 @@ def test_the_document_says_with_what_it_was_computed(found):
 
 def test_the_page_shows_the_failure_escapes_it_and_fetches_nothing(found):
     broken = with_first(found, None, "ValueError: <b>no</b>")
-    text = report_html(broken, to_dict(broken, DATE))
+    text = page_of(facts(broken, to_dict(broken, DATE)))
     assert '<header class="failed">' in text
     assert "ValueError: &lt;b&gt;no&lt;/b&gt;" in text
     assert not any(word in text for word in ("<b>", "http", "<script"))
-    assert '<header class="passed">' in report_html(found, to_dict(found, DATE))
+    assert facts(found, to_dict(found, DATE)).verdict == "passed"

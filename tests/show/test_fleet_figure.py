@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -36,42 +34,6 @@ def test_the_levels_of_a_change_are_drawn(found):
     quiet = axes()
     in_order(quiet, found, found.looks[1])
     assert "level" not in labels(quiet)
-
-
-def test_every_panel_has_the_limits_beyond_which_a_log_is_named(found):
-    for look in found.looks[:2]:
-        alone, along = axes(), axes()
-        distribution(alone, look)
-        in_order(along, found, look)
-        for ax in (alone, along):
-            (told,) = (label for label in labels(ax) if label.startswith("named below "))
-            assert [float(x) for x in told.removeprefix("named below ").split(" or above ")] == (
-                pytest.approx(look.spread.edges, abs=0.001)
-            )
-
-
-def test_limits_that_are_far_away_are_told_and_not_drawn(found):
-    pads = found.looks[0]
-    far = replace(pads, spread=replace(pads.spread, edges=(-50.0, 50.0)))
-    ax = axes()
-    distribution(ax, far)
-    assert "named below -50.0000 or above 50.0000 (not in view)" in labels(ax)
-    assert max(ax.get_xlim()) < 1.0
-
-
-def test_the_bars_hold_the_bulk(found):
-    pads, ax = found.looks[0], axes()
-    distribution(ax, pads)
-    low, high = window(pads)
-    counted = sum(bar.get_height() for bar in ax.patches if bar.get_y() == 0.0)
-    inside = np.sum((pads.values >= low) & (pads.values <= high))
-    assert counted >= inside
-    assert "stands apart: 0.55" in labels(ax)
-    near = replace(pads, outlying=pads.values == np.median(pads.values))
-    ax = axes()
-    distribution(ax, near)
-    assert "stands apart" in labels(ax)
-    assert not any(label.startswith("stands apart:") for label in labels(ax))
 
 
 @pytest.mark.parametrize("n", [1, 3, 12])

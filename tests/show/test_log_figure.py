@@ -10,7 +10,7 @@ from calib.logs.read import read_log
 from calib.logs.whole import WholeColumn, WholeLog
 from calib.run.events import BITE, BRAKING, LEAD_IN, RunEvent
 from calib.show import log_figure as figures
-from calib.show.log_figure import BINS, MOST, envelope, figure, panels_of
+from calib.show.log_figure import BINS, MOST, envelope, figure
 from tests.show.conftest import SEDAN
 from tests.support.plot_lines import axes, drawn, labels, line
 
@@ -31,18 +31,6 @@ def test_what_is_logged_is_drawn(transition):
     ax = axes()
     figures.deceleration(ax, transition)
     assert drawn(ax, transition.time, -transition["a_x"] / 9.80665)
-
-
-def test_the_right_hand_axis_is_the_speed_in_kmh(transition):
-    ax = axes()
-    figures.speeds(ax, transition)
-    (right,) = ax.child_axes
-    assert right.get_ylabel() == "$V$ [km/h]"
-    ax.set_ylim(0.0, 100.0)
-    ax.figure.draw_without_rendering()
-    # 100 rad/s at the radius of Table I, within what drag and tyres move it while rolling
-    assert right.get_ylim() == pytest.approx((0.0, 100.0 * 0.322 * 3.6), rel=2e-3)
-    assert "$V/R$, $R$ = 0.3223 m from the unbraked part" in labels(ax)
 
 
 def test_eta_is_raw_and_ends_where_the_car_stands(transition):
@@ -71,30 +59,6 @@ def test_what_is_not_logged_has_no_panel_and_is_named(transition, missing, panel
     assert sheet.names == panels
     assert f"Not in this log: {', '.join(missing)}." in sheet.note
     assert len(sheet.overview().axes) == len(panels)
-
-
-def test_wheel_pressures_are_drawn_where_logged(transition):
-    more = {"p_fl": 0.9 * transition["p_mc"]}
-    ax = axes()
-    figures.pressure(ax, replace(transition, channels=transition.channels | more))
-    assert labels(ax) == ["master cylinder", "fl"]
-    assert drawn(ax, transition.time, more["p_fl"] / 1e5)
-
-
-def test_a_coasting_car_does_not_slip():
-    coast = read_log(SEDAN / "coast.csv")
-    ax = axes()
-    figures.speeds(ax, coast)
-    speed = line(ax, labels(ax)[0])[1]
-    wheels = np.mean([line(ax, wheel)[1] for wheel in ("fl", "fr", "rl", "rr")], axis=0)
-    assert np.mean(1.0 - wheels / speed) == pytest.approx(0.0, abs=1e-4)
-
-
-def test_an_unknown_radius_says_so(transition):
-    held = {"p_mc": np.full(transition.time.size, 2e6)}  # never unbraked
-    ax = axes()
-    figures.speeds(ax, replace(transition, channels=transition.channels | held))
-    assert labels(ax)[0] == "$V/R$, $R$ = 0.32 m of a usual wheel"
 
 
 def spans(ax):
@@ -136,12 +100,6 @@ COLUMNS = (
     WholeColumn("Gang", None, np.full(200, np.nan)),
 )
 LOG = WholeLog("run", "here", "", COLUMNS)
-
-
-def test_columns_of_one_kind_and_unit_share_a_panel():
-    assert {title: len(found) for title, found in panels_of(LOG).items()} == {
-        "omega [rad/s]": 2, "omega [rpm]": 1, "Gang [?]": 1,
-    }  # fmt: skip
 
 
 def test_events_are_marked_in_every_panel():

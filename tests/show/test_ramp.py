@@ -1,47 +1,12 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from calib.car.vehicle_file import read_vehicle
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
-from calib.show import ramp as figures
 from calib.show.ramp import GROUP, grouped, measure
-from calib.show.style import FRONT
 from tests.show.conftest import SIMULATION
-from tests.support.plot_lines import axes, drawn, labels, line
 from tests.support.reference_car import CAR, REAL, ramp
-
-
-def test_pressure_is_drawn_in_bar(sedan, ramp):
-    ax, run = axes(), measure(sedan, ramp)
-    figures.pressure(ax, run)
-    x, y = line(ax, "greater of the axles' pressures")
-    assert np.array_equal(x, run.time)
-    # 40 bar at the end of this ramp, see the file
-    assert y[-1] == np.float64(run.pressure[-1] / 1e5)
-    assert 35.0 < y.max() < 45.0
-
-
-def test_forces_are_those_measured_with_the_deceleration_between(sedan, ramp):
-    ax, run = axes(), measure(sedan, ramp)
-    figures.forces(ax, run)
-    assert labels(ax) == ["front $F_f$", "$z$ as measured", "rear $F_r$", "$z$ less air drag"]
-    for values in (run.F_f, run.F_r, run.z, run.carried):
-        assert drawn(ax, run.time, values)
-    late = run.time > 3.0
-    middle = line(ax, "$z$ less air drag")[1][late]
-    assert np.all(line(ax, "front $F_f$")[1][late] > middle)
-    assert np.all(line(ax, "rear $F_r$")[1][late] < middle)
-
-
-def test_points_are_the_blocks_of_the_mask(sedan, ramp):
-    ax, run = axes(), measure(sedan, ramp)
-    figures.points(ax, run, run.eta, run.f1, run.braked, FRONT, "measured")
-    assert drawn(ax, run.eta[run.braked], run.f1[run.braked])
-    x, _ = line(ax, "measured")
-    assert x.size == run.braked.sum() // 5
 
 
 @pytest.fixture(scope="module")
@@ -84,13 +49,6 @@ def test_what_is_measured_lies_around_the_curves(table, run):
     curve = np.interp(found.slip_f, table.tyre.slip, table.tyre.force)
     hard = found.braked & (found.z > 0.15)
     assert np.mean((curve - found.F_f)[hard]) == pytest.approx(0.0, abs=0.005)
-
-
-def test_without_v_there_is_no_slip(table, run):
-    channels = {name: x for name, x in run.channels.items() if name != "v"}
-    found = measure(table, replace(run, channels=channels))
-    assert found.slip_f is None
-    assert found.slip_r is None
 
 
 def test_a_group_is_the_mean_of_its_blocks():

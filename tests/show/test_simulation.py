@@ -3,7 +3,7 @@ import pytest
 
 from calib.show import simulation
 from calib.show.style import FRONT, REAR
-from tests.support.plot_lines import axes, drawn, labels, line
+from tests.support.plot_lines import axes, line
 
 
 def test_the_page_has_figures_9_to_11_and_the_stop_by_name(simulated):
@@ -31,15 +31,6 @@ def test_compensation_shows_truth_nominal_law_and_estimate(simulated):
     assert truth == pytest.approx(np.full(truth.size, 0.4), rel=0.02)
     low, high = ax.get_ylim()
     assert low < 0.4 < 0.6 < high
-
-
-def test_torque_true_uncompensated_and_compensated(simulated):
-    ax = axes()
-    simulation.torque(ax, simulated, simulated.front, FRONT)
-    assert labels(ax) == ["uncompensated", "compensated", "truth"]
-    assert np.array_equal(line(ax, "truth")[1], simulated.front.true_wheel_torque)
-    assert drawn(ax, simulated.time, simulated.front.wheel_torque)
-    assert drawn(ax, simulated.time, 0.5 * simulated.front.nominal_torque)
 
 
 def test_error_is_relative_and_only_where_valid(simulated):

@@ -2,9 +2,8 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from calib.show import style
-from calib.show.style import noisy, shade, smooth, styled, view
-from tests.support.plot_lines import axes, drawn, line
+from calib.show.style import smooth, styled, view
+from tests.support.plot_lines import axes
 
 TIME = np.arange(0.0, 2.0, 0.005)
 
@@ -16,13 +15,6 @@ def test_settings_of_the_user_are_neither_used_nor_lost():
             assert mpl.rcParams["axes.facecolor"] == "white"
         assert mpl.rcParams["font.size"] == 31.0
         assert mpl.rcParams["axes.facecolor"] == "black"
-
-
-def test_settings_are_restored_after_an_error():
-    before = dict(mpl.rcParams)
-    with pytest.raises(ZeroDivisionError), styled():
-        raise ZeroDivisionError
-    assert dict(mpl.rcParams) == before
 
 
 def test_the_mean_keeps_a_line_and_takes_noise():
@@ -42,23 +34,6 @@ def test_what_is_unknown_stays_unknown_and_spreads_not():
     assert np.nanmax(np.abs(found - 2.0)) < 1e-12
 
 
-def test_a_noisy_line_is_drawn_as_it_came_and_as_its_mean():
-    ax, values = axes(), np.sin(50.0 * TIME)
-    noisy(ax, TIME, values, style.REAR, "rear")
-    assert drawn(ax, TIME, values)
-    assert np.array_equal(line(ax, "rear")[1], smooth(TIME, values))
-
-
-def test_shade_covers_the_samples_of_the_mask_and_the_whole_height():
-    ax, mask = axes(), (TIME > 0.5) & (TIME < 1.0)
-    shade(ax, TIME, mask)
-    (area,) = ax.collections
-    corners = area.get_paths()[0].vertices
-    assert corners[:, 0].min() == TIME[mask][0]
-    assert corners[:, 0].max() == TIME[mask][-1]
-    assert set(corners[:, 1]) == {0.0, 1.0}
-
-
 @pytest.mark.parametrize("zero", [False, True])
 def test_view_holds_the_values_and_only_them(zero):
     ax = axes()
@@ -67,16 +42,3 @@ def test_view_holds_the_values_and_only_them(zero):
     low, high = ax.get_ylim()
     assert low <= (0.0 if zero else 2.0)
     assert 3.0 < high < 4.0
-
-
-def test_view_of_nothing_changes_nothing():
-    ax = axes()
-    before = ax.get_ylim()
-    view(ax, np.array([np.nan]))
-    view(ax)
-    assert ax.get_ylim() == before
-
-
-def test_every_stroke_differs_in_grey_from_its_partner():
-    for a, b in ((style.FRONT, style.REAR), (style.BODY, style.LEVEL), (style.TRUTH, style.FRONT)):
-        assert a["linestyle"] != b["linestyle"]

@@ -3,33 +3,9 @@
 import math
 from collections.abc import Callable
 
-from calib.line.fleet.rows import ColumnKind, Command, columns_of
+from calib.base.plain import plain
 
 Range = tuple[float, float]
-
-SIGNED = frozenset({
-    "eta_zero", "pad_friction_bias_f", "pad_friction_bias_r", "final_error_f", "final_error_r",
-    "innovation_colour",
-})  # fmt: skip
-"""Metrics of any sign; all others of the program are 0 or more."""
-
-MOST = {
-    "valid_share": 1.0,
-    "covered_share": 1.0,
-    "truth_in_interval": 1.0,
-    "pad_ratio_nominal_weight": 1.0,
-    "eta_peak_is_real": 1.0,
-}
-"""The largest value that a metric can have, where there is one."""
-
-OTHERS = {"innovation_lag1": (-1.0, 1.0), "gap_closed": (-math.inf, 1.0)}
-
-KNOWN = frozenset(
-    column.name
-    for command in Command
-    for column in columns_of(command)
-    if column.kind == ColumnKind.NUMBER
-)
 
 
 def possible(name: str) -> Range:
@@ -38,10 +14,11 @@ def possible(name: str) -> Range:
     >>> possible("valid_share"), possible("eta_zero")
     ((0.0, 1.0), (-inf, inf))
     """
-    if name in OTHERS:
-        return OTHERS[name]
-    signed = name in SIGNED or name not in KNOWN
-    return (-math.inf if signed else 0.0), MOST.get(name, math.inf)
+    one = plain(name)
+    return (
+        -math.inf if one.least is None else one.least,
+        math.inf if one.most is None else one.most,
+    )
 
 
 def within(edges: Range, possible: Range) -> Range:

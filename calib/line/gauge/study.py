@@ -304,17 +304,3 @@ def _alike(results: list[GaugeResult]) -> list[str]:
     names = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
     why = f"the cars do not differ in {', '.join(names)}: %GRR would be near 100 % for any gauge; "
     return [why + "take cars that differ, or give the tolerance in --limits"] if names else []
-
-
-def conclusion(found: GaugeStudy) -> str:
-    """The verdict on the whole study in one line, with the metrics that do not pass."""
-    judged = [one for one in found.results if one.verdict != GaugeVerdict.NOT_JUDGED]
-    if not judged:
-        return "none of the metrics could be judged: their repeats do not scatter"
-    held = sum(one.verdict not in REFUSED for one in judged)
-    word = "passed" if found.passed else "failed"
-    parts = [f"{word}: {held} of {len(judged)} metrics within the limits"]
-    for verdict in REFUSED:
-        names = [one.name for one in judged if one.verdict == verdict]
-        parts += [f"{verdict}: {', '.join(names)}"] if names else []
-    return "; ".join(parts)

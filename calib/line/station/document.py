@@ -10,7 +10,7 @@ from typing import Any
 from calib.base.program import PROGRAM
 from calib.base.warning import to_dict as warning_dict
 from calib.estimation.validate import to_dict as validation_dict
-from calib.line.station.advice import action
+from calib.line.station.limits_file import action
 from calib.line.station.station import StationCheck, StationOutcome
 from calib.store.version import Stored
 

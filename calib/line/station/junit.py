@@ -7,9 +7,8 @@ It is valid by the schema junit-10 of Jenkins' xUnit plugin.
 from xml.etree import ElementTree
 
 from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
-from calib.line.station.advice import action
+from calib.line.station.limits_file import action
 from calib.line.station.station import StationCheck, StationOutcome
-from calib.line.station.words import sentence
 from calib.store.version import Stored
 
 
@@ -50,13 +49,13 @@ def _case(suite: ElementTree.Element, check: StationCheck) -> None:
     names = {"classname": _clean(check.scope), "name": check.figure, "time": "0"}
     case = ElementTree.SubElement(suite, "testcase", names)
     if check.verdict == FAILED:
-        failure = ElementTree.SubElement(case, "failure", {"message": _clean(sentence(check))})
+        failure = ElementTree.SubElement(case, "failure", {"message": _clean(check.text)})
         failure.text = action(check.figure)
     elif check.verdict == NOT_KNOWN:
         ElementTree.SubElement(case, "skipped", {"message": "the logs cannot give this metric"})
     elif check.verdict == WARNING:
         output = ElementTree.SubElement(case, "system-out")
-        output.text = f"warning: {_clean(sentence(check))}. {action(check.figure)}"
+        output.text = f"warning: {_clean(check.text)}. {action(check.figure)}"
 
 
 def _clean(text: str) -> str:

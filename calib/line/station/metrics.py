@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.base.plain import bound, meanings
 from calib.car.forces import front_biased_up_to
 from calib.car.vehicle import Vehicle
 from calib.estimation.validate import Validation, agreement
@@ -20,36 +21,8 @@ from calib.run.wheel_checks import axles_of
 from calib.store.listing import band_width
 from calib.table.table import MEASURED, Table
 
-METRICS: dict[str, str] = {
-    "ramp_deceleration": "deceleration up to which the ramps were used [g]",
-    "measured_share": "share of the rows of f1, f2 with enough blocks [1]",
-    "band_width": "half width of the 95 % band of D(eta) where D is largest, relative [1]",
-    "ramp_eta_zero": "radius mismatch of the axles while coasting in the ramp, over that of the "
-    "vehicle file, largest [1]",
-    "pad_scale": "pad friction of the car over that of the vehicle file, both axles [1]",
-    "pad_ratio": "front over rear pad friction, over the same of the vehicle file [1]",
-    "side_difference_f": "brake force left less right over their mean, front axle [1]",
-    "side_difference_r": "brake force left less right over their mean, rear axle [1]",
-    "front_biased_up_to": "deceleration up to which the front axle locks first, these pads; 9.99 "
-    "stands for all larger values [g]",
-    "repeatability_f": "largest departure of a stop's front pad friction from the mean of its "
-    "road [1]",
-    "repeatability_r": "largest departure of a stop's rear pad friction from the mean of its "
-    "road [1]",
-    "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
-    "golden_bands": "that departure over the 95 % half widths of both; above 1: significant [1]",
-    "golden_pads_f": "front pad friction over that of the golden table, less 1 [1]",
-    "golden_pads_r": "rear pad friction over that of the golden table, less 1 [1]",
-    "golden_stiffness": "slip stiffness of the tyres over that of the golden table, less 1 [1]",
-    "golden_sigma_d": "departure of D from a golden table of several cars, in sigma of its fleet",
-    "golden_sigma_level": "the same of the pad level, both axles, in sigma",
-    "golden_sigma_ratio": "the same of the pad ratio, front over rear, in sigma",
-    "golden_sigma_stiffness": "the same of the slip stiffness of the tyres, in sigma",
-}
+METRICS: dict[str, str] = meanings("car")
 """Every metric of the car, with its meaning."""
-
-CUT = {"front_biased_up_to": 9.99}
-"""Metrics that may be infinite, as without a rear brake, and the largest value that is given."""
 
 
 @dataclass(frozen=True)
@@ -108,12 +81,13 @@ def _eta_zero(vehicle: Vehicle, log: Log) -> float | None:
 def _front_biased_up_to(table: Table) -> float:
     """z [1] at which both axles use the same friction, with the identified pads.
 
-    At most its value in `CUT`, which is also given for all larger values.
+    At most the value that stands for all larger ones.
     """
     car, cal = table.vehicle, table.calibration
     front = replace(car.front, pad_friction=cal.pad_friction_f.value)
     rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
-    return min(front_biased_up_to(replace(car, front=front, rear=rear)), CUT["front_biased_up_to"])
+    biased = front_biased_up_to(replace(car, front=front, rear=rear))
+    return min(biased, bound("front_biased_up_to", "cut"))
 
 
 def _largest(values: Sequence[float | None]) -> float | None:

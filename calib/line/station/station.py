@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from calib.base.errors import LogError
+from calib.base.plain import counted, plain
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
@@ -50,7 +51,17 @@ class StationCheck:
     @property
     def meaning(self) -> str:
         """Meaning of the metric, with its unit."""
-        return OF_CAR[self.figure] if self.of_car else OF_STOPS[self.figure]
+        return plain(self.figure).meaning
+
+    @property
+    def text(self) -> str:
+        """In plain names and units: `Front brakes, left less right: 31 %; limit: -20 to 20 %`."""
+        j, shown = self.judgement, plain(self.figure)
+        kind, ends = "limit", (j.low, j.high)
+        if self.verdict == WARNING:
+            kind, ends = "no warning", (j.warn_low, j.warn_high)
+        of = "" if self.of_car else f"stop {self.stop}, "
+        return f"{of}{shown.name}: {shown.with_unit(j.value)}; {kind}: {shown.bounds(*ends)}"
 
     @property
     def verdict(self) -> str:
@@ -100,6 +111,15 @@ class StationOutcome:
     def passed(self) -> bool:
         """Whether no check fails; warnings pass."""
         return self.verdict != FAILED
+
+    @property
+    def headline(self) -> str:
+        """The verdict in a sentence with its counts."""
+        n, count = self.counts(), len(self.warnings)
+        parts = {"failed": n[FAILED], "with a warning": n[WARNING], "not known": n[NOT_KNOWN]}
+        named = ", ".join(f"{number} {word}" for word, number in parts.items() if number)
+        more = f"; {counted(count, 'warning')} of its logs" if count else ""
+        return f"{len(self.checks)} checks: {named or 'all passed'}{more}"
 
     def decision(self, digest: str) -> StateDecision:
         """The state that the verdict gives the table; ``digest`` of `station.json`, its evidence.

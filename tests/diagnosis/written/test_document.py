@@ -11,7 +11,7 @@ from calib.car.effects.catalogue import effect_named
 from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.document import text_of, to_dict
-from calib.diagnosis.written.headline import KINDS
+from calib.show.diagnosis import KINDS
 from tests.support.documents import missing_and_unknown
 from tests.support.written_diagnosis import MARKUP, named_drag
 
@@ -58,7 +58,7 @@ def test_confusion_and_drives_are_told_with_units(named):
 
 def test_the_manual_has_every_headline_and_names_keys_that_exist(named):
     text = PAGE.read_text()
-    for kind in KINDS.values():
+    for kind, _ in KINDS.values():
         assert kind in text, kind
     told = to_dict(named)
     keys = re.findall(r"((?:`\w+`(?:, | and )?)+)\s+in\s+`diagnosis\.json`", text)

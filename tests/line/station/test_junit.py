@@ -66,7 +66,7 @@ def test_counts_are_those_of_the_cases(found, kept):
 def test_a_failure_says_value_limit_and_what_to_do(found, kept):
     suite = ElementTree.fromstring(junit_xml(found, kept))[0]
     case = next(c for c in suite.iter("testcase") if c.get("name") == "repeatability_f")
-    assert "the limit is at most 0.15" in case.find("failure").get("message")
+    assert "limit: at most 15" in case.find("failure").get("message")
     assert "Drive two stops again" in case.find("failure").text
 
 

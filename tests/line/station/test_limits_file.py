@@ -1,9 +1,8 @@
-"""The file that `limits init` writes says what the program does."""
+"""The file that `limits` writes says what the program does."""
 
 from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.line.station.advice import ADVICE, LIMITS
-from calib.line.station.limits_file import limits_file
+from calib.line.station.limits_file import ADVICE, LIMITS, limits_file
 from calib.line.station.metrics import METRICS as OF_CAR
 
 

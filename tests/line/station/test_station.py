@@ -10,13 +10,12 @@ from calib.base.errors import LogError
 from calib.car.vehicle_file import read_vehicle
 from calib.estimation.limits import Limit
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.line.station.advice import ADVICE, LIMITS
 from calib.line.station.document import to_dict
 from calib.line.station.identity import Identity
+from calib.line.station.limits_file import ADVICE, LIMITS
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import Car
 from calib.line.station.station import outcome, table_of, validated
-from calib.line.station.words import in_full, sentence
 from calib.logs.read import read_log
 from calib.store.merge import merge
 from calib.store.version import Stored
@@ -179,9 +178,8 @@ def test_a_stop_may_be_called_car(good):
     assert told["pad_scale"] == (True, OF_CAR["pad_scale"])
     assert told["valid_share"] == (False, OF_STOPS["valid_share"])
     assert {check.scope for check in found.checks} == {"car"}
-    assert "valid_share of the stop car" in sentence(
-        next(c for c in found.checks if c.figure == "valid_share")
-    )
+    (share,) = [c for c in found.checks if c.figure == "valid_share"]
+    assert share.text.startswith("stop car, ")
 
 
 def test_without_a_rear_brake_no_front_bias_is_told_as_measured(good):
@@ -189,5 +187,4 @@ def test_without_a_rear_brake_no_front_bias_is_told_as_measured(good):
     bare = replace(cal, pad_friction_r=replace(cal.pad_friction_r, value=0.0))
     limits = (Limit("front_biased_up_to", None, 1.0),)
     found = outcome(Car(replace(good.table, calibration=bare), [], [], []), [], limits, Identity())
-    assert "is 9.99 or more; the limit is at most 1" in sentence(found.checks[0])
-    assert "9.99\xa0g or more; limit: at most 1" in in_full(found.checks[0])
+    assert "9.99\xa0g or more; limit: at most 1" in found.checks[0].text

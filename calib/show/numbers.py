@@ -1,6 +1,7 @@
-"""Numbers of a diagnosis as they are printed: SI inside, here bar, km/h and degC."""
+"""Numbers and names of a diagnosis as they are read: SI inside, here bar, km/h and degC."""
 
 import math
+from collections.abc import Sequence
 
 from calib.diagnosis.diagnose import ParameterEstimate
 
@@ -19,6 +20,17 @@ SHOWN = {
 """SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
 
 
+def spaced(name: str) -> str:
+    """A name with spaces for underscores."""
+    return name.replace("_", " ")
+
+
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Names as a list in words: `a, b and c`."""
+    words = [spaced(name) for name in names]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
 def in_shown(value: float, unit: str) -> float:
     """A value [SI ``unit``] in the unit that is printed."""
     return value * SHOWN.get(unit, (unit, 1.0))[1]
@@ -27,6 +39,11 @@ def in_shown(value: float, unit: str) -> float:
 def unit_shown(unit: str) -> str:
     """The unit that is printed for an SI unit; nothing for a plain number."""
     return SHOWN.get(unit, (unit, 1.0))[0]
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A number with the unit that is printed; a plain number alone."""
+    return f"{text} {unit_shown(unit)}".rstrip()
 
 
 def number(value: float, step: float) -> str:
@@ -39,48 +56,26 @@ def number(value: float, step: float) -> str:
     if first < -4 and abs(value) < 1e-2:
         digits = max(0, math.floor(math.log10(max(abs(value), step))) - first + 1)
         return f"{value:.{digits}e}"
-    return _fixed(value, max(0, 1 - first))
-
-
-def _fixed(value: float, digits: int) -> str:
-    """A value with so many digits behind the point, without a sign before zero."""
-    text = f"{value:.{digits}f}"
-    return text.removeprefix("-") if float(text) == 0.0 else text
+    return f"{value:z.{max(0, 1 - first)}f}"
 
 
 def percent(share: float) -> str:
-    """A share [1] in whole percent, without a sign before zero."""
+    """A share [1] in whole percent."""
     return f"{round(100.0 * share):d} %"
 
 
-def value_of(found: ParameterEstimate) -> str:
-    """The value of a parameter with its unit."""
-    return with_unit(number(_shown(found, found.value), _half(found)), found.unit)
-
-
-def interval_of(found: ParameterEstimate) -> str:
-    """The 95 % interval of a parameter, in the unit of `value_of`."""
-    low, high = (number(_shown(found, end), _half(found)) for end in found.ci95)
-    return f"{low} to {high}"
-
-
-def _shown(found: ParameterEstimate, value: float) -> float:
-    return in_shown(value, found.unit)
-
-
-def _half(found: ParameterEstimate) -> float:
-    low, high = found.ci95
-    return 0.5 * (in_shown(high, found.unit) - in_shown(low, found.unit))
-
-
-def with_unit(text: str, unit: str) -> str:
-    """A number with the unit that is printed; a plain number alone."""
-    return f"{text} {unit_shown(unit)}".rstrip()
+def estimate(found: ParameterEstimate) -> tuple[str, str]:
+    """A parameter with its unit, and its 95 % interval in the same."""
+    value, low, high = (in_shown(x, found.unit) for x in (found.value, *found.ci95))
+    half = 0.5 * (high - low)
+    return with_unit(
+        number(value, half), found.unit
+    ), f"{number(low, half)} to {number(high, half)}"
 
 
 def span(ends: tuple[float, float], unit: str) -> str:
     """A range [SI ``unit``] as it is printed, to three digits at most: `20 to 29 bar`."""
     low, high = (in_shown(end, unit) for end in ends)
     digits = 0 if high - low >= 2.0 else 1
-    text = _fixed(low, digits), _fixed(high, digits)
+    text = f"{low:z.{digits}f}", f"{high:z.{digits}f}"
     return with_unit(text[0] if text[0] == text[1] else f"{text[0]} to {text[1]}", unit)
