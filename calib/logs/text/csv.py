@@ -36,16 +36,10 @@ FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "b
 
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
-    """Open a file of separated text.
+    """Open a file of separated text, compressed by gzip or not; ``where`` is its path.
 
-    Parameters
-    ----------
-    data : the whole file, compressed by gzip or not.
-    where : its path, for messages.
-    text_format : separator, decimal mark and encoding from a channel map.
-
-    Raises LogError for a file without text, header or rows, for an ambiguous dialect (see
-    `calib.logs.text.dialect`), and for a file that is cut off.
+    ``text_format`` is that of a channel map. Raises LogError for a file without text, header or
+    rows, for an ambiguous dialect (`calib.logs.text.dialect`), and for a file that is cut off.
     """
     if data.startswith(GZIP):
         data = gunzip(data, where)
