@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.base.names import CHANNELS, TRUTH_UNITS, WHEELS, G
+from calib.base.names import CHANNELS
 from calib.base.units import from_si, to_si
 
 CONTRACT = """
@@ -43,20 +43,3 @@ def test_a_channel_is_named_once_and_its_units_are_of_one_quantity(name):
     assert q.symbol
     assert q.meaning
     assert to_si(from_si(1.0, q.unit, q.si), q.unit, q.si) == pytest.approx(1.0)
-
-
-def test_signs_are_said():
-    assert "forward positive" in CHANNELS["a_x"].meaning
-    assert "left positive" in CHANNELS["steering"].meaning
-    assert "negative slows" in CHANNELS["T_drive_f"].meaning
-
-
-def test_truth_channels():
-    assert TRUTH_UNITS["true_Tb"] == "N*m"
-    assert TRUTH_UNITS["true_Fx"] == "N"
-    assert not set(TRUTH_UNITS) & set(CHANNELS)
-
-
-def test_wheels_and_gravity():
-    assert WHEELS == ("fl", "fr", "rl", "rr")
-    assert G == 9.80665  # CGPM 1901

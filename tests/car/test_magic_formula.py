@@ -93,15 +93,6 @@ def test_a_bend_of_a_third_of_the_shape_begins_as_a_brush(peak, shape):
     assert np.all((straight - brush) / slip > 3e-3 * tyre.stiffness)
 
 
-def test_surface_factors_may_vary_along_the_run():
-    factors = np.array([1.0, 0.5])
-    tyre = MagicFormula(25.0, 0.9).on_surface(factors, factors)
-    assert tyre.slip_at(1.0).shape == (2,)
-    assert tyre.force(np.array([0.01, 0.01]))[1] == pytest.approx(
-        MagicFormula(12.5, 0.45).force(np.array([0.01]))[0]
-    )
-
-
 def test_a_slip_leads_by_the_way_that_the_force_needs():
     """The linear tyre of ch. 7: sigma ds'/dt + v s' = v s."""
     time, v = np.linspace(0.0, 2.0, 401), np.full(401, 15.0)

@@ -75,14 +75,6 @@ FORCES, LOADS, REST = (np.array([0.5]), np.array([0.25])), (12e3, 4e3), (10e3, 6
 """Front and rear: normalised forces [1], loads [N] of a braked car, and at rest."""
 
 
-def test_tyres_that_do_not_differ_are_one_curve():
-    tyre = Tyre(np.log(0.04), 0.2, 0.4, 0.5)
-    loads = tuple(np.array([x]) for x in LOADS)
-    slips = AxleTyres(tyre).slips(FORCES, loads, REST)
-    for slip, force, load in zip(slips, FORCES, LOADS, strict=True):
-        assert slip == pytest.approx(tyre.slip(force, load / 8e3))
-
-
 def test_stiffer_rear_tyres_slip_less_and_the_front_ones_as_much_more():
     tyre = Tyre(np.log(0.04), 0.0, 0.0, 0.0)
     loads = tuple(np.array([x]) for x in LOADS)

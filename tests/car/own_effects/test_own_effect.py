@@ -12,10 +12,9 @@ from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
 from calib.car.own_effects.own_effect import definition, every_effect, with_own
 from calib.car.own_effects.read import read_own_effect
-from calib.store.record_file import from_content
 from tests.support.effect_runs import SEDAN, made_history, made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
-from tests.support.tables import made_table
+from tests.support.tables import from_content, made_table
 
 FLAP = read_own_effect(EXAMPLE)
 WITH = with_own(SEDAN, [FLAP])
@@ -35,11 +34,6 @@ def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
     assert list(every_effect(SEDAN.effects)) == list(CATALOGUE)
     with pytest.raises(ModelError, match=r"unknown effect 'air_brake_flap'.*give --effect FILE"):
         definition(SEDAN.effects, "air_brake_flap")
-
-
-def test_given_is_not_acting():
-    assert not WITH.effects
-    assert not total_body_force(WITH, WITH.effects, made_motion([30.0])).any()
 
 
 def test_it_adds_to_those_of_the_catalogue():
@@ -122,13 +116,6 @@ def test_a_wrong_parameter_of_an_own_effect_is_told_as_that_of_any(model_file):
         read_model(model_file, WITH)
 
 
-def test_a_vehicle_file_may_name_it_too():
-    car = replace(SEDAN, effects=Effects(ACTS))
-    with pytest.raises(ModelError, match="unknown effect 'air_brake_flap'"):
-        default_model(car)
-    assert default_model(with_own(car, [FLAP])).effects.parameters == ACTS
-
-
 # A table -----------------------------------------------------------------------------------------
 
 
@@ -148,11 +135,3 @@ def test_the_record_of_a_table_holds_name_and_digest_and_no_code():
     given = replace(read, vehicle=with_own(read.vehicle, [FLAP]))
     assert given.digest == table.digest
     assert default_model(given.vehicle).effects.parameters == ACTS
-
-
-def test_a_table_refuses_a_file_that_has_changed(tmp_path):
-    table = replace(made_table(), vehicle=replace(SEDAN, effects=MODEL.effects))
-    read = from_content(*table.content())
-    changed = own_of(tmp_path, EXAMPLE.read_text() + "\n# more\n")
-    with pytest.raises(ModelError, match="has changed since"):
-        with_own(read.vehicle, [changed])

@@ -8,9 +8,8 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.own_effects.hooks import RESULTS, checked, hooks_of
+from calib.car.own_effects.hooks import RESULTS, changes, checked, hooks_of, trial
 from calib.car.own_effects.read import read_own_effect
-from calib.car.own_effects.trial import changes, trial
 from tests.support.effect_runs import made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
 
@@ -40,14 +39,6 @@ def test_the_example_is_the_force_of_its_equation():
     assert force == pytest.approx([0.5 * 1.2 * 0.5 * 1600.0, 0.0], abs=0.01)
 
 
-def test_the_file_is_known_by_its_bytes(tmp_path):
-    one, other = tmp_path / "a.py", tmp_path / "b.py"
-    one.write_text(retarder())
-    other.write_text(retarder() + "\n# a remark\n")
-    assert read_own_effect(one).sha256 != read_own_effect(other).sha256
-    assert read_own_effect(one).sha256 == read_own_effect(one).sha256
-
-
 def test_what_a_file_prints_is_not_on_stdout(tmp_path, capsys):
     path = tmp_path / "a.py"
     path.write_text(retarder() + "\nprint('hello')\n")
@@ -62,13 +53,6 @@ def test_nothing_of_a_file_stays_behind_in_the_program(tmp_path):
     read_own_effect(path)
     assert before == CATALOGUE
     assert set(sys.modules) == modules
-
-
-def test_a_file_that_is_not_there(tmp_path):
-    with pytest.raises(ModelError, match=r"none\.py: no such file; expected a Python file"):
-        read_own_effect(tmp_path / "none.py")
-    with pytest.raises(ModelError, match="a directory"):
-        read_own_effect(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -140,11 +124,6 @@ def test_a_wrong_file_is_one_error_with_file_and_line(tmp_path, old, new, said):
     message = refusal(tmp_path, text.replace(old, new))
     assert said in message
     assert message.startswith("mine.py")
-
-
-def test_a_wrong_card_is_told_with_its_line(tmp_path):
-    text = retarder().replace('"N*m"', '"bar"')
-    assert refusal(tmp_path, text).startswith(f"mine.py:{line_with(text, 'Card(name')}: ")
 
 
 def test_a_hook_that_goes_wrong_later_says_so_too(tmp_path):

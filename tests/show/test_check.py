@@ -1,0 +1,45 @@
+"""A check in one line, for runs that were made so."""
+
+import pytest
+
+from calib.run.check import check
+from calib.show.check import line
+from tests.support.made_runs import changed, made_run, ramp, stop
+
+
+def standing_still(t):
+    return 0.0 * t
+
+
+@pytest.mark.parametrize(
+    ("log", "says"),
+    [
+        (made_run(ramp()), "usable for fit, validate, diagnose"),
+        (made_run(stop()), "usable for validate, diagnose"),
+        (made_run(standing_still), "usable for fit as a coast log, diagnose"),
+        (changed(made_run(ramp()), v=None), "usable for fit, validate"),
+        (changed(made_run(standing_still), v=None), "usable for fit as a coast log"),
+        (changed(made_run(), p_mc=None), "not usable"),
+    ],
+    ids=["ramp", "stop", "coast", "ramp without v", "coast without v", "no pressure"],
+)
+def test_the_verdict_comes_first(log, says):
+    findings = check(log)
+    assert line(findings).startswith(f"{says}: {log.source}")
+    assert "\n" not in line(findings)
+
+
+def test_a_stop_says_why_it_makes_no_table_and_a_coast_needs_not():
+    assert "; no fit: the brake is applied within" in line(check(made_run(stop())))
+    assert "no fit" not in line(check(made_run(standing_still)))
+
+
+def test_a_useless_log_says_what_to_do():
+    told = line(check(changed(made_run(), p_mc=None)))
+    assert "p_mc is missing: record it, in bar, at the master cylinder" in told
+    assert "; no fit" not in told
+
+
+def test_warnings_are_named_by_their_codes():
+    told = line(check(made_run(ramp(start=0.7))))
+    assert told.endswith("warning: lead_in")
