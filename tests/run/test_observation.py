@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.line.fleet.rows import ColumnKind, Command, columns_of
+from calib.line.fleet.rows import Command, columns_of
 from calib.run.check import check, problems_for
 from calib.run.observation import clock_of, figures, observe
 from tests.support.made_runs import changed, made_run, ramp, stop
@@ -27,7 +27,7 @@ def test_rate_jitter_and_gaps_of_a_clock():
 
 
 def test_the_figures_are_the_columns_of_a_batch():
-    columns = [c.name for c in columns_of(Command.CHECK) if c.kind == ColumnKind.NUMBER]
+    columns = [c.name for c in columns_of(Command.CHECK) if c.kind is float]
     assert list(figures(check(RUN).seen)) == columns
 
 
