@@ -75,7 +75,7 @@ SCHEMAS = {
     ),
     "summary": (
         "summary.json of a validation, as far as an export reads it",
-        "calib.store.summary_file:SummaryFile",
+        "calib.store.record_file:SummaryFile",
     ),
     "vehicle-facts": (
         "what `vehicle show --json` prints of a vehicle file",

@@ -16,8 +16,7 @@ from calib.logs.log import Log
 from calib.model.resistance import DRAG, ROLLING, Resistance
 from calib.run.axle_signals import Signals
 from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
-from calib.table.budget import Parts
-from calib.table.pads_budget import level_of
+from calib.table.budget import Parts, level_of
 from calib.table.table import Table
 
 

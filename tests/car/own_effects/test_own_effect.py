@@ -12,10 +12,9 @@ from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
 from calib.car.own_effects.own_effect import definition, every_effect, with_own
 from calib.car.own_effects.read import read_own_effect
-from calib.store.record_file import from_content
 from tests.support.effect_runs import SEDAN, made_history, made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
-from tests.support.tables import made_table
+from tests.support.tables import from_content, made_table
 
 FLAP = read_own_effect(EXAMPLE)
 WITH = with_own(SEDAN, [FLAP])

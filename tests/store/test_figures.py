@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from calib.car.effects.effects import DefinedIn, Effects
-from calib.table.effect_figures import effect_figures
+from calib.store.figures import effect_figures
 from tests.support.tables import made_table
 
 
