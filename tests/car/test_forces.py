@@ -61,12 +61,6 @@ def test_pad_friction_undoes_the_torque(mu, pressure):
     assert forces.pad_friction(VEHICLE.rear, torque, pressure) == pytest.approx(mu, rel=1e-12)
 
 
-def test_a_wheel_by_hand():
-    """1000 N m of brake, 5 N m of rolling, -20 rad/s^2 at 1.2 kg m^2 and 0.322 m."""
-    force = forces.tyre_force(VEHICLE.front, 1000.0, -20.0, 5.0)
-    assert force == pytest.approx((1000.0 + 5.0 - 24.0) / 0.322)
-
-
 @given(st.floats(0.0, 5e3), st.floats(-500.0, 500.0), st.floats(0.0, 100.0))
 def test_both_forms_of_equation_1_agree(torque, spin, moment):
     axle = VEHICLE.rear

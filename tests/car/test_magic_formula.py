@@ -46,14 +46,6 @@ def test_slope_is_the_derivative_of_the_force(tyre, load, slip):
 
 
 @given(tyres, loads)
-def test_no_slip_carries_more_than_the_peak(tyre, load):
-    force, peak = tyre.force(np.linspace(-1.0, 1.0, 501), load), tyre.peak_at(load)
-    assert np.all(np.abs(force) <= peak * (1.0 + 1e-12))
-    assert np.isnan(tyre.slip(np.array([1.001 * peak]), load)[0])
-    assert np.isnan(tyre.slip(np.array([-1.001 * peak]), load)[0])
-
-
-@given(tyres, loads)
 def test_the_peak_is_where_the_slope_vanishes(tyre, load):
     peak = tyre.slip_at(1.0, load)
     assert tyre.force(peak, load) == pytest.approx(tyre.peak_at(load), rel=1e-12)
