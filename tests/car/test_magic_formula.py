@@ -28,15 +28,6 @@ def test_slip_and_force_are_inverse_on_the_rising_branch(tyre, load, fraction):
     assert tyre.force(tyre.slip(force, load), load) == pytest.approx(force, rel=1e-9, abs=1e-12)
 
 
-@given(tyres, loads)
-def test_initial_slope_is_the_stiffness_softened_by_the_load(tyre, load):
-    step = 1e-9
-    measured = tyre.force(np.array([step]), load)[0] / step
-    expected = tyre.stiffness * load**-tyre.load_exponent
-    assert measured == pytest.approx(expected, rel=1e-6)
-    assert tyre.slope(np.array([0.0]), load)[0] == pytest.approx(expected, rel=1e-12)
-
-
 @given(tyres, loads, st.floats(-0.3, 0.3))
 def test_slope_is_the_derivative_of_the_force(tyre, load, slip):
     h = 1e-8
