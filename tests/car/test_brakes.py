@@ -7,7 +7,7 @@ import pytest
 
 from calib.car.brakes import brakes_of
 from calib.car.effects.effects import Effects
-from calib.car.history import at_rest
+from calib.car.history import constant_speed
 from calib.car.model import default_model
 from tests.support.effect_runs import SEDAN
 
@@ -16,7 +16,7 @@ PRESSURE = 30e5 * np.sin(2.0 * TIME)
 
 
 def brakes(effects, own=None, p=PRESSURE):
-    rest = at_rest(TIME, p, 20.0)
+    rest = constant_speed(TIME, p, 20.0)
     return brakes_of(replace(default_model(SEDAN), effects=Effects(effects)), rest, own or {}), rest
 
 
