@@ -16,9 +16,6 @@ def test_a_ripple_is_the_mean_of_its_samples(m, turn, phase):
     angle = turn / m * np.arange(60 * m)
     means = np.sin(angle + phase).reshape(60, m).mean(axis=1)
     time = np.arange(60.0)
-    history = replace(
-        constant_speed(time, np.zeros(60), 20.0),
-        angle_f=angle.reshape(60, m).mean(axis=1),
-        averaged=m,
-    )
+    mean = angle.reshape(60, m).mean(axis=1)
+    history = replace(constant_speed(time, np.zeros(60), 20.0), angle_f=mean, averaged=m)
     assert history.ripple(phase) == pytest.approx(means, abs=1e-9)
