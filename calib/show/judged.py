@@ -7,9 +7,9 @@ failed | warning |        passed        | warning | failed
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from calib.base.plain import counted, plain
+from calib.base.plain import counted, plain, plus_minus
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
 from calib.estimation.validate import CALIBRATION, Validation
 from calib.show.facts import Bar, Table
@@ -49,6 +49,12 @@ def word(r: Validation) -> str:
         return "no hold-out"
     count = len(r.all_warnings)
     return f"{r.verdict}, {counted(count, 'warning')}" if count else r.verdict
+
+
+def pads(figures: Mapping[str, float | None], axle: str) -> str | None:
+    """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval; None without any."""
+    mean, width = figures[f"pad_friction_{axle}"], figures[f"interval_{axle}"]
+    return None if mean is None or width is None else plus_minus(mean, mean * width)
 
 
 def broken(r: Validation) -> list[str]:

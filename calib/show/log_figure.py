@@ -26,7 +26,6 @@ from calib.show.style import (
     IDENTIFIED,
     REAR,
     WHEEL_STROKES,
-    WIDTH,
     Array,
     Axes,
     Figure,
@@ -34,7 +33,6 @@ from calib.show.style import (
     lines,
     noisy,
     smooth,
-    styled,
     view,
 )
 
@@ -53,8 +51,8 @@ MARK: Stroke = {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))}
 
 BINS = 2000
 """Parts of a long log; a page has some 1000 pixels."""
-PANEL = 1.05
-"""Height of a panel of all columns [in]."""
+PANEL = 0.5
+"""Height of a panel of all columns, over that of a usual panel."""
 MOST = 40
 """Panels of one picture; more are not readable."""
 
@@ -200,33 +198,39 @@ def _kind(name: str) -> str:
 
 def figure(whole: WholeLog, events: tuple[RunEvent, ...] = ()) -> Figure:
     """Draw a log. Raises ValueError for one without columns or with more than `MOST` panels."""
-    from matplotlib.figure import Figure
-
-    panels = panels_of(whole)
-    if not 0 < len(panels) <= MOST:
-        raise ValueError(f"{len(panels)} panels, at most {MOST} can be drawn")
-    time = whole.time
-    with styled():
-        made = Figure(figsize=(WIDTH, PANEL * len(panels) + 1.1), layout="constrained")
-        axes = made.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-        for ax, (title, columns) in zip(axes, panels.items(), strict=True):
-            _draw(ax, time, title, columns)
-            _mark(ax, events)
-        axes[-1].set_xlabel("time [s]")
-        axes[-1].set_xlim(time[0], time[-1])
-        made.suptitle(f"Log {whole.name}", x=0.012, ha="left")
-        _legend(made, events)
-    return made
+    groups = panels_of(whole)
+    if not 0 < len(groups) <= MOST:
+        raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
+    panels = tuple(
+        Panel(title, title, _columns, (whole.time, columns, events, not i), 6)
+        for i, (title, columns) in enumerate(groups.items())
+    )
+    title, rows = f"Log {whole.name}", tuple((panel.name,) for panel in panels)
+    return Sheet("log", whole.name, title, "", panels, rows, (PANEL,) * len(panels)).overview()
 
 
-def _draw(ax: Axes, time: Array, title: str, columns: tuple[WholeColumn, ...]) -> None:
+def _columns(
+    ax: Axes,
+    time: Array,
+    columns: tuple[WholeColumn, ...],
+    events: tuple[RunEvent, ...],
+    named: bool,
+) -> None:
+    """Columns of one kind over time, with the events, ``named`` in the legend."""
     for column in columns:
         ax.plot(*envelope(time, column.values), label=column.name, **_stroke(column.name, columns))
-    ax.set_title(title, fontsize=8.0, pad=3.0)
-    if len(columns) > 1:
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(columns))
     if not any(np.isfinite(column.values).any() for column in columns):
         ax.text(0.5, 0.5, "no value", transform=ax.transAxes, ha="center", va="center")
+    told: set[str] = set()
+    for event in events:
+        label = event.kind if named and event.kind not in told else None
+        told.add(event.kind)
+        if event.kind == BITE:
+            ax.axvline(event.start, label=label, **MARK)
+        else:
+            span = SPANS[event.kind]
+            ax.axvspan(event.start, event.end, zorder=0, lw=0.0, label=label, **span)
+    ax.set(xlabel="time [s]", xlim=(time[0], time[-1]))
 
 
 def _stroke(name: str, columns: tuple[WholeColumn, ...]) -> Stroke:
@@ -245,24 +249,3 @@ def envelope(time: Array, values: Array) -> tuple[Array, Array]:
     ends = [np.minimum.reduceat(low, edges[:-1]), np.maximum.reduceat(high, edges[:-1])]
     drawn = np.ravel(ends, order="F")
     return at, np.where(np.isfinite(drawn), drawn, np.nan)
-
-
-def _mark(ax: Axes, events: tuple[RunEvent, ...]) -> None:
-    for event in events:
-        if event.kind == BITE:
-            ax.axvline(event.start, **MARK)
-        else:
-            ax.axvspan(event.start, event.end, zorder=0, lw=0.0, **SPANS[event.kind])
-
-
-def _legend(made: Figure, events: tuple[RunEvent, ...]) -> None:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    kinds = dict.fromkeys(event.kind for event in events)
-    marks = [
-        Line2D([], [], label=kind, **MARK) if kind == BITE else Patch(label=kind, **SPANS[kind])
-        for kind in kinds
-    ]
-    if marks:
-        made.legend(handles=marks, loc="upper right", ncols=len(marks), borderaxespad=0.9)

@@ -11,6 +11,7 @@ import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from string import ascii_letters
 from typing import Any
 
 from calib.base.write import write_whole
@@ -84,7 +85,7 @@ class Sheet:
             for i, (name, ax) in enumerate(places.items()):
                 # titles of one row are at one height
                 room = max(legends[n] for n in places if top[n] == top[name])
-                ax.set_title(f"({chr(ord('a') + i)}) {panels[name].title}", pad=4.0 + room)
+                ax.set_title(f"({ascii_letters[i]}) {panels[name].title}", pad=4.0 + room)
             _frame(figure, self, 150)
         return figure
 

@@ -18,7 +18,7 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.plan import calibrated, known_resistance
 from calib.estimation.validate import Validation
 from calib.logs.log import Log
-from calib.show.judged import broken, word
+from calib.show.judged import broken, pads, word
 from calib.show.result import StoredResult
 from calib.show.style import Array, Mask
 from calib.table.budget import AxleBudget
@@ -103,7 +103,6 @@ def from_validation(
     front = _axle(car.front, estimate.front, estimate, 0, log)
     rear = _axle(car.rear, estimate.rear, estimate, 1, log)
     e, known = estimate, known_resistance(table).effects
-    figures = result.figures
     body = force_balance(car, known, e.time, e.speed, e.z, e.pressure_f).body
     total = _force_sum(car, estimate.z, front, rear) + body
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
@@ -129,7 +128,7 @@ def from_validation(
             *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         ),
         refused={NOT_BRAKED: ~estimate.braked, **estimate.refused},
-        pads=(_pads_of(figures, "f"), _pads_of(figures, "r")),
+        pads=(pads(result.figures, "f"), pads(result.figures, "r")),
         verdict="; ".join([word(result), *broken(result)]),
         nominal_of=OF_TABLE if vehicle is None else OF_VEHICLE,
     )
@@ -137,11 +136,6 @@ def from_validation(
 
 NOT_BRAKED = "the brakes are released"
 """The reason beside those of the estimator."""
-
-
-def _pads_of(figures: dict[str, float | None], side: str) -> str | None:
-    mean, width = figures[f"pad_friction_{side}"], figures[f"interval_{side}"]
-    return None if mean is None or width is None else plus_minus(mean, mean * width)
 
 
 def from_result(result: StoredResult, vehicle: Vehicle | None = None) -> StopTrace:
