@@ -1,7 +1,7 @@
 """Output of the commands: results on stdout, everything else on stderr.
 
 rich is imported only where something is drawn, so that `--help` does not wait for it. Whatever is
-printed for people is made safe for a terminal on its way, see `cli.terminal`.
+printed for people is made safe for a terminal on its way.
 """
 
 import json
@@ -10,32 +10,58 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
-from pathlib import PurePath
-from typing import IO, TYPE_CHECKING, Any
+from contextvars import ContextVar
+from dataclasses import dataclass, field, fields, is_dataclass
+from pathlib import Path, PurePath
+from typing import IO, TYPE_CHECKING, Any, ClassVar
 
 from calib.base.printable import printable
-from cli.loudness import this_run
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
-    from rich.progress import Progress
+    from rich.console import Console
 
     from calib.show.facts import Facts
+
 
 PIPED_WIDTH = 120
 """Columns of output that does not go to a terminal, if COLUMNS is not set."""
 
 
-def console() -> "Console":
-    """Console on stderr; without colour where NO_COLOR is set or stderr is no terminal."""
-    return _console(sys.stderr)
+@dataclass
+class CommandRun:
+    """One run of the program: what was asked for, and whether its document was printed.
+
+    ``inputs`` are the files that were given, by the name of their parameter.
+    """
+
+    quiet: bool = False
+    verbose: bool = False
+    force: bool = False
+    documents: int = 0
+    inputs: dict[str, list[Path]] = field(default_factory=dict)
+
+    def file(self, name: str) -> Path | None:
+        """The file of an option, if one was given."""
+        return next(iter(self.inputs.get(name, ())), None)
+
+
+_RUN: ContextVar[CommandRun] = ContextVar("run")
+
+
+def begin() -> None:
+    """Begin a run: nothing is asked for, nothing is printed."""
+    _RUN.set(CommandRun())
+
+
+def this_run() -> CommandRun:
+    """The run that goes on; one that asks for nothing where none was begun."""
+    return _RUN.get(CommandRun())
 
 
 def say(message: str) -> None:
-    """Print on stderr what is being done, but not with -q; printed without markup."""
+    """Print on stderr what is being done, but not with -q."""
     if not this_run().quiet:
-        console().print(message, soft_wrap=True)
+        _console(sys.stderr).print(message, soft_wrap=True)
 
 
 def detail(message: str) -> None:
@@ -44,36 +70,61 @@ def detail(message: str) -> None:
         say(message)
 
 
-def complain(message: str) -> None:
+def complain(message: str, word: str = "error:", style: str = "bold red") -> None:
     """Print ``error: message`` on stderr."""
-    to = console()
-    to.print("error:", style="bold red", end=" ")
+    to = _console(sys.stderr)
+    to.print(word, style=style, end=" ")
     to.print(message, soft_wrap=True)
 
 
 def warn(warnings: Iterable[object]) -> None:
     """Print each warning on stderr."""
-    to = console()
     for warning in warnings:
-        to.print("warning:", style="bold yellow", end=" ")
-        to.print(str(warning), soft_wrap=True)
+        complain(str(warning), "warning:", "bold yellow")
 
 
-def emit(renderable: "RenderableType", whole: bool = False) -> None:
-    """Print a result on stdout; a string without markup, anything else drawn by rich.
+@dataclass(frozen=True)
+class Markdown:
+    """A page: ``laid_out`` on a terminal, ``text`` elsewhere."""
 
-    With ``whole`` a drawn line that is wider than the terminal is not cut.
-    """
-    text = isinstance(renderable, str)
-    _console(sys.stdout).print(renderable, soft_wrap=text, crop=not (text or whole))
+    laid_out: str
+    text: str
 
 
-def emit_facts(facts: "Facts") -> None:
-    """Print a result on stdout; its verdict is the last line."""
+def emit(result: "Facts | Markdown | str", to: IO[str] | None = None) -> None:
+    """Print a result on stdout, without markup; of facts the verdict is the last line."""
     from calib.show.terminal import drawn
 
-    for one in drawn(facts):
-        emit(one)
+    console = _console(to or sys.stdout)
+    if isinstance(result, Markdown):
+        if sys.stdout.isatty():
+            console.print(_laid_out(result.laid_out), crop=False)
+            return
+        result = result.text
+    for part in [result] if isinstance(result, str) else drawn(result):
+        console.print(part, soft_wrap=isinstance(part, str))
+
+
+def _laid_out(text: str) -> Any:
+    """Markdown whose lines of code stay whole, so that they can be copied."""
+    from rich.markdown import CodeBlock
+    from rich.markdown import Markdown as Drawn
+    from rich.text import Text
+
+    class WholeLines(CodeBlock):
+        def __rich_console__(self, console: Any, options: Any) -> Any:
+            for line in str(self.text).rstrip().splitlines():
+                yield Text(f" {printable(line)}", "markdown.code_block", overflow="ignore")
+
+    class Page(Drawn):
+        elements: ClassVar = {**Drawn.elements, "fence": WholeLines, "code_block": WholeLines}
+
+    return Page(text, hyperlinks=False)
+
+
+def emit_line(text: str) -> None:
+    """Print a line on stdout at once."""
+    print(printable(text), flush=True)  # noqa: T201
 
 
 def emit_json(document: object) -> None:
@@ -82,19 +133,9 @@ def emit_json(document: object) -> None:
     print(json_text(document), end="", flush=True)  # noqa: T201
 
 
-def emit_line(text: str) -> None:
-    """Print a line on stdout at once, without markup."""
-    print(printable(text), flush=True)  # noqa: T201
-
-
 def json_text(document: object) -> str:
     """``document`` as the text of a JSON file."""
     return json.dumps(plain(document), indent=2, allow_nan=False) + "\n"
-
-
-def json_line(document: object) -> str:
-    """``document`` as one line of JSON."""
-    return json.dumps(plain(document), allow_nan=False)
 
 
 def plain(value: object) -> Any:
@@ -119,60 +160,42 @@ def plain(value: object) -> Any:
     raise TypeError(f"{type(value).__name__} has no place in a JSON document")
 
 
-@contextmanager
-def progress(task: str, total: int) -> Iterator[Callable[[], None]]:
-    """Show a bar for ``total`` steps on stderr; yields the function to call after each step.
-
-    Without a terminal it prints the task once and draws nothing.
-    """
-    if not is_watched():
-        say(task)
-        yield lambda: None
-        return
-    with progress_bar(task, total) as bar:
-        (step,) = bar.task_ids
-        yield lambda: bar.advance(step)
+Step = Callable[..., None]
+"""Called after each step; with a stage, the steps that are done and their number it sets them."""
 
 
 @contextmanager
-def stages() -> Iterator[Callable[[str, int, int], None]]:
-    """Show on stderr the stage of a long work, with a bar of its steps.
-
-    Yields the function to call at each step: the stage, its steps that are done, their number.
-    Without a terminal nothing is shown.
-    """
-    if not is_watched():
-        yield lambda _stage, _done, _total: None
+def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
+    """Say what is done, and show a bar of its steps on a terminal; yields a `Step`."""
+    console = _console(sys.stderr)
+    if this_run().quiet or not (sys.stderr.isatty() and console.is_interactive):
+        if task:
+            say(task)
+        yield lambda *_stage: None
         return
-    with progress_bar("", None, time_left=False) as bar:
-        (task,) = bar.task_ids
-        yield lambda stage, done, total: bar.update(
-            task, description=printable(stage), completed=done, total=total
-        )
-
-
-def is_watched() -> bool:
-    """Whether stderr is a terminal on which a bar can be drawn; never with -q."""
-    return not this_run().quiet and sys.stderr.isatty() and console().is_interactive
-
-
-def progress_bar(task: str, total: int | None, time_left: bool = True) -> "Progress":
-    """Return a bar of one task on stderr, removed at the end; ``task`` is printed without markup.
-
-    ``time_left`` shows the remaining time as rich estimates it.
-    """
-    from rich.progress import Progress, TextColumn
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
     text = TextColumn("{task.description}", style="progress.description", markup=False)
-    _, drawn, percent, left = Progress.get_default_columns()
-    columns = (text, drawn, percent, *[left] * time_left)
-    bar = Progress(*columns, console=console(), transient=True)
-    bar.add_task(printable(task), total=total)
-    return bar
+    with Progress(text, BarColumn(), TaskProgressColumn(), console=console, transient=True) as bar:
+        one = bar.add_task(printable(task), total=total)
+
+        def step(stage: str = "", done: int = -1, of: int = 0) -> None:
+            if done < 0:
+                bar.advance(one)
+            else:
+                bar.update(one, description=printable(stage), completed=done, total=of)
+
+        yield step
 
 
 def _console(stream: IO[str]) -> "Console":
-    from cli.terminal import SafeConsole
+    """A console that shows text and obeys none of it, also in the cells of a grid."""
+    from rich.console import Console
+    from rich.text import Text
+
+    class SafeConsole(Console):
+        def render_str(self, text: str, **options: Any) -> Text:
+            return super().render_str(printable(text, "\n\t"), **options)
 
     width = None if stream.isatty() or "COLUMNS" in os.environ else PIPED_WIDTH
     # Names and remarks of users may hold brackets and colons, so no string is taken as markup.

@@ -1,13 +1,205 @@
-"""`brake-cal log`: look at logs, cut them, convert them."""
+"""`brake-cal log`: every column of a log and its events, a part of it, its other formats."""
 
-from cli import log_convert, log_cut, log_view
-from cli.group import command_group
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-app = command_group(
-    "Logs: look at them, cut a part, convert them.",
-    "brake-cal log view sample_logs/sedan/coast.csv --out coast.html",
+import typer
+
+from cli.command import Answer, command
+from cli.console import Step, progress, say, this_run
+from cli.logs import named, read_whole
+from cli.options import Map, logs, option, quantity, require_known
+from cli.outputs import (
+    PAGES,
+    check_file,
+    check_folder,
+    refuse_foreign,
+    stems_of,
+    write_file,
+    write_folder,
 )
 
-app.command(epilog=log_view.EPILOG)(log_view.view)
-app.command(epilog=log_cut.EPILOG)(log_cut.cut)
-app.command(epilog=log_convert.EPILOG)(log_convert.convert)
+if TYPE_CHECKING:
+    from calib.logs.whole import Inventory, WholeLog
+    from calib.run.events import RunEvent
+
+    From = float | None
+    Until = float | None
+    Looked = tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]
+else:
+    From, Until = (
+        Annotated[str | None, option(text, "TIME", flag, make=quantity("s", plain=True))]
+        for flag, text in (
+            ("--from", 'Cut: first time, 1.5 or "1.5 s"; else the start.'),
+            ("--until", 'Cut: last time, 4 or "4 s"; else the end.'),
+        )
+    )
+
+
+@command(
+    "brake-cal log sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.html",
+    "brake-cal log sample_logs/sedan/dry_asphalt_stop.csv --from 0.5 --until 4 --out cut.csv",
+    "brake-cal log sample_logs/sedan/*.csv --out parquet --to parquet",
+)
+def log(
+    logs: Annotated[list[Path], logs("logs of any format")],
+    *,
+    out: Annotated[
+        Path | None,
+        option(
+            "Draw (.png, .svg, .pdf, .html) or write (.csv, .parquet, .mf4) one log, or a folder "
+            "with --to.",
+            "FILE|DIR",
+            writes="folder",
+        ),
+    ],
+    to: Annotated[str | None, option("csv, parquet or mf4, for a folder.", "FORMAT")],
+    start: From,
+    until: Until,
+    channel: Annotated[
+        list[str], option("Show or draw only this column; may be repeated.", "NAME")
+    ],
+    keep_names: Annotated[bool, option("Leave names and values as they are, also those of a map.")],
+    force: Annotated[bool, option("Replace a file that exists, whatever it holds.")],
+    channel_map: Map,
+) -> Answer:
+    """Show, draw, cut or convert logs.
+
+    Shows every column with unit, range, rate and gaps, and the events of the run. --out draws them
+    over one time axis, or writes the log in another format: all columns and units are kept, values
+    are the same to the last bit. --from and --until cut at times of the log's own clock. Columns of
+    a --map get their canonical names and the map's sign and scale, unless --keep-names. Nothing is
+    filtered or zeroed; a log of several sample rates comes onto one clock.
+    """
+    from calib.logs.whole import channels_log, cut, inventory
+    from calib.run.events import run_events
+    from calib.show.facts import Facts
+    from calib.show.log_page import facts
+
+    this_run().force = force
+    if start is not None and until is not None and start >= until:
+        raise typer.BadParameter(f"{start:g} s is not before {until:g} s", param_hint="--from")
+
+    def read_part(path: Path) -> "WholeLog":
+        whole = read_whole(path, channel_map, keep_names)
+        return _chosen(whole if start is until is None else cut(whole, start, until), channel)
+
+    names = _checked(out, to, named(logs))
+    if out is not None and names:
+        written = _write(logs, out, names, read_part, bool(to))
+        lines = [f"{x['out']}: {x['rows']} rows, {len(x['columns'])} columns" for x in written]
+        return Answer({"logs": written}, "\n".join(lines))
+    looked: list[Looked] = []
+    for path in logs:
+        log = read_part(path)
+        whole = read_whole(path, channel_map) if channel else log
+        looked.append((log, inventory(log), run_events(channels_log(whole))))
+    if out is not None:
+        _draw(*looked[0], out)
+    return Answer(
+        {"out": out, "logs": [_document(*one) for one in looked]},
+        Facts(parts=[facts(*one) for one in looked]),
+    )
+
+
+def _write(
+    logs: list[Path],
+    out: Path,
+    names: list[str],
+    read: "Callable[[Path], WholeLog]",
+    folder: bool,
+) -> list[dict[str, Any]]:
+    """Write logs one by one, all or none; what is in each."""
+    from calib.logs.write import WRITERS
+
+    written: list[dict[str, Any]] = []
+
+    def contents(step: Step) -> Iterator[tuple[str, bytes]]:
+        for path, name in zip(logs, names, strict=True):
+            log, place = read(path), out / name if folder else out
+            content = WRITERS[place.suffix.lower()](log)
+            refuse_foreign(place, content.__eq__)
+            written.append(_written(log, place))
+            yield name, content
+            step()
+            for note in log.notes:
+                say(f"{log.source}: {note}")
+
+    with progress("", len(logs)) as step:
+        if folder:
+            write_folder(out, contents(step), names[-1])
+        else:
+            write_file(out, next(contents(step))[1])
+    return written
+
+
+def _checked(out: Path | None, to: str | None, logs: list[Path]) -> list[str]:
+    """Names of the files to write, none for a drawing; refuses what cannot be written."""
+    from calib.logs.write import WRITERS
+    from calib.show.sheet import ENDINGS
+
+    if to is not None:
+        require_known(to.lower(), [ending[1:] for ending in WRITERS], "format ")
+        if out is None:
+            raise typer.BadParameter("--to needs a folder", param_hint="--out")
+        names = [f"{stem}.{to.lower()}" for stem in stems_of(logs, "LOG")]
+        check_folder(out, names)
+        return names
+    if out is None:
+        return []
+    drawn = out.suffix.lower() in (*ENDINGS, *PAGES)
+    check_file(out, "drawing" if drawn else "log")
+    if len(logs) > 1:
+        raise typer.BadParameter("several logs need a folder and --to", param_hint="--out")
+    return [] if drawn else [out.name]
+
+
+def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
+    have = [column.name for column in log.columns]
+    for name in names:
+        require_known(name, have, "column ")
+    return log.only(names) if names else log
+
+
+def _draw(
+    log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
+) -> None:
+    from calib.show.html import page_of
+    from calib.show.log_figure import MOST, figure, panels_of
+    from calib.show.log_page import facts
+    from calib.show.sheet import ENDINGS, render
+
+    if not 0 < (count := len(panels_of(log))) <= MOST:
+        raise typer.BadParameter(
+            f"{count} panels; 1 to {MOST} can be drawn: choose columns", param_hint="--channel"
+        )
+    picture = out.suffix.lower() in ENDINGS
+    drawn = render(figure(log, events), out.suffix.lower() if picture else ".png")
+    write_file(out, drawn if picture else page_of(facts(log, columns, events, drawn)).encode())
+
+
+def _written(log: "WholeLog", out: Path) -> dict[str, Any]:
+    return {
+        "log": log.source,
+        "out": out,
+        "rows": int(log.columns[0].values.size),
+        "columns": [{"name": column.name, "unit": column.unit} for column in log.columns],
+        "notes": log.notes,
+    }
+
+
+def _document(
+    log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]"
+) -> dict[str, object]:
+    return {
+        "log": log.name,
+        "source": log.source,
+        "digest": log.digest,
+        "rows": log.time.size,
+        "start": log.time[0],
+        "end": log.time[-1],
+        "columns": columns,
+        "events": events,
+        "notes": log.notes,
+    }

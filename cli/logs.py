@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from cli.console import detail
+from cli.console import Step, detail
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
@@ -15,14 +15,13 @@ if TYPE_CHECKING:
     from calib.logs.read import Opened
     from calib.logs.whole import WholeLog
 
-STDIN = "-"
 NAMED = Path("stdin.csv")
 """What a log from stdin is called in messages and results; it is text."""
 
 
 def is_stdin(path: Path) -> bool:
     """Whether a log is to be read from stdin; ``./-`` is a file of that name."""
-    return str(path) == STDIN
+    return str(path) == "-"
 
 
 def named(paths: Sequence[Path]) -> list[Path]:
@@ -32,17 +31,18 @@ def named(paths: Sequence[Path]) -> list[Path]:
     return [NAMED if is_stdin(path) else path for path in paths]
 
 
-def refuse_stdin(paths: Sequence[Path]) -> None:
-    """Refuse a log from stdin where a table will name its logs, so that they can be found again."""
-    if any(map(is_stdin, paths)):
-        raise typer.BadParameter(
-            "a table names the logs that it is made of: give a file, not -", param_hint="LOG"
-        )
+def read_all(
+    paths: Sequence[Path], mapping: "ChannelMap | None", step: Step, more: int = 0
+) -> "list[Log]":
+    """Read logs one by one, with a bar; ``more`` steps are to come."""
+    found = []
+    for i, path in enumerate(paths):
+        step(f"reading {path.name}", i, len(paths) + more)
+        found.append(read(path, mapping))
+    return found
 
 
-def read(
-    path: Path, mapping: "ChannelMap | Path | None", require: tuple[str, ...] | None = None
-) -> "Log":
+def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | None = None) -> "Log":
     """Read a log, a file or that on stdin, and tell with -v what was read.
 
     Raises LogError as `calib.logs.read.read_log` does.
@@ -96,16 +96,15 @@ def _stdin() -> bytes:
     from calib.logs.formats import kind_of
 
     if sys.stdin.isatty():
-        raise LogError("stdin is a terminal", where=STDIN, expected="a log", do="cat LOG | ...")
+        raise LogError("stdin is a terminal", where="-", expected="a log", do="cat LOG | ...")
     data = sys.stdin.buffer.read(LOG.most + 1)
     if len(data) > LOG.most:
-        raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where=STDIN)
-    other = kind_of(data[:64])
-    if other is not None:
+        raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where="-")
+    if other := kind_of(data[:64]):
         name, endings = other
         raise LogError(
             f"stdin holds {name}",
-            where=STDIN,
+            where="-",
             expected="CSV: stdin has no ending that names another format",
             do=f"write it to a file that ends in {endings[0]}" if endings else "",
         )

@@ -1,4 +1,4 @@
-"""The command line: one app, the commands by name, one place where errors become exit codes."""
+"""The command line: one app, the commands by subject, one place where errors become exit codes."""
 
 import os
 import sys
@@ -10,75 +10,42 @@ import typer
 
 from calib.base.errors import BrakeCalError
 from calib.base.program import PROGRAM
-from cli import (
-    batch,
-    check,
-    demo,
-    diagnose,
-    doctor,
-    effects,
-    fit,
-    fleet,
-    limits,
-    log,
-    manual,
-    maps,
-    plot,
-    qualify,
-    repeatability,
-    schema,
-    settings,
-    simulate,
-    station,
-    tables,
-    validate,
-    vehicles,
-    watch,
-)
-from cli.completion import VARIABLE, answer
-from cli.console import complain, emit_json, say
-from cli.failure import document_of, usage_document
-from cli.group import Group
-from cli.loudness import begin, this_run
-from cli.options import example
+from cli import tables, vehicles
+from cli.check import check
+from cli.command import Quiet, Verbose, add, group
+from cli.console import begin, complain, emit_json, say, this_run
+from cli.diagnose import Greedy, diagnose
+from cli.fit import fit
+from cli.log import log
+from cli.machine import demo, doctor, qualify
+from cli.many import batch, fleet, watch
+from cli.maps import map_
+from cli.plot import plot
+from cli.reference import effects, manual, schema, settings
+from cli.repeatability import repeatability
+from cli.simulate import simulate
+from cli.station import limits, station
 from cli.streams import delivered
+from cli.validate import validate
 
 UsageError: Any = typer.BadParameter.__base__
 """What typer raises for a wrong command line; it exports only the one for a wrong value."""
 
-# Plain help: typer's boxes import rich, which takes half of the time that --help may take.
-app = typer.Typer(
-    name="brake-cal",
-    cls=Group,
-    rich_markup_mode=None,
+app = group(
+    "brake-cal",
+    "Calibrate and validate a brake-torque estimator from one ramped braking run.",
+    "brake-cal demo",
+    "brake-cal tables list",
     pretty_exceptions_enable=False,
-    no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=example("brake-cal demo", "brake-cal tables list"),
 )
-app.command(epilog=check.EPILOG)(check.check)
-app.command(epilog=fit.EPILOG)(fit.fit)
-app.command(epilog=validate.EPILOG)(validate.validate)
-app.command(epilog=station.EPILOG)(station.station)
-app.command(epilog=plot.EPILOG)(plot.plot)
-app.command(epilog=simulate.EPILOG)(simulate.simulate)
-app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
-app.command(epilog=effects.EPILOG)(effects.effects)
-app.command(epilog=schema.EPILOG)(schema.schema)
-app.command(epilog=settings.EPILOG)(settings.settings)
-app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
-app.command(epilog=batch.EPILOG)(batch.batch)
-app.command(epilog=watch.EPILOG)(watch.watch)
-app.command(epilog=demo.EPILOG)(demo.demo)
-app.command(epilog=doctor.EPILOG)(doctor.doctor)
-app.command(epilog=qualify.EPILOG)(qualify.qualify)
-app.command(epilog=manual.EPILOG)(manual.manual)
-app.add_typer(vehicles.app, name="vehicle")
-app.add_typer(log.app, name="log")
-app.add_typer(maps.app, name="map")
-app.add_typer(tables.app, name="tables")
-app.add_typer(fleet.app, name="fleet")
-app.add_typer(limits.app, name="limits")
+add(app, "One car", check, fit, validate, plot)
+add(app, "Tables", tables.app)
+add(app, "The line", station, limits, repeatability, batch, watch, fleet)
+add(app, "Where model and car disagree", diagnose, cls=Greedy)
+add(app, "Where model and car disagree", simulate, effects)
+add(app, "Files and settings", vehicles.app, log, map_, settings, schema)
+add(app, "Help", demo, manual, doctor, qualify)
 
 
 def _print_version(wanted: bool) -> None:
@@ -95,6 +62,8 @@ def options(
             "--version", callback=_print_version, is_eager=True, help="Print the version."
         ),
     ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Calibrate and validate a brake-torque estimator from one ramped braking run.
 
@@ -113,10 +82,7 @@ def main() -> None:
 
 
 def _run() -> int:
-    """Exit code of what was asked on the command line, by a person or by a shell at the Tab key."""
     started = time.monotonic()
-    if os.environ.get(VARIABLE) == "complete_bash":
-        return answer(lambda: app(prog_name="brake-cal"))
     code = _code(sys.argv[1:])
     if this_run().verbose:
         say(f"took {time.monotonic() - started:.1f} s, exit code {code}")
@@ -128,11 +94,11 @@ def _code(words: Sequence[str]) -> int:
     try:
         return app(prog_name="brake-cal", standalone_mode=False) or 0
     except BrakeCalError as error:
-        _fail(words, document_of(error))
+        _fail(words, error.to_dict())
         complain(str(error))
         return error.exit_code
     except UsageError as error:
-        _fail(words, usage_document(error))
+        _fail(words, _usage(error))
         error.show()
         return int(error.exit_code)
     except typer.Abort:
@@ -140,11 +106,27 @@ def _code(words: Sequence[str]) -> int:
         return 1
 
 
-def _fail(words: Sequence[str], document: dict[str, object]) -> None:
+def _fail(words: Sequence[str], error: dict[str, Any]) -> None:
     """Print the error as JSON where it was asked for and no document is there yet."""
     asked = words[: words.index("--")] if "--" in words else words
     if "--json" in asked and not this_run().documents:
-        emit_json(document)
+        emit_json({"schema": 1, "error": error})
+
+
+def _usage(error: Any) -> dict[str, Any]:
+    """A wrong command line as the errors of the library are, see `calib.base.schema`."""
+    command = error.ctx.command_path if error.ctx else "brake-cal"
+    hint = getattr(error, "param_hint", None) or ""
+    return {
+        "kind": "usage",
+        "message": error.format_message(),
+        "exit_code": error.exit_code,
+        "what": error.message,
+        "where": hint if isinstance(hint, str) else " ".join(hint),
+        "expected": "",
+        "do": f"see `{command} --help`",
+        "lines": (),
+    }
 
 
 if __name__ == "__main__":

@@ -1,59 +1,51 @@
 """`brake-cal map`: propose a channel map for a log of foreign names."""
 
-from dataclasses import asdict
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.console import complain, emit, emit_json, say
-from cli.grid import facts_grid
-from cli.group import command_group
-from cli.inputs import channel_map_of
-from cli.loudness import this_run
-from cli.options import Force, Json, example, map_file, out_file
-from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
+from cli.command import FAILED, UNREADABLE, Answer, command
+from cli.console import complain, emit, this_run
+from cli.options import argument, channel_map, option
+from cli.outputs import write_file
 
 if TYPE_CHECKING:
-    from rich.table import Table as Grid
+    from calib.logs.channel_map import ChannelMap
 
-    from calib.suggest.propose import Suggestion
-
-UNCERTAIN = 3
-"""Exit code for a log that leaves something open, or has no channel at all."""
-NOT_ENOUGH = 1
-"""Exit code for a map without a channel that every log needs, as that of `check` for such a log."""
-
-app = command_group(
-    "Channel maps: which column of a log is which channel.",
-    "brake-cal map suggest sample_logs/sedan/ramp_wet_asphalt.csv",
-)
+    ReadWith = ChannelMap | None
+else:
+    ReadWith = Annotated[
+        Path | None, channel_map("Its file format and DBC; not that of the settings.")
+    ]
 
 
-@app.command(
-    epilog=example("brake-cal map suggest sample_logs/sedan/ramp_wet_asphalt.csv --out map.toml")
-)
-def suggest(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="log of foreign names")],
+def _pairs(texts: list[str]) -> list[str]:
+    for text in texts:
+        if "=" not in text:
+            raise typer.BadParameter(f"{text!r} is not CHANNEL=NAME")
+    return texts
+
+
+@command("brake-cal map sample_logs/sedan/ramp_wet_asphalt.csv --out map.toml")
+def map_(
+    log: Annotated[Path, argument("log of foreign names", "LOG")],
+    *,
     take: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--take",
-            metavar="CHANNEL=NAME",
-            help="Source of a channel, 'p_mc=Brake [bar]'; empty NAME: no source.",
+        list[str],
+        option(
+            "Source of a channel, 'p_mc=Brake [bar]'; empty NAME: no source.",
+            "CHANNEL=NAME",
+            make=_pairs,
         ),
-    ] = None,
+    ],
     radius: Annotated[
-        float | None,
-        typer.Option(metavar="M", help="Radius [m] for wheel speeds in km/h.", min=0.1, max=1.0),
-    ] = None,
-    channel_map: Annotated[
-        Path | None, map_file("Its file format and DBC; not that of the settings.")
-    ] = None,
-    out: Annotated[Path | None, out_file("Map file to write.", "M.toml")] = None,
-    force: Force = False,
-    json: Json = False,
-) -> None:
+        float | None, option("Radius [m] for wheel speeds in km/h.", "M", min=0.1, max=1.0)
+    ],
+    channel_map: ReadWith,
+    out: Annotated[Path | None, option("Map file to write.", "M.toml", writes="")],
+) -> Answer:
     """Propose a channel map for a log of foreign names.
 
     It rests on names, units and physics, and says how sure it is. Prints the map on stdout and the
@@ -61,63 +53,30 @@ def suggest(
     with 3. It ends with 1 if the log lacks what every log needs, such as the pressure. Of --map
     only file format and DBC are used; the new map keeps them.
     """
-    from calib.logs.read import open_log
-    from calib.suggest.propose import suggest as propose
-    from calib.suggest.propose import to_toml, tried
+    from dataclasses import asdict
 
-    taken = dict(_pair(text) for text in take or [])
-    if out is not None:
-        refuse_folder(out)
-        refuse_overwriting([out], [log], [channel_map])
-    read_with = channel_map_of(channel_map)
-    found = propose(open_log(log, read_with).source, str(log), told=taken, radius=radius)
-    found = tried(found, log, read_with)
-    toml = to_toml(found, read_with, None if out is None else out.absolute().parent)
-    if out is not None:
-        refuse_foreign(out, lambda data: data == toml.encode(), "this map", force)
-    written = not found.doubts and bool(found.proposals)
-    if json:
-        document = {**asdict(found), "toml": toml if written else None}
-        emit_json({"schema": 1, "certain": not found.doubts, **document})
-    else:
-        _tell(found)
+    from calib.logs.read import open_log
+    from calib.show.facts import Facts
+    from calib.suggest.propose import suggest, to_lines, to_toml, tried
+
+    told = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
+    source = open_log(log, channel_map).source
+    found = tried(suggest(source, str(log), told=told, radius=radius), log, channel_map)
+    toml = to_toml(found, channel_map, None if out is None else out.absolute().parent)
+    certain = not found.doubts and bool(found.proposals)
+    if certain and out is not None:
+        write_file(out, toml.encode())
+    if not this_run().quiet:
+        emit(Facts(rows=list(to_lines(found))), sys.stderr)
     for doubt in found.doubts:
         complain(f"{doubt.channel}: {doubt}")
-    if not written:
-        if not found.doubts:
-            complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
-        raise typer.Exit(UNCERTAIN)
-    if out is not None:
-        from calib.base.write import write_whole
-
-        with writing(out):
-            write_whole(out, toml.encode())
-        say(f"wrote {out}")
-    elif not json:
-        emit(toml.rstrip("\n"))
-    if found.missing:
+    if not found.doubts and not certain:
+        complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
+    if certain and found.missing:
         complain(f"{log}: {', '.join(found.missing)} missing: no table can be made of this log")
-        raise typer.Exit(NOT_ENOUGH)
-
-
-def _pair(text: str) -> tuple[str, str]:
-    channel, equals, name = text.partition("=")
-    if not equals:
-        raise typer.BadParameter(f"{text!r} is not CHANNEL=NAME", param_hint="--take")
-    return channel.strip(), name.strip()
-
-
-def _tell(found: "Suggestion") -> None:
-    from cli.console import console
-
-    if not this_run().quiet:
-        console().print(_grid(found))
-
-
-def _grid(found: "Suggestion") -> "Grid":
-    from calib.suggest.propose import to_lines
-
-    grid = facts_grid()
-    for label, text in to_lines(found):
-        grid.add_row(label, text)
-    return grid
+    document = {"certain": not found.doubts, **asdict(found), "toml": toml if certain else None}
+    return Answer(
+        document,
+        toml.rstrip("\n") if certain and out is None else "",
+        FAILED * bool(found.missing) if certain else UNREADABLE,
+    )

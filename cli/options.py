@@ -1,185 +1,409 @@
-"""Options that several commands share, each defined once, and groups of options.
+"""Options and arguments: how each is written, and what becomes of it.
 
-An option whose help text depends on the command is a function of that text.
+`option` and `argument` are typer's, with `make`: what the value becomes before a command gets it.
+Those that several commands share stand here once. To the type checker each is what the command
+gets, to typer what is typed.
 """
 
-from collections.abc import Callable
-from dataclasses import is_dataclass
-from functools import wraps
-from inspect import Parameter, signature
+import math
+from collections.abc import Callable, Collection, Sequence
+from datetime import date
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cli.completion import table_names, table_versions
-from cli.project import from_settings
+from cli.project import STORE, find_project, from_settings
 
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
 
-Store = Annotated[
-    Path,
-    typer.Option(
-        "--store",
-        metavar="DIR",
-        help="Directory of the tables.",
-        callback=from_settings("store"),
-    ),
-]
+
+def option(
+    text: str,
+    metavar: str | None = None,
+    *flags: str,
+    make: Callable[[Any], Any] | None = None,
+    always: bool = False,
+    known: str = "",
+    writes: str | None = None,
+    built_in: Any = None,
+    **more: Any,
+) -> Any:
+    """An option with its help ``text``.
+
+    Parameters
+    ----------
+    flags : how it is written, if not as its parameter.
+    make : what its value becomes; ``always``: of None, too.
+    known : "module:NAME" of a collection of the library; its names are completed, others refused.
+    writes : kind of the file that is written there, see `cli.outputs`, or "folder".
+    built_in : its value where nothing else gives one.
+    more : for typer.
+    """
+    typed: Any = typer.Option  # to typer the first flag is a default, as in all its examples
+    made = typed(*flags, **_given(text, metavar, known), **more)
+    extra = {
+        "flags": flags,
+        "make": _one_of(known, make),
+        "always": always,
+        "writes": writes,
+        "built_in": built_in,
+    }
+    made.__dict__.update(extra)
+    return made
 
 
-def map_file(text: str = "Channel map, and DBC.", *, callback: Any = None) -> Any:
-    """Option ``--map``."""
-    return typer.Option("--map", metavar="M.toml", help=text, callback=callback)
+def argument(
+    text: str,
+    metavar: str,
+    make: Callable[[Any], Any] | None = None,
+    known: str = "",
+    **more: Any,
+) -> Any:
+    """An argument; see `option`."""
+    made = typer.Argument(**_given(text, metavar, known), **more)
+    made.__dict__.update(make=_one_of(known, make), always=False)
+    return made
 
 
-Map = Annotated[Path | None, map_file(callback=from_settings("map"))]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+def _given(text: str, metavar: str | None, known: str) -> dict[str, Any]:
+    completed = {"autocompletion": lambda incomplete: _known(known)} if known else {}
+    return {"help": text, "metavar": metavar, **completed}
+
+
+def require_known(written: str, known: Collection[str], what: str = "") -> None:
+    """Refuse a name that is not known, with the one that may be meant."""
+    from calib.base.toml import did_you_mean
+
+    if written not in known:
+        near = did_you_mean(written, known)
+        hint = f"{near} known:" if near else "known:"
+        raise typer.BadParameter(f"unknown {what}{written!r}; {hint} {', '.join(known)}")
+
+
+def _known(place: str) -> list[str]:
+    module, _, name = place.partition(":")
+    found = getattr(import_module(module), name)
+    return [str(one) for one in (found() if callable(found) and name.islower() else found)]
+
+
+def _one_of(place: str, make: Callable[[Any], Any] | None) -> Callable[[Any], Any] | None:
+    if not place:
+        return make
+
+    def checked(value: Any) -> Any:
+        for one in value if isinstance(value, list) else [value]:
+            require_known(one, _known(place))
+        return make(value) if make else value
+
+    return checked
+
+
+# Tables at the Tab key: only folders of the store are read, no file of a table.
+
+
+def _store_of(context: typer.Context) -> Path:
+    """The store of the command line, of the settings, or the usual one."""
+    from calib.base.errors import BrakeCalError
+
+    given = context.params.get("store")
+    try:
+        return Path(given) if given else find_project().settings.store or STORE
+    except BrakeCalError:
+        return STORE
+
+
+def table_names(context: typer.Context, incomplete: str) -> list[str]:
+    """Names of the tables; of one that is alone its versions as well."""
+    from calib.store.folders import names_in
+
+    begun = incomplete.partition("@")[0]
+    names = [name for name in names_in(_store_of(context)) if name.startswith(begun)]
+    versions = table_versions(context, incomplete) if "@" in incomplete or len(names) == 1 else []
+    return versions if "@" in incomplete else [*names, *versions]
+
+
+def table_versions(context: typer.Context, incomplete: str) -> list[str]:
+    """``name@version`` of every table, the newest first."""
+    from calib.store.folders import names_in, versions_in
+
+    store, begun = _store_of(context), incomplete.partition("@")[0]
+    names = [name for name in names_in(store) if name.startswith(begun)]
+    return [f"{name}@{n}" for name in names for n in reversed(versions_in(store / name))]
+
+
+# What is typed becomes what a command works with.
+
+
+def _store(path: Path) -> Any:
+    import calib
+
+    return calib.Store(path)
+
+
+def _vehicle(path: Path) -> Any:
+    from calib.car.vehicle_file import read_vehicle
+
+    return read_vehicle(path)
+
+
+def _map(path: Path) -> Any:
+    from calib.logs.channel_map_file import read_channel_map
+
+    return read_channel_map(path)
+
+
+def _own_effects(files: list[Path]) -> Any:
+    from calib.car.own_effects.read import read_own_effects
+
+    return read_own_effects(files) if files else ()
+
+
+def _limits(path: Path) -> Any:
+    from calib.estimation.limits_file import read_limits
+    from calib.estimation.metrics import METRICS as OF_STOPS
+    from calib.line.station.metrics import METRICS as OF_CAR
+
+    return read_limits(path, {*OF_STOPS, *OF_CAR})
+
+
+def limits_of_stops(path: Path | None) -> Any:
+    """The limits of a file for single stops; the default limits without a file."""
+    from calib.base.errors import LimitsError
+    from calib.estimation.limits import DEFAULTS
+    from calib.estimation.metrics import METRICS
+
+    if path is None:
+        return DEFAULTS
+    limits = tuple(limit for limit in _limits(path) if limit.figure in METRICS)
+    if not limits:
+        raise LimitsError(
+            "no limit for a stop", where=path, do="judge the car with `brake-cal station`"
+        )
+    return limits
+
+
+def limits_of_car(path: Path | None) -> Any:
+    """The limits of a file for a car and its stops; the default limits without a file."""
+    from calib.line.station.limits_file import LIMITS
+
+    return _limits(path) if path else LIMITS
+
+
+def quantity(si: str, plain: bool = False) -> Callable[[str], float]:
+    """Makes SI of a quantity as a vehicle file has it; ``plain``: or of a number that is in SI."""
+
+    def make(written: str) -> float:
+        from calib.base.errors import InputError
+        from calib.base.toml import quantity
+
+        try:
+            value = float(written) if plain and _is_number(written) else math.nan
+            value = quantity(written, si, None, InputError) if math.isnan(value) else value
+        except InputError as error:
+            raise typer.BadParameter(str(error)) from None
+        if not math.isfinite(value):
+            raise typer.BadParameter(f"{written!r} is not finite")
+        return value
+
+    return make
+
+
+def _is_number(written: str) -> bool:
+    try:
+        return not math.isnan(float(written))
+    except ValueError:
+        return False
+
+
+def _mass(written: str) -> float:
+    """A mass [kg] within what a vehicle file may say."""
+    from calib.car.mass import LEAST, MOST
+
+    mass = quantity("kg")(written)
+    if not LEAST <= mass <= MOST:
+        raise typer.BadParameter(
+            f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg"
+        )
+    return mass
+
+
+def day(written: str) -> str:
+    """A day as it was written; refuses what is none."""
+    try:
+        date.fromisoformat(written)
+    except ValueError:
+        raise typer.BadParameter(f"{written!r} is not a date such as 2025-03-31") from None
+    return written
+
+
+def words(written: str) -> str:
+    """A text that says something."""
+    if not written.strip():
+        raise typer.BadParameter("says nothing")
+    return written
+
+
+def _version(table: str) -> str:
+    if "@" not in table:
+        raise typer.BadParameter(
+            f"{table!r} names no version; give {table}@N, see `brake-cal tables list`"
+        )
+    return table
+
+
+def _files(paths: Sequence[Path]) -> Sequence[Path]:
+    """Logs that a table will name, so that they can be found again: none from stdin."""
+    if any(str(path) == "-" for path in paths):
+        raise typer.BadParameter("a table names the logs that it is made of: give a file, not -")
+    return paths
+
+
+if TYPE_CHECKING:
+    from calib.car.own_effects.own_effect import OwnEffect
+    from calib.car.vehicle import Vehicle
+    from calib.estimation.limits import Limit
+    from calib.logs.channel_map import ChannelMap
+    from calib.store.store import Store
+
+    Tables = Store
+    Car = Vehicle
+    Map = ChannelMap | None
+    Mass = float | None
+    OwnEffects = tuple[OwnEffect, ...]
+    StopLimits = tuple[Limit, ...]
+else:
+    Tables = Annotated[
+        Path,
+        option(
+            "Directory of the tables.",
+            "DIR",
+            "--store",
+            make=_store,
+            built_in=STORE,
+            callback=from_settings("store"),
+        ),
+    ]
+    Car = Annotated[
+        Path,
+        option(
+            "Vehicle file; else that of the settings.",
+            "V.toml",
+            "--vehicle",
+            make=_vehicle,
+            default_factory=lambda: None,
+            show_default=False,
+            callback=from_settings("vehicle", f"missing; {NO_VEHICLE}"),
+        ),
+    ]
+    Map = Annotated[
+        Path | None,
+        option(
+            "Channel map, and DBC.", "M.toml", "--map", make=_map, callback=from_settings("map")
+        ),
+    ]
+    Mass = Annotated[
+        str | None,
+        option(
+            'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.',
+            "MASS",
+            make=_mass,
+        ),
+    ]
+    OwnEffects = Annotated[
+        list[Path],
+        option(
+            "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The "
+            "file is executed as Python: give only files that you trust.",
+            "FILE.py",
+            "--effect",
+            make=_own_effects,
+        ),
+    ]
+    StopLimits = Annotated[
+        Path | None,
+        option(
+            "Limits that decide pass or fail.",
+            "L.toml",
+            "--limits",
+            make=limits_of_stops,
+            always=True,
+            callback=from_settings("limits"),
+        ),
+    ]
+
+
+def vehicle(text: str, **more: Any) -> Any:
+    """Option ``--vehicle`` of a command that may do without one."""
+    return option(text, "V.toml", "--vehicle", make=_vehicle, **more)
+
+
+def channel_map(text: str, **more: Any) -> Any:
+    """Option ``--map`` with rules of its own."""
+    return option(text, "M.toml", "--map", make=_map, **more)
+
+
+def logs(text: str, metavar: str = "LOG...") -> Any:
+    """Argument for logs."""
+    return argument(text, metavar)
+
+
+def logs_by_name(text: str, metavar: str = "LOG...") -> Any:
+    """Argument for logs that a table will name."""
+    return argument(text, metavar, make=_files)
+
+
 KnownModel = Annotated[
     Path | None,
-    typer.Option(
-        "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are then known."
-    ),
+    option("Model of `diagnose`, whose effects are then known.", "M.toml", "--model"),
 ]
 Workers = Annotated[
-    int | None,
-    typer.Option("--workers", metavar="N", min=1, max=512, help="Processes; else all cores."),
-]
-OwnEffects = Annotated[
-    list[Path] | None,
-    typer.Option(
-        "--effect",
-        metavar="FILE.py",
-        help="Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The "
-        "file is executed as Python: give only files that you trust.",
-    ),
-]
-Mass = Annotated[
-    str | None,
-    typer.Option(
-        "--mass",
-        metavar="MASS",
-        help='Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.',
-    ),
+    int | None, option("Processes; else all cores.", "N", "--workers", min=1, max=512)
 ]
 By = Annotated[
     str | None,
-    typer.Option(
+    option(
+        "Who says so; else the person of the settings, or the user of this computer.",
+        "NAME",
         "--by",
-        metavar="NAME",
-        help="Who says so; else the person of the settings, or the user of this computer.",
         callback=from_settings("by"),
     ),
 ]
-Reason = Annotated[str, typer.Option("--reason", metavar="TEXT", help="Why, for the journal.")]
-TableVersion = Annotated[
-    str,
-    typer.Argument(
-        metavar="TABLE",
-        help="name, name@version or path of a version",
-        autocompletion=table_names,
-    ),
+Reason = Annotated[str, option("Why, for the journal.", "TEXT", "--reason", make=words)]
+Table = Annotated[
+    str, argument("name, name@version or path of a version", "TABLE", autocompletion=table_names)
 ]
-
+Version = Annotated[
+    str, argument("name@version", "TABLE@N", make=_version, autocompletion=table_versions)
+]
 PublicKey = Annotated[
     str | None,
-    typer.Option(
+    option(
+        "Public key: its file, or its text.",
+        "PUBLIC",
         "--key",
-        metavar="PUBLIC",
-        help="Public key: its file, or its text.",
         callback=from_settings("public_key"),
     ),
 ]
-
-Version = Annotated[
-    str,
-    typer.Argument(metavar="TABLE@N", help="name@version", autocompletion=table_versions),
+Required = Annotated[
+    bool,
+    option(
+        "Refuse a table without a signature that holds.",
+        None,
+        "--require-signed",
+        callback=from_settings("require_signed"),
+    ),
 ]
-
-
-def refuse_bare(table: str) -> None:
-    """Refuse a name without a version where it must be one, see `Version`."""
-    if "@" not in table:
-        raise typer.BadParameter(
-            f"{table!r} names no version; give {table}@N, see `brake-cal tables list`",
-            param_hint="TABLE@N",
-        )
-
-
-def vehicle_file(text: str, *, callback: Any = None) -> Any:
-    """Option ``--vehicle``."""
-    return typer.Option("--vehicle", metavar="V.toml", help=text, callback=callback)
-
-
-def needed_vehicle(text: str = "Vehicle file") -> Any:
-    """Option ``--vehicle`` of a command that needs one, from the option or from the settings."""
-    return typer.Option(
-        "--vehicle",
-        metavar="V.toml",
-        help=f"{text}; else that of the settings.",
-        default_factory=lambda: None,
-        show_default=False,
-        callback=from_settings("vehicle", f"missing; {NO_VEHICLE}"),
-    )
-
-
-def limits_file(text: str, *, callback: Any = None) -> Any:
-    """Option ``--limits``."""
-    return typer.Option("--limits", metavar="L.toml", help=text, callback=callback)
-
-
-def out_folder(text: str) -> Any:
-    """Option ``--out`` of a command that writes several files."""
-    return typer.Option("--out", metavar="DIR", help=text)
-
-
-def out_file(text: str, metavar: str = "FILE") -> Any:
-    """Option ``--out`` of a command that writes one file."""
-    return typer.Option("--out", metavar=metavar, help=text)
-
-
-Force = Annotated[
-    bool, typer.Option("--force", help="Replace a file that exists, whatever it holds.")
+SignedBy = Annotated[
+    str | None,
+    option(
+        "Public key that must have signed: its file, or its text.",
+        "PUBLIC",
+        "--key",
+        callback=from_settings(
+            "public_key", when=lambda asked: bool(asked.params["require_signed"])
+        ),
+    ),
 ]
-
-Report = Annotated[
-    Path | None, typer.Option("--report", metavar="FILE.html", help="Write one page of HTML here.")
-]
-
-VehicleFile = Annotated[Path, needed_vehicle()]
-
-
-def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """Allow frozen records of options as parameters of ``command``.
-
-    A parameter whose type is a dataclass is replaced by its fields, each an option. The command is
-    called with the record made of them.
-    """
-    hints = get_type_hints(command, include_extras=True)
-    records: dict[str, Callable[..., Any]] = {
-        name: hint for name, hint in hints.items() if isinstance(hint, type) and is_dataclass(hint)
-    }
-    options = {name: list(signature(kind).parameters) for name, kind in records.items()}
-
-    @wraps(command)
-    def run(**given: Any) -> None:
-        for name, kind in records.items():
-            given[name] = kind(**{option: given.pop(option) for option in options[name]})
-        command(**given)
-
-    parameters: list[Parameter] = []
-    for parameter in signature(command).parameters.values():
-        if parameter.name in records:
-            fields = signature(records[parameter.name]).parameters.values()
-            parameters += [field.replace(kind=Parameter.KEYWORD_ONLY) for field in fields]
-        else:
-            parameters.append(parameter.replace(annotation=hints[parameter.name]))
-    vars(run)["__signature__"] = signature(command).replace(parameters=parameters)
-    run.__annotations__ = {p.name: p.annotation for p in parameters}
-    return run
-
-
-def example(*lines: str) -> str:
-    """Epilog of a command's help: ``lines`` that can be run in the folder of the demo."""
-    return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))

@@ -1,4 +1,4 @@
-"""`--out`: one rule for all commands, checked before the work.
+"""Outputs: one rule for all commands, checked before the work.
 
 A folder is made with its parents; files of the same names in it are replaced, others stay. A file
 is made with its parents; one that exists is replaced if it is empty or this program wrote it, and
@@ -7,34 +7,62 @@ anything else only with --force. No output ever replaces an input.
 
 import errno
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import typer
 
 from calib.base.errors import AnswerError
-from cli.console import say
+from cli.console import say, this_run
 
 OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """What a disk says that takes no more; nothing is wrong with the command line."""
 PAGES = (".html", ".htm")
-"""Endings of a page."""
 
 
-def ready_folder(out: Path | None, names: Iterable[str] = ()) -> None:
-    """Refuse a file where a folder will be written; settle what a killed run left in the folder.
+def _endings(kind: str) -> tuple[str, ...]:
+    """Endings of a kind of file; a drawing is a picture or a page; () for any."""
+    from calib.logs.write import WRITERS
+    from calib.show.sheet import ENDINGS
 
-    ``names`` of files that will be written there: a folder in the place of one is refused, too.
+    return {
+        "picture": ENDINGS,
+        "page": PAGES,
+        "drawing": (*ENDINGS, *PAGES),
+        "log": tuple(WRITERS),
+        "simulation": (".csv", ".parquet"),
+    }.get(kind, ())
+
+
+def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
+    """Refuse a place where no file of a kind can be written, an input, and a foreign drawing."""
+    endings = _endings(kind) if kind else ()
+    if endings and out.suffix.lower() not in endings:
+        raise typer.BadParameter(f"{out} must end in {', '.join(endings)}", param_hint=option)
+    if out.is_dir():
+        raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=option)
+    _refuse_parent(out, option)
+    _refuse_inputs([out], option)
+    if kind in ("picture", "page", "drawing"):
+        refuse_foreign(out, _is_page if out.suffix.lower() in PAGES else _is_picture, option)
+
+
+def check_folder(out: Path | None, names: Iterable[str]) -> None:
+    """Refuse a file where a folder will be written, an input or a folder in the place of a file.
+
+    What a killed run left in the folder is settled.
     """
     from calib.base.publish import refuse_obstacles, settle
 
     if out is None:
         return
+    names = list(names)
     if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint=OUT)
-    _refuse_parent(out)
+    _refuse_parent(out, OUT)
+    _refuse_inputs([out / name for name in names], OUT)
     try:
         settled = settle(out)
         refuse_obstacles(out, names)
@@ -43,72 +71,16 @@ def ready_folder(out: Path | None, names: Iterable[str] = ()) -> None:
             f"cannot write {error.filename}: it is a directory", param_hint=OUT
         ) from error
     except OSError as error:
-        raise _unwritable(out, error) from error
+        raise _unwritable(out, error, OUT) from error
     if settled:
         say(f"settled what a run that was killed had left in {out}")
 
 
-def refuse_folder(out: Path, option: str = OUT) -> None:
-    """Refuse a folder where a file will be written, and a place where nothing can be written."""
-    if out.is_dir():
-        raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=option)
-    _refuse_parent(out, option)
-
-
-def refuse_ending(out: Path, endings: Sequence[str], option: str = OUT) -> None:
-    """Refuse a file whose ending is none of ``endings``, which begin with a point."""
-    if out.suffix.lower() not in endings:
-        raise typer.BadParameter(f"{out} must end in {', '.join(endings)}", param_hint=option)
-
-
-def refuse_no_picture(out: Path, force: bool, option: str = OUT) -> None:
-    """Refuse what is no place for a picture: another ending, a folder, a foreign file."""
-    from calib.show.sheet import ENDINGS, is_picture
-
-    refuse_ending(out, ENDINGS, option)
-    refuse_folder(out, option)
-    refuse_foreign(out, is_picture, "a picture", force, option)
-
-
-def refuse_no_page(out: Path, force: bool | None, option: str = OUT) -> None:
-    """Refuse what is no place for a page of HTML, in the same way."""
-    refuse_ending(out, PAGES, option)
-    refuse_folder(out, option)
-    refuse_foreign(out, _is_page, "a page of this program", force, option)
-
-
-def _is_page(data: bytes) -> bool:
-    from calib.show.html import is_page
-
-    return is_page(data)
-
-
-def _refuse_parent(out: Path, option: str = OUT) -> None:
-    """Refuse a place below a file, or below a folder that cannot be written."""
-    above = next(path for path in out.absolute().parents if path.exists())
-    if not above.is_dir():
-        raise typer.BadParameter(
-            f"cannot write {out}: {os.path.relpath(above)} is a file, not a directory",
-            param_hint=option,
-        )
-    if not os.access(above, os.W_OK):
-        raise typer.BadParameter(
-            f"cannot write {out}: no permission to write in {os.path.relpath(above)}",
-            param_hint=option,
-        )
-
-
-def refuse_foreign(
-    out: Path, ours: Callable[[bytes], bool], what: str, force: bool | None, option: str = OUT
-) -> None:
-    """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is given.
-
-    ``what`` says what would be replaced without --force; ``force`` is None where there is no such
-    option.
-    """
+def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) -> None:
+    """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is given."""
     from calib.base.bounded import LOG, read_bounded
 
-    if force:
+    if this_run().force:
         return
     try:
         data = read_bounded(out, LOG)
@@ -118,54 +90,45 @@ def refuse_foreign(
     except OSError:
         mine = False
     if not mine:
-        do = "give another name" if force is None else "--force replaces it"
-        raise typer.BadParameter(f"{out} exists and is not {what}; {do}", param_hint=option)
+        do = "give another name" if option == "--report" else "--force replaces it"
+        raise typer.BadParameter(
+            f"{out} exists and is not what is written here; {do}", param_hint=option
+        )
 
 
-def refuse_overwriting(
-    outputs: Iterable[Path],
-    logs: Sequence[Path],
-    others: Iterable[Path | None] = (),
-    option: str = OUT,
+def write_file(out: Path, content: bytes, option: str = OUT) -> None:
+    """Write a file whole, and say so; a foreign one is refused, where none was before the work."""
+    from calib.base.write import write_whole
+    from calib.show.sheet import ENDINGS
+
+    if out.suffix.lower() not in (*ENDINGS, *PAGES):
+        refuse_foreign(out, content.__eq__, option)
+    with writing(out, option):
+        write_whole(out, content)
+    say(f"wrote {out}")
+
+
+def write_folder(
+    out: Path,
+    contents: Iterable[tuple[str, bytes]],
+    last: str,
+    earlier: Callable[[Path], Iterable[str]] = lambda out: (),
 ) -> None:
-    """Refuse an output that is one of the inputs: a log, or one of the other files."""
-    written = {os.path.realpath(path) for path in outputs}
-    for path in (*logs, *others):
-        if path is not None and os.path.realpath(path) in written:
-            what = "the log " if path in logs else ""
-            raise typer.BadParameter(f"would overwrite {what}{path}", param_hint=option)
+    """Write all files into a folder, or none; ``last`` names the one that says that all are there.
 
-
-REPORT = "--report"
-
-
-def refuse_report(
-    report: Path | None, logs: Sequence[Path], others: Iterable[Path | None] = ()
-) -> None:
-    """Refuse a page of another ending, in a place that cannot be written, or of a foreign file."""
-    if report is None:
-        return
-    refuse_overwriting([report], logs, others, REPORT)
-    refuse_no_page(report, None, REPORT)
-
-
-def write_report(report: Path, page: str) -> None:
-    """Write a page and say so."""
+    Each is written as it comes. Those of an ``earlier`` run are removed.
+    """
+    from calib.base.publish import publish, workshop
     from calib.base.write import write_whole
 
-    with writing(report, REPORT):
-        write_whole(report, page.encode())
-    say(f"wrote {report}")
+    with writing(out), workshop(out) as work:
+        for name, content in contents:
+            write_whole(work / name, content)
+        paths = publish(work, out, last, earlier)
+    say(f"wrote {out}: {', '.join(path.name for path in paths)}")
 
 
-def today() -> str:
-    """The date on a page, UTC."""
-    from datetime import UTC, datetime
-
-    return datetime.now(UTC).date().isoformat()
-
-
-def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> list[str]:
+def stems_of(logs: Iterable[Path], option: str) -> list[str]:
     """Names of the logs without their endings; each is the name of a file in ``--out``."""
     from calib.logs.formats import stem_of
 
@@ -173,8 +136,7 @@ def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> lis
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
         raise typer.BadParameter(
-            f"two {called} are named {twice[0]}, and --out has one file per name",
-            param_hint=param_hint,
+            f"two logs are named {twice[0]}, and --out has one file per name", param_hint=option
         )
     return stems
 
@@ -187,7 +149,10 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
     """
     made: list[Path] = []
     try:
-        made = [] if out is None else _made(out.absolute().parent)
+        if out is not None:
+            above = out.absolute().parent
+            made = [path for path in (above, *above.parents) if not path.exists()]
+            above.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
         if error.errno in FULL:
@@ -199,13 +164,35 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
                 folder.rmdir()
 
 
-def _made(folder: Path) -> list[Path]:
-    """Make a folder with its parents; those that were not there before, the innermost first."""
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
-    folder.mkdir(parents=True, exist_ok=True)
-    return missing
+def _refuse_parent(out: Path, option: str) -> None:
+    """Refuse a place below a file, or below a folder that cannot be written."""
+    above = next(path for path in out.absolute().parents if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        why = "no permission to write in" if above.is_dir() else "not a directory:"
+        raise typer.BadParameter(
+            f"cannot write {out}: {why} {os.path.relpath(above)}", param_hint=option
+        )
 
 
-def _unwritable(out: Path | None, error: OSError, option: str = OUT) -> typer.BadParameter:
+def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:
+    written = {os.path.realpath(path) for path in outputs}
+    for path in (one for given in this_run().inputs.values() for one in given):
+        if os.path.realpath(path) in written:
+            raise typer.BadParameter(f"would overwrite {path}", param_hint=option)
+
+
+def _unwritable(out: Path | None, error: OSError, option: str) -> typer.BadParameter:
     what = f"cannot be written ({error.strerror})"
     return typer.BadParameter(what if out is None else f"{out} {what}", param_hint=option)
+
+
+def _is_picture(data: bytes) -> bool:
+    from calib.show.sheet import is_picture
+
+    return is_picture(data)
+
+
+def _is_page(data: bytes) -> bool:
+    from calib.show.html import is_page
+
+    return is_page(data)

@@ -6,6 +6,7 @@ file is read once in a run of the program, and only if an option asks.
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -42,37 +43,22 @@ def find_project() -> Project:
     from calib.base.settings import VARIABLE, Settings, find_settings, folders_to_search
     from calib.base.settings_file import read_settings
 
-    named = os.environ.get(VARIABLE)
+    named, here = os.environ.get(VARIABLE), None
     if named is not None:
         file = Path(named) if named else None
-        return Project(read_settings(file) if file else Settings(), file, True, ())
-    here = _here()
-    searched = tuple(folders_to_search(here)) if here else ()
-    found = find_settings(here) if here else None
-    file = Path(os.path.relpath(found)) if found else None
-    return Project(read_settings(file) if file else Settings(), file, False, searched)
-
-
-def _here() -> Path | None:
-    """The working folder; None if somebody has deleted it."""
-    try:
-        return Path.cwd()
-    except FileNotFoundError:
-        return None
-
-
-def project(context: typer.Context) -> Project:
-    """The settings of this run of the program, read once."""
-    if KEY not in context.meta:  # which all contexts of a run share
-        context.meta[KEY] = find_project()
-    found: Project = context.meta[KEY]
-    return found
+    else:
+        with suppress(FileNotFoundError):  # somebody has deleted the working folder
+            here = Path.cwd()
+        found = find_settings(here) if here else None
+        file = Path(os.path.relpath(found)) if found else None
+    settings = read_settings(file) if file else Settings()
+    return Project(
+        settings, file, named is not None, tuple(folders_to_search(here)) if here else ()
+    )
 
 
 def from_settings(
-    name: str,
-    needed: str = "",
-    when: Callable[[typer.Context], bool] = lambda context: True,
+    name: str, needed: str = "", when: Callable[[typer.Context], bool] = lambda context: True
 ) -> Callable[..., Any]:
     """Callback of an option that takes its value from a setting where it is not given.
 
@@ -88,21 +74,16 @@ def from_settings(
         if context.resilient_parsing or source is None or source.name != "DEFAULT":
             return value
         if when(context):
-            found = project(context)
-            setting = getattr(found.settings, name)
+            if KEY not in context.meta:  # which all contexts of a run share
+                context.meta[KEY] = find_project()
+            setting = getattr(context.meta[KEY].settings, name)
             if setting is not None:
-                _tell(context, found)
+                if not context.meta.get("cli.project.told"):
+                    context.meta["cli.project.told"] = True
+                    say(f"settings of {context.meta[KEY].file}")
                 return [*setting] if isinstance(setting, tuple) else setting
         if needed and value is None:
             raise typer.BadParameter(needed, context, param_hint=option.opts[0])
         return value
 
     return value_of
-
-
-def _tell(context: typer.Context, found: Project) -> None:
-    """Say once that a settings file is used."""
-    told = f"{KEY}.told"
-    if not context.meta.get(told):
-        context.meta[told] = True
-        say(f"settings of {found.file}")

@@ -1,71 +1,116 @@
-"""`brake-cal tables sign`: a person signs a version of a table."""
+"""`brake-cal tables sign`: a person signs a version of a table, or makes the keys for it."""
 
+import sys
+from getpass import getpass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
-import calib
-from cli.console import emit, emit_json, say
-from cli.options import By, Json, Store, Version, example, refuse_bare
-from cli.password import typed_password
-from cli.project import STORE
-
-if TYPE_CHECKING:
-    from calib.store.signature import Signed
-
-EPILOG = example("brake-cal tables sign sedan-2up@2 --key line.key")
+from cli.command import Answer, command
+from cli.console import say
+from cli.options import By, Tables, argument, option, table_versions
 
 
+@command(
+    "brake-cal tables sign --key line.key --new-key line.pub --no-password",
+    "brake-cal tables sign sedan-2up@2 --key line.key",
+)
 def sign(
-    table: Version,
-    *,
-    key: Annotated[
-        Path, typer.Option("--key", metavar="SECRET", help="Secret key, see `tables key`.")
+    table: Annotated[
+        str | None, argument("name@version", "TABLE@N", autocompletion=table_versions)
     ],
-    by: By = None,
-    store: Store = STORE,
-    json: Json = False,
-) -> None:
+    *,
+    key: Annotated[Path, option("Secret key; keep it.", "SECRET")],
+    new_key: Annotated[
+        Path | None,
+        option("Make a pair: write SECRET, and this public key to hand out.", "PUBLIC"),
+    ],
+    no_password: Annotated[
+        bool, option("With --new-key: do not protect the secret key by a password.")
+    ],
+    by: By,
+    store: Tables,
+) -> Answer:
     """Sign a version and its state.
 
     The signature is a file of minisign beside the folder of the version. It covers the record,
     which holds the SHA-256 of every curve, and in its trusted comment table, version, state, digest
-    and the newest line of the journal. It holds until the state changes; then sign again. A
-    password is asked for without echo; where stdin is no terminal, it is a line of stdin.
+    and the newest line of the journal. It holds until the state changes; then sign again.
+
+    With --new-key it makes a pair of keys instead, both files of minisign; an existing file is not
+    replaced. A password is asked for without echo, of a new key twice; where stdin is no terminal,
+    it is a line of stdin.
     """
     from calib.store import trust
+    from calib.store.folders import RECORD
     from calib.store.minisign_keys import read_secret_key
 
-    refuse_bare(table)
-    opened = calib.Store(store)
-    opened.load(table)
-    secret = read_secret_key(key, lambda: typed_password("Password of the key: "))
-    made = trust.sign(opened, table, secret, by or "")
+    if new_key is not None:
+        return _new_pair(table, key, new_key, no_password)
+    if no_password:
+        raise typer.BadParameter("only with --new-key", param_hint="--no-password")
+    if table is None or "@" not in table:
+        raise typer.BadParameter("give name@version, see `brake-cal tables list`")
+    store.load(table)
+    secret = read_secret_key(key, lambda: _typed("Password of the key: "))
+    made = trust.sign(store, table, secret, by or "")
     if made.note:
         say(made.note)
-    _report(made.signed, json)
-
-
-def _report(made: "Signed", json: bool) -> None:
-    from calib.store.folders import RECORD
-
-    stored, record = made.stored, made.stored.path / RECORD
-    if json:
-        emit_json(
-            {
-                "schema": 1,
-                "table": stored.id,
-                "digest": stored.digest,
-                "state": stored.state.word,
-                "key_id": made.key_id,
-                "record": record,
-                "signature": made.path,
-                "trusted_comment": made.statement.line,
-            }
-        )
-        return
-    emit(
-        f"{stored.id} is signed as {stored.state.word} by key {made.key_id}\n"
-        f"check it with: minisign -Vm {record} -x {made.path} -p PUBLIC"
+    stored, path = made.signed.stored, made.signed.path
+    document = {
+        "table": stored.id,
+        "digest": stored.digest,
+        "state": stored.state.word,
+        "key_id": made.signed.key_id,
+        "record": stored.path / RECORD,
+        "signature": path,
+        "trusted_comment": made.signed.statement.line,
+    }
+    return Answer(
+        document,
+        f"{stored.id} is signed as {stored.state.word} by key {made.signed.key_id}\n"
+        f"check it with: minisign -Vm {stored.path / RECORD} -x {path} -p PUBLIC",
     )
+
+
+def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) -> Answer:
+    from calib.store.minisign_keys import generate
+
+    if table is not None:
+        raise typer.BadParameter("makes a key and signs no table", param_hint="--new-key")
+    password = "" if no_password else _typed("Password of the new key (empty: none): ")
+    if not no_password and password != _typed("The same once more: "):
+        raise typer.BadParameter("the two passwords differ; nothing was made")
+    made = generate(secret, public, password)
+    document = {
+        "key_id": made.key_id,
+        "public_key": made.text,
+        "secret": secret,
+        "public": public,
+        "password": bool(password),
+    }
+    protection = "protected by the password" if password else "without a password"
+    return Answer(
+        document,
+        f"key {made.key_id}\n"
+        f"secret key in {secret}, {protection}: who has it can sign in your name\n"
+        f"public key in {public}: {made.text}",
+    )
+
+
+def _typed(prompt: str) -> str:
+    """A password from the terminal, without echo, or else one line of stdin."""
+    if sys.stdin.isatty():
+        try:
+            return getpass(prompt)
+        except (EOFError, UnicodeDecodeError):
+            _refuse()
+    line = sys.stdin.buffer.readline()
+    if not line:
+        _refuse()
+    return line.decode("utf-8", "surrogateescape").rstrip("\r\n")
+
+
+def _refuse() -> NoReturn:
+    raise typer.BadParameter("no password was typed") from None

@@ -1,23 +1,237 @@
-"""`brake-cal tables`: the commands on a store."""
+"""`brake-cal tables`: look at the tables of a store, and decide on their states."""
 
-from cli import diff, export, keys, listing, merge, read_back, show, sign, states, verify
-from cli.group import command_group
+from pathlib import Path
+from typing import Annotated
 
-app = command_group(
-    "Look at tables, release or reject them, hand them out.", "brake-cal tables list"
+import typer
+
+from cli.command import DAMAGED, Answer, add, command, group
+from cli.console import say
+from cli.exchange import compare, export, merge
+from cli.options import (
+    By,
+    PublicKey,
+    Reason,
+    Table,
+    Tables,
+    Version,
+    argument,
+    day,
+    option,
+    table_names,
 )
+from cli.sign import sign
 
-app.command("list", epilog=listing.LIST)(listing.list_tables)
-app.command(epilog=listing.FIND)(listing.find)
-app.command(epilog=show.EPILOG)(show.show)
-app.command(epilog=states.LOG)(states.log)
-app.command(epilog=diff.EPILOG)(diff.diff)
-app.command(epilog=verify.EPILOG)(verify.verify)
-app.command(epilog=states.RELEASE)(states.release)
-app.command(epilog=states.REJECT)(states.reject)
-app.command(epilog=states.WITHDRAW)(states.withdraw)
-app.command(epilog=keys.EPILOG)(keys.key)
-app.command(epilog=sign.EPILOG)(sign.sign)
-app.command("export", epilog=export.EPILOG)(export.export_table)
-app.command("import", epilog=read_back.EPILOG)(read_back.import_table)
-app.command(epilog=merge.EPILOG)(merge.merge)
+
+@command("brake-cal tables list", "brake-cal tables list --state released --serial 0815")
+def list_(
+    *,
+    state: Annotated[
+        str | None,
+        option("draft, released, rejected or withdrawn.", "S", known="calib.store.minisign:STATES"),
+    ],
+    serial: Annotated[str | None, option("Serial number.", "S")],
+    vin: Annotated[str | None, option("Vehicle identification.", "V")],
+    since: Annotated[str | None, option("Stored on this day or later.", "YYYY-MM-DD", make=day)],
+    store: Tables,
+) -> Answer:
+    """List every version of every table, or those of a car."""
+    from calib.show.store import listed
+    from calib.store.listing import chosen, row_of
+
+    every = [row_of(entry) for entry in store.list()]
+    rows = chosen(every, state, serial, vin, since)
+    none = f"{store.folder} holds no {'such table' if every else 'table'}"
+    return Answer({"store": store.folder, "tables": rows}, listed(rows) if rows else none)
+
+
+@command("brake-cal tables show sedan-2up")
+def show(table: Table, *, store: Tables) -> Answer:
+    """Say whether a table may be used, and how good it is.
+
+    Prints its quality, its origin and its curves, and last the verdict.
+    """
+    from calib.show.store import shown
+    from calib.store.answer import answer
+    from calib.store.signature import key_ids
+
+    stored = store.load(table)
+    record, curves = stored.table.content()
+    eta, D = stored.table.difference.peak
+    document = {
+        **stored.address,
+        "state": stored.state.word,
+        "keys": key_ids(stored),
+        "answer": answer(stored),
+        "decelerations": stored.table.paper.decelerations,
+        "peak": {"eta": eta, "D": D},
+        "record": record,
+        "curves": curves,
+    }
+    return Answer(document, shown(stored))
+
+
+@command("brake-cal tables log sedan-2up")
+def log(
+    table: Annotated[str, argument("name, or name@version", "TABLE", autocompletion=table_names)],
+    *,
+    store: Tables,
+) -> Answer:
+    """Print what happened to a table: when, by whom and why."""
+    from calib.show.store import history
+
+    name, at, version = table.partition("@")
+    journal = store.journal(name)
+    known = [str(number) for number in journal.of(name)]
+    if at and version not in known:
+        raise typer.BadParameter(
+            f"no version {version!r} of {name!r}; there is {', '.join(known)}", param_hint="TABLE"
+        )
+    entries = [e for e in journal.entries if e.table == name and version in ("", str(e.version))]
+    document = {"store": store.folder, "head": journal.head, "entries": entries}
+    return Answer(document, history(entries))
+
+
+@command("brake-cal tables diff sedan-2up@1 sedan-2up")
+def diff(
+    a: Annotated[str, argument("name, name@version or path", "A", autocompletion=table_names)],
+    b: Annotated[str, argument("name, name@version or path", "B", autocompletion=table_names)],
+    *,
+    store: Tables,
+) -> Answer:
+    """Say whether and where two tables differ.
+
+    They are equal, equal within their 95 % bands, or different. The JSON document holds every key
+    of their records that differs.
+    """
+    from calib.show.store import compared
+    from calib.table.compare import diff as differ
+
+    first, second = store.load(a), store.load(b)
+    found = differ(first.table, second.table)
+    document = {
+        "a": first.id,
+        "b": second.id,
+        "states": {"a": first.state.word, "b": second.state.word},
+        "verdict": found.verdict,
+        "identical": found.identical,
+        **vars(found),
+        "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
+    }
+    return Answer(document, compared(found, first, second))
+
+
+@command("brake-cal tables verify", "brake-cal tables verify sedan-2up")
+def verify(
+    name: Annotated[
+        str | None, argument("one table; if not given, all", "NAME", autocompletion=table_names)
+    ],
+    *,
+    key: PublicKey,
+    store: Tables,
+) -> Answer:
+    """Say which versions of a store are damaged.
+
+    Compares each with its digests, its invariants and the journal; exit code 4 if one is damaged. A
+    version that is missing, replaced, edited, renumbered or unknown to the journal is damaged.
+
+    With --key also the signatures: every released version must have one of this key, each must be
+    of this version in its present state, and the journal must contain what was signed and what was
+    seen before with this key.
+    """
+    from calib.show.store import verified
+    from calib.store.minisign_keys import read_public_key
+    from calib.store.trust import verify_signed
+
+    signed: dict[str, str] | None = None
+    if key:
+        trusted = verify_signed(store, read_public_key(key), name)
+        verdicts, signed, note = trusted.verdicts, trusted.signed, trusted.note
+    else:
+        verdicts, note = store.verify(name), ""
+    rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]
+    if signed is not None:
+        rows = [{**row, "signed": signed.get(str(row["id"]))} for row in rows]
+    unfinished, sound = store.unfinished(), all(v.sound for v in verdicts)
+    for path in unfinished:
+        say(f"{path}: being written, or left by a run that was stopped; the next one clears it")
+    if note:
+        say(note)
+    document = {"store": store.folder, "sound": sound, "versions": rows, "unfinished": unfinished}
+    none = f"{store.folder} holds no table"
+    return Answer(document, verified(verdicts, signed) if rows else none, DAMAGED * (not sound))
+
+
+Proof = Annotated[
+    Path | None, option("summary.json of a validation, or station.json.", "FILE", "--evidence")
+]
+
+
+@command(
+    'brake-cal tables release sedan-2up@2 --reason "four stops agree" '
+    "--evidence results/sedan/summary.json"
+)
+def release(table: Version, *, reason: Reason, evidence: Proof, by: By, store: Tables) -> Answer:
+    """Release a version, so that it may be exported.
+
+    Others are measured by it, too. With --evidence the file must be of this version and must not
+    have failed. A rejected version needs it; a withdrawn one is never released again.
+    """
+    return _judged(store, table, "released", reason, by, evidence)
+
+
+@command('brake-cal tables reject sedan-2up@1 --reason "one ramp only"')
+def reject(table: Version, *, reason: Reason, evidence: Proof, by: By, store: Tables) -> Answer:
+    """Reject a version, so that it is no longer used.
+
+    A bare name never means it, and it is not exported.
+    """
+    return _judged(store, table, "rejected", reason, by, evidence)
+
+
+@command('brake-cal tables withdraw sedan-2up@1 --reason "brake pads recalled"')
+def withdraw(table: Version, *, reason: Reason, by: By, store: Tables) -> Answer:
+    """Withdraw a version for good.
+
+    A bare name never means it, and it is not exported. A version that is missing and cannot be
+    restored is withdrawn, too: `tables verify` then no longer counts it.
+    """
+    from calib.store.state import StateDecision
+
+    if store.withdraw_missing(table, StateDecision("withdrawn", reason, by=by or "")):
+        document = {"table": table, "state": "withdrawn", "missing": True}
+        return Answer(document, f"{table} is withdrawn; its folder is missing")
+    return _judged(store, table, "withdrawn", reason, by, None)
+
+
+def _judged(
+    store: Tables, table: str, word: str, reason: str, by: str | None, evidence: Path | None
+) -> Answer:
+    from calib.store.evidence import read_evidence
+    from calib.store.state import StateDecision
+
+    before = store.load(table)
+    proof, verdict = read_evidence(evidence, before) if evidence else (None, "")
+    if word == "released" and verdict == "failed":
+        raise typer.BadParameter(
+            f"{evidence} says that {table} failed, which releases nothing", param_hint="--evidence"
+        )
+    proofs = (proof,) if proof else ()
+    after = store.judge(table, StateDecision(word, reason, verdict, proofs, by or ""))
+    same = "nothing to change" if before.state == after.state else f"it was {before.state.word}"
+    document = {
+        "table": after.id,
+        "digest": after.digest,
+        "before": before.state.word,
+        "state": after.state.word,
+        "why": after.state.words,
+    }
+    return Answer(document, f"{after.id} is {after.state.words}; {same}")
+
+
+app = group(
+    "tables", "Look at tables, release or reject them, hand them out.", "brake-cal tables list"
+)
+add(app, "Look", list_, show, diff, log, verify)
+add(app, "Decide", release, reject, withdraw, sign)
+add(app, "Hand out", export, compare, merge)

@@ -3,82 +3,62 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-import calib
-from calib.base.errors import LogError
-from cli.completion import table_names
-from cli.console import complain, emit_facts, emit_json, progress, say, warn
-from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of, with_own_effects
+from cli.command import FAILED, Answer, command
+from cli.console import complain, progress, say, this_run
+from cli.fit import origin
 from cli.logs import named, read
 from cli.options import (
-    Json,
     KnownModel,
     Map,
     Mass,
     OwnEffects,
-    Report,
-    Store,
-    example,
-    grouped,
-    limits_file,
-    out_folder,
-    vehicle_file,
+    Required,
+    SignedBy,
+    StopLimits,
+    Table,
+    Tables,
+    logs,
+    option,
+    vehicle,
 )
-from cli.outputs import (
-    ready_folder,
-    refuse_overwriting,
-    refuse_report,
-    stems_of,
-    today,
-    write_report,
-    writing,
-)
-from cli.project import STORE, from_settings
-from cli.signed import Signing, check_signed
+from cli.outputs import check_folder, stems_of, writing
+from cli.signed import check_signed, key_of
 
 if TYPE_CHECKING:
+    from calib.base.errors import LogError
     from calib.car.vehicle import Vehicle
     from calib.estimation.validate import Validation
     from calib.logs.log import Log
-    from calib.store.version import Stored
-    from calib.table.table import Table
 
-EPILOG = example(
+    OtherPads = Vehicle | None
+else:
+    OtherPads = Annotated[
+        Path | None, vehicle("Other nominal pads than the table's; never the settings' vehicle.")
+    ]
+
+
+@command(
     "brake-cal validate sedan-2up sample_logs/sedan/basalt_wet_pads.csv --out results",
     "brake-cal validate sedan-2up@1 sample_logs/sedan/*stop.csv --limits sample_logs/limits.toml",
+    report=True,
 )
-FAILED = 1
-
-
-@grouped
 def validate(
-    table: Annotated[
-        str,
-        typer.Argument(
-            metavar="TABLE", help="name, name@version or path", autocompletion=table_names
-        ),
-    ],
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Hold-out logs.")],
+    table: Table,
+    logs: Annotated[list[Path], logs("Hold-out logs.")],
     *,
-    store: Store = STORE,
-    vehicle: Annotated[
-        Path | None,
-        vehicle_file("Other nominal pads than the table's; never the settings' vehicle."),
-    ] = None,
-    model: KnownModel = None,
-    effect: OwnEffects = None,
-    mass: Mass = None,
-    limits: Annotated[
-        Path | None,
-        limits_file("Limits that decide pass or fail.", callback=from_settings("limits")),
-    ] = None,
-    out: Annotated[Path | None, out_folder("Write LOG.parquet and summary.json here.")] = None,
-    report: Report = None,
-    channel_map: Map = None,
-    signing: Signing,
-    json: Json = False,
-) -> None:
+    store: Tables,
+    vehicle: OtherPads,
+    model: KnownModel,
+    effect: OwnEffects,
+    mass: Mass,
+    limits: StopLimits,
+    out: Annotated[
+        Path | None, option("Write LOG.parquet and summary.json here.", "DIR", writes="folder")
+    ],
+    channel_map: Map,
+    require_signed: Required,
+    key: SignedBy,
+) -> Answer:
     """Run the estimator with a table on other logs, and judge it.
 
     The logs must not be part of the table's fit.
@@ -86,122 +66,68 @@ def validate(
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.
     """
-    from calib.estimation.validate import (
-        all_warnings,
-        require_same_vehicle,
-        to_dict,
-        validate_one,
-    )
-    from calib.run.gates import refuse_copy
+    from dataclasses import replace
 
-    named(logs)
-    _check_out(logs, out)
-    refuse_report(report, logs, [vehicle, model, limits, channel_map])
-    weight, public = mass_of(mass), signing.public()
-    stored = calib.Store(store).load(table)
+    from calib.base.errors import LogError
+    from calib.base.plain import counted
+    from calib.car.model import with_effects
+    from calib.car.model_file import read_model
+    from calib.car.own_effects.own_effect import with_own
+    from calib.estimation.results import SUMMARY, write_results
+    from calib.estimation.validate import require_same_vehicle, to_dict, validate_one
+    from calib.run.gates import refuse_copy
+    from calib.show.html import page_of
+    from calib.show.trace import from_validation
+    from calib.show.validation import facts, report
+
+    names = named(logs)
+    if out is not None:
+        check_folder(out, [*(f"{stem}.parquet" for stem in stems_of(names, "LOG")), SUMMARY])
+    public = key_of(require_signed, key)
+    stored = store.load(table)
     check_signed(table, stored, public)
-    car = vehicle_of(vehicle)
-    require_same_vehicle(stored.table, car, vehicle, weight)
-    used = _with_own(stored.table, effect)
-    used = _with_known(used, model) if model else used
-    held = limits_of_stops(limits)
-    mapping = channel_map_of(channel_map)
-    results: list[Validation] = []
+    require_same_vehicle(stored.table, vehicle, this_run().file("vehicle"), mass)
+    car = with_own(stored.table.vehicle, effect)
+    car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
+    used = replace(stored.table, vehicle=car)
     runs: list[Log] = []
+    results: list[Validation] = []
     refused: list[LogError] = []
-    told = f"{stored.id} ({stored.state.word})"
-    plural = "s" * (len(logs) > 1)
-    with progress(f"validating {told} on {len(logs)} log{plural}", len(logs)) as done:
+    told = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
+    with progress(told, len(logs)) as step:
         for path in logs:
             try:
-                run = read(path, mapping)
+                run = read(path, channel_map)
                 refuse_copy(run, [], runs)
-                results.append(validate_one(used, run, car, held, mass=weight))
+                results.append(validate_one(used, run, vehicle, limits, mass=mass))
                 runs.append(run)
             except LogError as error:
                 refused.append(error)
-            done()
+            step()
     _none_refused(refused, len(logs))
     summary = to_dict(stored, results)
-    warn(all_warnings(used.warnings, results))
     if out is not None:
-        _write(results, summary, out)
-    if report is not None:
-        files = {"vehicle": vehicle, "model": model, "limits": limits, "channel map": channel_map}
-        write_report(report, _page(stored, used, car, runs, results, files))
-    if json:
-        emit_json(summary)
-    else:
-        from calib.show.validation import facts
+        with writing(out):
+            paths = write_results(results, summary, out)
+        for path in paths:
+            say(f"wrote {path}")
 
-        emit_facts(facts(stored, results))
-    if not all(result.passed for result in results):
-        raise typer.Exit(FAILED)
+    def page() -> str:
+        traces = [
+            from_validation(used, stored.id, run, result, vehicle)
+            for run, result in zip(runs, results, strict=True)
+        ]
+        return page_of(report(stored, results, traces, origin("vehicle", "model", "limits")))
+
+    failed = FAILED * (not all(result.passed for result in results))
+    return Answer(summary, facts(stored, results), failed, page)
 
 
-def _none_refused(refused: list[LogError], of: int) -> None:
+def _none_refused(refused: "list[LogError]", of: int) -> None:
     """Raise the last of the errors, after all others; without every log there are no results."""
-    if not refused:
-        return
     for error in refused[:-1]:
         complain(str(error))
-    if of > 1:
-        say(f"{len(refused)} of {of} logs cannot be used, so there are no results:")
-    raise refused[-1]
-
-
-def _with_own(table: "Table", files: list[Path] | None) -> "Table":
-    """The table with the files of its own effects."""
-    from dataclasses import replace
-
-    return replace(table, vehicle=with_own_effects(table.vehicle, files))
-
-
-def _with_known(table: "Table", path: Path) -> "Table":
-    """The table with the effects of a model added to its own; its pads stay the table's."""
-    from dataclasses import replace
-
-    from calib.car.model import with_effects
-    from calib.car.model_file import read_model
-
-    model = read_model(path, table.vehicle)
-    return replace(table, vehicle=with_effects(table.vehicle, model))
-
-
-def _check_out(logs: list[Path], out: Path | None) -> None:
-    from calib.estimation.results import SUMMARY
-
-    if out is None:
-        return
-    names = [*(f"{stem}.parquet" for stem in stems_of(named(logs), "LOG")), SUMMARY]
-    refuse_overwriting((out / name for name in names), logs)
-    ready_folder(out, names)
-
-
-def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:
-    from calib.estimation.results import write_results
-
-    with writing(out):
-        paths = write_results(results, summary, out)
-    for path in paths:
-        say(f"wrote {path}")
-
-
-def _page(
-    stored: "Stored",
-    used: "Table",
-    car: "Vehicle | None",
-    runs: "list[Log]",
-    results: "list[Validation]",
-    files: dict[str, Path | None],
-) -> str:
-    from calib.show.html import page_of
-    from calib.show.origin import origin_of
-    from calib.show.trace import from_validation
-    from calib.show.validation import report
-
-    traces = [
-        from_validation(used, stored.id, run, result, car)
-        for run, result in zip(runs, results, strict=True)
-    ]
-    return page_of(report(stored, results, traces, origin_of(today(), files)))
+    if refused:
+        if of > 1:
+            say(f"{len(refused)} of {of} logs cannot be used, so there are no results:")
+        raise refused[-1]

@@ -14,7 +14,7 @@ from calib.logs.resample import Wanted
 from calib.logs.source import Array, ChannelTrace, Column, address_of, called
 
 TRUTH = "true_"
-MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map suggest` proposes one"
+MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.frames import Frames, Known, joined, once
 from calib.logs.bus.recording import described, require_dbc, require_known, trace
 from calib.logs.channel_map import Databases
-from calib.logs.mdf_records import check_mdf
+from calib.logs.mdf_check import check_mdf
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged, need
 
 VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}

@@ -10,8 +10,12 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.car.bias import friction_used, front_share, pressure_per_g
+from calib.car.follows import what_follows
 from calib.car.forces import axle_loads, front_biased_up_to
+from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
+from calib.show.facts import Facts
+from calib.show.facts import Table as Cells
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BAR,
@@ -35,6 +39,53 @@ DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 P = 0.3
 """The deceleration of the paper's point P [g]."""
 KNM = 1e3
+
+
+def facts(vehicle: Vehicle) -> Facts:
+    """What follows from a vehicle with its nominal pads."""
+    found = what_follows(vehicle)
+    biased = found.front_biased_up_to
+    always = {None: "front always", 0.0: "rear always"}
+    axles = [
+        (name, *(f"{getattr(axle, key):.{digits}f}" for axle in (found.front, found.rear)))
+        for name, key, digits in (
+            ("torque per bar, one wheel [N m]", "torque_per_bar_wheel", 2),
+            ("torque per bar, axle [N m]", "torque_per_bar_axle", 2),
+            ("load at rest [kg]", "static_load", 0),
+            ("load at 0.5 g [kg]", "load_at_half_g", 0),
+            ("mass of a wheel at its radius [kg]", "wheel_mass", 1),
+        )
+    ]
+    brakes = [
+        (
+            *(f"{b.deceleration:.1f}", f"{b.pressure:.1f}"),
+            *(f"{100 * share:.1f}" for share in (b.front_share, b.ideal_front_share)),
+            *("lifted" if x is None else f"{x:.2f}" for x in (b.friction_f, b.friction_r)),
+            *(f"{b.torque_f:.0f}", f"{b.torque_r:.0f}"),
+        )
+        for b in found.distribution
+    ]
+    locks = [
+        (f"{x.friction:.1f}", x.axle, f"{x.deceleration:.2f}", f"{x.pressure:.0f}")
+        for x in found.first_lock
+    ]
+    return Facts(
+        headline=f"{vehicle.name}, {vehicle.mass:g} kg",
+        rows=[
+            ("wheelbase", f"{1e3 * found.wheelbase:.0f} mm"),
+            ("pressure", f"{found.pressure_per_g:.1f} bar per g"),
+            ("brake force", f"{100 * found.front_share:.1f} % front"),
+            ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
+            ("rear lifts at", f"{found.rear_lifts_at:.2f} g"),
+        ],
+        tables=[
+            Cells(("axle", "front", "rear"), axles),
+            Cells(("g", "pressure [bar]", "front [%]", "ideal [%]", "friction front",
+                   "friction rear", "torque front [N m]", "torque rear [N m]"), brakes),
+            Cells(("road friction", "locks first", "at [g]", "at [bar]"), locks),
+        ],
+        warnings=plausible(vehicle),
+    )  # fmt: skip
 
 
 def sheet(vehicle: Vehicle) -> Sheet:

@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from calib.base.schema import json_schema
-from cli.schema import SCHEMAS
+from cli.reference import section
 from tests.support.manual import LANGUAGES, PAGES, examples, run, working_folder
 
 RUN = [page for page in PAGES if any(example.is_run for example in examples(page))]
@@ -61,7 +61,7 @@ def test_files_in_the_pages_are_good_ones(page):
         if example.language == "toml":
             document = tomllib.loads(example.text)
             if example.kind:
-                schema = json_schema(SCHEMAS[example.kind][1]())
+                schema = json_schema(section(example.kind))
                 Draft202012Validator(schema).validate(document)
         elif example.language == "json":
             json.loads(example.text)

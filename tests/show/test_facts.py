@@ -4,6 +4,7 @@ import io
 from html.parser import HTMLParser
 
 import pytest
+from cli.terminal import SafeConsole
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,7 +12,6 @@ from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Bar, Facts, Picture, Table
 from calib.show.html import is_page, page_of
 from calib.show.terminal import drawn
-from cli.terminal import SafeConsole
 
 SVG = b"<svg/>"
 

@@ -38,6 +38,8 @@ INVALID = re.compile(
 
 LONGEST = 64
 """Bits of the longest signal that is a number; longer ones are text or raw bytes."""
+_REAL = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
+"""Types of raw integers and of the IEEE 754 numbers in them, by bits."""
 
 
 @dataclass(frozen=True)
@@ -213,54 +215,38 @@ def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np
 def raw(data: NDArray[np.uint8], start: int, length: int, little: bool) -> NDArray[np.uint64]:
     """Unsigned integers of ``length`` bits, shape (n,), from frames of shape (n, bytes).
 
-    ``start`` counts as in a DBC: bit 8 b + k is bit k of byte b. All bytes must be present.
+    ``start`` counts as in a DBC: bit 8 b + k is bit k of byte b. Raises ValueError where a frame is
+    too short.
 
     >>> raw(np.array([[0x34, 0x12]], np.uint8), 0, 16, little=True)
     array([4660], dtype=uint64)
     >>> raw(np.array([[0x12, 0x34]], np.uint8), 7, 16, little=False)
     array([4660], dtype=uint64)
     """
-    first, bit = divmod(start, 8)
-    value = np.zeros(len(data), np.uint64)
-    if little:
-        for place, byte in enumerate(range(first, (start + length - 1) // 8 + 1)):
-            shift = 8 * place - bit
-            column = data[:, byte].astype(np.uint64)
-            value |= column << np.uint64(shift) if shift >= 0 else column >> np.uint64(-shift)
-        return value & _mask(length)
-    left, byte = length - (bit + 1), first
-    value |= data[:, byte].astype(np.uint64) & _mask(bit + 1)
-    while left > 0:
-        byte, take = byte + 1, min(left, 8)
-        column = data[:, byte].astype(np.uint64) >> np.uint64(8 - take)
-        value = (value << np.uint64(take)) | column
-        left -= take
-    return value >> np.uint64(max(-left, 0))
+    begin = _first(start, little)
+    byte, bit = divmod(begin, 8)
+    part = data[:, byte : last_byte(start, length, little) + 1]
+    bits = np.unpackbits(part, axis=1, bitorder="little" if little else "big")
+    place = np.uint64(1) << np.arange(length, dtype=np.uint64)
+    return bits[:, bit : bit + length] @ (place if little else place[::-1])
 
 
 def last_byte(start: int, length: int, little: bool) -> int:
     """Index of the last byte of a frame that a signal uses."""
-    if little:
-        return (start + length - 1) // 8
-    first, bit = divmod(start, 8)
-    return first + max(0, -(-(length - bit - 1) // 8))
+    return (_first(start, little) + length - 1) // 8
+
+
+def _first(start: int, little: bool) -> int:
+    """The first bit of a signal, counted from the lowest one of each byte, or from the highest."""
+    return start if little else 8 * (start // 8) + 7 - start % 8
 
 
 def number(value: NDArray[np.uint64], length: int, signed: bool, real: bool) -> Array:
     """Values of raw integers of ``length`` bits: unsigned, two's complement or IEEE 754."""
     if real:
-        kinds: dict[int, tuple[type, type]] = {
-            16: (np.uint16, np.float16),
-            32: (np.uint32, np.float32),
-            64: (np.uint64, np.float64),
-        }
-        integer, floating = kinds[length]
+        integer, floating = _REAL[length]
         return value.astype(integer).view(floating).astype(np.float64)
     if not signed:
         return value.astype(np.float64)
     unused = np.uint64(64 - length)
     return ((value << unused).view(np.int64) >> np.int64(64 - length)).astype(np.float64)
-
-
-def _mask(length: int) -> np.uint64:
-    return np.uint64(2**length - 1)

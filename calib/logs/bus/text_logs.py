@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     import can
 
 
+AnyLines = TypeVar("AnyLines", bound="Counted")
+
+
 class Counted:
     """A text file that counts the lines that match ``frame`` as they are read.
 
@@ -32,8 +35,11 @@ class Counted:
     fewer frames than ``frames``.
     """
 
-    def __init__(self, file: TextIO, frame: re.Pattern[str], path: Path, example: str = "a frame"):
-        self.file, self.frame, self.path, self.example = file, frame, path, example
+    frame: re.Pattern[str]
+    example = "a frame"
+
+    def __init__(self, file: TextIO, path: Path):
+        self.file, self.path = file, path
         self.frames, self.line, self.last = 0, 0, ""
 
     def __iter__(self) -> Iterator[str]:
@@ -42,20 +48,19 @@ class Counted:
     def __next__(self) -> str:
         line = next(self.file)
         self.line += 1
-        if self.frame.match(line):
-            self.frames += 1
+        self.frames += bool(self.frame.match(line))
         self.last = line if line.strip() else self.last
         return line
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file, as python-can asks for it."""
         self.file.close()
 
     def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
         """Frames that python-can reads from these lines.
 
-        Raises LogError for a file that ends within a line, for a line that is not a frame, and as
-        `calib.logs.bus.recording.gathered`.
+        Raises LogError for a file that ends within a line, for a line that is not a frame or that
+        was skipped, and as `calib.logs.bus.recording.gathered`.
         """
         try:
             found = gathered(self._whole(messages), dbc, str(self.path))
@@ -66,19 +71,16 @@ class Counted:
                 raise
             raise self._no_frame() from error.__cause__
         self._require_line_end()
-        return found
-
-    def require_all(self, found: Gathered) -> None:
-        """Raise LogError if some lines that look like frames were not read."""
+        self._require_end(found)
         read = len(found.times)
         if read != self.frames:
-            raise LogError(
+            raise self._error(
                 f"{read} of {self.frames} lines that look like frames can be read: "
                 f"{self.frames - read} are missing",
-                where=self.path,
-                expected="all of them",
-                do="a line is damaged: copy or export the log again",
+                "all of them",
+                "a line is damaged: copy or export the log again",
             )
+        return found
 
     def is_whole(self, line: str) -> bool:
         """Whether the last line is not cut off: here, whether it has an end of line."""
@@ -88,62 +90,67 @@ class Counted:
         """Bytes of data that the line of a frame states; 0 if it does not."""
         return 0
 
+    def _require_end(self, found: Gathered) -> None:
+        """Raise LogError for a file without the end that its format asks for."""
+
     def _whole(self, messages: "Iterable[can.Message]") -> "Iterator[can.Message]":
         """Yield the frames. Raises LogError for a frame with less data than its line states."""
         for message in messages:
             if not message.is_remote_frame and len(message.data) < self.stated(message):
-                raise LogError(
+                raise self._error(
                     f"a frame at {message.timestamp:.6f} s has {len(message.data)} of "
                     f"{self.stated(message)} bytes",
-                    where=self.path,
-                    expected="all of them",
-                    do="the line is cut off: copy the log again",
+                    "all of them",
+                    "the line is cut off: copy the log again",
                 )
             yield message
 
+    def _error(self, what: str, expected: str, do: str) -> LogError:
+        return LogError(what, where=self.path, expected=expected, do=do)
+
+    def _before(self) -> int:
+        """Frames before the last line."""
+        return self.frames - bool(self.frame.match(self.last))
+
     def _no_frame(self) -> LogError:
         """The error for the line at which python-can stopped; its own words help nobody."""
-        whole = self.frames - bool(self.frame.match(self.last))
-        return LogError(
+        whole = self._before()
+        return self._error(
             f"not readable after frame {whole}: line {self.line} is {self.last.strip()[:60]!r}",
-            where=self.path,
-            expected=self.example,
-            do="a line is damaged: copy the log again"
+            self.example,
+            "a line is damaged: copy the log again"
             if whole
             else "is it a log of this format? its ending says so",
         )
 
     def _require_line_end(self) -> None:
         if self.last and not self.is_whole(self.last):
-            whole = self.frames - bool(self.frame.match(self.last))
-            raise LogError(
-                f"cut off within the last line, after {whole} whole frames: "
+            raise self._error(
+                f"cut off within the last line, after {self._before()} whole frames: "
                 f"{self.last.strip()[:60]!r}",
-                where=self.path,
-                expected="an end of line",
-                do="copy the log again; the file does not show how much is missing",
+                "an end of line",
+                "copy the log again; the file does not show how much is missing",
             )
-
-
-AnyLines = TypeVar("AnyLines", bound=Counted)
 
 
 def _read(
     path: Path, dbc: Databases, kind: Callable[[TextIO, Path], AnyLines], reader: str
-) -> tuple[AnyLines, Gathered, Dbc]:
-    """The lines of a log, their frames by a ``reader`` of python-can, and what describes them."""
+) -> tuple[AnyLines, Callable[[str], Recording]]:
+    """The lines of a log that a ``reader`` of python-can read, and what makes its recording."""
     can = need("can", "can", str(path))
     known = require_dbc(dbc, "can", str(path))
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = kind(file, path)
-        return lines, lines.gathered(getattr(can, reader)(lines), known), known
+        found = lines.gathered(getattr(can, reader)(lines), known)
+    return lines, lambda note: recording(found, known, (note,) if note else (), str(path))
 
-
-_CANDUMP = re.compile(r"\s*\(\d+\.\d+\)\s")
-
-_EXAMPLE = "a frame of `candump -L`, such as '(1436509052.249713) can0 044#2A366C2BBA'"
 
 _CANDUMP_END = "candump writes no footer: a log cut at the end of a line looks like a complete one"
+
+
+class _CandumpLines(Counted):
+    frame = re.compile(r"\s*\(\d+\.\d+\)\s")
+    example = "a frame of `candump -L`, such as '(1436509052.249713) can0 044#2A366C2BBA'"
 
 
 def open_candump(path: Path, dbc: Databases) -> Recording:
@@ -153,11 +160,7 @@ def open_candump(path: Path, dbc: Databases) -> Recording:
     a line that is not a frame, if python-can or a DBC is missing, and if no frame is described by
     the DBC.
     """
-    lines, found, known = _read(
-        path, dbc, lambda file, path: Counted(file, _CANDUMP, path, _EXAMPLE), "CanutilsLogReader"
-    )
-    lines.require_all(found)
-    return recording(found, known, (_CANDUMP_END,), str(path))
+    return _read(path, dbc, _CandumpLines, "CanutilsLogReader")[1](_CANDUMP_END)
 
 
 _ASC = re.compile(
@@ -181,8 +184,10 @@ class _AscLines(Counted):
     file lacks this line, it is inserted here, so that no frame is lost.
     """
 
+    frame = _ASC
+
     def __init__(self, file: TextIO, path: Path):
-        super().__init__(file, _ASC, path)
+        super().__init__(file, path)
         self.begun = self.ended = self._headed = False
         self._kept: str | None = None
 
@@ -196,12 +201,10 @@ class _AscLines(Counted):
             self._require_code(line)
             return line
         if _DELTA.match(line):
-            raise LogError(
+            raise self._error(
                 "its timestamps are relative to the line before ('timestamps relative')",
-                where=self.path,
-                expected="timestamps absolute",
-                do="export it again with absolute timestamps: a missing line would shift all later "
-                "ones",
+                "timestamps absolute",
+                "export it again so: with relative ones a missing line would shift all later ones",
             )
         if _EVENTS.match(line):
             self._headed = True
@@ -220,11 +223,19 @@ class _AscLines(Counted):
     def _require_code(self, line: str) -> None:
         """Raise LogError for a classic frame of more than 8 bytes: python-can drops the others."""
         if found := _ASC_LENGTH.match(line):
-            raise LogError(
+            raise self._error(
                 f"line {self.line} states a length of {found[1]!r} for a frame of classic CAN",
-                where=self.path,
-                expected="a digit from 0 to F, and 8 bytes at most",
-                do="export the log again; CAN FD is written as CANFD",
+                "a digit from 0 to F, and 8 bytes at most",
+                "export the log again; CAN FD is written as CANFD",
+            )
+
+    def _require_end(self, found: Gathered) -> None:
+        if self.begun and not self.ended:
+            raise self._error(
+                f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s were "
+                "read, but no 'End TriggerBlock'",
+                "a block with its end",
+                "copy the log again; the file does not show how much is missing",
             )
 
     def _mark(self, line: str) -> None:
@@ -240,17 +251,8 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
     looks like a frame and cannot be read, timestamps relative to the line before, if python-can or
     a DBC is missing, and if no frame is described by the DBC.
     """
-    lines, found, known = _read(path, dbc, _AscLines, "ASCReader")
-    if lines.begun and not lines.ended:
-        raise LogError(
-            f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s were "
-            "read, but no 'End TriggerBlock'",
-            where=path,
-            expected="a block with its end",
-            do="copy the log again; the file does not show how much is missing",
-        )
-    lines.require_all(found)
-    return recording(found, known, () if lines.begun else (_ASC_END,), str(path))
+    lines, made = _read(path, dbc, _AscLines, "ASCReader")
+    return made("" if lines.begun else _ASC_END)
 
 
 VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
@@ -276,10 +278,12 @@ _TRC_END = "PEAK TRC has no footer: a log cut at the end of a line looks like a 
 class _TrcLines(Counted):
     """Lines of a TRC file. The number of each message must follow that of the one before."""
 
+    frame = _TRC
+
     def __init__(self, file: TextIO, path: Path):
         _check_version(file, path)
         file.seek(0)
-        super().__init__(file, _TRC, path)
+        super().__init__(file, path)
         self._numbered, self._number = True, 0
 
     def __next__(self) -> str:
@@ -308,11 +312,10 @@ class _TrcLines(Counted):
         found = _NUMBER.match(line)
         number = int(found[1]) if found else 0
         if found is None or (self._number and number != self._number + 1):
-            raise LogError(
+            raise self._error(
                 f"after message {self._number} comes {line.strip()[:60]!r}",
-                where=self.path,
-                expected=f"message {self._number + 1}",
-                do="a line is missing or damaged: copy or export the log again",
+                f"message {self._number + 1}",
+                "a line is missing or damaged: copy or export the log again",
             )
         self._number = number
 
@@ -325,9 +328,7 @@ def open_trc(path: Path, dbc: Databases) -> Recording:
     missing, and if no frame is described by the DBC.
     """
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
-    lines, found, known = _read(path, dbc, _TrcLines, "TRCReader")
-    lines.require_all(found)
-    return recording(found, known, (_TRC_END,), str(path))
+    return _read(path, dbc, _TrcLines, "TRCReader")[1](_TRC_END)
 
 
 def _check_version(file: TextIO, path: Path) -> None:

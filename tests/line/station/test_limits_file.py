@@ -1,4 +1,4 @@
-"""The file that `limits init` writes says what the program does."""
+"""The file that `limits` writes says what the program does."""
 
 from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS as OF_STOPS

@@ -32,7 +32,7 @@ def text(folder):
     return (folder / "whole.asc").read_text()
 
 
-@pytest.mark.parametrize("share", [0.0005, 0.1, 0.3333, 0.5, 0.77, 0.999, 0.99999])
+@pytest.mark.parametrize("share", [0.0005, 0.3333, 0.99999])
 def test_a_file_cut_anywhere_is_refused(folder, text, share):
     message = refused(folder, text[: int(share * len(text))])
     assert "cut off" in message or "the end is missing" in message or "no frames" in message

@@ -56,5 +56,5 @@ def test_the_last_byte_is_the_last_one_that_matters(place):
     start, length, little = place
     last = last_byte(start, length, little)
     raw(np.zeros((1, last + 1), np.uint8), start, length, little)
-    with pytest.raises(IndexError):
+    with pytest.raises(ValueError, match="mismatch"):
         raw(np.zeros((1, last), np.uint8), start, length, little)

@@ -67,7 +67,7 @@ def test_a_lost_line_shows_in_the_numbers(folder, texts, version):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("cut", range(1, 14))
+@pytest.mark.parametrize("cut", [1, 2, 7, 13])
 def test_a_last_line_that_is_cut_off(folder, texts, version, cut):
     """Without its end of line a line is whole, and PEAK-Converter leaves it out."""
     lines = texts[version].splitlines(keepends=True)

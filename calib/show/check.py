@@ -1,6 +1,10 @@
-"""A check in one line: the verdict first, then the log, then what speaks against it."""
+"""Facts of a check: for what each log is usable, and what is in it."""
+
+from collections.abc import Sequence
 
 from calib.run.check import Findings, LogVerdict
+from calib.run.check import facts as contents
+from calib.show.facts import Facts, Row
 
 FOR = {
     "fit": "fit",
@@ -11,10 +15,12 @@ FOR = {
 """Each purpose as it is told."""
 
 
-def verdict(findings: Findings) -> str:
-    """For what a log is usable: ``usable for validate, diagnose``, or ``not usable``."""
-    told = [FOR[one.purpose] for one in findings.verdicts if one.usable]
-    return f"usable for {', '.join(told)}" if told else "not usable"
+def facts(found: Sequence[Findings], details: bool = False) -> Facts:
+    """A line for each log; with ``details`` what it contains as well."""
+    if not details:
+        return Facts(notes=[line(one) for one in found])
+    parts = [Facts(title=one.source, rows=_rows(one), headline=line(one)) for one in found]
+    return Facts(parts=parts)
 
 
 def line(findings: Findings) -> str:
@@ -23,12 +29,14 @@ def line(findings: Findings) -> str:
     parts = [why] if why else []
     if codes:
         parts.append(f"warning{'s' * (len(codes) > 1)}: {', '.join(codes)}")
-    return "; ".join([f"{verdict(findings)}: {findings.source}", *parts])
+    told = [FOR[one.purpose] for one in findings.verdicts if one.usable]
+    verdict = f"usable for {', '.join(told)}" if told else "not usable"
+    return "; ".join([f"{verdict}: {findings.source}", *parts])
 
 
 def _why(findings: Findings) -> str:
     """Why a run with a braking makes no table, or why a log serves for nothing; may be empty."""
-    fit = _of(findings, "fit")
+    fit = next(one for one in findings.verdicts if one.purpose == "fit")
     if fit.usable or (findings.usable and not findings.seen.events):
         return ""
     reasons = fit.reasons if findings.seen.events else _nearest(findings).reasons
@@ -43,5 +51,13 @@ def _nearest(findings: Findings) -> LogVerdict:
     return min(findings.verdicts, key=lambda one: len(one.reasons))
 
 
-def _of(findings: Findings, purpose: str) -> LogVerdict:
-    return next(one for one in findings.verdicts if one.purpose == purpose)
+def _rows(findings: Findings) -> list[Row]:
+    return [
+        *contents(findings),
+        *(("read", note) for note in findings.notes),
+        *(("warning", warning.text) for warning in findings.warnings),
+        *(
+            (v.purpose, "; ".join(["usable" if v.usable else "not usable", *v.reasons]))
+            for v in findings.verdicts
+        ),
+    ]

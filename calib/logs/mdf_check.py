@@ -1,0 +1,375 @@
+"""Check an MDF file before asammdf reads it, which asks little: blocks within the file, channels
+within their records, and as many records as the groups count.
+
+MDF 4   ##XX  4 bytes unused  length  number of links  links  content
+##DG --> ##CG --> ##CN                count, bytes of a record; the bits of a channel within it
+     --> ##HL --> ##DL --> ##DT, ##DZ     present: the sum of their lengths, unpacked
+MDF 3   a data group links to its data, of length records times record size
+
+CAN loggers leave MDF 4 unfinished: the last ##DT goes up to the end, and no group counts. The
+record of a group is then identifier, bytes; that of a VLSD group identifier, length, bytes.
+Source: ASAM MDF 4.1, sections on the identification block and on unfinalised files.
+"""
+
+import mmap
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+from calib.base.bounded import RECORDING
+from calib.base.errors import LogError
+from calib.logs.source import damaged
+
+_COUNTS, _LAST_LENGTH, _VLSD_SIZES = 1, 4, 32
+"""Flags of what a recorder left: counts of groups, length of the last DT, sizes of VLSD groups."""
+_HEAD = 64
+"""Bytes of the identification block, after which the first block begins."""
+_BLOCK = struct.Struct("<4s4xQQ")
+_GROUP = struct.Struct("<QQHHLLL")
+_CHANNEL = struct.Struct("<3xBLL")
+_UNPACKED = struct.Struct("<8xQ")
+_MOST_LINKS = 10_000_000
+_START = 24
+"""Bytes of a ##DT before its data."""
+_VARIABLE = 1
+"""Flag of a group whose records differ in length; such a group has no channels."""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """The version of a file that may be read; an unfinished one has a ``note`` and ``counts``.
+
+    ``counts`` are the records that are there, by the first byte of their channel group.
+    """
+
+    version: str
+    note: str = ""
+    counts: dict[int, int] = field(default_factory=dict)
+
+
+class _Block(NamedTuple):
+    kind: bytes
+    length: int
+    links: tuple[int, ...]
+    content: int
+
+
+@dataclass
+class _Group:
+    """A channel group: its first byte, first channel and number; records stated and found.
+
+    ``size`` bytes of a record; ``variable`` if they differ in length.
+    """
+
+    place: int
+    channels: int
+    number: int
+    stated: int
+    size: int
+    variable: bool
+    count: int = 0
+
+
+def check_mdf(path: Path) -> Checked:
+    """Compare a file with its links, record sizes and record counts.
+
+    Raises LogError for a file that is not MDF, too short (with the number of missing bytes) or
+    damaged, that has a channel of MDF 4 outside its record or fewer records than a group counts,
+    and for one that its recorder did not finish in a way that asammdf cannot.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        version, flags, little_endian = _identification(file, size, path)
+        if not version.startswith("4"):
+            _check_3(file, little_endian, size, path)
+            return Checked(version)
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            try:
+                starts = _check_blocks(data, path)
+                _check_channels(data, path)
+                if flags:
+                    return _counted(data, flags, sorted(starts), version, path)
+                _check_records(data, path)
+            except (struct.error, IndexError, ValueError, OverflowError) as cause:
+                what = f"a block is shorter than its kind, or links go round: {cause}"
+                raise damaged(path, what) from cause
+            return Checked(version)
+
+
+def _identification(file: BinaryIO, size: int, path: Path) -> tuple[str, int, bool]:
+    """Version, flags of what the recorder did not finish, and whether bytes are little endian."""
+    data = file.read(_HEAD)
+    begin, version = data[:8].rstrip(b" \0"), data[8:12].strip(b" \0")
+    flags = 0
+    if begin == b"UnFinMF":
+        flags = int.from_bytes(data[60:62], "little")
+        known = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
+        if not known or len(data) < _HEAD or not b"4.10" <= version < b"5":
+            expected = "a finished file, or one that lacks only counts and the length of its data"
+            raise _not_finished(path, "so its counts are not final", expected)
+    elif begin != b"MDF":
+        raise LogError("not an MDF file", where=path, expected="a file that begins with MDF")
+    if len(data) < _HEAD:
+        raise _short(path, size, _HEAD)
+    if not version.isascii() or version[:1] not in (b"2", b"3", b"4"):
+        text = version.decode(errors="replace")
+        raise LogError(f"MDF version {text!r}", where=path, expected="3.x or 4.x")
+    return version.decode(), flags, data[24:26] == b"\0\0"
+
+
+def _block_at(data: mmap.mmap, place: int) -> _Block:
+    kind, length, links = _BLOCK.unpack_from(data, place)
+    begin = place + _BLOCK.size
+    return _Block(kind, length, struct.unpack_from(f"<{links}Q", data, begin), begin + 8 * links)
+
+
+def _chain(data: mmap.mmap, place: int, seen: set[int]) -> Iterator[tuple[int, _Block]]:
+    """A block and those that follow it by their first link. Raises ValueError for a ring."""
+    while place:
+        _refuse_again(place, seen)
+        block = _block_at(data, place)
+        yield place, block
+        place = block.links[0]
+
+
+def _refuse_again(place: int, seen: set[int]) -> None:
+    if place in seen:
+        raise ValueError(f"a second link to byte {place}")
+    seen.add(place)
+
+
+def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
+    """First bytes of all blocks of MDF 4. Raises LogError if one goes past the end of the file."""
+    seen, todo, end, size = set[int](), [_HEAD], _HEAD, len(data)
+    while todo:
+        place = todo.pop()
+        if place in seen or place == 0:
+            continue
+        seen.add(place)
+        end = max(end, place + _BLOCK.size)
+        if place + _BLOCK.size > size:
+            continue
+        kind, length, links = _BLOCK.unpack_from(data, place)
+        if kind[:2] != b"##" or links > _MOST_LINKS or length < _BLOCK.size + 8 * links:
+            raise _no_block(path, "block", place)
+        end = max(end, place + length)
+        if links and place + _BLOCK.size + 8 * links <= size:
+            todo += struct.unpack_from(f"<{links}Q", data, place + _BLOCK.size)
+    if end > size:
+        raise _short(path, size, end)
+    return seen
+
+
+def _data_groups(data: mmap.mmap) -> Iterator[tuple[int, int, list[_Group]]]:
+    """First byte of the data, bytes of an identifier, and channel groups of each data group."""
+    seen = set[int]()
+    for _, block in _chain(data, _block_at(data, _HEAD).links[0], set()):
+        groups = []
+        for place, group in _chain(data, block.links[1], seen):
+            number, count, flags, _, _, size, invalid = _GROUP.unpack_from(data, group.content)
+            variable = bool(flags & _VARIABLE)
+            groups.append(_Group(place, group.links[1], number, count, size + invalid, variable))
+        yield block.links[2], data[block.content], groups
+
+
+def _check_channels(data: mmap.mmap, path: Path) -> None:
+    """Raise LogError for a channel outside its record: asammdf reads there without looking."""
+    for _, _, groups in _data_groups(data):
+        for group in groups:
+            for place, block in _channels(data, group.channels):
+                bit, byte, bits = _CHANNEL.unpack_from(data, block.content)
+                if 8 * byte + bit + bits > 8 * group.size:
+                    what = f"the channel at byte {place} lies outside the records of its group"
+                    raise damaged(path, what, f"bits within {group.size} bytes")
+
+
+def _channels(data: mmap.mmap, first: int) -> Iterator[tuple[int, _Block]]:
+    """Channels of a group, and those of which a channel is composed."""
+    seen, todo = set[int](), [first]
+    while todo:
+        for place, block in _chain(data, todo.pop(), set()):
+            if place in seen or block.kind != b"##CN":
+                break
+            seen.add(place)
+            yield place, block
+            todo.append(block.links[1])
+
+
+def _check_records(data: mmap.mmap, path: Path) -> None:
+    """Raise LogError if a data group has less data than its records need."""
+    for number, (place, id_size, groups) in enumerate(_data_groups(data)):
+        counted = [group for group in groups if group.channels or not group.variable]
+        needed = sum(group.stated * (group.size + id_size) for group in counted)
+        there = _bytes_of_data(data, place)
+        most = max(needed, there or 0)
+        if most > RECORDING.most:
+            what = RECORDING.excess(most, f"data group {number} unpacks to")
+            raise LogError(what, where=path, do=RECORDING.advice)
+        if there is not None and there < needed:
+            what = (
+                f"data group {number} holds {there} of {needed} bytes of samples: "
+                f"{needed - there} are missing ({100 * (1 - there / needed):.0f} %)"
+            )
+            raise damaged(path, what, "as many samples as it counts")
+
+
+def _bytes_of_data(data: mmap.mmap, place: int) -> int | None:
+    """Bytes of data at a link, unpacked; None if it is not a list of data blocks.
+
+    Where it is none the reader compares the number of its samples with the count.
+    """
+    if not place:
+        return 0
+    total, todo, seen = 0, [place], set[int]()
+    while todo:
+        if not (place := todo.pop()):
+            continue
+        _refuse_again(place, seen)
+        block = _block_at(data, place)
+        if block.kind in (b"##HL", b"##DL"):
+            todo += block.links
+        elif block.kind == b"##DT":
+            total += block.length - _START
+        elif block.kind == b"##DZ":
+            total += _UNPACKED.unpack_from(data, block.content)[0]
+        else:
+            return None
+    return total
+
+
+def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path: Path) -> Checked:
+    """Count the records of an unfinished file.
+
+    asammdf counts them, too, but stops without a word where a record has an unknown identifier.
+    """
+    counts: dict[int, int] = {}
+    records = left = 0
+    for place, id_size, groups in _data_groups(data):
+        if not place:
+            continue
+        block = _block_at(data, place)
+        kind = block.kind.decode(errors="replace")
+        _require(kind == "##DT", path, f"data in {kind}")
+        known = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
+        _require(known, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
+        following = (start for start in starts if start > place)
+        end = next(following, len(data)) if flags & _LAST_LENGTH else place + block.length
+        last = _count(data, groups, (place + _START, end), id_size, path)
+        left += end - last if any(data[last:end]) else 0
+        for group in groups:
+            if group.count < group.stated:
+                missing = f"{group.stated - group.count} are missing"
+                what = f"{group.count} of {group.stated} records are there: {missing}"
+                raise damaged(path, what, "all that the group counts")
+            if not group.variable:
+                counts[group.place] = group.count if flags & _COUNTS else group.stated
+                records += group.count
+    part = f"; {left} bytes of a last record that is not whole were left out" if left else ""
+    note = (
+        f"the recorder did not finish the file: its {records} records were counted here{part}; "
+        "nothing in the file shows whether more are missing at its end"
+    )
+    return Checked(version, note, counts)
+
+
+def _count(
+    data: mmap.mmap, groups: list[_Group], span: tuple[int, int], id_size: int, path: Path
+) -> int:
+    """Count the whole records of each group within ``span``; returns where the last one ends."""
+    place, end = span
+    if not id_size:
+        (only,) = groups
+        _require(not only.variable and only.size > 0, path, "records of no fixed size")
+        only.count = (end - place) // only.size
+        return place + only.count * only.size
+    by_number = {group.number: group for group in groups}
+    while place + id_size <= end:
+        number = int.from_bytes(data[place : place + id_size], "little")
+        group = by_number.get(number)
+        if group is None:
+            if not any(data[place:end]):  # the recorder reserved space
+                break
+            what = f"damaged near byte {place}: no group has records with the identifier {number}"
+            raise damaged(path, what, "records of the groups of the file")
+        start, width = place + id_size, group.size
+        if group.variable:
+            width, start = int.from_bytes(data[start : start + 4], "little"), start + 4
+        if start + width > end:
+            break
+        group.count += 1
+        place = start + width
+    return place
+
+
+def _check_3(file: BinaryIO, little_endian: bool, size: int, path: Path) -> None:
+    """Follow groups and channels of MDF 3; the length of the data follows from its records."""
+    end, seen = _HEAD, set[int]()
+    ranges: list[tuple[int, int]] = []
+
+    def block(place: int, kind: bytes, form: str) -> tuple[int, ...]:
+        nonlocal end
+        if place in seen:
+            raise _no_block(path, "block that was not met before", place)
+        seen.add(place)
+        layout = struct.Struct(f"{'<' if little_endian else '>'}2sH{form}")
+        end = max(end, place + layout.size)
+        if place + layout.size > size:
+            raise _short(path, size, end)
+        file.seek(place)
+        found, length, *rest = layout.unpack(file.read(layout.size))
+        if found != kind:
+            raise _no_block(path, f"{kind.decode()} block", place)
+        end = max(end, place + length)
+        return tuple(rest)
+
+    (group,) = block(_HEAD, b"HD", "I")
+    while group:
+        group, channels, _, data, _, ids = block(group, b"DG", "IIIIHH")
+        needed = 0
+        while channels:
+            channels, channel, _, _, _, width, count = block(channels, b"CG", "IIIHHHI")
+            needed += count * (width + ids)
+            while channel:
+                channel, *others = block(channel, b"CN", "IIIII")
+                end = max([end, *(o + 4 for o in others)])
+        ranges += [(data, data + needed)] if data and needed else []
+    end = max([end, *(stop for _, stop in ranges)])
+    if end > size:
+        raise _short(path, size, end)
+    for (begin, stop), (following, _) in pairwise(sorted(ranges)):
+        if stop > following > begin:
+            what = (
+                f"{following - begin} of {stop - begin} bytes of samples come before those of "
+                f"another group: {stop - following} are missing"
+            )
+            raise damaged(path, what, "as many samples as each group counts")
+
+
+def _short(path: Path, size: int, end: int) -> LogError:
+    what = (
+        f"cut off: the file has {size} bytes, its blocks need {end}; at least {end - size} "
+        f"are missing ({100 * (1 - size / end):.0f} % of the file)"
+    )
+    return damaged(path, what, "a complete file")
+
+
+def _no_block(path: Path, what: str, place: int) -> LogError:
+    return damaged(path, f"there should be a {what} at byte {place}, but there is none")
+
+
+def _not_finished(path: Path, why: str, expected: str) -> LogError:
+    return LogError(
+        f"the recorder did not finish the file (UnFinMF), {why}",
+        where=path,
+        expected=expected,
+        do="finish it with the recorder's own tool, or open and save it with an MDF editor",
+    )
+
+
+def _require(known: bool, path: Path, why: str) -> None:
+    if not known:
+        expected = "one data block for each group"
+        raise _not_finished(path, f"and it cannot be finished here: {why}", expected)

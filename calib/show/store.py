@@ -1,0 +1,223 @@
+"""Facts of the tables of a store: lists, one table, two of them, what happened, what came back."""
+
+from collections.abc import Mapping, Sequence
+
+from calib.base.plain import counted
+from calib.exports.dataset import Returned
+from calib.exports.read import Difference as FromFile
+from calib.show.facts import FAILED, Facts, Row, Table
+from calib.store.answer import answer, verdict_lines
+from calib.store.figures import mean_figures
+from calib.store.journal import Entry
+from calib.store.listing import ListedVersion
+from calib.store.signature import key_ids
+from calib.store.store import StoreVerdict
+from calib.store.version import Stored
+from calib.table.compare import CurveGap, Difference, ValueGap
+from calib.table.effect_figures import effect_figures
+from calib.table.table import Table as LookUp
+from calib.table.table import Value
+
+ROWS = 12
+"""Rows of f1 and f2 that are printed; all of them are in the JSON."""
+PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
+"""Sections whose changed keys are printed; of the others only how many there are."""
+
+
+def listed(rows: Sequence[ListedVersion]) -> Facts:
+    """Versions of tables, told apart; those that cannot be used last, with the reason."""
+    heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
+    cells = []
+    for row in rows:
+        if row.flaw:
+            cells.append((row.id, row.state, row.date[:10], *[""] * 6))
+            continue
+        warned = counted(row.warnings, "warning") if row.warnings else ""
+        cells.append(
+            (
+                *(row.id, row.state, row.date[:10]),
+                " ".join(filter(None, (row.serial, row.vin))),
+                str(len(row.logs)),
+                "/".join(f"{x:.3f}" for x in row.pads or ()),
+                "{:.2f}-{:.2f}".format(*row.usable or (0.0, 0.0)),
+                "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
+                ", ".join(filter(None, (row.verdict, warned, "signed" if row.keys else ""))),
+            )
+        )
+    flaws = [f"{row.id} cannot be used: {row.flaw}" for row in rows if row.flaw]
+    return Facts(tables=[Table(heads, cells)], notes=flaws)
+
+
+def shown(stored: Stored) -> Facts:
+    """Whether a table may be used, how good it is, and what it is made of."""
+    table, said, keys = stored.table, answer(stored), ", ".join(key_ids(stored))
+    (low, high), pads = said.decelerations, table.calibration
+    rows: list[Row] = [
+        ("to be used", said.may),
+        ("usable", f"{low:.2f} to {high:.2f} g, eta - 1 up to {100 * (said.eta[1] - 1):.2f} %"),
+        ("limited by", said.limit),
+        *(("warning", str(warning)) for warning in table.warnings),
+        ("table", stored.id),
+        ("digest", stored.digest),
+        ("signed", f"by key {keys}; `tables verify --key` checks it" if keys else "no"),
+        ("vehicle", f"{table.vehicle.name}, {table.vehicle.mass:g} kg"),
+        *table.provenance.identity.items(),
+        *_origin(table),
+        *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
+        *((of.effect, str(of)) for of in effect_figures(table)),
+        ("pad scale", _interval(pads.pad_scale)),
+        ("pad friction front", _interval(pads.pad_friction_f)),
+        ("pad friction rear", _interval(pads.pad_friction_r)),
+        ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
+        *((metric, f"{number:.4g}") for metric, number in table.quality.items()),
+    ]
+    notes = [*table.remarks, *verdict_lines(stored)]
+    return Facts(rows=rows, tables=[_curves(table)], notes=notes)
+
+
+def _origin(table: LookUp) -> list[Row]:
+    """What a table was made of, how its cars differ, what was set by hand."""
+    return [
+        *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
+        *(
+            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
+            for one in mean_figures(table)
+        ),
+        *(("by hand", str(one)) for one in table.by_hand),
+    ]
+
+
+def _interval(value: Value) -> str:
+    lower, upper = value.ci95
+    return f"{value.value:.4g} (95 %: {lower:.4g} to {upper:.4g})"
+
+
+def _curves(table: LookUp) -> Table:
+    curve, last = table.paper, len(table.paper.eta) - 1
+    rows = sorted({round(k * last / (ROWS - 1)) for k in range(ROWS)})
+    columns = ((curve.eta, ".5f"), (curve.z, ".3f"), (curve.f1, "+.4f"), (curve.f2, "+.4f"))
+    cells = [
+        [*(f"{values[i]:{form}}" for values, form in columns), f"{curve.count[i]:g}"] for i in rows
+    ]
+    return Table(("eta", "z", "f1", "f2", "blocks"), cells)
+
+
+def history(entries: Sequence[Entry]) -> Facts:
+    """What happened to a table: when, by whom and why."""
+    rows = []
+    for entry in entries:
+        told = entry.event not in ("stored", "changed")
+        event = f"{entry.event}, {entry.state}" if told else entry.state
+        proof = [f"{one.name} {one.sha256[:12]}" for one in entry.evidence]
+        proof += [f"key {entry.key}"] if entry.key else []
+        rows.append((entry.at, entry.id, event, entry.by, entry.reason, "; ".join(proof)))
+    return Facts(tables=[Table(("when", "table", "state", "by", "why", "evidence"), rows)])
+
+
+def compared(found: Difference, first: Stored, second: Stored) -> Facts:
+    """Whether and where two tables differ."""
+    one, other = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
+    headline = f"{one} and {other} are {found.verdict}"
+    if found.identical:
+        return Facts(headline=headline)
+    curves = [
+        (gap.curve, f"{gap.start:.5f}", f"{gap.end:.5f}", f"{gap.largest:+.5f}", f"{gap.at:.5f}",
+         f"{gap.rms:.5f}", f"{gap.in_bands:.2f}")
+        for gap in found.curves
+    ]  # fmt: skip
+    values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in found.values]
+    changes = [
+        (section, change.key, _short(change.a), _short(change.b))
+        for section in PRINTED
+        for change in found.changes.get(section, ())
+    ]
+    rest = [
+        f"{len(changed)} of {section}"
+        for section, changed in found.changes.items()
+        if section not in (*PRINTED, "calibration")
+    ]
+    return Facts(
+        headline=headline,
+        tables=[
+            Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves),
+            Table(("value", first.id, second.id, "in 95 % bands"), values),
+            Table(("section", "key", first.id, second.id), changes),
+        ],
+        notes=[
+            *(f"{curve} has no common axis" for curve in found.apart),
+            *([f"also different: {', '.join(rest)}; --json prints them"] if rest else []),
+            *(
+                f"{stored.id}: {cell}"
+                for stored in (first, second)
+                for cell in stored.table.by_hand
+            ),
+            *map(_beyond, found.beyond),
+        ],
+    )
+
+
+def _beyond(gap: CurveGap | ValueGap) -> str:
+    count = gap.in_bands
+    bands = "beyond any band" if count == float("inf") else f"{count:.1f} times the bands of both"
+    if isinstance(gap, ValueGap):
+        return f"{gap.name}: {gap.a:.4g} and {gap.b:.4g}, {bands}"
+    axis = "slip" if gap.curve == "g" else "eta"
+    return f"{gap.curve}: {gap.largest:+.4g} at {axis} {gap.at:.5f}, {bands} at most"
+
+
+def _short(written: str | None) -> str:
+    """A value of a record, a number with four digits."""
+    try:
+        return "-" if written is None else f"{float(written):.4g}"
+    except ValueError:
+        return str(written)
+
+
+def verified(verdicts: Sequence[StoreVerdict], signed: Mapping[str, str] | None) -> Facts:
+    """Which versions are damaged, and, with a key, which are signed as what."""
+    rows = []
+    for verdict in verdicts:
+        state = signed.get(verdict.id) if signed is not None else None
+        by = f", signed as {state}" if state else ", not signed by this key"
+        sound = "sound" + ("" if signed is None else by)
+        rows.append((verdict.id, "; ".join(verdict.violations) or sound))
+    colours = ["" if verdict.sound else FAILED for verdict in verdicts]
+    return Facts(tables=[Table(("table", "verdict"), rows, verdicts=colours)])
+
+
+def merged(stored: Stored) -> Facts:
+    """The mean of several cars, with the spread between them."""
+    cells = []
+    for one in mean_figures(stored.table):
+        half, between = (f"{100.0 * share:.2f} %" for share in (one.half_width, one.between))
+        # zero is what is left where the cars differ by no more than their own noise
+        seen = between if one.between > 0.0 else "less than noise"
+        cells.append((one.name, f"{one.value:.4g}", f"+- {half}", seen))
+    return Facts(
+        headline=f"stored {stored.id}",
+        tables=[Table(("of the mean", "value", "95 % of the mean", "sigma between cars"), cells)],
+        rows=[("parent", f"{p.id} ({p.digest[:12]})") for p in stored.table.provenance.parents],
+        notes=stored.table.remarks,
+    )
+
+
+def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:
+    """What a file of a calibration tool holds, and whether it agrees with the table it names."""
+    content, units = found.content, found.units
+    arrays = {**content.axes, **{name: y for name, (_, y) in content.curves.items()}}
+    cells = [
+        (name, str(len(y)), f"{min(y):.6g}", f"{max(y):.6g}", units[name])
+        for name, y in arrays.items()
+    ]
+    cells += [(n, "", f"{value:.6g}", "", units[n]) for n, value in content.scalars.items()]
+    if stored is None:
+        headline = f"unchanged since it was written; {found.table} is not in this store"
+    else:
+        how = f"as rounded {told.rounded}" if told.rounded else "to the last bit"
+        headline = f"agrees with {stored.id} {how}"
+    return Facts(
+        headline="" if told.wrong else headline,
+        tables=[Table(("object", "points", "from", "to", "unit"), cells)],
+        rows=[("table", found.table), *found.facts.items()],
+        notes=[f"differs: {what}" for what in told.wrong],
+    )

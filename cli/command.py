@@ -1,0 +1,212 @@
+"""A command is a declaration: what it reads, what it writes, what it returns.
+
+    @command("brake-cal fit ramp.csv --vehicle car.toml")
+    def fit(logs: Logs, *, vehicle: Car, mass: Mass, store: Tables) -> Answer:
+
+The rest stands here. Each command has -q, -v and --json; what is typed becomes a car, a store, a
+mass in kg as its option says (`cli.options`); a place that cannot be written is refused before any
+file is read; warnings, the result and the page of --report are printed and written in one way.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from inspect import Parameter, signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
+
+import typer
+
+from cli.console import Markdown, emit, emit_json, this_run, warn
+from cli.group import Group, first_sentence
+from cli.options import option
+from cli.outputs import check_file, write_file
+
+if TYPE_CHECKING:
+    from calib.base.errors import BrakeCalError
+    from calib.show.facts import Facts
+
+FAILED, UNREADABLE, DAMAGED = 1, 3, 4
+"""Exit codes of a result: it fails its limits; an input is no use; a table is damaged."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command found.
+
+    Attributes
+    ----------
+    document : of --json, but for its "schema".
+    facts : for people; the warnings of `Facts` go to stderr, with --json too.
+    exit_code : 0 if it passed.
+    page : makes the page of --report.
+    error : raised after all is printed.
+    """
+
+    document: dict[str, Any]
+    facts: "Facts | Markdown | str" = ""
+    exit_code: int = 0
+    page: Callable[[], str] | None = None
+    error: "BrakeCalError | None" = None
+
+
+def _ask(context: typer.Context, asked: typer.CallbackParam, given: bool) -> None:
+    run = this_run()
+    if given and not context.resilient_parsing:
+        setattr(run, str(asked.name), True)
+    if run.quiet and run.verbose:
+        raise typer.BadParameter("-q and -v exclude each other", param_hint="--quiet, --verbose")
+
+
+def _flag(text: str, *flags: str) -> Any:
+    return typer.Option(*flags, callback=_ask, expose_value=False, help=text)
+
+
+Quiet = Annotated[bool, _flag("Print only results, warnings and errors.", "--quiet", "-q")]
+Verbose = Annotated[bool, _flag("Print details, too.", "--verbose", "-v")]
+Force = Annotated[bool, _flag("Replace a file that exists, whatever it holds.", "--force")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")]
+
+
+def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any]], Any]:
+    """Declare a command by its function, see above.
+
+    Its parameters are arguments, keyword-only ones are options: a switch, a list or what may be
+    None need not be given. Where ``json`` is one of them it prints its results itself.
+    """
+
+    def declare(body: Callable[..., Answer]) -> Callable[..., None]:
+        hints = get_type_hints(body, include_extras=True)
+        own = [_parameter(p, hints[p.name]) for p in signature(body).parameters.values()]
+        infos = {p.name: get_args(p.annotation)[1] for p in own}
+        more: dict[str, Any] = {"report": Report} if report else {}
+        writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
+        if any(i.writes != "folder" for i in writes.values()):
+            more["force"] = Force
+        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in hints else {"json": Json})
+        added = [
+            Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
+            for name, hint in more.items()
+        ]
+
+        @wraps(body)
+        def run(**given: Any) -> None:
+            printed, page = "json" in hints, given.pop("report", None)
+            as_json = False if printed else given.pop("json")
+            this_run().inputs |= {
+                name: files
+                for name, value in given.items()
+                if name not in writes and (files := _files(value))
+            }
+            for name, info in writes.items():
+                if given[name] is not None and info.writes != "folder":
+                    check_file(given[name], info.writes, _flag_of(name, info))
+            if page is not None:
+                check_file(page, "page", "--report")
+            answer = body(**{name: _made(name, infos[name], given[name]) for name in infos})
+            if not printed:
+                _tell(answer, as_json, page)
+            if answer.error is not None:
+                raise answer.error
+            if answer.exit_code:
+                raise typer.Exit(answer.exit_code)
+
+        vars(run)["__signature__"] = signature(body).replace(
+            parameters=[*own, *added], return_annotation=None
+        )
+        run.__annotations__ = {p.name: p.annotation for p in (*own, *added)}
+        vars(run)["examples"] = examples
+        return run
+
+    return declare
+
+
+def add(app: typer.Typer, heading: str, *commands: Any, cls: Any = None) -> None:
+    """Add commands, or a group of them, to a group under a heading of its help."""
+    for one in commands:
+        if isinstance(one, typer.Typer):
+            app.add_typer(one, rich_help_panel=heading)
+        else:
+            app.command(
+                one.__name__.rstrip("_"),
+                cls=cls,
+                short_help=first_sentence(one.__doc__),
+                epilog=example(*one.examples),
+                rich_help_panel=heading,
+            )(one)
+
+
+def group(name: str, text: str, *examples: str, **more: Any) -> typer.Typer:
+    """Return a group without commands: its help and examples."""
+    # Plain help: typer's boxes import rich, which takes half of the time that --help may take.
+    made = typer.Typer(
+        name=name,
+        cls=Group,
+        rich_markup_mode=None,
+        no_args_is_help=True,
+        short_help=first_sentence(text),
+        epilog=example(*examples),
+        **more,
+    )
+    made.callback(help=text)(_nothing)
+    return made
+
+
+def _nothing(quiet: Quiet = False, verbose: Verbose = False) -> None:
+    """Stand for the group itself."""
+
+
+def example(*lines: str) -> str:
+    """Epilog of a command's help: ``lines`` that can be run in the folder of the demo."""
+    return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
+
+
+def _parameter(given: Parameter, hint: Any) -> Parameter:
+    default = given.default
+    if default is Parameter.empty:
+        default = _default(hint, given.kind == Parameter.KEYWORD_ONLY)
+    return given.replace(annotation=hint, default=default)
+
+
+def _default(hint: Any, optional: bool = True) -> Any:
+    kind = get_args(hint)[0]
+    built_in = getattr(get_args(hint)[1], "built_in", None)
+    if built_in is not None or type(None) in get_args(kind):
+        return built_in
+    if kind is bool:
+        return False
+    return [] if optional and getattr(kind, "__origin__", None) is list else Parameter.empty
+
+
+def _files(value: Any) -> list[Path]:
+    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, Path)]
+
+
+def _made(name: str, info: Any, value: Any) -> Any:
+    """What a value becomes; a refusal that names no option is of this one."""
+    make = getattr(info, "make", None)
+    if make is None or (value is None and not info.always):
+        return value
+    try:
+        return make(value)
+    except typer.BadParameter as error:
+        error.param_hint = error.param_hint or _flag_of(name, info)
+        raise
+
+
+def _flag_of(name: str, info: Any) -> str:
+    flags = getattr(info, "flags", None)
+    if flags is None:
+        return str(info.metavar)
+    return str(flags[0]) if flags else f"--{name.replace('_', '-')}"
+
+
+def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:
+    warn(getattr(answer.facts, "warnings", ()))
+    if page is not None and answer.page is not None:
+        write_file(page, answer.page().encode(), "--report")
+    if as_json:
+        emit_json({"schema": 1, **answer.document})
+    elif answer.facts:
+        emit(answer.facts)

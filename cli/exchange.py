@@ -1,0 +1,219 @@
+"""`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+import calib
+from cli.command import Answer, command
+from cli.console import say
+from cli.options import (
+    Required,
+    SignedBy,
+    Table,
+    Tables,
+    argument,
+    option,
+    table_versions,
+)
+from cli.outputs import refuse_foreign, writing
+from cli.signed import check_signed, key_of
+
+if TYPE_CHECKING:
+    from calib.exports.export import Exported
+
+
+@command(
+    "brake-cal tables export sedan-2up --out sedan.dcm",
+    "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
+    "brake-cal tables export sedan-2up --out sedan.a2l",
+)
+def export(
+    table: Table,
+    *,
+    form: Annotated[
+        str | None,
+        option(
+            "json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of "
+            "--out.",
+            "F",
+            "--format",
+        ),
+    ],
+    out: Annotated[Path, option("File to write.", "FILE", writes="")],
+    points: Annotated[
+        int | None, option("Breakpoints on each axis, least error; else all rows.", "N")
+    ],
+    bits: Annotated[int | None, option("8, 16 or 32; for c-header, a2l.", "BITS", "--fixed-point")],
+    elf: Annotated[Path | None, option("Linked program (ELF), for addresses of an a2l.", "FILE")],
+    validation: Annotated[
+        Path | None, option("summary.json of `validate --out`, for the state.", "SUMMARY")
+    ],
+    unreleased: Annotated[
+        bool, option("Also a version that is not released; the file then says so.")
+    ],
+    require_signed: Required,
+    key: SignedBy,
+    store: Tables,
+) -> Answer:
+    """Write a table for a calibration tool or an ECU.
+
+    Only a released one, unless --unreleased is given. A bare name is its newest released version.
+    Every file states the table's id, version, digest and state, the checksum of its numbers, and
+    which value holds beyond the ends of an axis.
+    """
+    from calib.base.errors import ExchangeError
+    from calib.store.quality import UNPROVED, read_quality
+
+    form = _form(form, out, bits, elf)
+    public = key_of(require_signed, key)
+    stored = store.load(table) if unreleased else store.released(table)
+    check_signed(table, stored, public)
+    digest = stored.digest.encode()
+    refuse_foreign(out, lambda data: digest in data)
+    quality = read_quality(validation, stored) if validation else UNPROVED
+    try:
+        with writing(out):
+            written = calib.export(
+                stored, out, form,
+                points=points, bits=bits, elf=elf, quality=quality, unreleased=unreleased,
+            )  # fmt: skip
+    except ExchangeError as error:
+        raise typer.BadParameter(str(error), param_hint="--points, --fixed-point") from None
+    return _answer(written, bits)
+
+
+def _form(form: str | None, out: Path, bits: int | None, elf: Path | None) -> str:
+    """The format that was named, or that of the ending; refuses options that it does not take."""
+    from calib.base.errors import ExchangeError
+    from calib.exports.export import ADDRESSED, FIXED_POINT, format_named, format_of
+
+    try:
+        form = format_of(out.name) if form is None else format_named(form)
+    except ExchangeError as error:
+        raise typer.BadParameter(str(error), param_hint="--format") from None
+    for option_, value, forms in (("--fixed-point", bits, FIXED_POINT), ("--elf", elf, ADDRESSED)):
+        if value is not None and form not in forms:
+            raise typer.BadParameter(f"only with {', '.join(forms)}", param_hint=option_)
+    if elf is not None and elf.suffix.lower() == ".map":
+        raise typer.BadParameter(
+            "a linker's map is no longer read: give the linked program (ELF)", param_hint="--elf"
+        )
+    return form
+
+
+def _answer(written: "Exported", bits: int | None) -> Answer:
+    from calib.exports.dataset import placed
+    from calib.exports.fixed_point import roundings
+
+    data = written.data
+    rounded = [] if bits is None else [vars(r) for r in roundings(data, bits)]
+    for axis in data.axes:
+        say(f"{axis.label}: {placed(axis)}")
+    for row in rounded:
+        if row["read_error"] is not None:
+            say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
+    for remark in written.remarks:
+        say(remark)
+    axes = [
+        {
+            "label": axis.label,
+            "points": len(axis.values),
+            "rows": axis.rows,
+            "curves": [curve.label for curve in data.over(axis)],
+            "worst": axis.misfit.worst,
+            "worst_at": axis.misfit.at,
+            "rms": axis.misfit.rms,
+        }
+        for axis in data.axes
+    ]
+    document = {
+        **data.facts(),
+        "version": data.version,
+        "format": written.form,
+        "out": written.path,
+        "bytes": len(written.content),
+        "sha256": written.sha256,
+        "axes": axes,
+        "remarks": list(written.remarks),
+        "fixed_point": {"bits": bits, "objects": rounded} if rounded else None,
+    }
+    return Answer(document, repr(written))
+
+
+@command("brake-cal tables compare sedan.dcm")
+def compare(
+    file: Annotated[Path, argument("Exported DCM or CDF file.", "FILE")], *, store: Tables
+) -> Answer:
+    """Compare a DCM or CDF file with the table that it names.
+
+    Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
+    is cut off, damaged or names no table, 4 if it does not agree with the table. Another tool may
+    have saved it: labels are compared, and numbers that were rounded agree.
+    """
+    from calib.exports.read import difference, parent, read_back, refuse
+    from calib.show.store import returned
+
+    found = read_back(file)
+    stored = parent(found, store)
+    told = difference(found, stored)
+    document = {
+        "format": found.format,
+        "facts": found.facts,
+        "axes": found.content.axes,
+        "curves": {n: {"x": x, "y": y} for n, (x, y) in found.content.curves.items()},
+        "scalars": found.content.scalars,
+        "units": found.units,
+        "in_store": stored is not None,
+        "unchanged": found.unchanged,
+        "rounded": told.rounded,
+        "differences": told.wrong,
+    }
+    error = refuse(file, told.wrong) if told.wrong else None
+    return Answer(document, returned(found, stored, told), error=error)
+
+
+def _name(name: str) -> str:
+    from calib.store.folders import NAME
+
+    if not NAME.fullmatch(name) or ".." in name:
+        raise typer.BadParameter(f"{name!r} cannot name a table; letters, digits and . _ - only")
+    return name
+
+
+@command("brake-cal tables merge car@1 car@2 car@3 --name golden")
+def merge(
+    tables: Annotated[
+        list[str],
+        argument(
+            "name@version or path, one of each car",
+            "CAR@1 CAR@2 ...",
+            autocompletion=table_versions,
+        ),
+    ],
+    *,
+    name: Annotated[str, option("Name of the mean table.", "NAME", make=_name)],
+    store: Tables,
+) -> Answer:
+    """Store the mean of several cars as a golden table.
+
+    With the spread between them. Random effects: the spread between cars by REML, the interval of
+    the mean after Hartung and Knapp. Its bands are those of one more car of the model.
+    """
+    from calib.show.store import merged
+    from calib.store.figures import mean_figures
+    from calib.store.merge import merge as mean_of
+
+    stored = store.save(mean_of([store.load(table) for table in tables], name))
+    table = stored.table
+    document = {
+        **stored.address,
+        "parents": table.provenance.parents,
+        "cars": table.spread.cars if table.spread else 1,
+        "eta": [table.difference.eta[0], table.difference.eta[-1]],
+        "figures": mean_figures(table),
+        "remarks": table.remarks,
+        "warnings": table.warnings,
+    }
+    return Answer(document, merged(stored))

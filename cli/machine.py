@@ -1,0 +1,130 @@
+"""`brake-cal demo`, `doctor` and `qualify`: the program tried out, on this machine."""
+
+import shutil
+import sys
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from calib.base.plain import counted
+from calib.base.program import PROGRAM, VERSION
+from cli.command import FAILED, Answer, command
+from cli.console import json_text, progress, say
+from cli.options import option
+from cli.outputs import check_folder, write_folder
+from cli.project import STORE, find_project
+
+if TYPE_CHECKING:
+    from calib.help.doctor import Finding
+
+DOCUMENT, REPORT = "qualification.json", "qualification.html"
+
+
+@command("brake-cal demo", "brake-cal demo --out somewhere")
+def demo(
+    *,
+    out: Annotated[
+        Path,
+        option("Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")),
+    ],
+) -> Answer:
+    """Try all steps on the sample logs.
+
+    Checks, fits, validates and draws them, and prints the paper's two studies. At the end it
+    diagnoses a car with a hidden effect: the gap, the effect, the gap with it. All files go into
+    one folder: the sample logs, the store, results and figures.
+    """
+    from calib.diagnosis.written.document import to_dict
+    from calib.help.demo import facts, hidden_story, run, section_five, section_four
+
+    check_folder(out, ())
+    out.mkdir(parents=True, exist_ok=True)
+    outcomes = run(out, say)
+    by_folder = {outcome.study.folder: outcome for outcome in outcomes}
+    four = section_four(by_folder["simulation_study"])
+    five = section_five(by_folder["sedan"])
+    story = hidden_story(out, say)
+    document = {
+        "folder": out,
+        "diagnosis": to_dict(story.found),
+        "tables": [outcome.stored.id for outcome in outcomes],
+        "section_4": four,
+        "section_5": five,
+    }
+    return Answer(document, facts(four, five, story, out))
+
+
+@command("brake-cal doctor", "brake-cal doctor --json")
+def doctor(
+    *, store: Annotated[Path | None, option("Directory of the tables; else as usual.", "DIR")]
+) -> Answer:
+    """Say whether the program can work on this machine.
+
+    Looks at the packages against the lowest versions that hold, the extras and what they give, the
+    font of the pictures, cores, memory, the store, the settings and the terminal. It writes nothing
+    and uses no network. Exit code 0 if it can work, 1 if something that it needs is wrong.
+    """
+    from calib.help.doctor import FINE, WRONG, examine
+    from calib.show.facts import Facts, Table
+
+    settings, usual = _settings()
+    found = [*examine(store or usual or STORE), settings, *_terminal()]
+    wrong = [one.name for one in found if one.state == WRONG]
+    can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
+    rows = [(x.name, x.state, "; ".join(filter(None, (x.what, x.do)))) for x in found]
+    verdict = WRONG if wrong else FINE
+    return Answer(
+        {"version": VERSION, "verdict": verdict, "findings": found},
+        Facts(headline=f"{PROGRAM} {can}", tables=[Table(("what", "state", "found"), rows)]),
+        FAILED * bool(wrong),
+    )
+
+
+def _settings() -> "tuple[Finding, Path | None]":
+    """The settings file, and the store that it names."""
+    from calib.base.errors import SettingsError
+    from calib.help.doctor import FINE, WRONG, Finding
+
+    try:
+        project = find_project()
+    except SettingsError as error:
+        return Finding("settings", WRONG, str(error), "mend the file"), None
+    what = str(project.file) if project.file else "no brake-cal.toml: the usual values"
+    return Finding("settings", FINE, what), project.settings.store
+
+
+def _terminal() -> "Iterator[Finding]":
+    from calib.help.doctor import FINE, NOTE, Finding
+
+    width, kind = shutil.get_terminal_size().columns, "terminal" if sys.stdout.isatty() else "pipe"
+    encoding = sys.stdout.encoding or "unknown"
+    plain = encoding.lower().replace("-", "") == "utf8"
+    do = "" if plain else "set PYTHONUTF8=1 for names with other letters"
+    yield Finding("output", FINE if plain else NOTE, f"{kind}, {width} columns, {encoding}", do)
+
+
+@command("brake-cal qualify --out qualification")
+def qualify(
+    *,
+    out: Annotated[Path, option(f"Write {DOCUMENT} and {REPORT} here.", "DIR", writes="folder")],
+) -> Answer:
+    """Try the program on this machine against known truths.
+
+    Writes the environment and the checks with their results. Exit code 0 if all checks hold. Takes
+    about 5 s of computing.
+    """
+    from calib.help.checks import SUITE
+    from calib.help.qualify import facts, to_dict
+    from calib.help.qualify import qualify as made
+    from calib.show.html import page_of
+
+    check_folder(out, (DOCUMENT, REPORT))
+    task = f"making {counted(len(SUITE), 'check')} on the sample logs"
+    with progress(task, len(SUITE)) as step:
+        found = made(SUITE, step)
+    document = to_dict(found, datetime.now(UTC).isoformat(timespec="seconds"))
+    page = page_of(facts(found, document)).encode()
+    contents = [(REPORT, page), (DOCUMENT, json_text(document).encode())]
+    write_folder(out, contents, DOCUMENT)
+    return Answer(document, facts(found, document), FAILED * bool(found.failed))

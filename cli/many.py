@@ -1,0 +1,405 @@
+"""`brake-cal batch`, `watch` and `fleet`: many logs, and what they have in common."""
+
+import json as json_module
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from calib.base.plain import counted
+from calib.line.fleet.rows import Command
+from cli.command import FAILED, UNREADABLE, Answer, command
+from cli.console import complain, emit_line, json_text, plain, progress, say, this_run
+from cli.diagnose import stoppable
+from cli.options import (
+    NO_VEHICLE,
+    Map,
+    Tables,
+    Workers,
+    argument,
+    limits_of_stops,
+    option,
+    require_known,
+    table_names,
+    vehicle,
+)
+from cli.outputs import check_folder, write_folder, writing
+from cli.project import from_settings
+
+if TYPE_CHECKING:
+    from calib.car.vehicle import Vehicle
+    from calib.estimation.limits import Limit
+    from calib.line.fleet.rows import Row
+    from calib.line.fleet.summary import Summary
+    from calib.line.fleet.work import Job
+    from calib.line.fleet.workers import Executor
+
+    JobCar = Vehicle | None
+    JobLimits = tuple[Limit, ...] | None
+
+
+def _is(command: Command) -> Callable[[typer.Context], bool]:
+    """Whether the job is ``command``; an argument is read before options that are not given."""
+    return lambda context: context.params.get("command") is command
+
+
+def _command(written: str) -> Command:
+    require_known(written, [str(one) for one in Command])
+    return Command(written)
+
+
+JobCommand = Annotated[
+    Command,
+    typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log."),
+]
+JobTable = Annotated[
+    str | None,
+    option("validate: name, name@version or path.", "TABLE", autocompletion=table_names),
+]
+if not TYPE_CHECKING:
+    JobCar = Annotated[
+        Path | None,
+        vehicle(
+            "fit, validate: vehicle file; of the settings for fit only.",
+            callback=from_settings("vehicle", when=_is(Command.FIT)),
+        ),
+    ]
+    JobLimits = Annotated[
+        Path | None,
+        option(
+            "validate: limits for pass or fail.",
+            "L.toml",
+            "--limits",
+            make=limits_of_stops,
+            callback=from_settings("limits", when=_is(Command.VALIDATE)),
+        ),
+    ]
+Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
+Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
+
+
+@command(
+    "brake-cal batch check sample_logs/sedan --out checked",
+    "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
+)
+def batch(
+    command: JobCommand,
+    logs: Annotated[
+        list[str], argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG...")
+    ],
+    *,
+    out: Out,
+    workers: Workers,
+    scheduler: Annotated[str | None, option("A Dask scheduler instead.", "tcp://HOST:PORT")],
+    table: JobTable,
+    store: Tables,
+    vehicle: JobCar,
+    limits: JobLimits,
+    channel_map: Map,
+    fresh: Fresh,
+) -> Answer:
+    """Run one command on many logs, one row per log.
+
+    The rows are in DIR/results.parquet. A log that cannot be read is a row with its error; it
+    changes the exit code only if no log can be read. A run that was stopped continues when it is
+    started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
+    if none could be read, 130 if stopped.
+    """
+    from calib.line.fleet.batch import run_batch
+
+    if workers is not None and scheduler is not None:
+        raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
+    job = _job(command, out, table, store, vehicle, limits, channel_map)
+    with stoppable("stopped; the same command continues where it was"):
+        executor = _executor(workers, scheduler)
+        say(f"{command.value} on {counted(executor.workers, 'worker')}")
+        try:
+            with progress() as step, writing(out):
+                done = run_batch(
+                    job, logs, out, executor, lambda p: step(str(p), p.done, p.total), fresh
+                )
+        finally:
+            executor.close()
+    say(str(done.pace))
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
+    return Answer(
+        done.document(),
+        f"{counted(done.counts.total(), 'log')}: {counts}; {done.results}",
+        UNREADABLE if done.unreadable else FAILED * bool(done.failed),
+    )
+
+
+@command("brake-cal watch check sample_logs/sedan --out watched")
+def watch(
+    command: JobCommand,
+    folder: Annotated[Path, argument("Folder of logs.", "DIR", exists=True, file_okay=False)],
+    *,
+    out: Out,
+    workers: Workers,
+    table: JobTable,
+    store: Tables,
+    vehicle: JobCar,
+    limits: JobLimits,
+    channel_map: Map,
+    fresh: Fresh,
+    every: Annotated[float, option("Seconds between scans.", "S", built_in=1.0, min=0.05)],
+    settle: Annotated[
+        float, option("Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0)
+    ],
+    index: Annotated[
+        Path | None,
+        option(
+            "Keep the index of these station runs up to date.",
+            "RUNS",
+            exists=True,
+            file_okay=False,
+        ),
+    ],
+    json: Annotated[bool, typer.Option("--json", help="One line of JSON per log.")],
+) -> Answer:
+    """Process each log that appears in a folder, until stopped.
+
+    Ctrl-C or SIGTERM stop it. A second signal ends it at once. Prints a line per log, after its row
+    is on the disk. Rows are kept as by `batch`, named by their path within DIR: a watch that was
+    stopped or killed continues where it was; a log that changes is processed again; one that is
+    deleted keeps its row. Exit code 0.
+    """
+    from calib.line.fleet.watch import watch as watch_folder
+
+    if command is Command.DIAGNOSE:
+        raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
+    job = _job(command, out, table, store, vehicle, limits, channel_map)
+    pool = _executor(workers, None)
+    try:
+        with writing(out), _stopped() as stop:
+            say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
+            done = watch_folder(
+                *(job, folder, out, pool, stop, _teller(command, json), complain),
+                every=every,
+                settle=settle,
+                fresh=fresh,
+                each=_indexer(index),
+            )
+    finally:
+        pool.close()
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
+    say(f"{counts}; {done.results}" if done.results else "no log came")
+    return Answer({})
+
+
+def _job(
+    command: Command,
+    out: Path,
+    table: str | None,
+    store: Tables,
+    vehicle: "Vehicle | None",
+    limits: "tuple[Limit, ...] | None",
+    channel_map: Map,
+) -> "Job":
+    """The inputs for all logs. Refuses missing inputs and those that are not used."""
+    from calib.estimation.limits import DEFAULTS
+    from calib.estimation.validate import require_same_vehicle
+    from calib.line.fleet.results import NAME
+    from calib.line.fleet.work import Job
+
+    validates, fits = command is Command.VALIDATE, command is Command.FIT
+    for name, value, taken, needed in (
+        ("--table", table, validates, "validate needs a table" if validates else ""),
+        ("--limits", limits, validates, ""),
+        ("--vehicle", vehicle, fits or validates, f"fit needs a vehicle; {NO_VEHICLE}" * fits),
+    ):
+        if value is None and needed:
+            raise typer.BadParameter(needed, param_hint=name)
+        if value is not None and not taken:
+            raise typer.BadParameter(f"{command.value} takes none", param_hint=name)
+    check_folder(out, (NAME,))
+    stored = store.load(table) if table else None
+    if stored is not None:
+        say(f"{stored.id} is {stored.state.words}")
+        require_same_vehicle(stored.table, vehicle, this_run().file("vehicle"))
+    return Job(
+        command=command,
+        table=stored.table if stored else None,
+        vehicle=vehicle,
+        limits=(limits or DEFAULTS) if validates else (),
+        channel_map=channel_map,
+    )
+
+
+def _executor(workers: int | None, scheduler: str | None) -> "Executor":
+    from calib.base.processes import cores
+    from calib.line.fleet.workers import Cluster, Pool
+
+    return Cluster(scheduler) if scheduler else Pool(workers or cores())
+
+
+def _indexer(runs: Path | None) -> Callable[[], None]:
+    """The function that is called after each scan: it writes the index, if there is one.
+
+    A disk that is full for a while must not end the watch: the next scan tries again.
+    """
+    if runs is None:
+        return lambda: None
+    from calib.show.station_index import write_index
+
+    troubled = False
+
+    def write() -> None:
+        nonlocal troubled
+        try:
+            write_index(runs)
+        except OSError as error:
+            if not troubled:
+                complain(f"{runs}: the index cannot be written ({error.strerror})")
+            troubled = True
+        else:
+            troubled = False
+
+    return write
+
+
+@contextmanager
+def _stopped() -> Iterator[Event]:
+    """An event that Ctrl-C and SIGTERM set; logs in work are finished. A second signal kills."""
+    stop = Event()
+    handlers: dict[signal.Signals, Any] = {}
+
+    def restore() -> None:
+        for number, handler in handlers.items():
+            signal.signal(number, handler or signal.SIG_DFL)
+
+    def end(number: int, frame: object) -> None:
+        stop.set()
+        restore()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        handlers[number] = signal.signal(number, end)
+    try:
+        yield stop
+    finally:
+        restore()
+
+
+def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
+    """The function that prints a row: its status and error, and the pads where it has them."""
+    from calib.line.fleet.rows import columns_of
+
+    names = [column.name for column in columns_of(command)]
+
+    def show(row: "Row") -> None:
+        metrics = dict(zip(names, row.cells, strict=False))
+        if json:
+            head = {"log": row.log, "digest": row.digest, "status": row.status, "error": row.error}
+            document = plain({**head, "figures": metrics})
+            emit_line(json_module.dumps(document, allow_nan=False))
+        elif row.error is not None:
+            emit_line(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
+        else:
+            broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
+            front, rear = metrics.get("pad_friction_f"), metrics.get("pad_friction_r")
+            known = isinstance(front, float) and isinstance(rear, float)
+            pads = f", pads {front:.3f} / {rear:.3f}" if known else ""
+            emit_line(f"{row.log}: {row.status}{broken}{pads}")
+
+    return show
+
+
+DOCUMENT, REPORT = "fleet.json", "report.html"
+
+
+@command(
+    "brake-cal fleet checked/results.parquet --out fleet",
+    "brake-cal fleet validated/results.parquet --order eta_zero --json",
+    "brake-cal fleet runs",
+)
+def fleet(
+    results: Annotated[
+        Path, argument("Results of `batch`, or a folder of station runs.", "RESULTS.parquet|DIR")
+    ],
+    *,
+    order: Annotated[str | None, option("Column that orders the logs, else names.", "COLUMN")],
+    figure: Annotated[
+        list[str],
+        option(
+            "Only this metric; repeatable.",
+            "NAME",
+            autocompletion=lambda: [*_metrics()],
+        ),
+    ],
+    out: Annotated[
+        Path | None, option("Write report.html, fleet.json, PNGs here.", "DIR", writes="folder")
+    ],
+) -> Answer:
+    """Show what stands apart in a batch, or the last cars of a station.
+
+    Of RESULTS.parquet of a batch: distributions, outliers and drift. Of a DIR, whose folders are
+    runs of `station --out`: DIR/index.html with verdicts, next steps and trends, and DIR/live.html,
+    which is the same page and loads itself again every 10 s. `watch --index DIR` keeps both up to
+    date.
+    """
+    from calib.line.fleet.results import open_fleet
+    from calib.line.fleet.summary import summarise
+    from calib.show.fleet_page import document, facts
+
+    if results.is_dir():
+        if order or figure or out:
+            raise typer.BadParameter("a DIR takes no option: its pages are written there")
+        return _index(results)
+    check_folder(out, (DOCUMENT, REPORT))
+    opened = open_fleet(results, order)
+    say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
+    found = summarise(opened, tuple(figure))
+    if out is not None:
+        _write_fleet(found, results, out)
+    return Answer(document(found), facts(found))
+
+
+def _metrics() -> Any:
+    from calib.estimation.metrics import METRICS
+
+    return METRICS
+
+
+def _index(folder: Path) -> Answer:
+    from calib.line.station.index import INDEX, LIVE
+    from calib.show.station_index import write_index
+
+    with writing(folder, "DIR"):
+        number = write_index(folder)
+    files = [folder / INDEX, folder / LIVE]
+    return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")
+
+
+def _write_fleet(found: "Summary", results: Path, out: Path) -> None:
+    from calib.base.printable import printable
+    from calib.show.fleet_figure import picture_name, sheet
+    from calib.show.fleet_page import document, report
+    from calib.show.html import page_of
+    from calib.show.sheet import render
+
+    looks = [look for look in found.looks if look.values.size]
+    title = printable(f"{results.absolute().parent.name}/{results.name}")
+    contents = {}
+    with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
+        for look in looks:
+            picture = render(sheet(found, look).overview(), ".png")
+            contents[picture_name(look.metric.name)] = picture
+            step()
+    contents[DOCUMENT] = json_text(document(found)).encode()
+    contents[REPORT] = page_of(report(found, title)).encode()
+    write_folder(out, contents.items(), DOCUMENT, _earlier)
+
+
+def _earlier(out: Path) -> set[str]:
+    """Pictures of an earlier report here."""
+    from calib.show.fleet_figure import picture_name
+
+    try:
+        figures = json_module.loads((out / DOCUMENT).read_text(encoding="utf-8"))["figures"]
+        return {picture_name(name) for name in figures}
+    except (OSError, ValueError, TypeError, KeyError):
+        return set()
