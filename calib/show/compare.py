@@ -23,7 +23,7 @@ STYLES: tuple[Stroke, Stroke] = (
     {"linestyle": DASHED, "linewidth": 2.0},
 )
 COLOURS = {"f1": FRONT["color"], "f2": REAR["color"], "D": IDENTIFIED["color"], "g": BODY["color"]}
-SYMBOLS = {"f1": "$f_1$", "f2": "$f_2$", "D": "$D$", "g": "force"}
+_SYMBOLS = {"f1": "$f_1$", "f2": "$f_2$", "D": "$D$", "g": "force"}
 PANELS = {
     "f1-f2": ("Normalised force curves", ("f1", "f2")),
     "difference": (r"Difference $D = F_f - F_r$", ("D",)),
@@ -74,9 +74,9 @@ def curves(ax: Axes, both: Curves, keys: Sequence[str], names: Sequence[str]) ->
         for (x, y, lower, upper), stroke, name in zip(both[key], STYLES, names, strict=True):
             line = {"color": COLOURS[key], **stroke}
             band(ax, x, lower, upper, line)
-            ax.plot(x, y, label=f"{SYMBOLS[key]} {name}", **line)
+            ax.plot(x, y, label=f"{_SYMBOLS[key]} {name}", **line)
     zero(ax)
-    ax.set(xlabel=_axis(keys), ylabel=f"{', '.join(SYMBOLS[key] for key in keys)} [1]")
+    ax.set(xlabel=_axis(keys), ylabel=f"{', '.join(_SYMBOLS[key] for key in keys)} [1]")
 
 
 def differences(ax: Axes, both: Curves, keys: Sequence[str], gaps: dict[str, CurveGap]) -> None:
@@ -92,11 +92,11 @@ def differences(ax: Axes, both: Curves, keys: Sequence[str], gaps: dict[str, Cur
         line: Stroke = {"color": COLOURS[key], "linestyle": "-" if key != "f2" else DASHED}
         found, held = gaps[key], "within" if gaps[key].in_bands <= 1.0 else "outside"
         at = 100.0 * (found.at if key == "g" else found.at - 1.0)
-        label = f"{SYMBOLS[key]}: {found.largest:+.4f} at {at:.2f}\u00a0%, {held} the bands"
+        label = f"{_SYMBOLS[key]}: {found.largest:+.4f} at {at:.2f}\u00a0%, {held} the bands"
         band(ax, x, change - half, change + half, line)
         ax.plot(x, change, label=label, **line)
         ax.plot(at, found.largest, "o", color=COLOURS[key], mfc="white", ms=4.5, zorder=4)
-    symbols = ", ".join(rf"$\Delta$ {SYMBOLS[key]}" for key in keys)
+    symbols = ", ".join(rf"$\Delta$ {_SYMBOLS[key]}" for key in keys)
     ax.set(xlabel=_axis(keys), ylabel=f"{symbols} [1]")
 
 

@@ -39,8 +39,8 @@ PAUSE = 0.6
 """Space between two logs on one axis [s]."""
 
 AXLES = {"omega_fl": 0.5, "omega_fr": 0.5, "omega_rl": -0.5, "omega_rr": -0.5}
-FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
-REAR_SIDES = {"omega_rl": 1.0, "omega_rr": -1.0}
+_FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
+_REAR_SIDES = {"omega_rl": 1.0, "omega_rr": -1.0}
 
 
 @dataclass(frozen=True)
@@ -108,9 +108,9 @@ def split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
     """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
     channels = {effect.where.channel for effect in found.effects}
     if "front_sides" in channels:
-        return FRONT_SIDES, "front, left less right"
+        return _FRONT_SIDES, "front, left less right"
     if "rear_sides" in channels:
-        return REAR_SIDES, "rear, left less right"
+        return _REAR_SIDES, "rear, left less right"
     return AXLES, "front less rear"
 
 

@@ -38,8 +38,8 @@ from calib.show.style import (
 
 DRIVEN = 0.05
 """Acceleration above which the wheels count as driven [g]."""
-WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
-SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
+_WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
+_SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 SPANS: dict[str, Stroke] = {
     LEAD_IN: {"facecolor": "#EBF6F1"},
     BRAKING: {"facecolor": "#EFEFEF"},
@@ -59,8 +59,8 @@ MOST = 40
 
 def sheet(log: Log) -> Sheet:
     """Return the sheet of a log; the note names the channels that are missing and not drawn."""
-    panels = log_panels(log)
-    missing = [name for name in ("p_mc", "a_x", *SPINS, "v") if name not in log]
+    panels = _log_panels(log)
+    missing = [name for name in ("p_mc", "a_x", *_SPINS, "v") if name not in log]
     step = log.sample_time
     note = f"Digest {log.digest[:16]}, {log.time.size} samples, {1.0 / step:.0f}\u00a0Hz. "
     note += f"Not in this log: {', '.join(missing)}. " if missing else ""
@@ -75,27 +75,27 @@ def sheet(log: Log) -> Sheet:
     )
 
 
-def log_panels(log: Log) -> tuple[Panel, ...]:
+def _log_panels(log: Log) -> tuple[Panel, ...]:
     """The panels for which the log has the channels."""
-    wheels = any(name in log for name in SPINS)
-    pressures = any(name in log for name in ("p_mc", *WHEEL_PRESSURES))
+    wheels = any(name in log for name in _SPINS)
+    pressures = any(name in log for name in ("p_mc", *_WHEEL_PRESSURES))
     found = (
         (wheels or "v" in log, Panel("speeds", "Speeds", speeds, (log,), 7)),
         (pressures, Panel("pressure", "Brake pressure", pressure, (log,), 5)),
         ("a_x" in log, Panel("deceleration", "Deceleration", deceleration, (log,))),
-        (all(name in log for name in SPINS), Panel("eta", "Speed ratio, raw", eta, (log,))),
+        (all(name in log for name in _SPINS), Panel("eta", "Speed ratio, raw", eta, (log,))),
     )
     return tuple(panel for there, panel in found if there)
 
 
-def motion_of(log: Log) -> DrivingRecord | None:
+def _motion_of(log: Log) -> DrivingRecord | None:
     """Lead-in and braking of a log; None if it lacks the channels that show them."""
-    return driving_record(log) if all(name in log for name in ("a_x", *SPINS)) else None
+    return driving_record(log) if all(name in log for name in ("a_x", *_SPINS)) else None
 
 
 def _marks(log: Log) -> str:
     """What the shades mean, for the note."""
-    motion = motion_of(log)
+    motion = _motion_of(log)
     if motion is None:
         return ""
     count = len(brake_events(motion))
@@ -103,9 +103,9 @@ def _marks(log: Log) -> str:
     return f"Green: the lead-in, unbraked. {braked}" if motion.lead_in.any() else braked
 
 
-def radius_of(log: Log) -> tuple[float, str]:
+def _radius_of(log: Log) -> tuple[float, str]:
     """The radius [m] over which V is drawn, and where it is from."""
-    motion = motion_of(log)
+    motion = _motion_of(log)
     found = None if motion is None else rolling_radius(log, motion)
     usual = NOMINAL_RADIUS, "of a usual wheel"
     return usual if found is None else (found, "from the unbraked part")
@@ -113,7 +113,7 @@ def radius_of(log: Log) -> tuple[float, str]:
 
 def speeds(ax: Axes, log: Log) -> None:
     """Wheel speeds on the left, the reference speed on the right where there is one."""
-    radius, source = radius_of(log)
+    radius, source = _radius_of(log)
     if "v" in log:  # first, so that it is drawn below the wheels
         label = rf"$V/R$, $R$ = {radius:.4g} m {source}"
         ax.plot(log.time, log["v"] / radius, label=label, linewidth=0.8, **BODY)
@@ -167,7 +167,7 @@ def _frame(ax: Axes, log: Log, ylabel: str, named: bool = False) -> None:
     """Label an axis over time, and shade lead-in and braking, ``named`` in its legend."""
     ax.set(xlabel="time [s]", ylabel=ylabel)
     ax.set_xlim(log.time[0], log.time[-1])
-    motion = motion_of(log)
+    motion = _motion_of(log)
     if motion is None:
         return
     first = log.time[motion.lead_in]

@@ -20,7 +20,7 @@ from calib.show.style import (
 )
 from calib.show.trace import AxleTrace, StopTrace
 
-BASELINE = "gradient_difference"
+_BASELINE = "gradient_difference"
 """The paper's law with D(eta) for its look-up."""
 
 
@@ -57,7 +57,7 @@ def _panels(
 
 def compensation(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Fig. 9, one axle: truth, nominal, the estimate with its interval, and the gradient law."""
-    law = axle.baselines.get(BASELINE)
+    law = axle.baselines.get(_BASELINE)
     if law is not None:
         ax.plot(trace.time, held(trace, law), label=r"gradient law on $D(\eta)$", **LAW)
     pad_estimate(ax, trace, axle, stroke)
@@ -79,7 +79,7 @@ def torque(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
 
 def error(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Error of the torques of the left wheel, at valid samples."""
-    true, law = axle.true_wheel_torque, axle.baselines.get(BASELINE)
+    true, law = axle.true_wheel_torque, axle.baselines.get(_BASELINE)
     if true is None:
         return
     nominal = None if axle.nominal_torque is None else 0.5 * axle.nominal_torque

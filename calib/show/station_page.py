@@ -25,11 +25,11 @@ from calib.table.budget import advice_lines
 from calib.table.pads_budget import pads_budget
 from calib.table.table import Table
 
-TAKEN = ("f1-f2", "difference", "budget")
+_TAKEN = ("f1-f2", "difference", "budget")
 """Panels of the table's own sheet."""
 CURVES = "The curves that the estimator looks up, with their 95 % bands."
 BY_STOP = "Pad friction of each stop with its 95 % interval; line and band: the table's."
-OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
+_OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
 
 
 def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
@@ -86,7 +86,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
         for key, text in meant.items()
     ]
     curves = [Picture(CURVES, pictures, ("f1-f2", "difference"))]
-    over_time = [Picture(OVER_TIME, pictures, stops)]
+    over_time = [Picture(_OVER_TIME, pictures, stops)]
     logs = [("ramp", log.name, log.digest) for log in found.ramps]
     logs += [("coast", log.name, log.digest) for log in found.coasts]
     logs += [(r.role, r.log, r.digest) for r in found.results]
@@ -129,8 +129,8 @@ def _pads(found: StationOutcome, pictures: Sheet) -> Facts:
 
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
     """Panels of the table, `pads`, and `stop-1`, `stop-2` ... for the hold-outs."""
-    curves = [panel for panel in table_sheet(table, "").panels if panel.name in TAKEN]
-    by_stop = Panel("pads", "Pads by stop", pads_by_stop, (table, results), 2)
+    curves = [panel for panel in table_sheet(table, "").panels if panel.name in _TAKEN]
+    by_stop = Panel("pads", "Pads by stop", _pads_by_stop, (table, results), 2)
     stops = [
         Panel(f"stop-{i}", _as_text(r.log), pads_over_time, (r,), 2)
         for i, r in enumerate(results, 1)
@@ -138,7 +138,7 @@ def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
     return Sheet("station", "station", "", "", (*curves, by_stop, *stops), ())
 
 
-def pads_by_stop(ax: Axes, table: Table, results: tuple[Validation, ...]) -> None:
+def _pads_by_stop(ax: Axes, table: Table, results: tuple[Validation, ...]) -> None:
     """Mean pad friction of each hold-out with its median 95 % interval, and the table's."""
     cal = table.calibration
     for axle, stroke, of_table, shift in (

@@ -35,11 +35,11 @@ from calib.show.trace import AxleTrace, StopTrace
 LAST = ("validity", "budget")
 """Panels of the last row."""
 WHY = "Where the estimate is valid, and why not"
-SHADED = "Grey: the sample is not valid, and no estimate is drawn."
+_SHADED = "Grey: the sample is not valid, and no estimate is drawn."
 CHANGED = "Dotted vertical line: a change of surface was detected."
-BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
+_BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
 RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
-SLIP_MEAN = 0.3
+_SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
     "mean_gain": ("one mean gain, [16]", LEVEL),
@@ -47,7 +47,7 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
-NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
+_NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
 LEAST = 0.02
 """Share of the log from which a reason for not being valid is drawn."""
 EVERY = 5
@@ -83,8 +83,8 @@ def result_of(trace: StopTrace) -> str:
 def note(trace: StopTrace) -> str:
     """Note of the page: source of the data and meaning of the marks."""
     changed = (CHANGED,) if trace.changes else ()
-    bumps = (BUMPS,) if trace.bumps else ()
-    return " ".join((*trace.notes, SHADED, *changed, *bumps, "Bands are 95 %."))
+    bumps = (_BUMPS,) if trace.bumps else ()
+    return " ".join((*trace.notes, _SHADED, *changed, *bumps, "Bands are 95 %."))
 
 
 def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
@@ -96,13 +96,13 @@ def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
         for word, pads in zip(("Front pad friction", "Rear pad friction"), trace.pads, strict=True)
     )
     found = (
-        (trace.wheels, Panel("wheel-speeds", "Wheel speeds", wheel_speeds, of, 5)),
+        (trace.wheels, Panel("wheel-speeds", "Wheel speeds", _wheel_speeds, of, 5)),
         (True, Panel("deceleration", "Deceleration", deceleration, of)),
         (True, Panel("normalised-forces", "Normalised forces", normalised_forces, of)),
         (True, Panel("slip", ratio, slip, of)),
         (True, Panel("pad-front", pad_f, pad, (trace, front, FRONT), 2)),
         (True, Panel("pad-rear", pad_r, pad, (trace, rear, REAR), 2)),
-        (True, Panel("axle-torques", "Axle brake torques", axle_torques, of, 2)),
+        (True, Panel("axle-torques", "Axle brake torques", _axle_torques, of, 2)),
         (trace.force_sum is not None, Panel("force-sum", "Sum of forces", force_sum, of)),
         (trace.refused, Panel("validity", WHY, validity, of)),
         (trace.budget, Panel("budget", BUDGET, bars, (trace.budget,))),
@@ -121,7 +121,7 @@ def frame(ax: Axes, trace: StopTrace, ylabel: str) -> None:
     ax.set_xlim(trace.time[0], trace.time[-1])
 
 
-def wheel_speeds(ax: Axes, trace: StopTrace) -> None:
+def _wheel_speeds(ax: Axes, trace: StopTrace) -> None:
     """Wheel speeds, panel (a)."""
     if trace.v_wheel is not None:  # first, so that it is drawn below the wheels
         ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
@@ -151,7 +151,7 @@ def slip(ax: Axes, trace: StopTrace) -> None:
         (slips[1], REAR, "rear slip"),
         (100.0 * (trace.eta - 1.0), RATIO, r"$\eta - 1$, zeroed"),
     ]
-    lines(ax, trace.time, rows, SLIP_MEAN, trace.valid)
+    lines(ax, trace.time, rows, _SLIP_MEAN, trace.valid)
     ratio = r"$\eta - 1$ [%]"
     frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
 
@@ -191,12 +191,12 @@ def pad_estimate(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) ->
         ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
 
 
-def axle_torques(ax: Axes, trace: StopTrace) -> None:
+def _axle_torques(ax: Axes, trace: StopTrace) -> None:
     """Panel (e): per axle, with nominal pads and compensated."""
     for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
         noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
         if axle.nominal_torque is not None:
-            thin = {"color": stroke["color"], "linestyle": NOMINALS[word], "linewidth": 0.9}
+            thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
             label = f"{word}, pads {trace.nominal_of}"
             noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, label)
     frame(ax, trace, "axle torque [kN m]")

@@ -49,7 +49,7 @@ class AxleTrace:
     true_wheel_torque: Array | None = None
 
 
-OF_TABLE, OF_VEHICLE = "of the table", "of the vehicle file"
+_OF_TABLE, _OF_VEHICLE = "of the table", "of the vehicle file"
 """Whose pads the nominal ones are."""
 
 
@@ -87,7 +87,7 @@ class StopTrace:
     refused: dict[str, Mask] = field(default_factory=dict)
     pads: tuple[str | None, str | None] = (None, None)
     verdict: str = ""
-    nominal_of: str = OF_VEHICLE
+    nominal_of: str = _OF_VEHICLE
 
     @property
     def has_truth(self) -> bool:
@@ -127,14 +127,14 @@ def from_validation(
             *estimate.notes,
             *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         ),
-        refused={NOT_BRAKED: ~estimate.braked, **estimate.refused},
+        refused={_NOT_BRAKED: ~estimate.braked, **estimate.refused},
         pads=(pads(result.figures, "f"), pads(result.figures, "r")),
         verdict="; ".join([word(result), *broken(result)]),
-        nominal_of=OF_TABLE if vehicle is None else OF_VEHICLE,
+        nominal_of=_OF_TABLE if vehicle is None else _OF_VEHICLE,
     )
 
 
-NOT_BRAKED = "the brakes are released"
+_NOT_BRAKED = "the brakes are released"
 """The reason beside those of the estimator."""
 
 

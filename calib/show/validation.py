@@ -184,7 +184,7 @@ def _pads(e: Estimate) -> str:
     """The pads against those of the ramp."""
     if not e.valid.any():
         return "no sample of it is valid, so it says nothing of the pads"
-    front, rear = change_of(e.front, e.valid), change_of(e.rear, e.valid)
+    front, rear = _change_of(e.front, e.valid), _change_of(e.rear, e.valid)
     apart, sigma = pads_apart(e)
     if abs(apart) > Z95 * sigma:
         return f"front pads {_against(front)}, rear pads {_against(rear)} those of the ramp"
@@ -193,7 +193,7 @@ def _pads(e: Estimate) -> str:
     return f"pads {_against(both)} those of the ramp, {as_far}"
 
 
-def change_of(axle: AxleEstimate, valid: np.ndarray) -> Change:
+def _change_of(axle: AxleEstimate, valid: np.ndarray) -> Change:
     """Median change of the pads over the ``valid`` samples (n,), and its half width."""
     change = np.log(axle.change[valid])
     half = 0.5 * np.log(axle.change_upper[valid] / axle.change_lower[valid])
