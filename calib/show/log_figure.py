@@ -51,7 +51,7 @@ MARK: Stroke = {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))}
 
 BINS = 2000
 """Parts of a long log; a page has some 1000 pixels."""
-PANEL = 0.5
+PANEL = 0.62
 """Height of a panel of all columns, over that of a usual panel."""
 MOST = 40
 """Panels of one picture; more are not readable."""
