@@ -1,5 +1,7 @@
 """A stop with its estimate: the panels of Figs. 13 to 16."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from calib.estimation.validate import Validation
@@ -156,39 +158,39 @@ def slip(ax: Axes, trace: StopTrace) -> None:
     frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
 
 
-def pad(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Panel (d), one axle: the estimate with its interval, truth, nominal, and other methods.
+def pad(
+    ax: Axes,
+    trace: StopTrace,
+    axle: AxleTrace,
+    stroke: Stroke,
+    methods: Mapping[str, tuple[str, Stroke]] = BASELINES,
+) -> None:
+    """Panel (d) and Fig. 9, one axle: the estimate with its interval, truth, nominal, others.
 
-    The valid samples set the range of y; other methods may leave it, but widen it up to a limit.
+    The valid samples set the range of y; other ``methods`` may leave it, but widen it to a limit.
     """
-    others = {name: axle.baselines[name] for name in BASELINES if name in axle.baselines}
-    for name, values in others.items():
-        label, thin = BASELINES[name]
-        ax.plot(trace.time, held(trace, values), label=label, **thin)
-    pad_estimate(ax, trace, axle, stroke)
-    valid = trace.valid
-    core = [axle.lower[valid], axle.upper[valid]] if valid.any() else [np.array([0.0, 1.0])]
-    core += [np.array([axle.nominal])] if axle.nominal is not None else []
-    core += [axle.true_pad[valid]] if axle.true_pad is not None else []
-    shown = [r[valid] for r in others.values() if np.isfinite(r[valid]).any()]
-    view(ax, *core, *(np.nanpercentile(values, [5, 95]) for values in shown))
+    shown = []
+    for name, (label, thin) in methods.items():
+        if (values := axle.baselines.get(name)) is not None:
+            ax.plot(trace.time, held(trace, values), label=label, **thin)
+            if np.isfinite(values[trace.valid]).any():
+                shown.append(np.nanpercentile(values[trace.valid], [5, 95]))
+    band(ax, trace.time, held(trace, axle.lower), held(trace, axle.upper), stroke)
+    label = r"estimate $\mu_{p,c}$, 95 %"
+    ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
+    if axle.nominal is not None:
+        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
+        shown.append(np.array([axle.nominal]))
+    if axle.true_pad is not None:
+        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
+        shown.append(axle.true_pad[trace.valid])
+    view(ax, axle.lower[trace.valid], axle.upper[trace.valid], *shown)
     frame(ax, trace, "pad friction [1]")
 
 
 def held(trace: StopTrace, values: Array) -> Array:
     """``values`` (n,), NaN where the estimate is not valid."""
     return np.where(trace.valid, values, np.nan)
-
-
-def pad_estimate(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Draw the estimate with its interval, the nominal pad and the truth, as far as known."""
-    band(ax, trace.time, held(trace, axle.lower), held(trace, axle.upper), stroke)
-    label = r"estimate $\mu_{p,c}$, 95 %"
-    ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
-    if axle.nominal is not None:
-        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
-    if axle.true_pad is not None:
-        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
 
 
 def _axle_torques(ax: Axes, trace: StopTrace) -> None:
