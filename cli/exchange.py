@@ -64,7 +64,7 @@ def export(
     which value holds beyond the ends of an axis.
     """
     from calib.base.errors import ExchangeError
-    from calib.store.quality import UNPROVED, read_quality
+    from calib.store.evidence import UNPROVED, read_quality
 
     form = _form(form, out, bits, elf)
     public = key_of(require_signed, key)

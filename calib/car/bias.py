@@ -13,16 +13,13 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.errors import ModelError
-from calib.base.names import G
+from calib.base.names import Array, G
 from calib.car.balance import brake_forces
 from calib.car.forces import axle_loads
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
-
-Array = NDArray[np.float64]
 
 
 def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:

@@ -4,11 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.names import Array
 from calib.car.disc_temperature import ALIKE
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

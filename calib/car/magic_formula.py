@@ -25,9 +25,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import Array
 from calib.car.braking import MOVING
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

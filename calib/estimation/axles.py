@@ -33,7 +33,7 @@ from calib.run.gates import bitten, eta_rise
 from calib.run.limits import LIMITS
 from calib.run.one_axle import braked_alone
 from calib.run.swapped import what_to_check
-from calib.table.pads_budget import front_share
+from calib.table.budget import front_share
 from calib.table.table import Table
 
 SWAPPED = "front and rear wheel speeds that are swapped"

@@ -48,7 +48,7 @@ from calib.run.brake_balance import BrakeBalance, brake_balance
 from calib.run.brake_response import BrakeResponse, brake_response
 from calib.run.filters import block_mean, block_slope
 from calib.run.lateral import lateral
-from calib.table.pads_budget import front_share
+from calib.table.budget import front_share
 from calib.table.table import Table
 
 if TYPE_CHECKING:

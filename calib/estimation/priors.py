@@ -6,7 +6,7 @@ Studies that try them: tests/studies/coverage.py (filter), tests/estimation/test
 
 from dataclasses import dataclass
 
-from calib.car.effects.pitch_coupling import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
+from calib.car.effects.body import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
 from calib.run.brake_response import SPREAD, USUAL
 from calib.run.zero import WALK
 

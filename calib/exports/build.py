@@ -8,9 +8,9 @@ from calib.base.errors import ExchangeError
 from calib.car.vehicle import Axle
 from calib.exports.breakpoints import FEWEST, Indices, misfit, place
 from calib.exports.dataset import BY_A_PERSON, Axis, Curve, Dataset, Scalar, label, prefix
-from calib.store.quality import PRELIMINARY, UNPROVED, Quality
+from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
+from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.effect_figures import effect_figures
 from calib.table.table import BY_HAND, Array, Table
 
 UNIT = "1"

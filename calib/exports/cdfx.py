@@ -30,7 +30,7 @@ from calib.exports.dataset import (
     returned,
     span,
 )
-from calib.store.quality import CALIBRATED
+from calib.store.evidence import CALIBRATED
 
 DOCTYPE = (
     "<!DOCTYPE MSRSW PUBLIC "

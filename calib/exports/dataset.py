@@ -15,10 +15,9 @@ import numpy as np
 
 from calib.base.errors import ExchangeError
 from calib.exports.breakpoints import Misfit
-from calib.store.quality import Quality
+from calib.store.evidence import Quality
 from calib.store.state import VersionState
-from calib.table.by_hand import SetByHand
-from calib.table.table import Array
+from calib.table.table import Array, SetByHand
 
 LONGEST = 31
 """Significant characters of an external name in every C99 compiler."""

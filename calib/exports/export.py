@@ -17,7 +17,7 @@ from calib.exports.cdfx import write_cdfx
 from calib.exports.dataset import Dataset
 from calib.exports.dcm import write_dcm
 from calib.exports.plain import write_csv, write_inca_csv, write_json, write_parquet
-from calib.store.quality import UNPROVED, Quality
+from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 
 NOWHERE = Addresses()
@@ -144,7 +144,7 @@ def export(
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
     elf : linked program with the C header (ELF), for the addresses of an a2l.
-    quality : result of a validation, see `calib.store.quality.read_quality`.
+    quality : result of a validation, see `calib.store.evidence.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
     unreleased : write a version that is not released, too; the file then says so.
 

@@ -23,7 +23,7 @@ from calib.car.effects.combined import total_axle_moment, total_body_force, tota
 from calib.car.effects.effect import Pair
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import integral
-from calib.car.road import tyres_along
+from calib.car.model import tyres_along
 
 Array = NDArray[np.float64]
 

@@ -26,9 +26,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.hypotheses import Mixture, weigh_hypotheses
-from calib.base.moving_average import second_differences
+from calib.base.mixtures import Mixture, weigh_hypotheses
 from calib.base.names import G
+from calib.base.noise import second_differences
 from calib.car.braking import BITE
 from calib.run.blocks import Blocks
 from calib.run.filters import centred_mean

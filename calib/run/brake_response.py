@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.car.effects.regenerative_torque import FADE_OUT
+from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
 from calib.run.axle_signals import Signals
 from calib.run.brake_balance import BrakeBalance

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.least_squares import explained_square
 from calib.base.names import WHEELS
+from calib.base.noise import explained_square
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.run.held import period_of

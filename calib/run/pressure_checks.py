@@ -9,8 +9,8 @@ lag in the delay, resistance and a bias of a_x in a. Wrong where a wheel is at i
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.least_squares import explained_square
 from calib.base.names import AXLES, G
+from calib.base.noise import explained_square
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure

@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.moving_average import noise_of, second_differences
 from calib.base.names import G
+from calib.base.noise import noise_of, second_differences
 from calib.car.lag import integral
 from calib.run.filters import block_mean
 

@@ -12,10 +12,9 @@ from calib.show.origin import PageOrigin, origin
 from calib.show.ramp import measure
 from calib.show.table import sheet
 from calib.store.answer import answer, verdict
+from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.budget import advice_lines
-from calib.table.effect_figures import effect_figures
-from calib.table.pads_budget import pads_budget
+from calib.table.budget import advice_lines, pads_budget
 
 _MADE_OF = "What the interval of the pads is made of, as standard deviations; their squares add up."
 CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."

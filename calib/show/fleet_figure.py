@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from calib.base.plain import plain
 from calib.line.fleet.control_chart import FEWEST, RULES
-from calib.line.fleet.edges import in_words
-from calib.line.fleet.summary import Look, Summary
+from calib.line.fleet.summary import Look, Summary, in_words
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BODY,

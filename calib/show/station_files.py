@@ -16,7 +16,7 @@ from calib.line.station.junit import junit_xml
 from calib.line.station.station import StationOutcome
 from calib.show.html import page_of
 from calib.show.station_page import report
-from calib.store.quality import read_quality
+from calib.store.evidence import read_quality
 from calib.store.store import Store
 from calib.store.version import Stored
 

@@ -21,8 +21,7 @@ from calib.show.style import FRONT, REAR, Axes
 from calib.show.table import sheet as table_sheet
 from calib.show.validation import on_the_way
 from calib.store.version import Stored
-from calib.table.budget import advice_lines
-from calib.table.pads_budget import pads_budget
+from calib.table.budget import advice_lines, pads_budget
 from calib.table.table import Table
 
 _TAKEN = ("f1-f2", "difference", "budget")

@@ -28,8 +28,7 @@ from calib.show.style import (
     zero,
 )
 from calib.show.vehicle import P, distribution
-from calib.table.budget import AxleBudget
-from calib.table.pads_budget import pads_budget
+from calib.table.budget import AxleBudget, pads_budget
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 Ramps = tuple[MeasuredRamp, ...]

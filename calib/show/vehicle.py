@@ -10,7 +10,6 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.car.bias import friction_used, front_share, pressure_per_g
-from calib.car.follows import what_follows
 from calib.car.forces import axle_loads, front_biased_up_to
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
@@ -43,6 +42,8 @@ _KNM = 1e3
 
 def facts(vehicle: Vehicle) -> Facts:
     """What follows from a vehicle with its nominal pads."""
+    from calib.car.facts_file import what_follows
+
     found = what_follows(vehicle)
     biased = found.front_biased_up_to
     always = {None: "front always", 0.0: "rear always"}

@@ -40,10 +40,6 @@ def test_pounds_written_as_kilograms_are_no_load_of_this_car(factor):
         mass_used(CAR, factor * CAR.mass)
 
 
-def test_without_a_stated_mass_the_car_is_as_it_was():
-    assert weighed(UNKNOWN, None) is UNKNOWN
-
-
 @pytest.mark.parametrize(
     ("tolerance", "mass", "says"),
     [

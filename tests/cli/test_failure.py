@@ -6,7 +6,7 @@ import jsonschema
 import pytest
 
 from calib.base.errors import BrakeCalError, InputError, StoreError
-from calib.base.schema import ErrorFile, json_schema
+from calib.base.record import ErrorFile, json_schema
 from calib.store.store import Store
 
 SEVERAL = InputError("2 errors", where="car.toml", lines=("mass: missing", "h: is text"))

@@ -12,7 +12,7 @@ from lxml import etree
 
 from calib.exports.build import build
 from calib.exports.cdfx import write_cdfx
-from calib.store.quality import UNPROVED, Quality
+from calib.store.evidence import UNPROVED, Quality
 
 SCHEMA = os.environ.get("BRAKE_CAL_CDF_SCHEMA")
 TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"

@@ -2,14 +2,14 @@
 
 import pytest
 
-from calib.line.fleet.rows import ColumnKind, Command, columns_of
+from calib.line.fleet.rows import Command, columns_of
 from calib.run.check import check, to_dict
 from calib.run.figures import figures
 from tests.support.made_runs import made_run, ramp
 
 
 def test_the_columns_of_a_batch_are_these():
-    columns = [c.name for c in columns_of(Command.CHECK) if c.kind == ColumnKind.NUMBER]
+    columns = [c.name for c in columns_of(Command.CHECK) if c.kind is float]
     assert list(figures(check(made_run()).seen)) == columns
 
 

@@ -18,11 +18,16 @@ import numpy as np
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
 from calib.line.station.golden import common_end
-from calib.store.mean_pads import COMPLIANCE, RATIO, own_variance, stiffness
-from calib.store.own_errors import own_level, own_share
-from calib.table.pad_levels import pad_levels
-from calib.table.spread import Scatter
-from calib.table.table import Table
+from calib.store.own_errors import (
+    COMPLIANCE,
+    RATIO,
+    own_level,
+    own_share,
+    own_variance,
+    stiffness,
+)
+from calib.table.budget import pad_levels
+from calib.table.table import Scatter, Table
 
 
 @dataclass(frozen=True)
