@@ -156,7 +156,7 @@ def _lines(
 ) -> None:
     """The I curve, each beta line up to ``top`` [N m], and the decelerations along ``ratio``."""
     front, rear = (torque / _KNM for torque in ideal(vehicle))
-    ax.plot(front, rear, label="I curve: both axles use the same friction", **BODY)
+    ax.plot(front, rear, label="I curve: equal friction", **BODY)
     for label, (slope, stroke) in betas.items():
         ax.plot([0.0, top / _KNM], [0.0, slope * top / _KNM], label=label, **stroke)
     for z in DECELERATIONS:
