@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index
 from calib.base.digest import content_digest
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, WHEELS, G
@@ -30,8 +30,6 @@ from calib.car.model import Model
 from calib.logs.log import Log
 from calib.model.clock import FineClock, fine_clock
 from calib.model.solver import Drive, SolverState, end_of, history_of, solve
-
-Array = NDArray[np.float64]
 
 
 def simulate(
@@ -155,7 +153,7 @@ def _along(clock: FineClock, inputs: Mapping[str, Array]) -> dict[str, Array]:
     return {name: clock.along(values) for name, values in inputs.items()}
 
 
-def _at(kept: NDArray[np.intp], channels: Mapping[str, Array]) -> dict[str, Array]:
+def _at(kept: Index, channels: Mapping[str, Array]) -> dict[str, Array]:
     return {name: values[kept] for name, values in channels.items()}
 
 

@@ -15,9 +15,18 @@ from calib.base.names import CHANNELS, WHEELS, G
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.logs.whole import TIME, WholeColumn, WholeLog
-from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord, brake_events, driving_record
-from calib.run.events import BITE, BRAKING, LEAD_IN, STANDSTILL, RunEvent
-from calib.run.rolling_radius import rolling_radius
+from calib.run.driving_record import (
+    BITES,
+    BRAKING,
+    LEAD_IN,
+    NOMINAL_RADIUS,
+    STANDSTILL,
+    DrivingRecord,
+    RunEvent,
+    brake_events,
+    driving_record,
+    rolling_radius,
+)
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BAR,
@@ -225,7 +234,7 @@ def _columns(
     for event in events:
         label = event.kind if named and event.kind not in told else None
         told.add(event.kind)
-        if event.kind == BITE:
+        if event.kind == BITES:
             ax.axvline(event.start, label=label, **MARK)
         else:
             span = SPANS[event.kind]
