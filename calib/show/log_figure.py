@@ -15,9 +15,18 @@ from calib.base.names import CHANNELS, WHEELS, G
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.logs.whole import TIME, WholeColumn, WholeLog
-from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord, brake_events, driving_record
-from calib.run.events import BITE, BRAKING, LEAD_IN, STANDSTILL, RunEvent
-from calib.run.rolling_radius import rolling_radius
+from calib.run.driving_record import (
+    BITES,
+    BRAKING,
+    LEAD_IN,
+    NOMINAL_RADIUS,
+    STANDSTILL,
+    DrivingRecord,
+    RunEvent,
+    brake_events,
+    driving_record,
+    rolling_radius,
+)
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BAR,
@@ -249,7 +258,7 @@ def envelope(time: Array, values: Array) -> tuple[Array, Array]:
 
 def _mark(ax: Axes, events: tuple[RunEvent, ...]) -> None:
     for event in events:
-        if event.kind == BITE:
+        if event.kind == BITES:
             ax.axvline(event.start, **MARK)
         else:
             ax.axvspan(event.start, event.end, zorder=0, lw=0.0, **SPANS[event.kind])
@@ -261,7 +270,7 @@ def _legend(made: Figure, events: tuple[RunEvent, ...]) -> None:
 
     kinds = dict.fromkeys(event.kind for event in events)
     marks = [
-        Line2D([], [], label=kind, **MARK) if kind == BITE else Patch(label=kind, **SPANS[kind])
+        Line2D([], [], label=kind, **MARK) if kind == BITES else Patch(label=kind, **SPANS[kind])
         for kind in kinds
     ]
     if marks:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from calib.logs.whole import Inventory, WholeLog
-from calib.run.events import BITE, RunEvent
+from calib.run.driving_record import BITES, RunEvent
 from calib.show.facts import Facts, Picture, Table
 
 RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
@@ -50,6 +50,6 @@ def cells(column: Inventory) -> tuple[str, ...]:
 
 def event_cells(event: RunEvent) -> tuple[str, str, str]:
     """Name, place and length of an event as text."""
-    if event.kind == BITE:
+    if event.kind == BITES:
         return event.kind, f"{event.start:.2f} s", ""
     return event.kind, f"{event.start:.2f} to {event.end:.2f} s", f"{event.end - event.start:.2f} s"

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from calib.base.plain import counted
-from calib.exports.dataset import Returned
-from calib.exports.read import Difference as FromFile
+from calib.exports.compare import Difference as FromFile
+from calib.exports.read import Returned
 from calib.show.facts import FAILED, Facts, Row, Table
 from calib.store.answer import answer, verdict_lines
 from calib.store.figures import effect_figures, mean_figures
