@@ -24,7 +24,7 @@ from calib.car.effects.combined import (
     wheel_speed_delay,
     wheel_speed_factors,
 )
-from calib.car.history import Motion, RunHistory, at_rest
+from calib.car.history import Motion, RunHistory, constant_speed
 from calib.car.lag import delayed
 from calib.car.model import Model
 from calib.logs.log import Log
@@ -101,7 +101,7 @@ def simulate(
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
     clock = fine_clock(time)
     own, heat, engine, angle = (_along(clock, x) for x in (own, heat, engine, angle))
-    rest = at_rest(clock.time, clock.along(pressure), v0, heat, name, start_heat)
+    rest = constant_speed(clock.time, clock.along(pressure), v0, heat, name, start_heat)
     none = np.zeros_like(clock.time)
     torque = (engine.get("f", none), engine.get("r", none))
     run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)

@@ -77,15 +77,6 @@ VALUES = arrays(float, (4, 2), elements=st.floats(-5.0, 5.0))
 VARIANCES = arrays(float, (4, 2), elements=st.floats(0.01, 5.0))
 
 
-def test_given_weights_are_kept():
-    x, v = np.array([[0.0], [0.0], [4.0]]), np.ones((3, 1))
-    found = random_effects(x, v, np.array([2.0, 1.0, 1.0]))
-    assert found.weights[:, 0].tolist() == [0.5, 0.25, 0.25]
-    assert found.mean[0] == 1.0
-    # the three scatter by 16/3 about 4/3; so does each, and the weights' squares add up to 3/8
-    assert found.sigma[0] == pytest.approx(math.sqrt(16.0 / 3.0 * 3.0 / 8.0))
-
-
 def test_one_thing_has_no_scatter():
     with pytest.raises(ValueError, match="one thing alone"):
         random_effects(np.ones((1, 1)), np.ones((1, 1)))

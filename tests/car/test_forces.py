@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from calib.car import forces
 from calib.car.effects.combined import total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects
-from calib.car.history import Motion, at_rest
+from calib.car.history import Motion, constant_speed
 from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.model.simulate import simulate
@@ -170,7 +170,7 @@ def test_forces_account_for_what_simulate_adds():
     log = simulate(default_model(replace(VEHICLE, effects=effects)), time, pressure, 33.0)
     z = forces.deceleration(log["a_x"])
     loads = forces.axle_loads(VEHICLE, z)
-    motion = Motion(log["v"], *loads, at_rest(log.time, log["p_mc"], 33.0))
+    motion = Motion(log["v"], *loads, constant_speed(log.time, log["p_mc"], 33.0))
     moments = total_axle_moment(VEHICLE, effects, motion)
     total = np.zeros_like(z)
     axles = (("fl", VEHICLE.front), ("rl", VEHICLE.rear))
