@@ -125,11 +125,11 @@ def test_a_file_that_exists_is_replaced_with_force_only(brake_cal, tmp_path):
 def test_what_convert_cannot_write_is_a_usage_error(brake_cal, tmp_path):
     copy = tmp_path / "run.csv"
     copy.write_bytes(COAST.read_bytes())
-    for arguments, says in (
-        ((copy, "--out", copy), "would overwrite"),
-        ((copy, "--out", "x.xlsx"), "must end in .csv, .parquet, .mf4"),
-        ((copy, RAMP, "--out", "x.csv"), "several logs need a folder"),
-        ((copy, "--out", tmp_path / "d", "--to", "xlsx"), "known: csv, parquet, mf4"),
+    for arguments in (
+        (copy, "--out", copy),
+        (copy, "--out", "x.xlsx"),
+        (copy, RAMP, "--out", "x.csv"),
+        (copy, "--out", tmp_path / "d", "--to", "xlsx"),
     ):
         ran = brake_cal("log", *arguments)
         assert ran.code == 2
