@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.run.fingerprint import fingerprint_of
+from calib.run.same_run import fingerprint_of
 from calib.table.compare import TOLERANCE, diff, inputs, same
 from tests.support.made_runs import made_run
 from tests.support.tables import made_table
