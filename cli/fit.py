@@ -66,8 +66,7 @@ def fit(
 def _document(stored: "Stored") -> dict[str, object]:
     from calib.base.warning import to_dict
     from calib.store.answer import answer
-    from calib.table.budget import summary
-    from calib.table.pads_budget import pads_budget
+    from calib.table.budget import pads_budget, summary
 
     table = stored.table
     return {
@@ -88,9 +87,7 @@ def _document(stored: "Stored") -> dict[str, object]:
 
 def tell_kin(store: Tables, stored: "Stored") -> None:
     """Say which rejected and withdrawn versions are made of the same ramp."""
-    from calib.store.kin import refused_kin
-
-    for other in refused_kin(store, stored):
+    for other in store.now().refused_kin(stored):
         say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
 
 

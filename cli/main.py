@@ -114,7 +114,7 @@ def _fail(words: Sequence[str], error: dict[str, Any]) -> None:
 
 
 def _usage(error: Any) -> dict[str, Any]:
-    """A wrong command line as the errors of the library are, see `calib.base.schema`."""
+    """A wrong command line as the errors of the library are, see `calib.base.record`."""
     command = error.ctx.command_path if error.ctx else "brake-cal"
     hint = getattr(error, "param_hint", None) or ""
     return {

@@ -12,7 +12,7 @@ from cli.options import OwnEffects, argument, require_known
 from cli.project import STORE, find_project
 
 if TYPE_CHECKING:
-    from calib.base.schema import Section
+    from calib.base.record import Section
     from calib.car.effects.effect import Effect
     from calib.help.page import Page
 
@@ -75,7 +75,7 @@ SCHEMAS = {
     ),
     "summary": (
         "summary.json of a validation, as far as an export reads it",
-        "calib.store.summary_file:SummaryFile",
+        "calib.store.record_file:SummaryFile",
     ),
     "vehicle-facts": (
         "what `vehicle show --json` prints of a vehicle file",
@@ -83,7 +83,7 @@ SCHEMAS = {
     ),
     "error": (
         "what a command with --json prints where it ends with an error",
-        "calib.base.schema:ErrorFile",
+        "calib.base.record:ErrorFile",
     ),
 }
 """Kinds of files: their content, and where their class stands."""
@@ -125,12 +125,12 @@ def schema(
     are checked by the program only. Of a document that --json prints or a command writes it gives
     the keys of the first level.
     """
-    from calib.base.schema import json_schema
+    from calib.base.record import json_schema
     from calib.help.documents import documents
     from calib.show.facts import Facts
 
     files = {name: about for name, (about, _) in SCHEMAS.items()}
-    written = {name: one.title for name, one in documents().items()}
+    written = {name: one.title.replace("`", "") for name, one in documents().items()}
     if name is not None:
         require_known(name, _kinds(), "file ")
         emit_json(json_schema(section(name)) if name in SCHEMAS else documents()[name].schema)

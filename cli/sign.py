@@ -42,9 +42,9 @@ def sign(
     replaced. A password is asked for without echo, of a new key twice; where stdin is no terminal,
     it is a line of stdin.
     """
-    from calib.store import trust
+    from calib.store import signature
     from calib.store.folders import RECORD
-    from calib.store.minisign_keys import read_secret_key
+    from calib.store.minisign import read_secret_key
 
     if new_key is not None:
         return _new_pair(table, key, new_key, no_password)
@@ -54,28 +54,28 @@ def sign(
         raise typer.BadParameter("give name@version, see `brake-cal tables list`")
     store.load(table)
     secret = read_secret_key(key, lambda: _typed("Password of the key: "))
-    made = trust.sign(store, table, secret, by or "")
+    made = signature.sign(store, table, secret, by or "")
     if made.note:
         say(made.note)
-    stored, path = made.signed.stored, made.signed.path
+    stored, path = made.stored, made.path
     document = {
         "table": stored.id,
         "digest": stored.digest,
         "state": stored.state.word,
-        "key_id": made.signed.key_id,
+        "key_id": made.key_id,
         "record": stored.path / RECORD,
         "signature": path,
-        "trusted_comment": made.signed.statement.line,
+        "trusted_comment": made.statement.line,
     }
     return Answer(
         document,
-        f"{stored.id} is signed as {stored.state.word} by key {made.signed.key_id}\n"
+        f"{stored.id} is signed as {stored.state.word} by key {made.key_id}\n"
         f"check it with: minisign -Vm {stored.path / RECORD} -x {path} -p PUBLIC",
     )
 
 
 def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) -> Answer:
-    from calib.store.minisign_keys import generate
+    from calib.store.minisign import generate
 
     if table is not None:
         raise typer.BadParameter("makes a key and signs no table", param_hint="--new-key")

@@ -7,13 +7,13 @@ import typer
 from cli.console import say
 
 if TYPE_CHECKING:
-    from calib.store.minisign_keys import PublicKey
+    from calib.store.minisign import PublicKey
     from calib.store.version import Stored
 
 
 def key_of(required: bool, key: str | None) -> "PublicKey | None":
     """The key that must have signed; None where no signature is asked for."""
-    from calib.store.minisign_keys import read_public_key
+    from calib.store.minisign import read_public_key
 
     if key and not required:
         raise typer.BadParameter("only with --require-signed", param_hint="--key")
@@ -30,10 +30,10 @@ def check_signed(table: str, stored: "Stored", public: "PublicKey | None") -> No
 
     ``table`` is what was typed: a bare name means the newest version that may be used.
     """
-    from calib.store.trust import require_signed
+    from calib.store.signature import require_signed
 
     if public is not None:
         found = require_signed(stored, public, newest=table == stored.name)
-        say(f"{stored.id} is signed as {found.signed.statement.state} by key {public.key_id}")
+        say(f"{stored.id} is signed as {found.statement.state} by key {public.key_id}")
         if found.note:
             say(found.note)

@@ -28,7 +28,7 @@ def list_(
     *,
     state: Annotated[
         str | None,
-        option("draft, released, rejected or withdrawn.", "S", known="calib.store.minisign:STATES"),
+        option("draft, released, rejected or withdrawn.", "S", known="calib.store.state:STATES"),
     ],
     serial: Annotated[str | None, option("Serial number.", "S")],
     vin: Annotated[str | None, option("Vehicle identification.", "V")],
@@ -140,18 +140,18 @@ def verify(
     seen before with this key.
     """
     from calib.show.store import verified
-    from calib.store.minisign_keys import read_public_key
-    from calib.store.trust import verify_signed
+    from calib.store.minisign import read_public_key
+    from calib.store.signature import verify_signed
 
-    signed: dict[str, str] | None = None
     if key:
-        trusted = verify_signed(store, read_public_key(key), name)
-        verdicts, signed, note = trusted.verdicts, trusted.signed, trusted.note
+        verdicts, note = verify_signed(store, read_public_key(key), name)
     else:
         verdicts, note = store.verify(name), ""
-    rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]
-    if signed is not None:
-        rows = [{**row, "signed": signed.get(str(row["id"]))} for row in rows]
+    rows = [
+        {"id": v.id, "sound": v.sound, "violations": v.violations}
+        | ({"signed": v.signed} if key else {})
+        for v in verdicts
+    ]
     unfinished, sound = store.unfinished(), all(v.sound for v in verdicts)
     for path in unfinished:
         say(f"{path}: being written, or left by a run that was stopped; the next one clears it")
@@ -159,7 +159,7 @@ def verify(
         say(note)
     document = {"store": store.folder, "sound": sound, "versions": rows, "unfinished": unfinished}
     none = f"{store.folder} holds no table"
-    return Answer(document, verified(verdicts, signed) if rows else none, DAMAGED * (not sound))
+    return Answer(document, verified(verdicts, bool(key)) if rows else none, DAMAGED * (not sound))
 
 
 Proof = Annotated[

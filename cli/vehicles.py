@@ -36,9 +36,8 @@ def init(
     unit has the unit of the question. Ctrl+C ends it without a file.
     """
     from calib.base.warning import to_dict
-    from calib.car.keys import REFERENCE
+    from calib.car.keys import REFERENCE, vehicle_text
     from calib.car.plausible import plausible
-    from calib.car.template import vehicle_text
     from calib.car.vehicle_file import read_vehicle
 
     this_run().inputs, this_run().force = {}, force
@@ -81,7 +80,8 @@ def _asked() -> Mapping[str, str]:
 def _one(key: "VehicleKey", before: Mapping[str, str]) -> str:
     """One answer; what cannot be used is asked again."""
     from calib.base.errors import VehicleError
-    from calib.car.template import answered, default_of
+    from calib.car.keys import default_of
+    from calib.car.vehicle_file import answered
 
     label = f"{key.name} in {key.unit}" if key.unit not in ("", "1") else key.name
     while True:

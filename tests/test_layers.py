@@ -43,7 +43,7 @@ FILES = sorted({p.relative_to(CALIB.parent) for p in CALIB.rglob("*.py")} - {FAC
 HEAVY = {
     *("numpy", "pandas", "scipy", "matplotlib", "pyarrow"),
     *("asammdf", "can", "cantools", "distributed", "elftools", "jinja2"),
-    "cryptography",
+    "minisign",
 }
 
 
@@ -133,7 +133,7 @@ def test_help_is_printed_without_what_is_heavy():
 
 def is_schema(file: Path) -> bool:
     """Whether a file holds what a file of the user may hold: its classes are pydantic's."""
-    return file.name.endswith("_file.py") or file.name in ("schema.py", "schema_errors.py")
+    return file.name.endswith("_file.py") or file.name in ("record.py", "record_errors.py")
 
 
 def test_numpy_is_the_only_heavy_import_at_the_top_of_calib():

@@ -1,24 +1,4 @@
-"""The errors a user can cause, as one tree.
-
-    BrakeCalError
-    ├── InputError            exit code 3: a file the user gave
-    │   ├── LogError          a log: missing, unreadable, unfit for the task
-    │   ├── VehicleError      a vehicle file
-    │   ├── ChannelMapError   a channel map
-    │   ├── LimitsError       a limits file
-    │   ├── ModelError        a model file
-    │   ├── SettingsError     the settings of a project
-    │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
-    │   ├── NotFiniteError    a number that was computed of the files is not finite
-    │   ├── ProgramError      a linked program (ELF)
-    │   └── KeyFileError      a key file, its password, or what keys need
-    ├── BatchError            exit code 2: the folder or the workers of a batch
-    ├── RevisionError         exit code 2: tables that cannot be merged
-    ├── StoreError            exit code 4: the table store, or a table in it
-    │   ├── TableNotFound     no table of that name or version: exit code 2
-    │   ├── DamagedTable      the content does not match its digest
-    │   └── SignatureRefused  a signature that does not hold, is of another key or is malformed
-    └── AnswerError           exit code 5: the answer could not be written, the disk is full
+"""The errors a user can cause, as one tree: input 3, usage 2, store 4, output 5 as exit code.
 
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
@@ -45,13 +25,8 @@ class BrakeCalError(Exception):
     ):
         """Build the message: one line, whatever libraries and files put into its parts.
 
-        Parameters
-        ----------
-        what : what was wrong, and the value that was given.
-        where : the file, channel or key.
-        expected : what would have been valid.
-        do : the next step for the user.
-        lines : further mistakes in the same file, a line each.
+        ``what`` was wrong, with the value given; ``where``: file, channel or key; ``expected`` what
+        would have been valid; ``do`` the next step; ``lines`` further mistakes, a line each.
         """
         self.what, self.expected, self.do = one_line(what), one_line(expected), one_line(do)
         self.where = where
@@ -72,7 +47,7 @@ class BrakeCalError(Exception):
         return "_".join(words).lower()
 
     def to_dict(self) -> dict[str, object]:
-        """The error as plain data, see `calib.base.schema`."""
+        """The error as plain data, see `calib.base.record`."""
         return {
             "kind": self.kind,
             "message": str(self),

@@ -18,11 +18,9 @@ has to be added to the error of the mean.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.intervals import Z95
-
-Array = NDArray[np.float64]
+from calib.base.names import Array
 
 STEPS = 500
 """Most steps of the iteration; it takes 5 to 50."""

@@ -1,21 +1,4 @@
-"""`brake-cal.toml`: the settings of a project.
-
-schema = 1
-store = "tables"
-vehicle = "car.toml"
-map = "map.toml"
-limits = "line.toml"
-require_signed = true
-by = "Ada Lovelace"
-
-[station]
-name = "end of line 2"
-golden = "car@1"
-export = ["dcm"]
-
-[keys]
-public = "line.pub"
-"""
+"""`brake-cal.toml`: the settings of a project; `brake-cal schema settings` has its keys."""
 
 import os
 from pathlib import Path
@@ -24,8 +7,8 @@ from typing import Annotated
 from pydantic import BeforeValidator
 
 from calib.base.errors import SettingsError
-from calib.base.schema import FileSchema, Section, read_toml
-from calib.base.schema_errors import shown, wrong
+from calib.base.record import FileSchema, Section, read_toml
+from calib.base.record_errors import shown, wrong
 from calib.base.settings import Settings, is_key
 
 
@@ -69,12 +52,9 @@ class SettingsFile(FileSchema):
 def read_settings(path: Path) -> Settings:
     """Read a settings file; its paths are made to lead from the working folder.
 
-    Raises one SettingsError with all mistakes of the file, or if it cannot be read.
+    Raises one SettingsError with all mistakes of the file.
     """
-    try:
-        file = read_toml(path, SettingsFile, SettingsError)
-    except OSError as error:
-        raise SettingsError(f"cannot be read ({error.strerror})", where=path) from error
+    file = read_toml(path, SettingsFile, SettingsError)
     folder = Path(os.path.relpath(path.absolute().parent))
 
     def place(written: str | None) -> Path | None:

@@ -7,13 +7,14 @@ length. A unit that is not in the table raises `UnknownUnit`.
 
 import difflib
 from dataclasses import dataclass
-from typing import overload
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.names import G
 
+Number = TypeVar("Number", float, NDArray[np.float64])
 TURN = 2.0 * np.pi
 
 
@@ -39,123 +40,58 @@ ONE = Unit()
 QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     # SI unit: (quantity, {written unit: meaning})
     "s": ("time", {"s": ONE, "ms": Unit(per=1e3), "us": Unit(per=1e6), "min": Unit(60)}),
-    "Pa": (
-        "pressure",
-        {
-            "Pa": ONE,
-            "hPa": Unit(100),
-            "kPa": Unit(1e3),
-            "MPa": Unit(1e6),
-            "bar": Unit(1e5),
-            "mbar": Unit(100),
-            "psi": Unit(6894.757293168361),  # lb * g / in^2, all three by definition
-        },
-    ),
+    "Pa": ("pressure", {
+        "Pa": ONE, "hPa": Unit(100), "kPa": Unit(1e3), "MPa": Unit(1e6), "bar": Unit(1e5),
+        "mbar": Unit(100),
+        "psi": Unit(6894.757293168361),  # lb * g / in^2, all three by definition
+    }),
     "m/s^2": ("acceleration", {"m/s^2": ONE, "g": Unit(G)}),
-    "rad/s": (
-        "angular speed",
-        {
-            "rad/s": ONE,
-            "deg/s": Unit(TURN, per=360),
-            "rpm": Unit(TURN, per=60),
-            "U/min": Unit(TURN, per=60),
-            "1/min": Unit(TURN, per=60),
-            "Hz": Unit(TURN),
-        },
-    ),
-    "m/s": (
-        "speed",
-        {
-            "m/s": ONE,
-            "km/h": Unit(10, per=36),
-            "kph": Unit(10, per=36),
-            "mph": Unit(0.44704),
-            "kn": Unit(1852, per=3600),
-        },
-    ),
-    "degC": (
-        "temperature",
-        {"degC": ONE, "K": Unit(offset=-273.15), "degF": Unit(5, per=9, offset=-160 / 9)},
-    ),
+    "rad/s": ("angular speed", {
+        "rad/s": ONE, "deg/s": Unit(TURN, per=360), "rpm": Unit(TURN, per=60),
+        "U/min": Unit(TURN, per=60), "1/min": Unit(TURN, per=60), "Hz": Unit(TURN),
+    }),
+    "m/s": ("speed", {
+        "m/s": ONE, "km/h": Unit(10, per=36), "kph": Unit(10, per=36), "mph": Unit(0.44704),
+        "kn": Unit(1852, per=3600),
+    }),
+    "degC": ("temperature", {
+        "degC": ONE, "K": Unit(offset=-273.15), "degF": Unit(5, per=9, offset=-160 / 9),
+    }),
     "rad": ("angle", {"rad": ONE, "mrad": Unit(per=1e3), "deg": Unit(TURN, per=360)}),
     "N": ("force", {"N": ONE, "kN": Unit(1e3)}),
     "N*m": ("torque", {"N*m": ONE, "kN*m": Unit(1e3)}),
     "kg": ("mass", {"kg": ONE, "t": Unit(1e3), "lb": Unit(0.45359237)}),
-    "m": (
-        "length",
-        {"m": ONE, "cm": Unit(per=100), "mm": Unit(per=1e3), "in": Unit(254, per=1e4)},
-    ),
+    "m": ("length", {
+        "m": ONE, "cm": Unit(per=100), "mm": Unit(per=1e3), "in": Unit(254, per=1e4),
+    }),
     "m^2": ("area", {"m^2": ONE, "cm^2": Unit(per=1e4), "mm^2": Unit(per=1e6)}),
     "kg*m^2": ("moment of inertia", {"kg*m^2": ONE, "kg*cm^2": Unit(per=1e4)}),
     "1": ("dimensionless number", {"1": ONE, "-": ONE, "%": Unit(per=100)}),
     # These occur only as parameters of effects.
     "1/K": ("change per temperature", {"1/K": ONE, "1/degC": ONE, "%/K": Unit(per=100)}),
-    "1/Pa": (
-        "change per pressure",
-        {"1/Pa": ONE, "1/bar": Unit(per=1e5), "1/MPa": Unit(per=1e6), "%/bar": Unit(per=1e7)},
-    ),
-    "s/m": (
-        "change per speed",
-        {"s/m": ONE, "h/km": Unit(36, per=10), "%/(km/h)": Unit(36, per=1e3)},
-    ),
+    "1/Pa": ("change per pressure", {
+        "1/Pa": ONE, "1/bar": Unit(per=1e5), "1/MPa": Unit(per=1e6), "%/bar": Unit(per=1e7),
+    }),
+    "s/m": ("change per speed", {
+        "s/m": ONE, "h/km": Unit(36, per=10), "%/(km/h)": Unit(36, per=1e3),
+    }),
     "J": ("energy", {"J": ONE, "kJ": Unit(1e3), "MJ": Unit(1e6)}),
     "W": ("power", {"W": ONE, "kW": Unit(1e3)}),
-}
+}  # fmt: skip
 
-SPELLINGS = {
-    "sec": "s",
-    "secs": "s",
-    "Secs": "s",
-    "msec": "ms",
-    "µs": "us",  # micro sign
-    "μs": "us",  # Greek mu
-    "C": "degC",
-    "°C": "degC",
-    "°F": "degF",
-    "°": "deg",
-    "℃": "degC",  # one sign of Unicode
-    "degree": "deg",
-    "degrees": "deg",
-    "Degrees": "deg",
-    "°/s": "deg/s",
-    "°/sec": "deg/s",
-    "deg/sec": "deg/s",
-    "degrees/s": "deg/s",
-    "rad/sec": "rad/s",
-    "1/°C": "1/degC",
-    "m/s/s": "m/s^2",
-    "m/sec^2": "m/s^2",
-    "m/s2": "m/s^2",
-    "ms^-2": "m/s^2",
-    "m*s^-2": "m/s^2",
-    "G": "g",
-    "g's": "g",
-    "rps": "Hz",
-    "RPM": "rpm",
-    "rev/min": "rpm",
-    "r/min": "rpm",
-    "min^-1": "1/min",
-    "min-1": "1/min",
-    "mps": "m/s",
-    "kmh": "km/h",
-    "Km/h": "km/h",
-    "km/hr": "km/h",
-    "Mph": "mph",
-    "MPH": "mph",
-    "knots": "kn",
-    "kts": "kn",
-    "PSI": "psi",
-    "percent": "%",
-    "Percent": "%",
-    "Nm": "N*m",
-    "kNm": "kN*m",
-    "kgm^2": "kg*m^2",
-    "m2": "m^2",
-    "cm2": "cm^2",
-    "mm2": "mm^2",
-    "kg*m2": "kg*m^2",
-    "kg*cm2": "kg*cm^2",
-}
+_SPELT = (
+    ("s", "sec secs Secs"), ("ms", "msec"), ("us", "µs μs"), ("degC", "C °C"), ("degF", "°F"),
+    ("deg", "°"), ("degC", "℃"), ("deg", "degree degrees Degrees"),
+    ("deg/s", "°/s °/sec deg/sec degrees/s"), ("rad/s", "rad/sec"), ("1/degC", "1/°C"),
+    ("m/s^2", "m/s/s m/sec^2 m/s2 ms^-2 m*s^-2"), ("g", "G g's"), ("Hz", "rps"),
+    ("rpm", "RPM rev/min r/min"), ("1/min", "min^-1 min-1"), ("m/s", "mps"),
+    ("km/h", "kmh Km/h km/hr"), ("mph", "Mph MPH"), ("kn", "knots kts"), ("psi", "PSI"),
+    ("%", "percent Percent"), ("N*m", "Nm"), ("kN*m", "kNm"), ("kg*m^2", "kgm^2"), ("m^2", "m2"),
+    ("cm^2", "cm2"), ("mm^2", "mm2"), ("kg*m^2", "kg*m2"), ("kg*cm^2", "kg*cm2"),
+)  # fmt: skip
+SPELLINGS = {other: unit for unit, others in _SPELT for other in others.split()}
+"""Other spellings of a unit, and the one in the table."""
+
 _SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None})
 
 
@@ -221,22 +157,11 @@ def si_of(unit: str) -> str:
     raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(known)}")
 
 
-@overload
-def to_si(values: float, unit: str, si: str) -> float: ...
-@overload
-def to_si(values: NDArray[np.float64], unit: str, si: str) -> NDArray[np.float64]: ...
-def to_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | NDArray[np.float64]:
-    """Convert from a written unit to SI.
+def to_si(values: Number, unit: str, si: str) -> Number:
+    """Convert ``values``, any shape, from a written ``unit`` in any known spelling to ``si``.
 
-    Parameters
-    ----------
-    values : written values, any shape.
-    unit : their unit as written, in any known spelling.
-    si : SI unit wanted; it names the quantity: ``g`` is gravity for ``"m/s^2"``.
-
-    Returns
-    -------
-    Values in ``si``, same shape. Raises `UnknownUnit`. Temperatures are absolute, not differences.
+    The SI unit names the quantity: ``g`` is gravity for ``"m/s^2"``. Raises `UnknownUnit`.
+    Temperatures are absolute, not differences.
 
     >>> to_si(28.84, "cm^2", "m^2")
     0.002884
@@ -245,11 +170,7 @@ def to_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | ND
     return values * u.scale / u.per + u.offset
 
 
-@overload
-def from_si(values: float, unit: str, si: str) -> float: ...
-@overload
-def from_si(values: NDArray[np.float64], unit: str, si: str) -> NDArray[np.float64]: ...
-def from_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | NDArray[np.float64]:
+def from_si(values: Number, unit: str, si: str) -> Number:
     """Convert from SI to a written unit: the inverse of `to_si`, with the same arguments.
 
     >>> from_si(100.0, "km/h", "m/s")

@@ -10,10 +10,7 @@ right wheel of that axle computed as well.
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from calib.base.names import WHEELS
+from calib.base.names import WHEELS, Array
 from calib.car import forces
 from calib.car.effects.combined import (
     caliper_pressure,
@@ -25,8 +22,6 @@ from calib.car.effects.effect import Pair
 from calib.car.history import RunHistory
 from calib.car.model import Model
 from calib.car.vehicle import Axle
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

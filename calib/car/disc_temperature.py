@@ -6,11 +6,9 @@ C dT/dt = P - (C/tau) (T - T_air)
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.names import Array
 from calib.car.lag import first_order
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,105 @@
-"""The document of `brake-cal vehicle show --json`, with its schema."""
+"""What follows from a vehicle file: loads, torque per pressure, distribution, first lock.
 
+Also the document of `brake-cal vehicle show --json`, with its schema.
+"""
+
+import math
+from dataclasses import dataclass
 from typing import Annotated
 
+import numpy as np
 from pydantic import ConfigDict, Field
 
-from calib.base.schema import FileSchema, Section
+from calib.base.names import G
+from calib.base.record import FileSchema, Section
 from calib.base.warning import to_dict
-from calib.car.follows import VehicleFacts, what_follows
+from calib.car.bias import (
+    force_per_pressure,
+    friction_used,
+    front_share,
+    ideal_front_share,
+    locks_at,
+    pressure_per_g,
+)
+from calib.car.forces import axle_loads, front_biased_up_to
 from calib.car.plausible import plausible
-from calib.car.vehicle import Vehicle
+from calib.car.vehicle import Axle, Vehicle
+
+DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
+"""Rows of the distribution [g]."""
+FRICTIONS = DECELERATIONS
+"""Roads of the first lock [1], from ice to dry asphalt."""
+HALF_G = 0.5
+BAR = 1e5
+
+
+@dataclass(frozen=True)
+class AxleFacts:
+    """One axle; loads of the axle in kg of mass that it carries.
+
+    ``torque_per_bar_wheel``, ``torque_per_bar_axle`` [N m/bar] with nominal pads;
+    ``static_load`` at rest and ``load_at_half_g`` at 0.5 g [kg]; ``wheel_mass`` mass at the rolling
+    radius that has the wheel's moment of inertia [kg].
+    """
+
+    torque_per_bar_wheel: float
+    torque_per_bar_axle: float
+    static_load: float
+    load_at_half_g: float
+    wheel_mass: float
+
+
+@dataclass(frozen=True)
+class Braking:
+    """One deceleration.
+
+    ``deceleration`` [g]; ``pressure`` [bar]; ``front_share`` of the brake force and
+    ``ideal_front_share``, at which both axles use the same friction [1]; ``friction_f``,
+    ``friction_r`` used by the axles [1], null where the axle has no load; ``torque_f``,
+    ``torque_r`` of the axles [N m].
+    """
+
+    deceleration: float
+    pressure: float
+    front_share: float
+    ideal_front_share: float
+    friction_f: float | None
+    friction_r: float | None
+    torque_f: float
+    torque_r: float
+
+
+@dataclass(frozen=True)
+class FirstLock:
+    """One road: its ``friction`` [1], the ``axle`` that locks first, "front" or "rear".
+
+    ``deceleration`` [g] and ``pressure`` [bar] at that moment.
+    """
+
+    friction: float
+    axle: str
+    deceleration: float
+    pressure: float
+
+
+@dataclass(frozen=True)
+class VehicleFacts:
+    """What follows from a vehicle file with its nominal pads, without drag.
+
+    ``wheelbase`` [m]; ``pressure_per_g`` [bar]; ``front_share`` of the brake force [1];
+    ``front_biased_up_to`` deceleration below which the front axle locks first [g], null if at all;
+    ``rear_lifts_at`` deceleration [g] at which the rear axle has no load.
+    """
+
+    wheelbase: float
+    pressure_per_g: float
+    front_share: float
+    front_biased_up_to: float | None
+    rear_lifts_at: float
+    front: AxleFacts
+    rear: AxleFacts
+    distribution: tuple[Braking, ...]
+    first_lock: tuple[FirstLock, ...]
 
 
 class WarningEntry(Section):
@@ -38,3 +129,59 @@ def facts_document(vehicle: Vehicle) -> VehicleFactsFile:
     return VehicleFactsFile(
         schema=1, name=vehicle.name, facts=what_follows(vehicle), warnings=warnings
     )
+
+
+def what_follows(vehicle: Vehicle) -> VehicleFacts:
+    """Return the facts of a vehicle; the inertia of the wheels is neglected, as in (9).
+
+    >>> import calib
+    >>> facts = what_follows(calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml"))
+    >>> round(facts.pressure_per_g, 1), round(facts.front_share, 3)  # bar, 1
+    (69.9, 0.729)
+    """
+    half_f, half_r = (float(load[0]) for load in axle_loads(vehicle, np.array([HALF_G])))
+    rest_f, rest_r = vehicle.static_loads
+    return VehicleFacts(
+        wheelbase=vehicle.wheelbase,
+        pressure_per_g=pressure_per_g(vehicle) / BAR,
+        front_share=front_share(vehicle),
+        front_biased_up_to=_finite(front_biased_up_to(vehicle)),
+        rear_lifts_at=vehicle.cg_to_front_axle / vehicle.cg_height,
+        front=_axle(vehicle.front, rest_f, half_f),
+        rear=_axle(vehicle.rear, rest_r, half_r),
+        distribution=_distribution(vehicle),
+        first_lock=tuple(_first_lock(vehicle, mu) for mu in FRICTIONS),
+    )
+
+
+def _axle(axle: Axle, rest: float, half: float) -> AxleFacts:
+    per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
+    return AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
+
+
+def _distribution(vehicle: Vehicle) -> tuple[Braking, ...]:
+    z = np.array(DECELERATIONS)
+    pressure = z * pressure_per_g(vehicle)
+    used_f, used_r = friction_used(vehicle, z)
+    force_f, force_r = force_per_pressure(vehicle)
+    columns = (
+        z,
+        pressure / BAR,
+        np.full_like(z, front_share(vehicle)),
+        ideal_front_share(vehicle, z),
+        used_f,
+        used_r,
+        force_f * vehicle.front.rolling_radius * pressure,
+        force_r * vehicle.rear.rolling_radius * pressure,
+    )
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    return tuple(Braking(*row[:4], *map(_finite, row[4:6]), *row[6:]) for row in rows)
+
+
+def _first_lock(vehicle: Vehicle, friction: float) -> FirstLock:
+    z, axle = min(zip(locks_at(vehicle, friction), ("front", "rear"), strict=True))
+    return FirstLock(friction, axle, z, z * pressure_per_g(vehicle) / BAR)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

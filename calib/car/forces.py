@@ -11,12 +11,9 @@ Flat road, straight line, no aerodynamic pitch moment, load transfer without del
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.base.names import G
+from calib.base.names import Array, G
 from calib.car.vehicle import Axle, Vehicle
-
-Array = NDArray[np.float64]
 
 
 def deceleration(a_x: Array) -> Array:

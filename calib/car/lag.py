@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from calib.base.names import Array
 
 EVEN = 1e-3
 """Least distance of two time constants, over their sum, so that they are told apart."""

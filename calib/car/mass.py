@@ -7,7 +7,6 @@ Mass multiplies every pad friction. A car whose load nobody wrote down is known 
 from dataclasses import dataclass, replace
 
 from calib.base.errors import VehicleError
-from calib.car.effects.mass_error import EFFECT as MASS_ERROR
 from calib.car.vehicle import Vehicle
 
 LEAST, MOST = 300.0, 60_000.0
@@ -73,7 +72,7 @@ def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
         vehicle,
         mass=mass,
         mass_tolerance=min(vehicle.mass_tolerance, WEIGHED),
-        effects=vehicle.effects.without(MASS_ERROR.card.name),
+        effects=vehicle.effects.without("mass_error"),
     )
 
 

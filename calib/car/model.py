@@ -1,13 +1,17 @@
-"""The model of a car for the simulation: vehicle, pads, tyre, effects, surfaces."""
+"""The model of a car for the simulation: vehicle, pads, tyre, effects, and the road under it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from calib.base.errors import ModelError
+from calib.base.names import Array
 from calib.base.toml import did_you_mean
 from calib.base.units import behind
 from calib.car.effects.effect import Card
 from calib.car.effects.effects import Effects
+from calib.car.lag import integral
 from calib.car.magic_formula import MagicFormula
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
@@ -94,23 +98,45 @@ def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str
     cards = {p.name: p for p in card.parameters}
     for key in values:
         if key not in cards:
-            raise ModelError(
-                f"unknown key {key!r}",
-                where=where,
-                expected=f"one of {', '.join(cards)}",
-                do=did_you_mean(key, cards),
-            )
+            every = f"one of {', '.join(cards)}"
+            do = did_you_mean(key, cards)
+            raise ModelError(f"unknown key {key!r}", where=where, expected=every, do=do)
     for key, known in cards.items():
-        if key not in values:
-            if known.default is not None:
-                continue
-            raise ModelError(
-                f"key {key!r} is missing", where=where, expected=f"a value for {key!r}"
-            )
-        if not known.low <= values[key] <= known.high:
+        if key in values and not known.low <= values[key] <= known.high:
             raise ModelError(
                 f"{values[key]:g}{behind(known.unit)} is not believable",
                 where=f"{where}.{key}",
                 expected=f"{known.low:g} to {known.high:g}{behind(known.unit)}",
             )
+        if key not in values and known.default is None:
+            expected = f"a value for {key!r}"
+            raise ModelError(f"key {key!r} is missing", where=where, expected=expected)
     return dict(values)
+
+
+RELAXATION_LENGTH = 0.3
+"""Length [m] over which a tyre changes to a new surface; 0.2 to 0.5 m for a passenger car."""
+
+
+def tyres_along(model: Model, time: Array, v: Array) -> tuple[MagicFormula, MagicFormula]:
+    """The tyre of the front and of the rear axle on the surface under it, at every sample."""
+    if not model.surfaces:
+        return model.tyre, model.tyre
+    travelled = integral(time, v)
+    front, rear = (
+        _tyre_at(model, time, travelled, behind) for behind in (0.0, model.vehicle.wheelbase)
+    )
+    return front, rear
+
+
+def _tyre_at(model: Model, time: Array, travelled: Array, behind: float) -> MagicFormula:
+    """The tyre of an axle ``behind`` [m] the front one; it changes over `RELAXATION_LENGTH`."""
+    starts, factors = [], [(1.0, 1.0)]
+    for surface in model.surfaces:
+        on_road = surface.unit == "m"
+        starts.append(surface.start if on_road else np.interp(surface.start, time, travelled))
+        factors.append((surface.stiffness, surface.peak))
+    points = np.ravel([[start, start + RELAXATION_LENGTH] for start in starts])
+    logs = np.repeat(np.log(factors), 2, axis=0)[1:-1]
+    stiffness, peak = (np.exp(np.interp(travelled - behind, points, c)) for c in logs.T)
+    return model.tyre.on_surface(stiffness, peak)

@@ -1,30 +1,8 @@
-"""A model as a TOML file.
+"""A model as a TOML file: pads, tyre, effects, roads; `brake-cal manual diagnosis` shows one.
 
-schema = 1
-[pads]                        # friction [1]; nominal when left out
-front = 0.38
-rear = 0.36
-[tyre]                        # wet asphalt for what is left out
-stiffness = 25.0
-peak = 0.9
-bend = 0.2                    # 0 is the Magic Formula, a third of its shape factor a brush
-relaxation = "0.3 m"          # way over which the force builds up; 0 when left out
-peak_exponent = 0.05          # the peak falls by 3.4 % where the load doubles; 0 when left out
-[effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
-drag_area = "0.66 m^2"
-[own_effects.air_brake_flap]  # where an effect is defined that is not in the catalogue
-file = "air_brake_flap.py"
-sha256 = "..."                # left out: whatever file of that name
-[[surfaces]]                  # factors on the tyre, from a distance or a time on
-start = "60 m"
-stiffness = 0.8
-peak = 0.5
-[empirical]                   # over a driver in SI, see calib/car/effects/empirical.py;
-                              # several terms are written with [[empirical]]
-place = "front_brakes"
-driver = "speed"
-knots = [5.0, 20.0, 35.0]
-values = [0.0, -0.05, -0.1]
+What is left out is that of the vehicle, the tyre that of wet asphalt; ``[effects]`` is the whole
+list of effects. ``[own_effects.NAME]`` says where an effect is defined that is not in the
+catalogue, by file and SHA-256. One empirical term may be written without the brackets of a list.
 """
 
 from collections.abc import Mapping
@@ -37,7 +15,6 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     WithJsonSchema,
     create_model,
@@ -46,7 +23,7 @@ from pydantic import (
 from pydantic_core import core_schema
 
 from calib.base.errors import InputError, ModelError
-from calib.base.schema import (
+from calib.base.record import (
     ByName,
     FileSchema,
     OneOf,
@@ -54,16 +31,16 @@ from calib.base.schema import (
     Section,
     by_name,
     quantity_pattern,
+    section,
     validated,
 )
-from calib.base.schema_errors import wrong
+from calib.base.record_errors import wrong
 from calib.base.toml import load_toml, quantity, toml_bytes, written_quantity
 from calib.base.write import write_whole
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effect import Card, Effect
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS, PLACES
-from calib.car.magic_formula import MagicFormula
 from calib.car.model import WET_ASPHALT, Model, Surface, default_model
 from calib.car.own_effects.own_effect import (
     OwnEffect,
@@ -107,17 +84,14 @@ def _start(written: object) -> tuple[float, str]:
     raise wrong(f"{written!r} is neither a distance nor a time", '"60 m" or "3 s"')
 
 
-Start = Annotated[
-    tuple[float, str],
-    BeforeValidator(_start),
-    WithJsonSchema({"type": "string", "pattern": quantity_pattern("m", "s")}),
-]
-
-
 class SurfaceSection(Section):
     """A change of road: factors on the tyre, from a distance or a time on."""
 
-    start: Start
+    start: Annotated[
+        tuple[float, str],
+        BeforeValidator(_start),
+        WithJsonSchema({"type": "string", "pattern": quantity_pattern("m", "s")}),
+    ]
     stiffness: Factor
     peak: Factor
 
@@ -139,14 +113,15 @@ class EmpiricalSection(Section):
 
 def _parameters(card: Card) -> type[Section]:
     """The schema of an effect: its parameters, each with the unit and the range of its card."""
-    fields: dict[str, Any] = {
+    rows = {
         p.name: (
             Annotated[float, QuantityMark(p.unit, p.low, p.high)],
             ... if p.default is None else p.default,
         )
         for p in card.parameters
     }
-    return create_model(card.name, __base__=Section, __doc__=card.cause, **fields)
+    schema: type[Section] = section(card.name, card.cause, rows)
+    return schema
 
 
 def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
@@ -157,26 +132,18 @@ def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
     )
 
 
-EffectsSection = _effects_section(CATALOGUE)
-
-
-class OneOrMore:
+class _OneOrMore:
     """Marks a list of which a single entry may be written without the brackets."""
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        """A table alone is taken as a list of one."""
-        return core_schema.no_info_before_validator_function(
-            lambda written: [written] if isinstance(written, dict) else written, handler(source)
-        )
 
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """Either an entry or the list."""
         listed = handler(schema)
         return {"anyOf": [listed["items"], listed]}
+
+
+def _listed(written: object) -> object:
+    return [written] if isinstance(written, dict) else written
 
 
 class DefinedInSection(Section):
@@ -199,10 +166,12 @@ class ModelFile(FileSchema):
 
     pads: PadsSection = PadsSection()
     tyre: TyreSection = TyreSection()
-    effects: EffectsSection | None = None  # type: ignore[valid-type]
+    effects: _effects_section(CATALOGUE) | None = None  # type: ignore[valid-type]
     own_effects: dict[str, DefinedInSection] = Field(default_factory=dict)
     surfaces: list[SurfaceSection] = Field(default_factory=list)
-    empirical: Annotated[list[EmpiricalSection], OneOrMore()] = Field(default_factory=list)
+    empirical: Annotated[list[EmpiricalSection], BeforeValidator(_listed), _OneOrMore()] = Field(
+        default_factory=list
+    )
 
 
 def read_model(path: Path, vehicle: Vehicle) -> Model:
@@ -218,16 +187,20 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     own = _own(document, vehicle.effects, path)
     file = validated(document, _schema(Effects(own=own)), path, ModelError)
     base = default_model(vehicle)
-    pads, terms = file.pads, tuple(_term(section) for section in file.empirical)
+    named: Any = file.effects
+    terms = tuple(
+        EmpiricalTerm(term.place, term.driver, tuple(term.knots), tuple(term.values))
+        for term in file.empirical
+    )
     return Model(
         vehicle=vehicle,
-        pad_friction_f=base.pad_friction_f if pads.front is None else pads.front,
-        pad_friction_r=base.pad_friction_r if pads.rear is None else pads.rear,
+        pad_friction_f=base.pad_friction_f if file.pads.front is None else file.pads.front,
+        pad_friction_r=base.pad_friction_r if file.pads.rear is None else file.pads.rear,
         tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
         effects=Effects(
             base.effects.parameters
-            if file.effects is None
-            else {name: dict(effect) for name, effect in file.effects.entries()},
+            if named is None
+            else {name: dict(effect) for name, effect in named.entries()},
             terms or base.effects.terms,
             own=own,
         ),
@@ -251,12 +224,8 @@ def _schema(effects: Effects) -> type[ModelFile]:
     """The schema of a model that may have these own effects."""
     if not effects.own:
         return ModelFile
-    section: Any = _effects_section(every_effect(effects)) | None
-    return create_model("ModelFile", __base__=ModelFile, effects=(section, None))
-
-
-def _term(section: EmpiricalSection) -> EmpiricalTerm:
-    return EmpiricalTerm(section.place, section.driver, tuple(section.knots), tuple(section.values))
+    named: Any = _effects_section(every_effect(effects)) | None
+    return create_model("ModelFile", __base__=ModelFile, effects=(named, None))
 
 
 def write_model(model: Model, path: Path) -> None:
@@ -264,38 +233,36 @@ def write_model(model: Model, path: Path) -> None:
 
     Raises OSError if ``path`` cannot be written.
     """
+    effects = model.effects
     document: dict[str, Any] = {
         "schema": 1,
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
-        "tyre": _written_tyre(model.tyre),
-        "effects": {
-            name: _written(definition(model.effects, name).card, values)
-            for name, values in model.effects.parameters.items()
+        "tyre": {
+            name: written_quantity(float(value), "m" if name == "relaxation" else "1")
+            for name, value in asdict(model.tyre).items()
         },
-    }
-    if model.effects.defined_in:
-        document["own_effects"] = {n: asdict(d) for n, d in model.effects.defined_in.items()}
-    if model.surfaces:
-        document["surfaces"] = [
+        "effects": {
+            name: _written(definition(effects, name).card, values)
+            for name, values in effects.parameters.items()
+        },
+        "own_effects": {name: asdict(one) for name, one in effects.defined_in.items()},
+        "surfaces": [
             {
-                "start": written_quantity(surface.start, surface.unit),
-                "stiffness": surface.stiffness,
-                "peak": surface.peak,
+                "start": written_quantity(s.start, s.unit),
+                "stiffness": s.stiffness,
+                "peak": s.peak,
             }
-            for surface in model.surfaces
-        ]
-    terms = [
-        {**asdict(term), "knots": list(term.knots), "values": list(term.values)}
-        for term in model.effects.terms
-    ]
-    if terms:
-        document["empirical"] = terms[0] if len(terms) == 1 else terms
+            for s in model.surfaces
+        ],
+        "empirical": [
+            {**asdict(t), "knots": list(t.knots), "values": list(t.values)} for t in effects.terms
+        ],
+    }
+    if len(effects.terms) == 1:
+        (document["empirical"],) = document["empirical"]
+    may_be_left_out = ("own_effects", "surfaces", "empirical")
+    document = {key: part for key, part in document.items() if part or key not in may_be_left_out}
     write_whole(Path(path), toml_bytes(document))
-
-
-def _written_tyre(tyre: MagicFormula) -> dict[str, str | float]:
-    numbers = {name: float(value) for name, value in asdict(tyre).items()}
-    return numbers | {"relaxation": written_quantity(numbers["relaxation"], "m")}
 
 
 def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:

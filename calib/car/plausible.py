@@ -14,7 +14,7 @@ from calib.base.units import from_si
 from calib.base.warning import PlausibilityWarning
 from calib.car.bias import front_share, lock_efficiency, pressure_per_g
 from calib.car.forces import front_biased_up_to
-from calib.car.keys import CHASSIS, FRONT, KEYS, REAR, VehicleKey
+from calib.car.keys import CHASSIS, KEYS
 from calib.car.vehicle import Axle, Vehicle
 
 GOOD_ROAD = 0.8
@@ -88,13 +88,14 @@ _SWAPPED_BRAKES = ("[front] and [rear] are swapped",)
 _WHEEL = ("another unit", "wheel_inertia of both wheels of an axle, or without tyre or disc")
 
 
-def _wheel_mass(axle: Axle) -> float:
-    """The mass [kg] that would have the moment of inertia of the wheel at its rolling radius."""
-    return axle.wheel_inertia / axle.rolling_radius**2
-
-
-def _disc(axle: Axle) -> float:
-    return axle.effective_radius / axle.rolling_radius
+def _of_axles(
+    code: str, of: Callable[[Axle], float], low: float, high: float,
+    too_low: tuple[str, ...], too_high: tuple[str, ...], do: str,
+) -> tuple[Figure, Figure]:  # fmt: skip
+    return (
+        Figure(f"{code}_f", lambda car: of(car.front), low, high, too_low, too_high, do),
+        Figure(f"{code}_r", lambda car: of(car.rear), low, high, too_low, too_high, do),
+    )
 
 
 FIGURES: tuple[Figure, ...] = (
@@ -120,19 +121,13 @@ FIGURES: tuple[Figure, ...] = (
         "track_ratio", lambda car: car.track_width / car.wheelbase, 0.40, 0.78,
         ("half of the track",), ("the wheelbase is too short",), "look at track_width",
     ),
-    Figure(
-        "wheel_mass_f", lambda car: _wheel_mass(car.front), 5.0, 32.0,
-        _WHEEL, _WHEEL, "wheel_inertia is about 0.6 x mass of wheel and tyre x R^2",
-    ),
-    Figure(
-        "wheel_mass_r", lambda car: _wheel_mass(car.rear), 5.0, 32.0,
+    *_of_axles(
+        "wheel_mass", lambda axle: axle.wheel_mass, 5.0, 32.0,
         _WHEEL, _WHEEL, "wheel_inertia is about 0.6 x mass of wheel and tyre x R^2",
     ),
     Figure(
         "rotating_share",
-        lambda car: 2.0 * (_wheel_mass(car.front) + _wheel_mass(car.rear)) / car.mass,
-        0.015,
-        0.055,
+        lambda car: 2.0 * (car.front.wheel_mass + car.rear.wheel_mass) / car.mass, 0.015, 0.055,
         ("the mass in pounds written as kg", *_WHEEL),
         ("wheel_inertia of both wheels of an axle", "the mass of one axle", "another unit"),
         "wheel_inertia is that of one wheel, about its axis",
@@ -142,12 +137,8 @@ FIGURES: tuple[Figure, ...] = (
         ("a front radius in another unit or of the rim",),
         ("a rear radius in another unit or of the rim",), "measure both rolling radii alike",
     ),
-    Figure(
-        "disc_ratio_f", lambda car: _disc(car.front), 0.27, 0.54,
-        ("a radius in another unit",), ("the diameter of the disc",), "look at effective_radius",
-    ),
-    Figure(
-        "disc_ratio_r", lambda car: _disc(car.rear), 0.27, 0.54,
+    *_of_axles(
+        "disc_ratio", lambda axle: axle.effective_radius / axle.rolling_radius, 0.27, 0.54,
         ("a radius in another unit",), ("the diameter of the disc",), "look at effective_radius",
     ),
     Figure(
@@ -176,9 +167,27 @@ FIGURES: tuple[Figure, ...] = (
 many good cars and mistakes have a warning: tests/studies/results/vehicle_mistakes.md."""
 
 
+_OF_KEYS = tuple(
+    Figure(
+        key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}",
+        key.value_of, key.low, key.high, *CAUSES[key.name], f"look at {key.path}",
+    )
+    for key in KEYS
+    if key.name in CAUSES
+)  # fmt: skip
+
+
 def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     """Warnings on what no usual car or van has; the values of the file first."""
-    return (*_keys(vehicle), *_figures(vehicle))
+    return tuple(_judged(vehicle))
+
+
+def _judged(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
+    for figure in (*_OF_KEYS, *FIGURES):
+        measured, ends = figure.of(vehicle), (figure.low, figure.high)
+        if not figure.low <= measured <= (figure.high or measured):
+            causes = figure.too_low if measured < figure.low else figure.too_high
+            yield PlausibilityWarning(figure.code, vehicle.name, measured, ends, causes, figure.do)
 
 
 def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
@@ -197,36 +206,3 @@ def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
             f"`brake-cal station` fails a car below {LEAST_FRONT_BIASED:g} g"
         )
     return tuple(found)
-
-
-def _keys(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
-    for key in KEYS:
-        if key.unit and key.name in CAUSES:
-            measured = written_value(vehicle, key)
-            if not key.low <= measured <= key.high:
-                code = key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}"
-                ends = (key.low, key.high)
-                causes = CAUSES[key.name][measured > key.high]
-                yield PlausibilityWarning(
-                    code, vehicle.name, measured, ends, causes, f"look at {key.path}"
-                )
-
-
-def written_value(vehicle: Vehicle, key: VehicleKey) -> float:
-    """The value of a key that is a quantity, in the unit of the key."""
-    part: Vehicle | Axle = {FRONT: vehicle.front, REAR: vehicle.rear}.get(key.section, vehicle)
-    return from_si(float(getattr(part, key.name)), key.unit, si_unit(key))
-
-
-def si_unit(key: VehicleKey) -> str:
-    """The SI unit of a key that is a quantity."""
-    return {"mm": "m", "cm^2": "m^2"}.get(key.unit, key.unit)
-
-
-def _figures(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
-    for figure in FIGURES:
-        measured = figure.of(vehicle)
-        if not figure.low <= measured <= (figure.high or measured):
-            causes = figure.too_low if measured < figure.low else figure.too_high
-            ends = (figure.low, figure.high)
-            yield PlausibilityWarning(figure.code, vehicle.name, measured, ends, causes, figure.do)

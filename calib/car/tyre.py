@@ -17,9 +17,8 @@ grow with force, so the curve ends at the peak of the tyre.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from calib.base.names import Array
 
 PARAMETERS = ("log_compliance", "curvature_2", "curvature_3", "load_exponent")
 

@@ -37,6 +37,11 @@ class Axle:
         """C of (3) for one wheel [m^3]: faces * A * r, so that T_b = mu_p C P."""
         return self.friction_faces * self.piston_area * self.effective_radius
 
+    @property
+    def wheel_mass(self) -> float:
+        """The mass [kg] that has the moment of inertia of the wheel at its rolling radius."""
+        return self.wheel_inertia / self.rolling_radius**2
+
     def with_radius(self, factor: float) -> Self:
         """The axle with its rolling radius times ``factor`` [1]."""
         return replace(self, rolling_radius=self.rolling_radius * factor)

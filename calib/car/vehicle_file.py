@@ -1,34 +1,29 @@
 """A vehicle as a TOML file: quantities with units, such as ``mass = "1744 kg"``.
 
-The bounds detect a wrong unit or decimal point, not small errors: they reach from a microcar to a
-heavy coach, and a mass that is 10 % wrong passes.
+Units and bounds are those of `calib.car.keys`.
 """
 
-from collections.abc import Mapping
-from dataclasses import fields
+import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, create_model, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from calib.base.errors import VehicleError
-from calib.base.schema import (
+from calib.base.record import (
     FileSchema,
     QuantityMark,
     Section,
-    quantities,
     read_toml,
+    section,
     validated,
 )
-from calib.base.schema_errors import wrong
-from calib.base.toml import toml_bytes, written_quantity
-from calib.base.write import write_whole
+from calib.base.record_errors import wrong
+from calib.base.toml import NUMBER
+from calib.base.units import si_of
 from calib.car.effects.effects import Effects
-from calib.car.mass import LEAST, MOST
+from calib.car.keys import CHASSIS, FRONT, KEYS, VehicleKey
 from calib.car.vehicle import Axle, Vehicle
-
-if TYPE_CHECKING:
-    from tomlkit.items import Table
 
 _FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
 
@@ -47,19 +42,20 @@ def _whole(number: float) -> int:
     return int(number)
 
 
-class ChassisSection(Section):
-    """Masses and lengths, as in `Vehicle`."""
+def _rows(part: str) -> dict[str, tuple[Any, Any]]:
+    rows: dict[str, tuple[Any, Any]] = {}
+    for key in KEYS:
+        if key.section == part:
+            kind: Any = Annotated[float, QuantityMark(si_of(key.unit), key.least, key.most)]
+            if key.name == "friction_faces":
+                kind = Annotated[kind, AfterValidator(_whole)]
+            rows[key.name] = (kind, getattr(Vehicle, key.name) if key.optional else ...)
+    return rows
 
-    mass: Annotated[float, QuantityMark("kg", LEAST, MOST)]
-    cg_to_front_axle: Annotated[float, QuantityMark("m", 0.2, 10)]
-    cg_to_rear_axle: Annotated[float, QuantityMark("m", 0.2, 10)]
-    cg_height: Annotated[float, QuantityMark("m", 0.1, 3)]
-    track_width: Annotated[float, QuantityMark("m", 0.5, 3.5)]
-    mass_tolerance: Annotated[float, QuantityMark("1", 0, 0.2)] = Vehicle.mass_tolerance
-    motor_odds: Annotated[float, QuantityMark("1", 0, 100)] = Vehicle.motor_odds
 
+class _Chassis(Section):
     @model_validator(mode="after")
-    def _is_low_enough(self) -> Self:
+    def _is_low_enough(self: Any) -> Any:
         wheelbase = self.cg_to_front_axle + self.cg_to_rear_axle
         if self.cg_height >= wheelbase:
             raise wrong(
@@ -69,18 +65,9 @@ class ChassisSection(Section):
         return self
 
 
-class AxleSection(Section):
-    """One axle, as in `Axle`; every value is for one wheel."""
-
-    rolling_radius: Annotated[float, QuantityMark("m", 0.1, 1.0)]
-    wheel_inertia: Annotated[float, QuantityMark("kg*m^2", 0.01, 200)]
-    piston_area: Annotated[float, QuantityMark("m^2", 0.5e-4, 500e-4)]
-    effective_radius: Annotated[float, QuantityMark("m", 0.03, 0.5)]
-    friction_faces: Annotated[int, QuantityMark("1", 1, 12), AfterValidator(_whole)]
-    pad_friction: Annotated[float, QuantityMark("1", 0.05, 1.0)]
-
+class _Axle(Section):
     @model_validator(mode="after")
-    def _disc_fits(self) -> Self:
+    def _disc_fits(self: Any) -> Any:
         if self.effective_radius >= self.rolling_radius:
             raise wrong(
                 f"effective_radius {self.effective_radius:g} m is not below rolling_radius "
@@ -90,7 +77,12 @@ class AxleSection(Section):
         return self
 
 
-KnownEffect = dict[str, Annotated[float, QuantityMark(None, -1e12, 1e12)]]
+ChassisSection: Any = section(
+    "ChassisSection", "Masses and lengths, as in `Vehicle`.", _rows(CHASSIS), _Chassis
+)
+AxleSection: Any = section(
+    "AxleSection", "One axle, as in `Axle`; every value is for one wheel.", _rows(FRONT), _Axle
+)
 
 
 class VehicleFile(FileSchema):
@@ -103,7 +95,9 @@ class VehicleFile(FileSchema):
     chassis: ChassisSection
     front: AxleSection
     rear: AxleSection
-    effects: dict[str, KnownEffect] = Field(default_factory=dict)
+    effects: dict[str, dict[str, Annotated[float, QuantityMark(None, -1e12, 1e12)]]] = Field(
+        default_factory=dict
+    )
 
 
 def read_vehicle(path: Path | str) -> Vehicle:
@@ -127,59 +121,23 @@ def read_vehicle(path: Path | str) -> Vehicle:
     )
 
 
-def refuse_value(section: str, key: str, written: str) -> None:
-    """Raise VehicleError for a value that a key cannot have; ``section`` is "" for the name."""
-    kind: type[Section] = VehicleFile
-    if section:
-        kind = ChassisSection if section == "chassis" else AxleSection
-    field = kind.model_fields[key]
-    definition: dict[str, Any] = {key: (Annotated[field.annotation, *field.metadata], ...)}
-    alone = create_model(key, __base__=Section, **definition)
-    try:
-        validated({key: written}, alone, None, VehicleError)
-    except VehicleError as error:  # without the key: the question names it
-        raise VehicleError(error.what, expected=error.expected) from error
+def answered(key: VehicleKey, typed: str) -> str:
+    """The value of a key as it stands in the file; a number without a unit gets that of the key.
 
-
-def write_vehicle(vehicle: Vehicle, path: Path) -> None:
-    """Write a vehicle file that `read_vehicle` reads back exactly. All values are in SI.
-
-    Raises VehicleError for a value that is not believable and for an empirical term, which such a
-    file cannot hold; OSError if ``path`` cannot be written.
+    Raises VehicleError for what a vehicle file could not hold, with what was expected.
     """
-    if vehicle.effects.terms:
-        raise VehicleError(
-            "a vehicle file cannot hold an empirical term",
-            where=vehicle.name,
-            do="write a model file",
-        )
-    document: dict[str, Any] = {
-        "schema": 1,
-        "name": vehicle.name,
-        "chassis": _written(vehicle, ChassisSection),
-        "front": _written(vehicle.front, AxleSection),
-        "rear": _written(vehicle.rear, AxleSection),
-    }
-    if vehicle.effects.names:
-        named = vehicle.effects.parameters
-        document["effects"] = {name: _in_si(values) for name, values in named.items()}
-    validated(document, VehicleFile, vehicle.name, VehicleError)
-    write_whole(Path(path), toml_bytes(document))
-
-
-def _in_si(values: Mapping[str, float]) -> "Table":
-    import tomlkit
-
-    table = tomlkit.table()
-    table.comment("SI")
-    table.update(values)
-    return table
-
-
-def _written(part: Vehicle | Axle, section: type[Section]) -> dict[str, Any]:
-    units = {name: mark.si or "1" for name, mark in quantities(section).items()}
-    return {
-        field.name: written_quantity(getattr(part, field.name), units[field.name])
-        for field in fields(part)
-        if field.name in units
-    }
+    text = typed.strip()
+    if key.unit and "," in text:
+        raise VehicleError(f"{text!r} has a comma", expected=f"a decimal point: {key.example}")
+    bare = re.fullmatch(NUMBER, text) is not None
+    value = f"{text} {key.unit}" if bare and key.unit not in ("", "1") else text
+    part = {"": VehicleFile, CHASSIS: ChassisSection}.get(key.section, AxleSection)
+    field = part.model_fields[key.name]
+    alone = section(key.name, "", {key.name: (Annotated[field.annotation, *field.metadata], ...)})
+    try:
+        validated({key.name: value}, alone, None, VehicleError)
+    except VehicleError as error:  # without the key: the question names it
+        expected = error.expected or f"a value such as {key.example}"
+        do = f"usual: {key.usual}" if key.unit else ""
+        raise VehicleError(error.what, expected=expected, do=do) from error
+    return value

@@ -10,14 +10,11 @@ The left side falls with slip and the right side rises, so it always has a solut
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.base.names import G
+from calib.base.names import Array, G
 from calib.car import forces
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Axle
-
-Array = NDArray[np.float64]
 
 EDGE = 0.999
 """End of the rising branch, as in `MagicFormula.slip_at`. The force there is within 2e-6 of the

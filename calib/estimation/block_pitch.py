@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.car.effects.pitch_coupling import pitch_deficit
+from calib.car.effects.body import pitch_deficit
 from calib.car.vehicle import Vehicle
 from calib.estimation.priors import Priors
 from calib.run.blocks import Blocks

@@ -5,7 +5,7 @@
                + motor + load + late           `calib.estimation.motor`, `.load`, `.delay`
 
 ``lever`` is the share of the other axle in the brake force. Level and ratio are each weighed
-between "as on the ramp" and "free" (`calib.base.mixture_posterior`). With the weight w of the
+between "as on the ramp" and "free" (`calib.base.mixtures`). With the weight w of the
 first, what was measured counts by w kept^2 + 1 - w, where kept is the share of a departure that the
 first leaves; what is open of the ramp counts by w for the level. What the weighing itself leaves
 open, and how exactly pads keep their friction, is the part "unlike_pads".
@@ -126,7 +126,7 @@ def _weighed(
 
     ``variance`` of the ``departure``; ``alike`` how exactly alike pads keep it. Returns the factor
     on the variance of what was measured, the part that alike pads may move, and the spread between
-    the two hypotheses: together the variance of `calib.base.mixture_posterior`.
+    the two hypotheses: together the variance of `calib.base.mixtures`.
     """
     kept = alike**2 / (variance + alike**2)
     counted = weight * kept**2 + 1.0 - weight

@@ -19,8 +19,8 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
 from calib.base.errors import LimitsError
-from calib.base.schema import FileSchema, Section, by_name, read_toml
-from calib.base.schema_errors import wrong
+from calib.base.record import FileSchema, Section, by_name, read_toml
+from calib.base.record_errors import wrong
 from calib.estimation.limits import Limit
 
 Range = tuple[float | None, float | None]

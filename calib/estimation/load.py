@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.base.half_normal import log_likelihood_ratio, mean_square
+from calib.base.mixtures import log_likelihood_ratio, mean_square
 from calib.estimation.estimator import Estimate
 from calib.estimation.pads import grown, raised
 from calib.estimation.settings import SETTINGS

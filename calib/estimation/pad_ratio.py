@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.mixture_posterior import mixture_posterior
+from calib.base.mixtures import mixture_posterior
 from calib.estimation.priors import Priors
 from calib.estimation.states import AT
 
@@ -60,7 +60,7 @@ class PadRatio:
         """Logarithm of the density of all that was measured until each block, less a constant.
 
         The filter runs with pads that are free; pads that are the ramp's are one half of what is
-        thought possible, and count by their weight (`calib.base.mixture_posterior`).
+        thought possible, and count by their weight (`calib.base.mixtures`).
         """
         return np.asarray(np.cumsum(self.log_density) - np.log1p(-self.nominal_weight))
 
@@ -89,7 +89,7 @@ def weigh(
     ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
     (k, 2) of eta and slip; ``log_density`` (k,), ``changes`` and ``bumps`` are handed on;
     ``odds_by_level`` (k,) factor on the odds that the ratio is the table's [1]. A ratio that cannot
-    be told from the table's is given back as the table's (`calib.base.mixture_posterior`).
+    be told from the table's is given back as the table's (`calib.base.mixtures`).
     """
     today, then, between, stiffness = kept.T
     log_ratio, log_stiffness = x[:, AT.log_pad_ratio], x[:, AT.log_stiffness]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.car.balance import brake_forces
-from calib.car.effects import pitch_coupling
+from calib.car.effects.body import ELASTIC_SHARE, NATURAL_FREQUENCY
 from calib.car.effects.combined import as_driven
 from calib.car.effects.effects import Effects
 from calib.car.mass import weighed
@@ -16,8 +16,7 @@ from calib.logs.log import Log
 from calib.model.resistance import DRAG, ROLLING, Resistance
 from calib.run.axle_signals import Signals
 from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
-from calib.table.budget import Parts
-from calib.table.pads_budget import level_of
+from calib.table.budget import Parts, level_of
 from calib.table.table import Table
 
 
@@ -70,8 +69,8 @@ def with_known_pitch(priors: Priors, car: Vehicle) -> Priors:
     The damping is taken as given, share and frequency with their own sigma where that is known,
     else with a small one: the load transfer that pitch delays is then counted, and not looked for.
     """
-    name, strength = pitch_coupling.EFFECT.card.name, pitch_coupling.ELASTIC_SHARE.name
-    beat = pitch_coupling.NATURAL_FREQUENCY.name
+    name, strength = "pitch_coupling", ELASTIC_SHARE.name
+    beat = NATURAL_FREQUENCY.name
     if name not in car.effects:
         return priors
     mode = car.effects.parameters[name]

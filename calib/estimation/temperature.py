@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from calib.base.errors import InputError
 from calib.car.disc_temperature import AIR, DISCS, START, disc_temperature
-from calib.car.effects import pad_thermal_fade
+from calib.car.effects import pads
 from calib.car.effects.effects import Effects
 from calib.car.forces import brake_torque
-from calib.car.history import at_rest
+from calib.car.history import constant_speed
 from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
@@ -24,7 +24,7 @@ from calib.run.axle_signals import Signals
 Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
 
-FADE = {p.name: p.typical for p in pad_thermal_fade.EFFECT.card.parameters}
+FADE = {p.name: p.typical for p in pads.FADE.card.parameters}
 """Typical thermal fade, from the card of the effect."""
 
 
@@ -47,11 +47,11 @@ def temperature(car: Vehicle, log: Log, s: Signals, known: Effects) -> Pair:
 
     Raises InputError if thermal fade is among the ``known`` effects, which are taken out already.
     """
-    name = pad_thermal_fade.EFFECT.card.name
+    name = pads.FADE.card.name
     if name in known:
         raise InputError(f"{name} of the car is already taken out of the log")
-    history = at_rest(s.time, log["p_mc"], 0.0, temperatures(car, log, s))
-    fade_f, fade_r = pad_thermal_fade.friction(FADE, history, s.p_f, s.p_r)
+    history = constant_speed(s.time, log["p_mc"], 0.0, temperatures(car, log, s))
+    fade_f, fade_r = pads.faded(FADE, history, s.p_f, s.p_r)
     return car.front.pad_friction * fade_f, car.rear.pad_friction * fade_r
 
 

@@ -16,7 +16,7 @@ from calib.plausibility.limits import PLAUSIBLE
 from calib.plausibility.load import is_load, load_behind
 from calib.plausibility.pads import change_warnings, level_warnings
 from calib.plausibility.run import run_warnings
-from calib.table.pads_budget import front_share
+from calib.table.budget import front_share
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:

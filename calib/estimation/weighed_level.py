@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.mixture_posterior import mixture_posterior
+from calib.base.mixtures import mixture_posterior
 from calib.estimation.pad_level import PadLevel
 from calib.estimation.plan import Plan
 

@@ -9,9 +9,8 @@ from calib.fitting.pad_level import level_sigmas
 from calib.model.parameters import AT
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
-from calib.table.budget import Parts, TableBudget
-from calib.table.pads_budget import axle_budgets
-from calib.table.table import Calibration
+from calib.table.budget import Parts, axle_budgets
+from calib.table.table import Calibration, TableBudget
 
 
 def table_budget(

@@ -4,8 +4,7 @@ import numpy as np
 
 from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
-from calib.table.budget import Parts
-from calib.table.pads_budget import front_share
+from calib.table.budget import Parts, front_share
 from calib.table.table import Calibration, Value
 
 

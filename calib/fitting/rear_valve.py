@@ -17,7 +17,7 @@ import numpy as np
 
 from calib.base.units import from_si
 from calib.base.warning import PlausibilityWarning
-from calib.car.effects import rear_proportioning
+from calib.car.effects.line import limited
 from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified, misfits
 from calib.model.parameters import PRIORS
@@ -25,7 +25,7 @@ from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
 
-VALVE = rear_proportioning.EFFECT.card.name
+VALVE = "rear_proportioning"
 
 
 def rear_valve_warnings(
@@ -67,5 +67,5 @@ def rear_valve_warnings(
 
 def _limited(run: RampRun, knee: float) -> RampRun:
     """The run with a usual valve of that ``knee`` [Pa] at the rear axle."""
-    p_r = rear_proportioning.limited(run.blocks.p_r, knee, SETTINGS.valve_slope)
+    p_r = limited(run.blocks.p_r, knee, SETTINGS.valve_slope)
     return replace(run, blocks=replace(run.blocks, p_r=p_r))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.hypotheses import weigh_hypotheses
+from calib.base.mixtures import weigh_hypotheses
 from calib.model.covariance_parts import Parts, posterior_parts, scatter_parts
 from calib.model.parameters import AT, PRIORS
 from calib.model.settings import SETTINGS

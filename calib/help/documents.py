@@ -1,17 +1,24 @@
-"""The documents that commands print or write, as the page `reference` has them, as JSON Schemas.
+"""The documents that commands print or write, by `documents.toml`, as JSON Schemas.
 
-### `brake-cal fit LOG... --json`
-Schema: `fit-json`.
-| `new` | true or false | false where the same content was stored already |
+    [fit-json]
+    title = "`brake-cal fit LOG... --json`"
+    [fit-json.keys]
+    new = "true or false: false where the same content was stored already"
+
+The page `reference` of the manual is made of the same file: `python -m calib.help.documents`.
 """
 
 import re
-from collections.abc import Iterator
+import tomllib
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
-from calib.help.page import find
+from calib.help.page import FOLDER
+
+FILE = Path(__file__).with_name("documents.toml")
+PAGE = FOLDER / "reference.md"
 
 TYPES: dict[str, dict[str, Any]] = {
     "text": {"type": "string"},
@@ -29,9 +36,6 @@ TYPES: dict[str, dict[str, Any]] = {
 OR_NULL = " or null"
 SEVERAL = " ..."
 """End of a key that stands for several which begin alike."""
-
-_PART = re.compile(r"^### (.+?)\n\nSchema: `([\w-]+)`(.*?)(?=^#|\Z)", re.MULTILINE | re.DOTALL)
-_ROW = re.compile(r"^\| `(.+?)` \| (.+?) \| (.+) \|$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -53,10 +57,14 @@ class DocumentKey:
 
 @dataclass(frozen=True)
 class Document:
-    """One document: ``name`` of its schema, ``title``, and the keys of its first level."""
+    """One document: ``name`` of its schema, ``title``, and the keys of its first level.
+
+    ``note``: what stands beside its schema on the page.
+    """
 
     name: str
     title: str
+    note: str
     keys: tuple[DocumentKey, ...]
 
     @property
@@ -70,22 +78,41 @@ class Document:
         }
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
-            "title": self.title,
+            "title": self.title.replace("`", ""),
             "type": "object",
             "properties": {"schema": {"const": 1}, **plain},
             **({"patternProperties": several} if several else {}),
             "required": ["schema", *plain],
         }
 
+    @property
+    def part(self) -> str:
+        """Its part of the page."""
+        rows = "".join(f"| `{k.name}` | {k.type} | {k.meaning} |\n" for k in self.keys)
+        head = f"### {self.title}\n\nSchema: `{self.name}`. {self.note}".rstrip()
+        return f"{head}\n\n| key | type | meaning |\n|---|---|---|\n{rows}"
+
 
 @cache
 def documents() -> dict[str, Document]:
-    """Every document of the page, by the name of its schema."""
-    return {one.name: one for one in _read()}
+    """Every document, by the name of its schema."""
+    written = tomllib.loads(FILE.read_text(encoding="utf-8"))
+    return {
+        name: Document(
+            name,
+            one["title"],
+            one.get("note", ""),
+            tuple(DocumentKey(key, *says.split(": ", 1)) for key, says in one["keys"].items()),
+        )
+        for name, one in written.items()
+    }
 
 
-def _read() -> Iterator[Document]:
-    (page,) = find("reference")
-    for title, name, rest in _PART.findall(page.text):
-        keys = (DocumentKey(*cells) for cells in _ROW.findall(rest))
-        yield Document(name, title.replace("`", ""), tuple(keys))
+def page_of(text: str) -> str:
+    """The text of the page `reference` with the parts of all documents, which are its end."""
+    before = text.partition("\n### ")[0]
+    return "\n".join([before, *(one.part for one in documents().values())])
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page_of(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -49,21 +49,12 @@ def assign(
     require: tuple[str, ...],
     where: str,
 ) -> tuple[list[Assigned], tuple[str, ...]]:
-    """Decide which columns of a file are used.
+    """The columns of a file to use, and the names of the others.
 
-    Parameters
-    ----------
-    columns : all columns, in file order.
-    channel_map : foreign names, or None. A mapped channel replaces a column of the same name.
-    require : channels that must be present.
-    where : the file's path, for messages.
-
-    Returns
-    -------
-    The columns to use, and the names of the other columns; among these are optional channels
-    without a unit, see `without_unit`. Raises LogError for a required channel that is missing, a
-    channel that occurs twice, a missing or unknown unit; ChannelMapError for a source that is not
-    in the file.
+    A mapped channel replaces a column of the same name. Among the others are optional channels
+    without a unit, see `without_unit`. Raises LogError for a channel in ``require`` that is
+    missing, a channel that occurs twice, a missing or unknown unit; ChannelMapError for a source
+    that is not in the file. ``where`` is its path, for messages.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()

@@ -23,12 +23,10 @@ class DatabaseFile:
 class Databases:
     """The files of a channel map that describe frames.
 
-    Attributes
-    ----------
-    files : for every bus of the log.
-    buses : for one bus only, by the recorder's name of its channel, such as ``"1"`` or ``"can0"``.
-    sources : source addresses of J1939 messages, whose frames are then found by their parameter
-        group; empty for any address; None if identifiers must be equal.
+    ``files`` for every bus of the log, ``buses`` for one only, by the recorder's name of its
+    channel, such as ``"1"`` or ``"can0"``. ``sources`` are source addresses of J1939 messages,
+    whose frames are then found by their parameter group; empty for any address; None if identifiers
+    must be equal.
     """
 
     files: tuple[DatabaseFile, ...] = ()
@@ -46,14 +44,11 @@ METHODS = ("linear", "hold")
 
 @dataclass(frozen=True)
 class Mapping:
-    """Source of one channel.
+    """Source of one channel: value = sign * (scale * written + offset).
 
-    Attributes
-    ----------
-    source : name of the column in the file, without its unit.
-    unit : unit of the values after scale and offset; None for the unit in the header.
-    sign, scale, offset : value = sign * (scale * written + offset).
-    method : interpolation between samples, one of `METHODS`; None lets the file decide.
+    ``source`` is the name of the column in the file, without its unit; ``unit`` that of the value,
+    None for the unit in the header; ``method`` of interpolation one of `METHODS`, None lets the
+    file decide.
     """
 
     source: str

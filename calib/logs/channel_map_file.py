@@ -40,8 +40,8 @@ from pydantic import (
 
 from calib.base.errors import ChannelMapError
 from calib.base.names import CHANNELS
-from calib.base.schema import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
-from calib.base.schema_errors import shown, wrong
+from calib.base.record import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
+from calib.base.record_errors import shown, wrong
 from calib.base.units import UnknownUnit, spellings, unit_of
 from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat

@@ -59,15 +59,10 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
 def evened(time: Array) -> tuple[Array, float] | None:
     """The line of an even clock that was written with few digits, and the rounding [s].
 
-    Parameters
-    ----------
-    time : ascending times [s], shape (n,). Lost samples and gaps leave a line as it is.
-
-    Returns
-    -------
-    The times, shape (n,), each within the rounding of what was written, and the distance of two
-    neighbouring values of the step. None for a clock that jitters by more than its last digit, and
-    for one with digits enough. The step is then known to the rounding over the length of the log.
+    ``time`` [s], (n,), ascends; lost samples and gaps leave a line as it is. Each time is within
+    the rounding, the distance of two neighbouring values of the step, of what was written. None for
+    a clock that jitters by more than its last digit, and for one with digits enough. The step is
+    then known to the rounding over the length of the log.
     """
     steps = np.diff(time)
     step = _slope(time, steps)
@@ -114,18 +109,11 @@ DISORDERED = 0.25
 
 
 def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
-    """Undo the wrapping of timestamps.
+    """Timestamps [s] in the order of the file, (n,), without wraps, and notes.
 
-    Parameters
-    ----------
-    written : timestamps [s] in the order of the file, shape (n,).
-    where : the file's path, for messages.
-
-    Returns
-    -------
-    The timestamps without wraps [s], in the order of the file, shape (n,), and notes.
     Raises LogError for a step back that is not a wrap of a known counter, and for timestamps that
-    are not in order. A gap longer than the period of the counter cannot be detected.
+    are not in order; ``where`` names the file. A gap longer than the period of the counter cannot
+    be detected.
     """
     steps = np.diff(written)
     if not np.isfinite(written).all():

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.errors import LogError
-from calib.base.moving_average import noise_of
 from calib.base.names import CHANNELS, WHEELS
+from calib.base.noise import noise_of
 from calib.base.units import from_si
 from calib.logs.clock import is_ascending
 from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows

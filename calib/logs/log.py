@@ -31,20 +31,12 @@ class Origin:
 class Log:
     """One run.
 
-    Attributes
-    ----------
-    name : file stem.
-    source : path or origin, for messages.
-    digest : SHA-256 of the file's bytes; of the content for a simulated log.
-    channels : canonical channels [SI], each of shape (n,), ``time`` among them.
-    truth : truth channels of a simulation [SI]; used only to score results.
-    ignored : source channels that were not used.
-    notes : what the reader changed or ignored, as text.
-    origins : source and conversion of each channel; empty for a simulated log.
-    bridged : gaps of single channels that were bridged, see `calib.logs.gaps`.
-    marked : samples that no car drives, see `calib.logs.impossible`; they have no value.
-    interpolated : channels that were recorded on another clock: between their samples the values
-        are interpolated.
+    ``name`` is the file stem, ``source`` the path or origin, ``digest`` the SHA-256 of the file's
+    bytes, or of the content of a simulated log. ``channels`` are canonical [SI], (n,) each, with
+    ``time``; ``truth`` is that of a simulation [SI], only to score results. ``ignored`` columns
+    were not used; ``notes`` say what the reader changed; ``origins`` are empty for a simulated log.
+    ``bridged`` gaps: `calib.logs.gaps`; ``marked`` samples, which have no value:
+    `calib.logs.impossible`. ``interpolated`` channels were recorded on another clock.
     """
 
     name: str

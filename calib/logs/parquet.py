@@ -23,13 +23,12 @@ MDF_CLOCK = "timestamps"
 
 
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
-    """Open a Parquet file.
+    """Open a Parquet file; ``text_format`` is not used.
 
-    A field without the metadata may have its unit in its name, as in CSV: ``p_mc [bar]``. Files
-    from pandas need this, because pandas drops the metadata, or the units by column in
-    ``frame.attrs["units"]``. The index ``timestamps`` of a file exported by asammdf is the time in
-    seconds; asammdf drops all other units, so they must be in a channel map. A column of time
-    stamps, times of day or durations is in seconds from its first row. ``text_format`` is not used.
+    A field without the metadata may have its unit in its name, as in CSV, or in pandas'
+    ``frame.attrs["units"]``: pandas drops the metadata. The index ``timestamps`` of a file exported
+    by asammdf is the time in seconds; asammdf drops all other units. Time stamps, times of day and
+    durations are in seconds from the first row.
 
     Raises LogError for a file that is empty, cut off or not Parquet.
     """

@@ -141,10 +141,9 @@ def read_opened(
         values | filled,
         ignored=ignored,
         notes=(*source.notes, *without_unit(source.columns, taken), *rounded, *notes),
-        origins=tuple(item.origin() for item in taken),
         bridged=tuple(bridged),
     )
-    return _checked(log, require)
+    return _checked(log, taken, require)
 
 
 def log_of(
@@ -194,11 +193,10 @@ def _recorded(
         {item.channel: item.to_si(w) for item, w in written},
         ignored=ignored,
         notes=(*opened.notes, *without_unit(opened.columns, taken), *found.notes),
-        origins=tuple(item.origin() for item in taken),
         bridged=found.bridged,
         interpolated=found.interpolated,
     )
-    return _checked(log, require)
+    return _checked(log, taken, require)
 
 
 def _as_map(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
@@ -213,7 +211,7 @@ def _with_time(require: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(("time", *require)))
 
 
-def _checked(log: Log, require: tuple[str, ...]) -> Log:
+def _checked(log: Log, taken: list[Assigned], require: tuple[str, ...]) -> Log:
     """The log with the channels that are whole, its truth apart. Raises LogError as `read_log`."""
     refuse_absurd(log.channels, log.source)
     possible, marked, more = without_impossible(log.channels, log.source)
@@ -225,7 +223,7 @@ def _checked(log: Log, require: tuple[str, ...]) -> Log:
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         notes=log.notes + cut_notes + notes,
-        origins=tuple(o for o in log.origins if o.channel in values),
+        origins=tuple(item.origin() for item in taken if item.channel in values),
         bridged=tuple(gap for gap in (*log.bridged, *more) if gap.channel in values),
         marked=marked,
     )

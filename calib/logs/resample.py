@@ -66,11 +66,10 @@ class Resampled:
 def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     """Resample channels onto one clock.
 
-    The clock has the timestamps of the required channel with the highest rate and even steps; if
-    several are about as fast, of those with most wheel speeds. Channels on these timestamps keep
-    their samples; others are interpolated linearly, states hold their last value. There are no
-    values before the first or after the last sample of a channel, nor in a gap, unless
-    `calib.logs.gaps` bridges it.
+    It has the timestamps of the required channel with the highest rate and even steps; if several
+    are about as fast, of those with most wheel speeds. Channels on these timestamps keep their
+    samples; others are interpolated linearly, states hold their last value. There are no values
+    outside the samples of a channel, nor in a gap, unless `calib.logs.gaps` bridges it.
 
     Raises LogError if the required channels have no time in common, for timestamps that are not in
     order (`calib.logs.clock`), and if there is no channel at all.

@@ -85,19 +85,11 @@ class WholeLog:
 def read_whole(
     path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
 ) -> WholeLog:
-    """Read every column of a log.
+    """Read every column of a log; of several sample rates on the clock that `read_log` takes.
 
-    Parameters
-    ----------
-    path : the log; its ending gives the format.
-    channel_map : names and units of foreign columns.
-    keep_names : leave names and values as they are in the file; only the text format and the DBC
-        files of ``channel_map`` are used.
-
-    Returns
-    -------
-    The columns; of a log with several sample rates on the clock that `read_log` takes. Raises
-    LogError for a file that is not a log, ChannelMapError for a map that does not fit.
+    With ``keep_names`` names and values stay as they are in the file; of ``channel_map`` only the
+    text format and the DBC files are used. Raises LogError for a file that is not a log,
+    ChannelMapError for a map that does not fit.
     """
     path = Path(path)
     refuse_no_log(path)

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.hypotheses import Mixture
+from calib.base.mixtures import Mixture
 from calib.model.parameters import AT, PRIORS, RampParameters
 from calib.model.ramp import OfRun, RampRun
 

@@ -15,13 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.car.effects import aerodynamic_drag, rolling_resistance
-from calib.car.effects.aerodynamic_drag import AIR_DENSITY
+from calib.car.effects.body import AERODYNAMIC_DRAG, AIR_DENSITY
 from calib.car.effects.effects import Effects
+from calib.car.effects.wheels import ROLLING_RESISTANCE
 from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
-from calib.run.block_balance import block_balance
-from calib.run.blocks import Blocks
+from calib.run.blocks import Blocks, block_balance
 
 Array = NDArray[np.float64]
 
@@ -31,7 +30,7 @@ MODEL_ERROR = 3e-4
 
 DRAG, ROLLING = (
     (effect.card.name, effect.card.parameters[0].name)
-    for effect in (aerodynamic_drag.EFFECT, rolling_resistance.EFFECT)
+    for effect in (AERODYNAMIC_DRAG, ROLLING_RESISTANCE)
 )
 """Effect and parameter that are looked for."""
 
@@ -82,7 +81,7 @@ def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
 
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
-    priors = [e.EFFECT.card.parameters[0] for e in (aerodynamic_drag, rolling_resistance)]
+    priors = [e.card.parameters[0] for e in (AERODYNAMIC_DRAG, ROLLING_RESISTANCE)]
     given = [effects.parameters.get(name, {}).get(p) for name, p in (DRAG, ROLLING)]
     centre = [p.typical if g is None else g for p, g in zip(priors, given, strict=True)]
     # a given value is still a measured one: 2 % of the usual spread keeps the algebra regular

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.half_normal import likelihood_ratio, mean_square
+from calib.base.mixtures import likelihood_ratio, mean_square
 from calib.base.warning import PlausibilityWarning, warning
 from calib.car.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE

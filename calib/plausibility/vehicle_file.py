@@ -24,7 +24,6 @@ from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
 from calib.car.keys import CHASSIS, FRONT, KEYS, REAR, VehicleKey
-from calib.car.plausible import written_value
 from calib.car.vehicle import Axle, Vehicle
 from calib.plausibility.limits import PLAUSIBLE
 from calib.table.table import Calibration
@@ -122,7 +121,7 @@ def _entries(vehicle: Vehicle, section: str, t: float) -> Iterator[tuple[str, bo
     names = ("mass",) if section == CHASSIS else PARTS
     keys = {key.name: key for key in KEYS if key.section == section}
     for key in (keys[name] for name in names):
-        written = written_value(vehicle, key)
+        written = key.value_of(vehicle)
         # too much mass makes strong pads, too much area weak ones
         right = written * math.exp(-t if key.name == "mass" else t)
         whole = key.name != "friction_faces" or abs(right - round(right)) < 0.1

@@ -1,26 +1,25 @@
 """Facts of the tables of a store: lists, one table, two of them, what happened, what came back."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from calib.base.plain import counted
-from calib.exports.dataset import Returned
-from calib.exports.read import Difference as FromFile
+from calib.exports.compare import Difference as FromFile
+from calib.exports.read import Returned
 from calib.show.facts import FAILED, Facts, Row, Table
 from calib.store.answer import answer, verdict_lines
-from calib.store.figures import mean_figures
+from calib.store.figures import effect_figures, mean_figures
 from calib.store.journal import Entry
 from calib.store.listing import ListedVersion
 from calib.store.signature import key_ids
 from calib.store.store import StoreVerdict
 from calib.store.version import Stored
 from calib.table.compare import CurveGap, Difference, ValueGap
-from calib.table.effect_figures import effect_figures
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
 ROWS = 12
 """Rows of f1 and f2 that are printed; all of them are in the JSON."""
-PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
+_PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
 """Sections whose changed keys are printed; of the others only how many there are."""
 
 
@@ -128,13 +127,13 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
     values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in found.values]
     changes = [
         (section, change.key, _short(change.a), _short(change.b))
-        for section in PRINTED
+        for section in _PRINTED
         for change in found.changes.get(section, ())
     ]
     rest = [
         f"{len(changed)} of {section}"
         for section, changed in found.changes.items()
-        if section not in (*PRINTED, "calibration")
+        if section not in (*_PRINTED, "calibration")
     ]
     return Facts(
         headline=headline,
@@ -173,13 +172,12 @@ def _short(written: str | None) -> str:
         return str(written)
 
 
-def verified(verdicts: Sequence[StoreVerdict], signed: Mapping[str, str] | None) -> Facts:
+def verified(verdicts: Sequence[StoreVerdict], with_key: bool) -> Facts:
     """Which versions are damaged, and, with a key, which are signed as what."""
     rows = []
     for verdict in verdicts:
-        state = signed.get(verdict.id) if signed is not None else None
-        by = f", signed as {state}" if state else ", not signed by this key"
-        sound = "sound" + ("" if signed is None else by)
+        by = f"signed as {verdict.signed}" if verdict.signed else "not signed by this key"
+        sound = f"sound, {by}" if with_key else "sound"
         rows.append((verdict.id, "; ".join(verdict.violations) or sound))
     colours = ["" if verdict.sound else FAILED for verdict in verdicts]
     return Facts(tables=[Table(("table", "verdict"), rows, verdicts=colours)])

@@ -10,8 +10,9 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array as Array
+from calib.base.arrays import Mask as Mask
 from calib.logs.clock import step_of
 from calib.run.filters import centred_mean
 
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 else:
     Axes = Figure = "of matplotlib, which is imported when something is drawn"
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Stroke = dict[str, Any]
 
 WIDTH = 8.27
@@ -49,10 +48,10 @@ WHEEL_STROKES: dict[str, Stroke] = {
 }
 
 SHADE = "#E9E9E9"
-STRIPE = "#B0B0B0"
+_STRIPE = "#B0B0B0"
 RAW = 0.3
 """Opacity of a line without smoothing."""
-BAND = 0.18
+_BAND = 0.18
 """Opacity of a 95 % band."""
 MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
@@ -142,7 +141,7 @@ def lines(
 
 def band(ax: Axes, x: Array, lower: Array, upper: Array, stroke: Stroke) -> None:
     """Draw a 95 % band behind its line."""
-    ax.fill_between(x, lower, upper, color=stroke["color"], alpha=BAND, linewidth=0.0, zorder=1)
+    ax.fill_between(x, lower, upper, color=stroke["color"], alpha=_BAND, linewidth=0.0, zorder=1)
 
 
 def shade(ax: Axes, x: Array, where: Mask) -> None:
@@ -153,7 +152,7 @@ def shade(ax: Axes, x: Array, where: Mask) -> None:
 
 def stripe(ax: Axes, start: float, end: float) -> None:
     """Hatch the whole height of ``ax`` between two places."""
-    ax.axvspan(start, end, facecolor="none", edgecolor=STRIPE, hatch="////", lw=0.0)
+    ax.axvspan(start, end, facecolor="none", edgecolor=_STRIPE, hatch="////", lw=0.0)
 
 
 def beside(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
-from calib.table.pads_budget import pads_budget
+from calib.table.budget import pads_budget
 from calib.table.table import Table
 
 
@@ -12,8 +12,8 @@ from calib.table.table import Table
 class Answer:
     """``usable`` where it is released; ``may`` says so in words.
 
-    ``decelerations``, ``eta`` least and greatest of the rows that rest on measurements [1];
-    ``ends`` what ends the range, ``limit`` what is beyond it; ``next`` the next step.
+    ``decelerations``, ``eta`` of the known rows [1]; ``ends`` what ends the range, ``limit`` what
+    is beyond it; ``next`` the next step.
     """
 
     usable: bool
@@ -39,7 +39,7 @@ def answer(stored: Stored) -> Answer:
     )
 
 
-USE = {DRAFT: "for trials and for a validation, not for an ECU", RELEASED: "for an ECU"}
+_USE = {DRAFT: "for trials and for a validation, not for an ECU", RELEASED: "for an ECU"}
 """What a version in a state is for; nothing in any other state."""
 
 
@@ -51,7 +51,7 @@ def verdict_lines(stored: Stored) -> list[str]:
 def verdict(stored: Stored) -> str:
     """For what a version is usable, up to how many g, what limits it, in one line."""
     word, cal = stored.state.word, stored.table.calibration
-    if word not in USE:
+    if word not in _USE:
         return f"usable for nothing: it is {word}"
     said = answer(stored)
     front, rear = (
@@ -60,7 +60,7 @@ def verdict(stored: Stored) -> str:
     )
     parts = dict.fromkeys(of.largest.replace("_", " ") for of in pads_budget(stored.table))
     return (
-        f"usable {USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
+        f"usable {_USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
         f"{front} front and {rear} rear, limited by {' and '.join(parts)}"
     )
 
@@ -75,24 +75,16 @@ def _ends(table: Table) -> str:
 
 
 def _limit(table: Table) -> str:
-    if table.quality.get("eta_peak_is_real"):
-        why = "beyond it two decelerations have one eta, and an ECU uses the end value"
-    else:
-        why = "beyond it an ECU uses the end value"
-    return f"{_ends(table)}: {why}"
+    two = "two decelerations have one eta, and " if table.quality.get("eta_peak_is_real") else ""
+    return f"{_ends(table)}: beyond it {two}an ECU uses the end value"
 
 
 def _next(stored: Stored) -> str:
-    word, id_ = stored.state.word, stored.id
-    warned = "look at its warnings, then " if stored.table.warnings else ""
-    if word == RELEASED:
-        return f"`brake-cal tables export {stored.name} --format dcm --out {stored.name}.dcm`"
-    if word == DRAFT:
-        return (
-            f"{warned}validate it on stops (`brake-cal validate {id_} STOP... --out results`) and "
-            f"release it (`brake-cal tables release {id_} --reason ... "
-            "--evidence results/summary.json`)"
-        )
-    if word == REJECTED:
-        return "find the cause, and fit the car again; or release it on new evidence"
-    return "fit the car again"
+    id_, warned = stored.id, "look at its warnings, then " if stored.table.warnings else ""
+    return {
+        RELEASED: f"`brake-cal tables export {stored.name} --format dcm --out {stored.name}.dcm`",
+        DRAFT: f"{warned}validate it on stops (`brake-cal validate {id_} STOP... --out results`) "
+        f"and release it (`brake-cal tables release {id_} --reason ... "
+        "--evidence results/summary.json`)",
+        REJECTED: "find the cause, and fit the car again; or release it on new evidence",
+    }.get(stored.state.word, "fit the car again")

@@ -1,13 +1,41 @@
-"""A file on which a person releases or rejects a version: a validation, or a car at the station."""
+"""Files that say how good a version is: a validation, or a car at the station."""
 
 import hashlib
+import json
+from dataclasses import dataclass
 from pathlib import Path
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import ExchangeError
-from calib.store.quality import read_quality
+from calib.base.printable import printable
 from calib.store.state import Evidence
 from calib.store.version import Stored
+
+CALIBRATED, CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
+
+
+@dataclass(frozen=True)
+class Quality:
+    """``state`` of CDF 2.0 and the same in ``words``; ``verdict`` None without a validation.
+
+    The last state of CDF 2.0, `completed`, is never set here: a person sets it.
+    """
+
+    state: str
+    words: str
+    verdict: str | None = None
+
+
+UNPROVED = Quality(CALIBRATED, "none given with this export")
+"""Quality of a table without a validation."""
+
+
+def read_quality(path: Path, stored: Stored) -> Quality:
+    """Quality of a version from the summary.json of `validate --out`.
+
+    Raises ExchangeError when it is no such file or is of another table.
+    """
+    return _quality(_read(path), path, stored)
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
@@ -16,36 +44,66 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
     The file is a `summary.json` of `validate --out` or a `station.json`. Raises ExchangeError when
     it is neither, is of another table, or has no hold-out.
     """
-    try:
-        data = read_bounded(path, VALIDATION)
-    except OSError as error:
-        raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
-    evidence = Evidence(path.name, hashlib.sha256(data).hexdigest())
-    verdict = _station_verdict(data, path, stored)
-    if verdict is None:
-        verdict = read_quality(path, stored).verdict
+    data = _read(path)
+    verdict = _station_verdict(data, path, stored) or _quality(data, path, stored).verdict
     if verdict is None:
         raise ExchangeError(
             "is a validation on logs that the table was fitted on, which proves nothing",
             where=path,
             expected="a validation on hold-out logs",
         )
-    return evidence, verdict
+    return Evidence(path.name, hashlib.sha256(data).hexdigest()), verdict
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return read_bounded(path, VALIDATION)
+    except OSError as error:
+        raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
+
+
+def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
+    from calib.base.record import validated
+    from calib.store.record_file import SummaryFile
+
+    try:
+        summary = validated(data, SummaryFile, None, ExchangeError)
+    except ExchangeError as error:
+        raise ExchangeError(
+            f"no summary of a validation: {error}",
+            where=path,
+            do="take the summary.json of `brake-cal validate --out`",
+        ) from error
+    if summary.table != stored.id or summary.digest not in (None, stored.digest):
+        of = f"the validation of {summary.table}"
+        raise _other(of, summary.digest or "unknown", path, stored)
+    held = [log for log in summary.logs if log.role == "hold-out"]
+    if not held:
+        return Quality(CALIBRATED, "only on logs that the table was fitted on: proves nothing")
+    verdict, outcomes = summary.verdict, [f"{log.log} {log.verdict}" for log in held]
+    words = f"{verdict} on {len(held)} hold-out log{'s' * (len(held) > 1)}: {', '.join(outcomes)}"
+    return Quality(CHECKED if verdict == "passed" else PRELIMINARY, printable(words), verdict)
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
     """The verdict of a `station.json` on this version; None where the file is none."""
-    from calib.base.schema import validated_json
-    from calib.store.evidence_file import StationFile
-
     try:
-        file = validated_json(data, StationFile, None, ExchangeError)
-    except ExchangeError:
+        document = json.loads(data)
+        verdict, table = document["verdict"], document["table"]
+        id_, digest = str(table["id"]), str(table["digest"])
+    except (ValueError, TypeError, KeyError, RecursionError):
         return None
-    if file.table.digest != stored.digest:
-        raise ExchangeError(
-            f"is of {file.table.id}, digest {file.table.digest[:12]}",
-            where=path,
-            expected=f"one of {stored.id}, digest {stored.digest[:12]}",
-        )
-    return file.verdict
+    if document.get("schema") != 1 or verdict not in ("passed", "warning", "failed"):
+        return None
+    if digest != stored.digest:
+        raise _other(f"of {id_}", digest, path, stored)
+    return str(verdict)
+
+
+def _other(of: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
+    return ExchangeError(
+        f"is {of}, digest {digest[:12]}",
+        where=path,
+        expected=f"one of {stored.id}, digest {stored.digest[:12]}",
+        do="validate this version",
+    )

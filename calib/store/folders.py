@@ -13,10 +13,8 @@ from pathlib import Path
 from calib.base.errors import StoreError, TableNotFound
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
-FOLDER = re.compile(r"v(\d{4,6})")
+_FOLDER = re.compile(r"v(\d{4,6})")
 RECORD = "record.json"
-LOGS_LAST = "a file of that name is here: give the table first, then the logs"
-"""What to do where a log stands in the place of a table."""
 NEW = ".new-"
 """First letters of a version that is not in its place yet; no listing shows it."""
 SIGNATURE = ".minisig"
@@ -47,7 +45,7 @@ def numbers(home: Path) -> list[int]:
     """Numbers that anything in a table's directory bears, file or folder, rising."""
     if not home.is_dir():
         return []
-    found = (FOLDER.fullmatch(p.name) for p in home.iterdir())
+    found = (_FOLDER.fullmatch(p.name) for p in home.iterdir())
     return sorted(int(match[1]) for match in found if match and int(match[1]) > 0)
 
 
@@ -89,21 +87,17 @@ def path_of(reference: str) -> Path | None:
         path = path.parent
     elif os.sep not in reference and not (path / RECORD).is_file():
         return None
+    if (path / RECORD).is_file() or any(path.glob("*.parquet")):
+        return path
     if path.is_file():
         raise TableNotFound(
             "is a file and no table",
             where=reference,
             expected="name, name@version or path",
-            do=LOGS_LAST,
+            do="give the table first, then the logs",
         )
-    if not path.is_dir():
-        raise TableNotFound(
-            "no such directory", where=reference, expected="name, name@version or path"
-        )
-    if not (path / RECORD).is_file() and not any(path.glob("*.parquet")):
-        raise TableNotFound(
-            f"no {RECORD} in it",
-            where=reference,
-            expected="the directory of one version, like v0001",
-        )
-    return path
+    if path.is_dir():
+        what, expected = f"no {RECORD} in it", "the directory of one version, like v0001"
+    else:
+        what, expected = "no such directory", "name, name@version or path"
+    raise TableNotFound(what, where=reference, expected=expected)

@@ -12,16 +12,20 @@ head (see `calib.store.signature`) is what shows that.
 import hashlib
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields, replace
 from datetime import UTC, datetime
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
+from calib.base.bounded import JOURNAL as JOURNAL_FILE
+from calib.base.bounded import read_bounded
 from calib.base.digest import canonical_json
 from calib.base.errors import DamagedTable
-from calib.store.minisign import STATES
-from calib.store.state import CHANGES, Evidence, StateDecision, VersionState
+from calib.base.program import PROGRAM
+from calib.base.write import sync, write_whole
+from calib.store.state import CHANGES, STATES, Evidence, StateDecision, VersionState, user
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
 
@@ -29,7 +33,7 @@ STORED, ADOPTED, CHANGED, SIGNED = "stored", "adopted", "changed", "signed"
 FIRST = (STORED, ADOPTED)
 """Events with which the journal learns of a version; adopted: older than the journal."""
 
-START = "0" * 64
+_START = "0" * 64
 """Head of an empty journal."""
 
 
@@ -37,10 +41,9 @@ START = "0" * 64
 class Entry:
     """One line of the journal.
 
-    ``number`` from 1; ``at`` ISO 8601 in UTC; ``event`` stored, adopted, changed or signed;
-    ``state`` of the version afterwards; ``digest`` of its content and ``record`` the SHA-256 of
-    its record file; ``inputs`` digest of what it was fitted from, of an entry that adds a version;
-    ``key`` that signed.
+    ``number`` from 1; ``at`` ISO 8601 in UTC; ``state`` of the version afterwards; ``digest`` of
+    its content and ``record`` the SHA-256 of its record file; ``inputs`` digest of what it was
+    fitted from, of an entry that adds a version; ``key`` that signed.
     """
 
     number: int
@@ -66,13 +69,8 @@ class Entry:
         """name@version."""
         return f"{self.table}@{self.version}"
 
-    def line(self) -> bytes:
-        """The entry as a line of the file."""
-        return canonical_json(asdict(self)) + b"\n"
 
-
-KINDS = {field.name: field.type for field in fields(Entry) if field.type in (int, str)}
-"""Type of each field that is a single value."""
+_KINDS = {field.name: field.type for field in fields(Entry) if field.type in (int, str)}
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ class Journal:
     @property
     def head(self) -> str:
         """Hash of the last entry."""
-        return self.entries[-1].hash if self.entries else START
+        return self.entries[-1].hash if self.entries else _START
 
     def line_of(self, head: str) -> int:
         """Number of the line with the hash ``head``; 0 where there is none."""
@@ -93,13 +91,11 @@ class Journal:
     @cached_property
     def tables(self) -> dict[str, dict[int, tuple[Entry, ...]]]:
         """The entries of each version of each table, in order; numbers rise."""
-        found: dict[str, dict[int, list[Entry]]] = {}
-        for entry in self.entries:
-            found.setdefault(entry.table, {}).setdefault(entry.version, []).append(entry)
-        return {
-            name: {version: tuple(of) for version, of in sorted(versions.items())}
-            for name, versions in found.items()
-        }
+        found: dict[str, dict[int, tuple[Entry, ...]]] = {}
+        for entry in sorted(self.entries, key=lambda e: (e.version, e.number)):
+            of = found.setdefault(entry.table, {})
+            of[entry.version] = (*of.get(entry.version, ()), entry)
+        return found
 
     def of(self, name: str) -> dict[int, tuple[Entry, ...]]:
         """The entries of each version of a table; empty for a table that it does not know."""
@@ -108,77 +104,88 @@ class Journal:
     def state(self, name: str, version: int) -> VersionState:
         """The state of a version. Raises KeyError for one that the journal does not know."""
         history = self.tables[name][version]
-        told = [entry for entry in history if entry.event != SIGNED][-1]
+        last = [entry for entry in history if entry.event != SIGNED][-1]
         return VersionState(
-            told.state,
-            told.at,
-            told.by,
-            told.reason,
-            told.verdict,
-            told.evidence,
+            last.state,
+            last.at,
+            last.by,
+            last.reason,
+            last.verdict,
+            last.evidence,
             stored_at=history[0].at if history[0].event == STORED else "",
             seen=frozenset(one.sha256 for entry in history for one in entry.evidence),
         )
 
-    def added(
-        self, event: str, name: str, version: int, digest: str, record: str,
-        decision: StateDecision, *, inputs: str = "", key: str = "", program: str,
-    ) -> "Journal":  # fmt: skip
-        """The journal with one more entry."""
+    def added(self, decision: StateDecision, **of: Any) -> "Journal":
+        """The journal with one more entry: a decision, and the other fields of `Entry`."""
         entry = Entry(
             number=len(self.entries) + 1,
             at=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
-            by=decision.person,
-            program=program,
-            event=event,
-            table=name,
-            version=version,
+            by=decision.by or user(),
+            program=PROGRAM,
             state=decision.state,
-            digest=digest,
-            record=record,
-            inputs=inputs,
             reason=decision.reason,
             verdict=decision.verdict,
             evidence=decision.evidence,
-            key=key,
             previous=self.head,
             hash="",
+            **of,
         )
-        return Journal((*self.entries, replace(entry, hash=_hash(asdict(entry)))))
+        return Journal((*self.entries, replace(entry, hash=_hash(entry))))
 
     def content(self) -> bytes:
         """The bytes of the journal's file."""
-        return b"".join(entry.line() for entry in self.entries)
+        return b"".join(canonical_json(asdict(entry)) + b"\n" for entry in self.entries)
 
     def head_content(self) -> bytes:
         """The bytes of the head's file."""
         return f"{self.head} {len(self.entries)}\n".encode()
 
 
-def parse(data: bytes, head: bytes | None, where: object) -> Journal:
-    """Read a journal; ``head`` the bytes of the head's file, None where there is none.
+def read_journal(folder: Path) -> Journal:
+    """The journal of a store; an empty one where there is none.
 
-    A journal may be longer than its head says, by lines whose writer was stopped before it wrote
-    the head. Raises DamagedTable that names the first line that is wrong.
+    It may be longer than its head says, by lines whose writer was stopped before it wrote the head.
+    Raises DamagedTable that names the first line that is wrong, OSError where it cannot be read.
     """
+    # The head first: a writer may add a line between the two.
+    head = _bytes(folder / HEAD)
+    data = _bytes(folder / JOURNAL)
+    where = folder / JOURNAL
+    if data is None and head not in (None, Journal().head_content()):
+        raise _damaged(f"missing, and {HEAD} is there", where)
     if data and not data.endswith(b"\n"):
-        raise damaged("torn: its last line has no end", where)
+        raise _damaged("torn: its last line has no end", where)
     entries: list[Entry] = []
     known: dict[str, Entry] = {}
-    for number, line in enumerate(data.splitlines(), 1):
+    for number, line in enumerate((data or b"").splitlines(), 1):
         entry = _entry(line, number, where)
-        flaw = _flaw(entry, number, entries[-1].hash if entries else START, known.get(entry.id))
+        flaw = _flaw(entry, number, entries[-1].hash if entries else _START, known.get(entry.id))
         if flaw:
-            raise damaged(f"line {number}: {flaw}", where)
+            raise _damaged(f"line {number}: {flaw}", where)
         known[entry.id] = entry
         entries.append(entry)
     _check_head(entries, head, where)
     return Journal(tuple(entries))
 
 
-def damaged(what: str, where: object) -> DamagedTable:
-    """The error for a journal that cannot be trusted."""
-    return DamagedTable(what, where=where, do="restore journal and head from a copy of the store")
+def write_journal(folder: Path, journal: Journal) -> None:
+    """Replace the journal by a longer one. Raises OSError."""
+    if not (folder / HEAD).exists():  # a journal without a head is one whose head was lost
+        write_whole(folder / HEAD, Journal().head_content())
+    write_whole(folder / JOURNAL, journal.content())
+    write_whole(folder / HEAD, journal.head_content())
+    sync(folder)
+
+
+def enter(folder: Path, journal: Journal, undo: Callable[[], object]) -> None:
+    """`write_journal`; ``undo`` what was made for it if it is not entered. Raises OSError."""
+    try:
+        write_journal(folder, journal)
+    except BaseException:
+        if _bytes(folder / JOURNAL) != journal.content():
+            undo()
+        raise
 
 
 def without_duplicates(pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
@@ -191,25 +198,38 @@ def without_duplicates(pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     return document
 
 
-def _entry(line: bytes, number: int, where: object) -> Entry:
+def _damaged(what: str, where: Path) -> DamagedTable:
+    return DamagedTable(what, where=where, do="restore journal and head from a copy of the store")
+
+
+def _bytes(path: Path) -> bytes | None:
+    try:
+        return read_bounded(path, JOURNAL_FILE)
+    except FileNotFoundError:
+        return None
+
+
+def _entry(line: bytes, number: int, where: Path) -> Entry:
     try:
         document = json.loads(line, object_pairs_hook=without_duplicates)
         evidence = tuple(Evidence(**one) for one in document["evidence"])
         entry = Entry(**{**document, "evidence": evidence})
-        wrong = [name for name, kind in KINDS.items() if type(document[name]) is not kind]
+        wrong = [name for name, kind in _KINDS.items() if type(document[name]) is not kind]
         if wrong or canonical_json(document) != line:
             raise ValueError(f"{', '.join(wrong) or 'its spelling'} not as written")
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise damaged(f"line {number}: not an entry ({error})", where) from error
+        raise _damaged(f"line {number}: not an entry ({error})", where) from error
     return entry
 
 
 def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str:
     """What is wrong with an entry after the ones before it, "" if nothing is."""
-    if entry.hash != _hash(asdict(entry)):
+    if entry.hash != _hash(entry):
         return "was changed: it does not agree with its hash"
     if entry.previous != previous or entry.number != number:
         return "does not follow the line before: a line was changed, lost or put in"
+    if entry.event not in (*FIRST, CHANGED, SIGNED) or entry.state not in STATES:
+        return f"{entry.event} {entry.state}: no such event"
     if entry.event in FIRST:
         return f"{entry.id} is stored a second time" if before else ""
     if before is None:
@@ -218,25 +238,23 @@ def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str
         return f"{entry.id} is another table than the one that was stored"
     if entry.event == SIGNED:
         return "" if entry.state == before.state else "a signature does not change the state"
-    if entry.event != CHANGED or entry.state not in STATES:
-        return f"{entry.event} {entry.state}: no such event"
     allowed = entry.state in CHANGES[before.state]
     return "" if allowed else f"{entry.id} cannot become {entry.state} from {before.state}"
 
 
-def _check_head(entries: list[Entry], head: bytes | None, where: object) -> None:
+def _check_head(entries: list[Entry], head: bytes | None, where: Path) -> None:
     if head is None:
         if entries:
-            raise damaged(f"{HEAD} beside it is missing", where)
+            raise _damaged(f"{HEAD} beside it is missing", where)
         return
     digest, _, count = head.decode(errors="replace").strip().partition(" ")
     number = int(count) if re.fullmatch(r"[0-9]{1,18}", count) else -1
-    hashes = [START, *(entry.hash for entry in entries)]
+    hashes = [_START, *(entry.hash for entry in entries)]
     if number >= len(hashes):
-        raise damaged(f"has {len(entries)} lines, its head names {number}: lines are lost", where)
+        raise _damaged(f"has {len(entries)} lines, its head names {number}: lines are lost", where)
     if number < 0 or hashes[number] != digest:
-        raise damaged(f"does not agree with {HEAD}", where)
+        raise _damaged(f"does not agree with {HEAD}", where)
 
 
-def _hash(entry: dict[str, Any]) -> str:
-    return hashlib.sha256(canonical_json({**entry, "hash": ""})).hexdigest()
+def _hash(entry: Entry) -> str:
+    return hashlib.sha256(canonical_json({**asdict(entry), "hash": ""})).hexdigest()

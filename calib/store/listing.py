@@ -12,12 +12,11 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class ListedVersion:
-    """One version in a list.
+    """One version in a list; what cannot be read is None or empty, as ``flaw`` then says.
 
-    ``date`` when it was stored, "" where no journal knows; ``pads`` front and rear [1] and
-    ``decelerations`` of its curves and their ``usable`` range [1], None where it cannot be read, as
-    ``flaw`` then says; ``band_width`` as `band_width`; ``verdict`` of the evidence of its state;
-    ``warnings`` of its fit; ``keys`` that signed it, unverified.
+    ``date`` when it was stored, "" where no journal knows; ``pads`` front and rear [1];
+    ``decelerations`` of its curves and their ``usable`` range [1]; ``verdict`` of the evidence of
+    its state; ``warnings`` of its fit; ``keys`` that signed it, unverified.
     """
 
     id: str

@@ -6,69 +6,76 @@ The mean and its scatter are those of `calib.base.random_effects`. What the cars
 vehicle file, the track, the method) is in every one of them and in their mean.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.errors import RevisionError
 from calib.base.program import PROGRAM
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
-from calib.store.mean_curves import (
-    all_D,
-    car_weights,
-    mean_difference,
-    mean_paper,
-    mean_tyre,
-)
-from calib.store.mean_pads import inflated, mean_pads
-from calib.store.merge_words import remarks
-from calib.store.parents import require_mergeable
+from calib.car.vehicle import NOT_OF_THE_CAR
+from calib.store.mean import inflated, mean_curves, mean_pads
 from calib.store.version import Stored
-from calib.table.spread import FleetScatter, Scatter
-from calib.table.table import Provenance, Table, TableReference
+from calib.table.compare import changes
+from calib.table.table import Array, FleetScatter, Provenance, Scatter, Table, TableReference
 
-Array = NDArray[np.float64]
-
-LEAST = ("deceleration_max", "eta_peak_is_real")
+_LEAST = ("deceleration_max", "eta_peak_is_real")
 """Metrics of a fit of which the mean table has the least of its cars."""
 
-SUM = ("runs", "outliers")
+_SUM = ("runs", "outliers")
 """Metrics of which it has the sum; of all others it has the mean."""
+
+_CAR_MARKS = ("serial", "vin")
+"""Identifiers by which one car is known."""
+
+_LEAST_RANGE = 0.5
+"""Share of the longest range of eta that every table must cover: the mean ends with the shortest,
+and a golden table of half of the range judges half of the brake."""
+
+_FEW = 5
+"""Number of cars below which the spread between them is hardly known."""
+
+_SHARED = (
+    "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
+    "vehicle file, the surface of the track, sensors that are wrong in one way, the method; its "
+    "bands hold that, more cars do not shrink it"
+)
 
 
 def merge(parents: Sequence[Stored], name: str) -> Table:
     """The mean table of ``parents``, named ``name``.
 
     Its bands and sigmas are those of one more car of the model; how the cars differ, and how well
-    the mean is known, is in its `Spread`. The order of the parents does not matter.
+    the mean is known, is in its `FleetScatter`. The order of the parents does not matter.
 
-    Raises RevisionError for parents that have no mean: fewer than two, one car or one ramp twice,
-    different vehicles, means or tables corrected by hand, a range of eta that is far too short.
+    Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
+    twice, different vehicles, means or tables corrected by hand, a range of eta that is far too
+    short.
     """
-    require_mergeable(parents, name)
+    if flaws := [*_names(parents, name), *_each(parents), *_pairs(parents)]:
+        raise RevisionError("; ".join(flaws))
     parents = sorted(parents, key=lambda p: (p.name, p.version, p.digest))
     tables = [p.table for p in parents]
-    every = all_D(tables)
-    weights = car_weights(every)
-    difference, scatter = mean_difference(tables, every, weights)
-    pads = mean_pads(tables, weights)
+    curves = mean_curves(tables)
+    pads = mean_pads(tables, curves.weights)
     return Table(
         name=name,
         vehicle=tables[0].vehicle,
-        difference=difference,
-        paper=mean_paper(tables, difference, weights),
-        tyre=mean_tyre(tables, weights),
+        difference=curves.difference,
+        paper=curves.paper,
+        tyre=curves.tyre,
         posterior=pads.posterior,
         calibration=pads.calibration,
-        effects=_effects(tables, weights),
+        effects=_effects(tables, curves.weights),
         noise=_noise(tables),
         quality=_quality(tables),
-        remarks=remarks(parents),
+        remarks=_remarks(parents),
         provenance=_provenance(parents),
         warnings=tuple(dict.fromkeys(w for t in tables for w in t.warnings)),
         budget=pads.budget,
-        spread=_spread(scatter, pads.scatter),
+        spread=_spread(curves.scatter, pads.scatter),
     )
 
 
@@ -109,7 +116,7 @@ def _quality(tables: Sequence[Table]) -> dict[str, float]:
     out = {"cars": float(len(tables))}
     for name in known:
         of = np.array([t.quality[name] for t in tables])
-        out[name] = float(of.min() if name in LEAST else of.sum() if name in SUM else of.mean())
+        out[name] = float(of.min() if name in _LEAST else of.sum() if name in _SUM else of.mean())
     return out
 
 
@@ -125,3 +132,92 @@ def _provenance(parents: Sequence[Stored]) -> Provenance:
         program=PROGRAM,
         parents=tuple(TableReference(p.id, p.digest) for p in parents),
     )
+
+
+def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
+    ends = {p.id: float(p.table.difference.eta[-1]) for p in parents}
+    shortest, longest = min(ends, key=lambda i: ends[i]), max(ends, key=lambda i: ends[i])
+    said = [
+        f"mean of {len(parents)} cars by a random-effects model (REML, Hartung-Knapp); bands and "
+        "sigmas are those of one more car of the model",
+        f"curves end at eta {ends[shortest]:.5f}, where {shortest} ends; {longest} goes to "
+        f"{ends[longest]:.5f}",
+        _SHARED,
+    ]
+    if len(parents) < _FEW:
+        said.append(
+            f"{len(parents)} cars say little of how cars differ: the bands use Student's t with "
+            f"{len(parents) - 1} degree{'s' * (len(parents) > 2)} of freedom"
+        )
+    unknown = [p.id for p in parents if not any(_identity(p, mark) for mark in _CAR_MARKS)]
+    if unknown:
+        said.append(
+            f"taken as different cars, without a serial number or VIN: {', '.join(unknown)}"
+        )
+    settings = [p.table.provenance.settings for p in parents]
+    if any(s != settings[0] for s in settings):
+        said.append("the tables were fitted with different settings; the common ones are kept")
+    return tuple(said)
+
+
+def _names(parents: Sequence[Stored], name: str) -> Iterator[str]:
+    if len(parents) < 2:
+        yield f"a mean needs two cars or more, {len(parents)} was given"
+    if name in {p.name for p in parents}:
+        yield (
+            f"the mean cannot be named {name!r}: it would be the next version of a car's table; "
+            "take another name, such as golden"
+        )
+
+
+def _each(parents: Sequence[Stored]) -> Iterator[str]:
+    ranges = [float(p.table.difference.eta[-1]) - 1.0 for p in parents]
+    for parent, reach in zip(parents, ranges, strict=True):
+        if not (parent.state.usable and parent.state.known):
+            yield f"{parent.id} is {parent.state.words}; leave it out"
+        if parent.table.spread is not None:
+            yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
+        if parent.table.by_hand:
+            yield f"{parent.id} was corrected by hand and is no measurement; merge its parent"
+        if reach < _LEAST_RANGE * max(ranges):
+            yield (
+                f"{parent.id} ends at eta {1.0 + reach:.5f}, less than half of the range of the "
+                f"longest, {1.0 + max(ranges):.5f}; leave it out"
+            )
+
+
+def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
+    for a, b in combinations(parents, 2):
+        if a.digest == b.digest:
+            yield f"{a.id} was given twice" if a.id == b.id else f"{a.id} and {b.id} are the same"
+            continue
+        for mark in _CAR_MARKS:
+            if _identity(a, mark) and _identity(a, mark) == _identity(b, mark):
+                yield (
+                    f"{a.id} and {b.id} are of one car ({mark} {_identity(a, mark)}), which would "
+                    "count as two; give one of them, or fit its ramps together"
+                )
+        if logs := sorted(_ramps(a.table) & _ramps(b.table)):
+            yield f"{a.id} and {b.id} are made of the same ramp {logs[0][0]}"
+        if differ := _differ(a.table, b.table):
+            yield f"{a.id} and {b.id} are of different vehicles: {', '.join(differ[:4])}"
+        elif a.table.posterior.names != b.table.posterior.names:
+            yield f"{a.id} and {b.id} have other tyre parameters; fit the older one again"
+
+
+def _identity(stored: Stored, mark: str) -> str:
+    return stored.table.provenance.identity.get(mark, "")
+
+
+def _ramps(table: Table) -> set[tuple[str, str]]:
+    """Name and digest of the ramps; a coast log may serve several tables."""
+    return {(log.name, log.digest) for log in table.provenance.logs if log.role == "ramp"}
+
+
+def _differ(a: Table, b: Table) -> list[str]:
+    """What differs of the vehicles but the name and what is open about the car."""
+    if a.vehicle == b.vehicle:
+        return []
+    found = changes(a, b)
+    of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in found.get(part, ())]
+    return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *NOT_OF_THE_CAR)]

@@ -1,4 +1,4 @@
-"""Signatures of minisign: a file of four lines, made, verified, and what that of a table says.
+"""Keys and signatures as files of minisign, by py-minisign.
 
 untrusted comment: anybody can change this text
 algorithm 2, key number 8, signature of the data 64      as base64
@@ -6,218 +6,212 @@ trusted comment: signed with the signature
 signature of the signature and the trusted comment 64    as base64
 """
 
+import os
 import re
-from dataclasses import dataclass, fields
-from functools import partial
-from hashlib import blake2b
+from base64 import b64decode
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
 
-from calib.base.errors import SignatureRefused
-from calib.store.minisign_keys import PublicKey, SecretKey
-from calib.store.minisign_lines import (
-    TRUSTED,
-    UNTRUSTED,
-    comment_fault,
-    ed25519,
-    file_of,
-    need,
-    parse_base64,
-    parse_comment,
-    spelled,
-    split_lines,
+from calib.base.bounded import KEY, bytes_of
+from calib.base.errors import BrakeCalError, KeyFileError, SignatureRefused
+
+_WORD = re.compile(r"RW[A-Za-z0-9+/]{54}")
+_SIGNATURE = re.compile(
+    rb"untrusted comment: [^\n]*\n([A-Za-z0-9+/]{99}=)\r?\n"
+    rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
-PREHASHED, LEGACY = b"ED", b"Ed"
-"""Algorithms: Ed25519 of the data's BLAKE2b-512, and of the data itself."""
+SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}
+"""What each try of a password takes, as minisign has it: 1 GiB, a few seconds."""
+
+_MOST_WORK = 8 * SENSITIVE["opslimit"]
+"""About half a minute: a file that asks for more was not made by minisign."""
+
+
+@dataclass(frozen=True)
+class PublicKey:
+    """A public key; ``text`` is its word of base64, as ``minisign -P`` takes it."""
+
+    text: str
+
+    @property
+    def number(self) -> bytes:
+        """The key number, 8 bytes."""
+        return b64decode(self.text)[2:10]
+
+    @property
+    def key_id(self) -> str:
+        """The key number as minisign prints it."""
+        return _spelled(self.number)
+
+    @property
+    def file(self) -> bytes:
+        """The content of a public key file."""
+        return f"untrusted comment: minisign public key {self.key_id}\n{self.text}\n".encode()
+
+
+class SecretKey:
+    """A secret key, ready to sign. Its text shows the key number only, and it cannot be copied."""
+
+    __slots__ = ("_key", "public")
+
+    def __init__(self, key: Any) -> None:
+        self._key = key
+        self.public = PublicKey(key.get_public_key().to_base64().decode())
+
+    @property
+    def key_id(self) -> str:
+        """The key number as minisign prints it."""
+        return self.public.key_id
+
+    def sign(self, data: bytes, trusted_comment: str) -> bytes:
+        """The content of the signature file of ``data``.
+
+        Raises KeyFileError for a damaged key, whose signatures its public half would refuse.
+        """
+        with _refused(KeyFileError, "secret key"):
+            made = self._key.sign(
+                data, trusted_comment=trusted_comment, untrusted_comment="signature from brake-cal"
+            )
+            self._key.get_public_key().verify(data, made)
+        return bytes(made) + b"\n"
+
+    def __repr__(self) -> str:
+        return f"SecretKey({self.key_id})"
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a secret key is not copied")
+
+
+def read_public_key(source: Path | str) -> PublicKey:
+    """Read a public key from a file, or from its word. Raises KeyFileError if it is none."""
+    kind = _library().PublicKey
+    if _WORD.fullmatch(str(source)):
+        read, content = kind.from_base64, str(source).encode()
+    else:
+        read, content = kind.from_bytes, _content(Path(source))
+    with _refused(KeyFileError, source, "a public key of minisign"):
+        return PublicKey(read(content).to_base64().decode())
+
+
+def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
+    """Read a secret key file; ``password`` is called only if the file asks for one.
+
+    Raises KeyFileError if it is none or takes too much memory, and for a wrong password. No message
+    shows the key or the password.
+    """
+    kind, content = _library().SecretKey, _content(path)
+    with _refused(KeyFileError, path, "a secret key of minisign"):
+        key = kind.from_bytes(content)
+        if key.is_encrypted():
+            if int.from_bytes(b64decode(key.to_base64())[38:46], "little") > _MOST_WORK:
+                raise KeyFileError("asks for more work than any key of minisign", where=path)
+            key.decrypt(password())
+        return SecretKey(key)
+
+
+def generate(secret: Path, public: Path, password: str) -> PublicKey:
+    """Make a key pair and write it as minisign does; an empty password means none.
+
+    Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file,
+    if one exists already or cannot be written.
+    """
+    pair = _library().KeyPair.generate()
+    key, made = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
+    if password:
+        with _refused(KeyFileError, secret):
+            key.encrypt(password, **SENSITIVE)
+    _write_new(secret, bytes(key) + b"\n", 0o600)
+    try:
+        _write_new(public, made.file, 0o644)
+    except KeyFileError:
+        secret.unlink()
+        raise
+    return made
 
 
 @dataclass(frozen=True)
 class Signature:
-    """The content of a signature file.
+    """A signature file; ``trusted_comment`` is to be believed only after `verify`."""
 
-    Attributes
-    ----------
-    algorithm : `PREHASHED` or `LEGACY`.
-    number : key number, 8 bytes.
-    of_data : signature of the data or of its hash, 64 bytes.
-    trusted_comment : text that is signed; to be believed only after `verify`.
-    of_comment : signature of ``of_data`` and the trusted comment, 64 bytes.
-    untrusted_comment : text that is not signed.
-    """
-
-    algorithm: bytes
+    content: bytes
     number: bytes
-    of_data: bytes
     trusted_comment: str
-    of_comment: bytes
-    untrusted_comment: str
 
     @property
     def key_id(self) -> str:
-        """The number of the key that made it, as minisign prints it."""
-        return spelled(self.number)
-
-    @property
-    def file(self) -> bytes:
-        """The content of the signature file."""
-        return file_of(
-            UNTRUSTED + self.untrusted_comment,
-            self.algorithm + self.number + self.of_data,
-            TRUSTED + self.trusted_comment,
-            self.of_comment,
-        )
+        """The key number as minisign prints it."""
+        return _spelled(self.number)
 
 
-def parse_signature(content: bytes, where: object = None) -> Signature:
-    """Read the content of a signature file; ``where`` is its name in messages.
-
-    Raises SignatureRefused if it is cut off or otherwise not a signature file of minisign. Nothing
-    is verified.
-    """
-    refuse = partial(SignatureRefused, where="signature" if where is None else where)
-    untrusted, text, trusted, proof = split_lines(content, 4, refuse)
-    untrusted_comment = parse_comment(untrusted, UNTRUSTED, refuse)
-    signed = parse_base64(text, 2 + 8 + 64, "signature", refuse)
-    if signed[:2] not in (PREHASHED, LEGACY):
-        raise refuse("has an unknown algorithm", expected="Ed25519, the only one of minisign")
-    return Signature(
-        algorithm=signed[:2],
-        number=signed[2:10],
-        of_data=signed[10:],
-        trusted_comment=parse_comment(trusted, TRUSTED, refuse),
-        of_comment=parse_base64(proof, 64, "signature of the trusted comment", refuse),
-        untrusted_comment=untrusted_comment,
-    )
-
-
-COMMENT = "signature from brake-cal"
-
-
-def sign(
-    key: SecretKey, data: bytes, trusted_comment: str, untrusted_comment: str = COMMENT
-) -> bytes:
-    """The content of the signature file of ``data``; it is prehashed, as minisign's own are.
-
-    The trusted comment is signed too, the untrusted one is not. Raises ValueError for a comment
-    that is more than one line of text or too long for minisign.
-    """
-    for text, prefix in ((trusted_comment, TRUSTED), (untrusted_comment, UNTRUSTED)):
-        fault = comment_fault(text, prefix)
-        if fault:
-            raise ValueError(f"the {prefix.rstrip(': ')} {fault}")
-    of_data = key.signature_of(_hashed(data))
-    return Signature(
-        algorithm=PREHASHED,
-        number=key.public.number,
-        of_data=of_data,
-        trusted_comment=trusted_comment,
-        of_comment=key.signature_of(of_data + trusted_comment.encode()),
-        untrusted_comment=untrusted_comment,
-    ).file
-
-
-def verify(public: PublicKey, data: bytes, signature: Signature, where: object = None) -> str:
-    """Check that ``signature`` is of ``data`` and of the key; returns the trusted comment.
-
-    ``where`` is the name of the signature in messages. Raises SignatureRefused if it is of another
-    key, or if the data or the trusted comment is not what was signed. The untrusted comment is not
-    signed: any text is accepted there.
-    """
-    where = "signature" if where is None else where
-    if signature.number != public.number:
-        raise SignatureRefused(
-            f"is of key {signature.key_id}", where=where, expected=f"key {public.key_id}"
-        )
-    message = _hashed(data) if signature.algorithm == PREHASHED else data
-    if not _holds(public, signature.of_data, message):
-        raise SignatureRefused(
-            f"does not hold with key {public.key_id}: the data is not what was signed", where=where
-        )
-    signed_comment = signature.of_data + signature.trusted_comment.encode()
-    if not _holds(public, signature.of_comment, signed_comment):
-        raise SignatureRefused(
-            f"does not hold with key {public.key_id}: its trusted comment is not what was signed",
-            where=where,
-        )
-    return signature.trusted_comment
-
-
-def _hashed(data: bytes) -> bytes:
-    return blake2b(data).digest()
-
-
-def _holds(public: PublicKey, signature: bytes, message: bytes) -> bool:
-    invalid = need("cryptography.exceptions").InvalidSignature
-    try:
-        ed25519().Ed25519PublicKey.from_public_bytes(public.point).verify(signature, message)
-    except invalid:
-        return False
-    return True
-
-
-STATES = ("draft", "released", "rejected", "withdrawn")
-
-_PARTS = {
-    "table": r"[A-Za-z0-9._-]{1,100}",
-    "version": r"[1-9][0-9]{0,5}",
-    "state": "|".join(STATES),
-    "digest": r"[0-9a-f]{64}",
-    "head": r"[0-9a-f]{64}",
-}
-_LINE = re.compile(
-    "brake-cal table=({table}) version=({version}) state=({state})"
-    " digest=({digest}) journal=({head})".format(**_PARTS)
-)
-
-
-@dataclass(frozen=True)
-class Statement:
-    """That a version of a table had a state when it was signed.
-
-    Attributes
-    ----------
-    table, version : the name of the table and the number of its version, 1 to 999999.
-    state : one of `STATES`.
-    digest : SHA-256 of the content of the version, 64 characters.
-    head : SHA-256 of the newest entry of the store's journal, 64 characters.
-
-    Raises ValueError for a value that has no place in the line.
-
-    >>> print(Statement("sedan", 3, "released", "0" * 64, "f" * 64).line[:56])
-    brake-cal table=sedan version=3 state=released digest=00
-    """
-
-    table: str
-    version: int
-    state: str
-    digest: str
-    head: str
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not re.fullmatch(_PARTS[field.name], str(value)):
-                raise ValueError(f"{field.name} {value!r} has no place in a signature")
-
-    @property
-    def line(self) -> str:
-        """The statement as a trusted comment."""
-        return (
-            f"brake-cal table={self.table} version={self.version} state={self.state}"
-            f" digest={self.digest} journal={self.head}"
-        )
-
-
-def parse_statement(line: str, where: object = None) -> Statement:
-    """The statement in a trusted comment; ``where`` is the name of the signature in messages.
-
-    Raises SignatureRefused for every line that is not the one spelling of a statement.
-    """
-    found = _LINE.fullmatch(line)
+def read_signature(path: Path) -> Signature:
+    """Read a signature file. Raises SignatureRefused if it is none; nothing is verified."""
+    expected = "a signature of minisign"
+    content = bytes_of(path, KEY, SignatureRefused, expected)
+    found = _SIGNATURE.fullmatch(content)
     if not found:
-        raise SignatureRefused(
-            "its trusted comment is not that of a table",
-            where=where,
-            expected="brake-cal table=... version=... state=... digest=... journal=...",
-        )
-    table, version, state, digest, head = found.groups()
-    return Statement(table, int(version), state, digest, head)
+        raise SignatureRefused("is cut off or damaged", where=path, expected=expected)
+    comment = found[2].decode(errors="backslashreplace")
+    return Signature(content, b64decode(found[1])[2:10], comment)
+
+
+def verify(public: PublicKey, data: bytes, signature: Signature, where: object) -> None:
+    """Raise SignatureRefused unless ``signature`` is of ``data``, its comment and the key."""
+    library = _library()
+    with _refused(SignatureRefused, where):
+        made = library.Signature.from_bytes(signature.content)
+        library.PublicKey.from_base64(public.text).verify(data, made)
+
+
+def _library() -> Any:
+    try:
+        import minisign
+    except ModuleNotFoundError as cause:
+        raise KeyFileError(
+            "keys are used with py-minisign, which is not installed",
+            do="pip install 'brake-cal[sign]'",
+        ) from cause
+    return minisign
+
+
+@contextmanager
+def _refused(kind: type[BrakeCalError], where: object, expected: str = "") -> Iterator[None]:
+    """Errors of the library as ours; none of them shows what was read or typed."""
+    try:
+        yield
+    except UnicodeEncodeError:
+        raise kind("the password is not text", where=where) from None
+    except MemoryError:
+        raise kind("needs 1 GiB of memory, which is not free", where=where) from None
+    except _library().Error as error:
+        raise kind(str(error), where=where, expected=expected) from None
+
+
+def _content(path: Path) -> bytes:
+    return bytes_of(path, KEY, KeyFileError, "a file of minisign")
+
+
+def _spelled(number: bytes) -> str:
+    return f"{int.from_bytes(number, 'little'):X}"
+
+
+def _write_new(path: Path, content: bytes, mode: int) -> None:
+    """Write a file that must not exist; nothing of it is left if that fails."""
+    try:
+        with open(path, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
+            try:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            except BaseException:
+                path.unlink(missing_ok=True)
+                raise
+    except FileExistsError:
+        raise KeyFileError(
+            "exists already", where=path, do="choose another name: a key is not replaced"
+        ) from None
+    except OSError as error:
+        raise KeyFileError(f"cannot be written ({error.strerror})", where=path) from None

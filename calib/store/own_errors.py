@@ -14,17 +14,21 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.fitting.path import delta_sigma, path
 from calib.model.parameters import RampParameters, tyres_of
 from calib.model.settings import SETTINGS
-from calib.table.table import Table
-
-Array = NDArray[np.float64]
+from calib.table.table import Array, Table
 
 OWN = ("noise", "zeros")
 """Parts of `calib.table.budget` that differ from run to run and cannot be alike in two cars."""
+
+RATIO, COMPLIANCE = "log_pad_ratio", "log_compliance"
+
+
+def stiffness(table: Table) -> float:
+    """Logarithm of the slip stiffness of the tyres [1]."""
+    return -table.posterior.value(COMPLIANCE)
 
 
 def own_covariance(table: Table) -> Array:
@@ -32,6 +36,12 @@ def own_covariance(table: Table) -> Array:
     n = len(table.posterior.names)
     parts = {} if table.budget is None else table.budget.posterior
     return sum((np.asarray(parts[p]) for p in OWN if p in parts), np.zeros((n, n)))
+
+
+def own_variance(table: Table, name: str) -> float:
+    """Variance of a parameter by the errors of the table's own run; 0 for one that it lacks."""
+    names = table.posterior.names
+    return float(own_covariance(table)[(names.index(name),) * 2]) if name in names else 0.0
 
 
 def own_level(table: Table) -> float:

@@ -1,26 +1,24 @@
-"""The record of a stored table as a JSON file, and the table built from it."""
+"""JSON files of a store: the record of a table, and the summary of a validation as evidence."""
 
 from dataclasses import fields
 from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from calib.base.digest import canonical_json
-from calib.base.errors import StoreError
-from calib.base.schema import FileSchema, Section, validated_json
+from calib.base.record import FileSchema, Section
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Axle, Vehicle
-from calib.store.curve_file import Array
-from calib.table.budget import TableBudget
-from calib.table.by_hand import SetByHand
-from calib.table.spread import FleetScatter
 from calib.table.table import (
+    Array,
     Calibration,
     DifferenceCurve,
+    FleetScatter,
     PaperCurves,
     Provenance,
+    SetByHand,
     Table,
+    TableBudget,
     TyreCurve,
     TyrePosterior,
     Value,
@@ -84,14 +82,25 @@ class RecordFile(Section):
     states: Literal["journal.jsonl"] | None = None
 
 
-def from_content(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> Table:
-    """Build the table that `Table.content` described.
+class LogOutcome(Section):
+    """A log that was validated."""
 
-    Raises StoreError for another version of the schema and for a part of the record that is
-    missing, unknown or of another type; KeyError or TypeError for one of the curves.
-    """
-    checked = validated_json(canonical_json(record), Record, "record of a table", StoreError)
-    return table_of(checked, curves)
+    model_config = ConfigDict(extra="ignore")
+
+    log: str
+    role: str
+    verdict: str
+
+
+class SummaryFile(FileSchema):
+    """The `summary.json` of a validation of one version of a table."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    table: str
+    digest: str | None = None
+    verdict: Literal["passed", "failed"]
+    logs: list[LogOutcome]
 
 
 def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:
@@ -107,17 +116,15 @@ def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:
     terms = record.empirical if isinstance(record.empirical, tuple) else (record.empirical,)
     effects = Effects(record.vehicle.effects, terms, own=record.own_effects)
     parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": effects})
-    parts["effects"] = _with_sigma(record.effects)
+    parts["effects"] = Effects(
+        {effect: {p: v.value for p, v in of.items()} for effect, of in record.effects.items()},
+        sigma={
+            effect: {p: v.sigma for p, v in of.items()} for effect, of in record.effects.items()
+        },
+    )
     return Table(
         **parts,
         difference=DifferenceCurve(**curves["difference"]),
         paper=PaperCurves(**curves["paper"]),
         tyre=TyreCurve(**curves["tyre"]),
-    )
-
-
-def _with_sigma(values: dict[str, dict[str, Value]]) -> Effects:
-    return Effects(
-        {effect: {p: v.value for p, v in named.items()} for effect, named in values.items()},
-        sigma={effect: {p: v.sigma for p, v in named.items()} for effect, named in values.items()},
     )

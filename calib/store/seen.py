@@ -9,24 +9,26 @@ first lines were written in one second by one person for the same table are take
 
 import json
 import os
+import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import SignatureRefused
-from calib.base.write import write_whole
+from calib.base.write import locked_folder, write_whole
 from calib.store.journal import Journal
-from calib.store.lock import locked
 
-FILE = Path("brake-cal") / "seen.json"
+_FILE = Path("brake-cal") / "seen.json"
+_HASH = re.compile(r"[0-9a-f]{64}")
+_UNSEEN = "an older copy of the store will not be noticed"
 
 
 @dataclass(frozen=True)
 class Sight:
-    """The newest line of a journal that was seen.
+    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
 
-    ``key`` is the id of the key that it was verified with; ``store`` the hash of the first line;
-    ``place`` the folder of the store; ``head`` and ``lines`` hash and number of the newest line.
+    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
+    folder of the store.
     """
 
     key: str
@@ -50,20 +52,13 @@ class SeenJournals:
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
-        """Compare the journal of the store in ``folder`` with what was seen with a key.
+        """Raise SignatureRefused for an older journal than the one that was seen with a key.
 
-        Raises SignatureRefused for an older journal than the one that was seen, for one that went
-        another way, and for another store than the one that was seen in this place.
+        So for one that went another way, and for another store in the place of the one seen.
         """
         here = _sight(folder, journal, key)
-        for seen in self.sights:
-            if seen.key != key:
-                continue
-            if seen.store == here.store:
-                flaw = _flaw(seen, journal)
-            else:
-                flaw = "another store was seen here before" if seen.place == here.place else ""
-            if flaw:
+        for seen in (one for one in self.sights if one.key == key):
+            if flaw := _flaw(seen, here, journal):
                 raise SignatureRefused(
                     flaw,
                     where=folder,
@@ -79,15 +74,11 @@ class SeenJournals:
         """
         if self.path is None or self.note or not journal.entries:
             return self.note
-        new = _sight(folder, journal, key)
         try:
-            with locked(self.path.parent):
-                return _write(self.path, new)
+            with locked_folder(self.path.parent):
+                return _write(self.path, _sight(folder, journal, key))
         except OSError as error:
-            return f"{self.path} cannot be written ({error.strerror}): {UNSEEN}"
-
-
-UNSEEN = "an older copy of the store will not be noticed"
+            return f"{self.path} cannot be written ({error.strerror}): {_UNSEEN}"
 
 
 def recall() -> SeenJournals:
@@ -96,38 +87,34 @@ def recall() -> SeenJournals:
     Raises SignatureRefused when the file is damaged.
     """
     try:
-        path = _path()
+        state = os.environ.get("XDG_STATE_HOME", "")
+        base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
+        path = base / _FILE
         data = read_bounded(path, TABLE)
     except FileNotFoundError:
         return SeenJournals(path)
     except RuntimeError:
-        return SeenJournals(None, note=f"this user has no home folder: {UNSEEN}")
+        return SeenJournals(None, note=f"this user has no home folder: {_UNSEEN}")
     except OSError as error:
-        return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {UNSEEN}")
+        return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {_UNSEEN}")
     return SeenJournals(path, _sights(data, path))
 
 
-def _path() -> Path:
-    """The file. Raises RuntimeError for a user without a home folder."""
-    state = os.environ.get("XDG_STATE_HOME", "")
-    base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
-    return base / FILE
-
-
 def _sights(data: bytes, path: Path) -> tuple[Sight, ...]:
-    from calib.base.schema import validated_json
-    from calib.store.seen_file import SeenFile
-
     try:
-        file = validated_json(data, SeenFile, None, SignatureRefused)
-    except SignatureRefused as error:
-        raise SignatureRefused(
-            f"is damaged ({error})",
-            where=path,
-            expected="what was seen of stores",
-            do="restore it; or delete it, and look at the heads of your journals yourself",
-        ) from error
-    return tuple(Sight(**one.model_dump()) for one in file.seen)
+        document = json.loads(data)
+        sights = tuple(Sight(**one) for one in document["seen"])
+        hashes = all(_HASH.fullmatch(x) for one in sights for x in (one.store, one.head))
+        if document["schema"] == 1 and hashes and all(one.lines >= 1 for one in sights):
+            return sights
+    except (ValueError, TypeError, KeyError, RecursionError):
+        pass
+    raise SignatureRefused(
+        "is damaged",
+        where=path,
+        expected="what was seen of stores",
+        do="restore it; or delete it, and look at the heads of your journals yourself",
+    )
 
 
 def _sight(folder: Path, journal: Journal, key: str) -> Sight:
@@ -135,10 +122,14 @@ def _sight(folder: Path, journal: Journal, key: str) -> Sight:
     return Sight(key, first, str(folder.resolve()), journal.head, len(journal.entries))
 
 
-def _flaw(seen: Sight, journal: Journal) -> str:
-    lines = len(journal.entries)
-    if lines < seen.lines:
-        return f"an older copy of the store: its journal has {lines} lines, {seen.lines} were seen"
+def _flaw(seen: Sight, here: Sight, journal: Journal) -> str:
+    if seen.store != here.store:
+        return "another store was seen here before" if seen.place == here.place else ""
+    if here.lines < seen.lines:
+        return (
+            f"an older copy of the store: its journal has {here.lines} lines, {seen.lines} were "
+            "seen"
+        )
     if journal.entries[seen.lines - 1].hash != seen.head:
         return f"its journal went another way: line {seen.lines} is not the one that was seen"
     return ""
@@ -152,4 +143,4 @@ def _write(path: Path, new: Sight) -> str:
     sights = [*(one for one in now.sights if one.of != new.of), new]
     document = {"schema": 1, "seen": [asdict(one) for one in sights]}
     write_whole(path, (json.dumps(document, indent=2) + "\n").encode())
-    return now.note
+    return ""

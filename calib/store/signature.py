@@ -1,84 +1,188 @@
-"""The signatures of a version: minisign's, of its record file, each in a file of its own.
+"""The signatures of a version, each in a file of its own, and whether a version may be trusted.
 
     tables/sedan/v0001.minisig         of the first key that signed
     tables/sedan/v0001.KEYID.minisig   of another one
 
-The record holds the SHA-256 of every curve file. The trusted comment is a `Statement`: table,
-version, digest, state, and the head of the journal. So a signature holds of a version whose state
-has been that one ever since, in a store whose journal contains that head. Whether a line with
-the event `signed` stands in the journal does not matter: minisign writes none.
+A signature is minisign's, of the record file, which holds the SHA-256 of every curve file. Its
+trusted comment is a `Statement`: table, version, digest, state, and the head of the journal. So it
+holds of a version whose state has been that one ever since, in a store whose journal contains that
+head. Whether a line with the event `signed` stands in the journal does not matter: minisign writes
+none.
 """
 
 import hashlib
-from dataclasses import dataclass
-from functools import partial
+import re
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import DamagedTable, SignatureRefused
+from calib.base.write import write_whole
 from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
-from calib.store.journal import SIGNED, Entry
-from calib.store.minisign import (
-    Signature,
-    Statement,
-    parse_signature,
-    parse_statement,
-    sign,
-    verify,
-)
-from calib.store.minisign_keys import PublicKey, SecretKey
-from calib.store.minisign_lines import read_small
+from calib.store.journal import SIGNED, enter, read_journal, write_journal
+from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
+from calib.store.seen import SeenJournals, recall
 from calib.store.snapshot import Snapshot
+from calib.store.state import STATES, StateDecision
+from calib.store.store import Store, StoreVerdict, entered
 from calib.store.version import Stored
 
-NEWEST = "get the newest copy of the store"
+_NEWEST = "get the newest copy of the store"
+_LINE = "brake-cal table={table} version={version} state={state} digest={digest} journal={head}"
+_PARTS = {
+    "table": r"([A-Za-z0-9._-]{1,100})",
+    "version": r"([1-9][0-9]{0,5})",
+    "state": rf"({'|'.join(STATES)})",
+    "digest": r"([0-9a-f]{64})",
+    "head": r"([0-9a-f]{64})",
+}
+
+
+@dataclass(frozen=True)
+class Statement:
+    """That a version had a state when it was signed; ``head`` hash of the journal's newest line.
+
+    >>> print(Statement("sedan", 3, "released", "0" * 64, "f" * 64).line[:56])
+    brake-cal table=sedan version=3 state=released digest=00
+    """
+
+    table: str
+    version: int
+    state: str
+    digest: str
+    head: str
+
+    @property
+    def line(self) -> str:
+        """The statement as a trusted comment."""
+        return _LINE.format(**asdict(self))
+
+
+def parse_statement(line: str, where: object = None) -> Statement:
+    """The statement in a trusted comment.
+
+    Raises SignatureRefused for every line that is not the one spelling of a statement.
+    """
+    found = re.fullmatch(_LINE.format(**_PARTS), line)
+    if not found:
+        raise SignatureRefused(
+            "its trusted comment is not that of a table",
+            where=where,
+            expected=_LINE.format(**dict.fromkeys(_PARTS, "...")),
+        )
+    table, version, *rest = found.groups()
+    return Statement(table, int(version), *rest)
 
 
 @dataclass(frozen=True)
 class Signed:
-    """A signature of a version: its file, the content of it, and what it says."""
+    """A signature of a version that holds.
+
+    ``note`` says why an older copy of the store would go unnoticed, or "".
+    """
 
     stored: Stored
     path: Path
-    content: bytes
     key_id: str
     statement: Statement
+    note: str = ""
 
 
-def signed(now: Snapshot, stored: Stored, key: SecretKey) -> Signed:
-    """Make the signature of a version as it is now; writes nothing.
+def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> Signed:
+    """Sign the record and the state of ``name@version``, and enter that in the journal.
 
-    Raises DamagedTable when the record file is not what was stored.
+    It covers the head of the journal before that line, and takes the place of an older signature of
+    the key. The file comes first: it says nothing that is not so, entered or not; if it is not
+    entered, it is put back as it was.
+
+    Raises TableNotFound when there is no such version, DamagedTable when it is damaged; StoreError
+    when the store cannot be written; SignatureRefused when its journal does not contain what the
+    key signed, or is older than what this user has seen with the key.
     """
-    statement = Statement(
-        stored.name, stored.version, stored.state.word, stored.digest, now.journal.head
-    )
-    content = sign(key, _record(stored), statement.line)
-    return Signed(stored, _path(stored, key.public), content, key.key_id, statement)
+    memory = recall()
+    memory.check(store.folder, store.now().journal, key.key_id)
+    with store.changing(reference) as (now, stored):
+        _check_anchors(now, key.public)
+        state, head = stored.state.word, now.journal.head
+        statement = Statement(stored.name, stored.version, state, stored.digest, head)
+        if read_journal(store.folder) != now.journal:
+            write_journal(store.folder, now.journal)  # with the versions older than it
+        path = _path(stored, key.public)
+        before = path.read_bytes() if path.exists() else None
+        write_whole(path, key.sign(_record(stored), statement.line))
+
+        def put_back() -> None:
+            path.unlink() if before is None else write_whole(path, before)
+
+        decision = StateDecision(state, by=by)
+        journal = entered(SIGNED, stored, decision, now.journal, key.key_id)
+        enter(store.folder, journal, put_back)
+    note = _keep(store.now(), key.public, memory)
+    return Signed(stored, path, key.key_id, statement, note)
 
 
-def held(now: Snapshot, stored: Stored, public: PublicKey) -> Signed:
-    """The signature of a key that holds of a version as it is now.
+def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> Signed:
+    """The signature of a key that holds of a version in its store.
 
-    Raises SignatureRefused when there is none, or it is of another version, state or store.
+    ``newest``: the version was chosen as the newest one that may be used. Then each newer one that
+    the key has signed must have a signature that holds, too: whoever can write the store can
+    reject a version, so that an older one takes its place, but cannot sign that.
+
+    Raises SignatureRefused when there is none, when the state was changed since, when the journal
+    does not contain what the key signed anywhere in the store, or is older than what this user has
+    seen with this key; DamagedTable when the version is not what was loaded.
     """
-    refused = None
-    for path, signature in _of_key(stored.path.parent, stored.version, public):
+    store = Store(stored.path.absolute().parent.parent)
+    memory = recall()
+    now = store.now()
+    memory.check(store.folder, now.journal, public.key_id)
+    again = now.load(stored.name, stored.version)
+    if again.record != stored.record:
+        raise DamagedTable("was replaced while it was read", where=stored.id, do="run it again")
+    found = _held(now, again, public)
+    for version in now.journal.of(stored.name) if newest else ():
+        if version > stored.version and _was_signed(now, stored.name, version, public):
+            _held(now, now.load(stored.name, version), public)
+    return replace(found, note=_keep(now, public, memory))
+
+
+def verify_signed(
+    store: Store, public: PublicKey, name: str | None = None
+) -> tuple[tuple[StoreVerdict, ...], str]:
+    """`Store.verify` with the signatures of a key, and a note as in `Signed`.
+
+    Every released version must have one, and each that the key has ever signed. Raises as
+    `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
+    """
+    memory = recall()
+    verdicts, now = store.verify(name), store.now()
+    memory.check(store.folder, now.journal, public.key_id)
+    found = tuple(_with_signature(now, verdict, public) for verdict in verdicts)
+    sound = all(verdict.sound for verdict in found)
+    return found, _keep(now, public, memory) if sound else ""
+
+
+def key_ids(stored: Stored) -> tuple[str, ...]:
+    """The keys that the signature files of a version name. Verifies nothing."""
+    return tuple(one.key_id for _, one in _signatures(stored.path.parent, stored.version))
+
+
+def _signatures(home: Path, version: int) -> Iterator[tuple[Path, Signature]]:
+    """The signature files of a version that can be read."""
+    for path in signature_files(home, version):
         try:
-            return _holding(now, stored, public, path, signature)
-        except SignatureRefused as error:
-            refused = refused or error
-    raise refused or _missing(stored, public)
+            yield path, read_signature(path)
+        except SignatureRefused:
+            continue
 
 
 def _of_key(home: Path, version: int, public: PublicKey) -> list[tuple[Path, Signature]]:
-    """The signatures that bear the number of a key, with their files. Verifies nothing."""
-    files = signature_files(home, version)
-    return [(p, s) for p in files if (s := _read(p)) and s.number == public.number]
+    return [(p, s) for p, s in _signatures(home, version) if s.number == public.number]
 
 
-def was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
+def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
     """Whether a key has signed a version, as a file or the journal says; it may not hold any more.
 
     With the line in the journal a signature that was taken away is missed.
@@ -88,34 +192,49 @@ def was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> boo
     return told or bool(_of_key(now.folder / name, version, public))
 
 
-def key_ids(stored: Stored) -> tuple[str, ...]:
-    """The keys that the signature files of a version name. Verifies nothing."""
-    files = signature_files(stored.path.parent, stored.version)
-    return tuple(signature.key_id for path in files if (signature := _read(path)))
+def _with_signature(now: Snapshot, verdict: StoreVerdict, public: PublicKey) -> StoreVerdict:
+    name, _, number = verdict.id.partition("@")
+    stored = now.entry(name, int(number)).stored
+    if not stored:
+        return verdict  # which says why
+    if not stored.state.released and not _was_signed(now, name, stored.version, public):
+        return verdict
+    try:
+        return replace(verdict, signed=_held(now, stored, public).statement.state)
+    except SignatureRefused as error:
+        flaw = error.what if error.where == stored.id else f"{error.where}: {error.what}"
+        return replace(verdict, violations=(*verdict.violations, flaw))
 
 
-def anchored(now: Snapshot, public: PublicKey) -> None:
-    """Raise SignatureRefused if the journal does not contain a head that the key signed.
+def _held(now: Snapshot, stored: Stored, public: PublicKey) -> Signed:
+    """The signature of a key that holds of a version as it is now.
 
-    Looks at every signature of the store, of whatever version. One that does not hold over the
-    record beside it shows nothing and is passed over.
+    Raises SignatureRefused when there is none, or it is of another version, state or store.
     """
-    for path in sorted(now.folder.glob(f"*/v*{SIGNATURE}")):
-        record = path.parent / path.name.split(".")[0] / RECORD
-        signature = _read(path)
-        if not signature:
-            continue
+    refused = None
+    for path, signature in _of_key(stored.path.parent, stored.version, public):
         try:
-            comment = verify(public, read_bounded(record, TABLE), signature, path)
-            statement = parse_statement(comment, path)
-        except (SignatureRefused, OSError):
-            continue
-        _line(now, statement, path)
+            statement = _checked(now, stored, public, path, signature)
+            return Signed(stored, path, public.key_id, statement)
+        except SignatureRefused as error:
+            refused = refused or error
+    if refused:
+        raise refused
+    for path in signature_files(stored.path.parent, stored.version):
+        read_signature(path)  # one that cannot be read may be the one that is looked for
+    others = ", ".join(key_ids(stored))
+    raise SignatureRefused(
+        f"is signed by key {others}, not by key {public.key_id}"
+        if others
+        else f"has no signature of key {public.key_id}",
+        where=stored.id,
+        do=f"sign it with `brake-cal tables sign {stored.id} --key SECRET`",
+    )
 
 
-def _holding(
+def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
-) -> Signed:
+) -> Statement:
     # what it says it is of comes first: that tells more than that it does not hold here
     statement = parse_statement(signature.trusted_comment, path)
     signs = (statement.table, statement.version, statement.digest)
@@ -126,8 +245,25 @@ def _holding(
             expected=f"{stored.id}, digest {stored.digest[:12]}",
         )
     verify(public, _record(stored), signature, path)
-    _check_state(now, stored, statement, _line(now, statement, path))
-    return Signed(stored, path, signature.file, public.key_id, statement)
+    _check_state(now, stored, statement.state, _line(now, statement, path))
+    return statement
+
+
+def _check_anchors(now: Snapshot, public: PublicKey) -> None:
+    """Raise SignatureRefused if the journal does not contain a head that the key signed.
+
+    Looks at every signature of the store, of whatever version. One that does not hold over the
+    record beside it shows nothing and is passed over.
+    """
+    for path in sorted(now.folder.glob(f"*/v*{SIGNATURE}")):
+        record = path.parent / path.name.split(".")[0] / RECORD
+        try:
+            signature = read_signature(path)
+            verify(public, read_bounded(record, TABLE), signature, path)
+            statement = parse_statement(signature.trusted_comment, path)
+        except (SignatureRefused, OSError):
+            continue
+        _line(now, statement, path)
 
 
 def _line(now: Snapshot, statement: Statement, path: Path) -> int:
@@ -139,47 +275,28 @@ def _line(now: Snapshot, statement: Statement, path: Path) -> int:
             "that of another store",
             where=path,
             expected=f"a line with the hash {statement.head[:12]}...",
-            do=f"{NEWEST}; if the journal was set back on purpose, delete this signature and "
+            do=f"{_NEWEST}; if the journal was set back on purpose, delete this signature and "
             "sign again",
         )
     return number
 
 
-def _check_state(now: Snapshot, stored: Stored, statement: Statement, line: int) -> None:
+def _check_state(now: Snapshot, stored: Stored, signed: str, line: int) -> None:
     """The version had the state that was signed, and has had no other one since."""
     history = now.journal.of(stored.name)[stored.version]
-    then = [entry for entry in history if entry.number <= line]
-    was = then[-1].state if then else "not stored"
-    if was != statement.state:
-        raise SignatureRefused(f"signed as {statement.state}, it was {was} then", where=stored.id)
+    was = [entry.state for entry in history if entry.number <= line]
     since = [entry for entry in history if entry.number > line]
-    if any(entry.state != statement.state for entry in since):
+    if was[-1:] != [signed]:
+        then = was[-1] if was else "not stored"
+        raise SignatureRefused(f"signed as {signed}, it was {then} then", where=stored.id)
+    if any(entry.state != signed for entry in since):
+        states = [signed, *(entry.state for entry in since)]
+        new = " and ".join(state for before, state in pairwise(states) if state != before)
         raise SignatureRefused(
-            f"signed as {statement.state}, {_told(statement.state, since)}",
+            f"signed as {signed}, {new} since (by {since[-1].by}, {since[-1].at[:10]})",
             where=stored.id,
             do=f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`",
         )
-
-
-def _told(first: str, since: list[Entry]) -> str:
-    """The states after the ``first`` one in order, with the person of the newest."""
-    states = [first, *(entry.state for entry in since)]
-    words = [state for before, state in pairwise(states) if state != before]
-    return f"{' and '.join(words)} since (by {since[-1].by}, {since[-1].at[:10]})"
-
-
-def _missing(stored: Stored, public: PublicKey) -> SignatureRefused:
-    files = signature_files(stored.path.parent, stored.version)
-    for path in files:
-        _parsed(path)  # one that cannot be read may be the one that is looked for
-    others = ", ".join(key_ids(stored))
-    return SignatureRefused(
-        f"is signed by key {others}, not by key {public.key_id}"
-        if others
-        else f"has no signature of key {public.key_id}",
-        where=stored.id,
-        do=f"sign it with `brake-cal tables sign {stored.id} --key SECRET`",
-    )
 
 
 def _path(stored: Stored, public: PublicKey) -> Path:
@@ -195,17 +312,11 @@ def _record(stored: Stored) -> bytes:
     """The bytes of the record file, which are those that were loaded."""
     data = read_bounded(stored.path / RECORD, TABLE)
     if hashlib.sha256(data).hexdigest() != stored.record:
-        raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id, do=NEWEST)
+        raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id, do=_NEWEST)
     return data
 
 
-def _parsed(path: Path) -> Signature:
-    return parse_signature(read_small(path, partial(SignatureRefused, where=path)), path)
-
-
-def _read(path: Path) -> Signature | None:
-    """The signature in a file; None where it cannot be read."""
-    try:
-        return _parsed(path)
-    except SignatureRefused:
-        return None
+def _keep(now: Snapshot, public: PublicKey, memory: SeenJournals) -> str:
+    """Look at the signatures of the whole store, and keep what was seen; returns a note."""
+    _check_anchors(now, public)
+    return memory.keep(now.folder, now.journal, public.key_id)

@@ -10,7 +10,6 @@ from pathlib import Path
 
 from calib.base.errors import DamagedTable, StoreError, TableNotFound
 from calib.store.folders import (
-    LOGS_LAST,
     checked_name,
     names_in,
     numbers,
@@ -22,8 +21,8 @@ from calib.store.folders import (
 from calib.store.journal import JOURNAL, Journal
 from calib.store.state import OUTSIDE, UNKNOWN, WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
+from calib.table.compare import inputs, same
 from calib.table.invariants import violations
-from calib.table.same import inputs, same
 from calib.table.table import Table
 
 
@@ -67,26 +66,21 @@ class Snapshot:
         if checked_name(name) in known or versions_in(self.folder / name):
             return name
         near = get_close_matches(name, known, n=1)
-        do = f"did you mean {near[0]!r}?" if near else LOGS_LAST if Path(name).is_file() else ""
+        is_file = "a file of that name is here: give the table first, then the logs"
         raise TableNotFound(
             f"no table {name!r}",
             where=self.folder,
             expected="one of " + ", ".join(known) if known else "a table: the store is empty",
-            do=do,
+            do=f"did you mean {near[0]!r}?" if near else is_file * Path(name).is_file(),
         )
 
     def versions(self, name: str) -> Sequence[int]:
         """Numbers of the versions of a table, rising."""
-        if self.journal.entries:
-            return tuple(self.journal.of(name))
-        return versions_in(self.folder / name)
+        return tuple(self.journal.of(name)) if self.journal.entries else self._there(name)
 
     def with_strays(self, name: str) -> Sequence[int]:
         """Numbers of the versions that should be there, and of the folders that should not."""
-        there = versions_in(self.folder / name)
-        if self.journal.entries:
-            return sorted({*self.journal.of(name), *there})
-        return range(1, max(there, default=0) + 1)
+        return sorted({*self.journal.of(name), *self._there(name)})
 
     def next_number(self, name: str) -> int:
         """A number that no version ever had, and that nothing on disk bears."""
@@ -115,9 +109,18 @@ class Snapshot:
             return self.load(name, self.number(name, version))
         states = {v: self.state(name, v) for v in self.versions(self.known(name))}
         fit = [v for v, s in states.items() if (s.released if released else s.usable)]
-        if not fit:
-            raise _none_fits(name, states, released)
-        return self.load(name, max(fit))
+        if fit:
+            return self.load(name, max(fit))
+        there = ", ".join(f"{name}@{version} {state.word}" for version, state in states.items())
+        if released:
+            raise StoreError(
+                f"{name} has no released version; there is {there}",
+                do=f"release one: `brake-cal tables release {name}@N --reason ...`",
+            )
+        raise StoreError(
+            f"no version of {name} may be used; there is {there}",
+            do=f"name the one that you mean, such as {name}@{max(states)}",
+        )
 
     def number(self, name: str, version: str) -> int:
         """The version number that was written. Raises TableNotFound."""
@@ -127,7 +130,7 @@ class Snapshot:
         raise TableNotFound(
             f"no version {version!r} of {name!r}",
             where=self.folder,
-            expected="one of " + ", ".join(map(str, self.versions(name))),
+            expected="one of " + ", ".join(map(str, known)),
         )
 
     def load(self, name: str, version: int) -> Stored:
@@ -165,23 +168,30 @@ class Snapshot:
         """What is wrong with a version, in words; one that was withdrawn may be missing."""
         if self.is_missing(name, version) and self.state(name, version).word == WITHDRAWN:
             return ()
-        try:
-            return violations(self.load(name, version).table)
-        except StoreError as error:
-            return (error.what,)
+        found = self.entry(name, version)
+        return violations(found.stored.table) if found.stored else (found.flaw,)
 
     def identical(self, table: Table) -> Stored | None:
         """The newest version that holds the same table; one that is damaged does not count."""
         given = inputs(table.content()[0])
         for version, history in reversed(self.journal.of(table.name).items()):
             if history[0].digest == table.digest or history[0].inputs == given:
-                try:
-                    stored = self.load(table.name, version)
-                except StoreError:
-                    continue
-                if same(stored.table, table):
+                stored = self.entry(table.name, version).stored
+                if stored and same(stored.table, table):
                     return replace(stored, existed=True)
         return None
+
+    def refused_kin(self, stored: Stored) -> tuple[Stored, ...]:
+        """The rejected and withdrawn versions of its name that share a ramp with ``stored``.
+
+        A version that cannot be read is left out: `flaws` names it.
+        """
+        refused = (v for v in self.versions(stored.name) if not self.state(stored.name, v).usable)
+        others = (self.entry(stored.name, v).stored for v in refused if v != stored.version)
+        return tuple(other for other in others if other and _ramps(other) & _ramps(stored))
+
+    def _there(self, name: str) -> list[int]:
+        return versions_in(self.folder / name)
 
     def _unknown(self, stored: Stored) -> Stored:
         """A version that the journal does not know: an older one, where there is no journal."""
@@ -204,14 +214,5 @@ class Snapshot:
         return replace(stored, state=OUTSIDE) if stored.journaled else stored
 
 
-def _none_fits(name: str, states: dict[int, VersionState], released: bool) -> StoreError:
-    there = ", ".join(f"{name}@{version} {state.word}" for version, state in states.items())
-    if released:
-        return StoreError(
-            f"{name} has no released version; there is {there}",
-            do=f"release one with `brake-cal tables release {name}@N --reason ...`, or name one",
-        )
-    return StoreError(
-        f"no version of {name} may be used; there is {there}",
-        do=f"name the one that you mean, such as {name}@{max(states)}",
-    )
+def _ramps(stored: Stored) -> set[str]:
+    return {log.digest for log in stored.table.provenance.logs if log.role == "ramp"}

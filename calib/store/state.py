@@ -12,9 +12,8 @@ import getpass
 from dataclasses import dataclass
 
 from calib.base.errors import StoreError
-from calib.store.minisign import STATES
 
-DRAFT, RELEASED, REJECTED, WITHDRAWN = STATES
+STATES = DRAFT, RELEASED, REJECTED, WITHDRAWN = "draft", "released", "rejected", "withdrawn"
 
 CHANGES = {
     DRAFT: (RELEASED, REJECTED, WITHDRAWN),
@@ -23,9 +22,6 @@ CHANGES = {
     WITHDRAWN: (),
 }
 """The states that may follow each state; the same state on new evidence."""
-
-UNUSABLE = (REJECTED, WITHDRAWN)
-"""A bare name never means a version in one of these states."""
 
 
 @dataclass(frozen=True)
@@ -40,9 +36,9 @@ class Evidence:
 class StateDecision:
     """What is said of a version, and by whom.
 
-    ``state`` one of `STATES`; ``reason`` in words; ``verdict`` of the evidence: passed, warning or
-    failed, "" without one; ``by`` "" for the user of the computer. ``automatic``: of a program,
-    which releases nothing that was rejected and changes nothing that was withdrawn.
+    ``verdict`` of the evidence: passed, warning or failed, "" without one; ``by`` "" for the user
+    of the computer. ``automatic``: of a program, which releases nothing that was rejected and
+    changes nothing that was withdrawn.
     """
 
     state: str = DRAFT
@@ -52,24 +48,14 @@ class StateDecision:
     by: str = ""
     automatic: bool = False
 
-    @property
-    def person(self) -> str:
-        """Who says it."""
-        return self.by or user()
-
-    def as_state(self) -> "VersionState":
-        """The state that it gives, without a time."""
-        return VersionState(self.state, "", self.person, self.reason, self.verdict, self.evidence)
-
 
 @dataclass(frozen=True)
 class VersionState:
     """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
 
     ``stored_at``: when the version was stored; ``seen``: SHA-256 of every file that a state of the
-    version ever rested on; ``known`` False for a version outside of the store that made it. Both
-    times are of the clock of the computer that wrote them, and "" for a version that no journal
-    knows; ``by`` and ``reason`` are then "", too.
+    version ever rested on; ``known`` False for a version outside of the store that made it. What no
+    journal knows is "".
     """
 
     word: str = DRAFT
@@ -90,7 +76,7 @@ class VersionState:
     @property
     def usable(self) -> bool:
         """Whether a bare name may mean the version."""
-        return self.word not in UNUSABLE
+        return self.word not in (REJECTED, WITHDRAWN)
 
     @property
     def why(self) -> str:
@@ -100,8 +86,8 @@ class VersionState:
     @property
     def words(self) -> str:
         """The state with its reason, person and date, in one line."""
-        told = [f"by {self.by}"] * bool(self.by) + [self.at[:10]] * bool(self.at)
-        return f"{self.why} ({', '.join(told)})" if told else self.why
+        source = ", ".join([f"by {self.by}"] * bool(self.by) + [self.at[:10]] * bool(self.at))
+        return f"{self.why} ({source})" if source else self.why
 
 
 UNKNOWN = VersionState()
@@ -111,33 +97,32 @@ OUTSIDE = VersionState(reason="outside of its store, whose journal knows its sta
 """State of a version that was copied out of its store."""
 
 
-def next_state(version: str, now: VersionState, decision: StateDecision | None) -> VersionState:
-    """State of a version after a decision; ``now`` where that says nothing new.
+def is_new(version: str, now: VersionState, decision: StateDecision | None) -> bool:
+    """Whether a decision says anything new of a version.
 
-    Raises StoreError where the new state may not follow.
+    Raises StoreError where its state may not follow.
     """
     if decision is None or decision.state == DRAFT:
-        return now
+        return False
     new = decision.state
-    if decision.automatic and (now.word == WITHDRAWN or (now.word, new) == (REJECTED, RELEASED)):
-        return now  # a person decides
+    back = (now.word, new) == (REJECTED, RELEASED)
+    if decision.automatic and (now.word == WITHDRAWN or back):
+        return False  # a person decides
     if now.word == new and now.evidence == decision.evidence:
-        return now  # the same command again
+        return False  # the same command again
     if new not in CHANGES[now.word]:
         raise StoreError(
             f"is {now.words}; it stays withdrawn",
             where=version,
             do="fit the car again: a new log makes a new version",
         )
-    if (now.word, new) == (REJECTED, RELEASED) and now.seen >= {
-        one.sha256 for one in decision.evidence
-    }:
+    if back and now.seen >= {one.sha256 for one in decision.evidence}:
         raise StoreError(
             f"is {now.words}; it is released only on new evidence",
             where=version,
             do="validate it on another stop, and give the summary.json with --evidence",
         )
-    return decision.as_state()
+    return True
 
 
 def user() -> str:

@@ -1,44 +1,61 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
-`calib.store.folders` says where they lie, `calib.store.commit` how they get there. What the store
-promises is on the page `tables` of the manual.
+`calib.store.folders` says where they lie. The journal's line is what counts: a writer that is
+stopped before it leaves a folder that the next writer deletes; one that is stopped after it leaves
+a version that every reader finds and the next writer moves. What the store promises is on the page
+`tables` of the manual.
 """
 
+import os
+import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from calib.base.errors import StoreError
-from calib.base.program import PROGRAM
-from calib.store.commit import (
-    commit,
-    commit_signature,
-    discard,
-    read_journal,
-    tidy,
-    write_journal,
-    write_version,
+from calib.base.write import locked_folder, sync
+from calib.store.folders import (
+    NEW,
+    SIGNATURE,
+    checked_name,
+    folder_of,
+    names_in,
+    path_of,
+    placed_in,
+    unplaced,
+    versions_in,
 )
-from calib.store.folders import checked_name, names_in, path_of, placed_in, unplaced, versions_in
-from calib.store.journal import ADOPTED, CHANGED, FIRST, JOURNAL, SIGNED, STORED, Journal
-from calib.store.lock import locked
-from calib.store.minisign_keys import SecretKey
-from calib.store.signature import Signed, anchored, signed
+from calib.store.journal import (
+    ADOPTED,
+    CHANGED,
+    FIRST,
+    HEAD,
+    JOURNAL,
+    STORED,
+    Journal,
+    enter,
+    read_journal,
+    write_journal,
+)
 from calib.store.snapshot import Snapshot, StoreEntry
-from calib.store.state import StateDecision, next_state
-from calib.store.version import Stored, read_version
+from calib.store.state import StateDecision, VersionState, is_new, user
+from calib.store.version import Stored, read_version, write_version
+from calib.table.compare import inputs
 from calib.table.invariants import violations
-from calib.table.same import inputs
 from calib.table.table import Table
 
 
 @dataclass(frozen=True)
 class StoreVerdict:
-    """Result of `verify` for one version: its violations in words, none when it is sound."""
+    """Result of `verify` for one version: its violations in words, none when it is sound.
+
+    ``signed``: the state in its signature, where a key was given and one holds.
+    """
 
     id: str
     violations: tuple[str, ...]
+    signed: str | None = None
 
     @property
     def sound(self) -> bool:
@@ -73,150 +90,103 @@ class Store:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
         ``decision`` gives its state; without one a new version is a draft, and one that was there
-        keeps its state. Raises StoreError when the name is not valid, the table is not sound, the
-        state may not follow that of the version, or the store cannot be written; the store is then
-        not changed.
+        keeps its state. Raises StoreError, and changes nothing, when the name is not valid, the
+        table is not sound, its state may not follow, or the store cannot be written.
         """
         _require_storable(table)
-        with self._writing():
-            now = self._with_older(self._snapshot())
+        with self._writing() as now:
             known = now.identical(table)
             if known is not None:
                 return self._judged(known, decision, now)
-            tidy(self.folder, now.journal)
-            version = now.next_number(table.name)
-            work = write_version(self.folder, table, version)
-            try:
-                stored = read_version(work, f"{table.name}@{version}")
-                journal = _entered(STORED, stored, decision or StateDecision(), now.journal)
-            except BaseException:
-                discard(work)
-                raise
-            commit(self.folder, journal, work)
-            return Snapshot(self.folder, journal).load(table.name, version)
+            return self._added(table, decision or StateDecision(), now)
+
+    def foreseen(self, table: Table, decision: StateDecision) -> Stored:
+        """What `save` will return if no other writer adds a version before. Raises as `save`."""
+        _require_storable(table)
+        with self._reading() as now:
+            now = _with_older(now)
+            known = now.identical(table)
+            version = known.version if known else now.next_number(table.name)
+            new = not known or is_new(known.id, known.state, decision)
+            path = placed_in(self.folder, table.name, version)
+        made = known or Stored(table, table.name, version, table.digest, path)
+        if not new:
+            return made
+        state = VersionState(
+            decision.state,
+            by=decision.by or user(),
+            reason=decision.reason,
+            verdict=decision.verdict,
+            evidence=decision.evidence,
+            stored_at=made.state.stored_at,
+        )
+        return replace(made, state=state)
 
     def judge(self, reference: str, decision: StateDecision) -> Stored:
-        """Change the state of ``name@version``.
-
-        Raises TableNotFound when there is no such version, DamagedTable when it is damaged,
-        StoreError when the state may not follow the present one or the store cannot be written.
-        """
-        with self._changing(reference) as (now, stored):
+        """Change the state of ``name@version``. Raises TableNotFound, DamagedTable, StoreError."""
+        with self.changing(reference) as (now, stored):
             return self._judged(stored, decision, now)
 
     def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
         """Withdraw a version whose folder is gone, so that `verify` no longer counts it as missing.
 
-        Returns False, and does nothing, where the folder is there. Raises TableNotFound when there
-        never was such a version, StoreError when the store cannot be written.
+        Returns False, and does nothing, where the folder is there. Raises as `judge`.
         """
         name, _, version = reference.partition("@")
-        with self._reading():
-            now = self._snapshot()
-            if not now.is_missing(name, now.number(name, version)):
-                return False
-        with self._writing():
-            journal = read_journal(self.folder)
-            first = journal.of(name)[int(version)][0]
-            before = journal.state(name, int(version))
-            if next_state(reference, before, decision) == before:
-                return True
-            tidy(self.folder, journal)
-            entered = journal.added(
-                CHANGED, name, int(version), first.digest, first.record, decision, program=PROGRAM
-            )
-            write_journal(self.folder, entered)
+        before = self.now()
+        number = before.number(name, version)
+        if not before.is_missing(name, number):
+            return False
+        with self._writing() as now:
+            if is_new(reference, now.state(name, number), decision):
+                first = now.journal.of(name)[number][0]
+                of = {"table": name, "version": number, "inputs": "", "key": ""}
+                entered = now.journal.added(
+                    decision, event=CHANGED, digest=first.digest, record=first.record, **of
+                )
+                write_journal(self.folder, entered)
         return True
-
-    def sign(self, reference: str, key: SecretKey, by: str = "") -> Signed:
-        """Sign the record and the state of ``name@version``, and enter that in the journal.
-
-        The signature covers the head of the journal before that line. It takes the place of an
-        older one of the same key. Raises as `judge`; SignatureRefused when a signature of the key
-        is over a journal that this one does not contain.
-        """
-        with self._changing(reference) as (now, stored):
-            anchored(now, key.public)
-            made = signed(now, stored, key)
-            decision = StateDecision(stored.state.word, by=by)
-            journal = _entered(SIGNED, stored, decision, now.journal, key.key_id)
-            tidy(self.folder, now.journal)
-            if read_journal(self.folder) != now.journal:
-                write_journal(self.folder, now.journal)  # with the versions older than it
-            commit_signature(self.folder, journal, made.path, made.content)
-            return made
-
-    def foreseen(self, table: Table, decision: StateDecision | None = None) -> Stored:
-        """What `save` will return if no other writer adds a version before; writes nothing.
-
-        Raises StoreError as `save` does.
-        """
-        from calib.store.record_file import from_content
-
-        _require_storable(table)
-        with self._reading():
-            now = self._with_older(self._snapshot())
-            known = now.identical(table)
-            if known is not None:
-                state = next_state(known.id, known.state, decision)
-                return replace(known, state=replace(state, stored_at=known.state.stored_at))
-            version = now.next_number(table.name)
-        read, path = from_content(*table.content()), placed_in(self.folder, table.name, version)
-        state = (decision or StateDecision()).as_state()
-        return Stored(read, table.name, version, table.digest, path, state=state)
 
     def load(self, reference: str) -> Stored:
         """Read and verify a table, to look at it or to judge it.
 
         ``name`` is its newest version that is neither rejected nor withdrawn, ``name@version`` that
-        version whatever its state, or a path to a version. Raises TableNotFound when there is none,
-        StoreError when no version of the name may be meant, DamagedTable when it does not agree
-        with its digests or with the journal.
+        version whatever its state, or a path to a version. Raises TableNotFound, DamagedTable;
+        StoreError when no version of the name may be meant.
         """
         return self._find(reference, released=False)
 
     def released(self, reference: str) -> Stored:
-        """Read and verify a table, to hand it out or to measure others by it.
-
-        As `load`, but ``name`` is its newest released version.
-        """
+        """`load` to hand out or to measure others by: ``name`` is its newest released version."""
         return self._find(reference, released=True)
 
     def journal(self, name: str | None = None) -> Journal:
-        """The journal, of the whole store; with the versions that are older than it.
+        """The journal of the whole store, with the versions that are older than it.
 
-        Raises TableNotFound when there is no store, or no table ``name``; DamagedTable when the
-        journal was changed.
+        Raises TableNotFound when there is no store, or no table ``name``; DamagedTable.
         """
-        with self._reading():
-            now = self._snapshot()
+        with self._reading() as now:
             if name is not None:
                 now.known(name)
-            return self._with_older(now).journal if now.names else now.journal
+            return _with_older(now).journal if now.names else now.journal
 
     def now(self) -> Snapshot:
         """The store as it is at this moment. Raises as `journal`."""
-        with self._reading():
-            return self._snapshot()
+        with self._reading() as now:
+            return now
 
     def list(self) -> tuple[StoreEntry, ...]:
-        """Every version in the store, by name and version.
-
-        Raises TableNotFound when there is no store, StoreError when it cannot be read.
-        """
-        with self._reading():
-            now = self._snapshot()
+        """Every version in the store, by name and version. Raises as `journal`."""
+        with self._reading() as now:
             return tuple(now.entry(name, v) for name in now.names for v in now.versions(name))
 
     def verify(self, name: str | None = None) -> tuple[StoreVerdict, ...]:
         """Compare versions with digests, invariants and journal, of one table or of all.
 
         One verdict per version that is or ever was, and one for each that the journal does not
-        know. Raises TableNotFound when there is no store, or no table of that name; DamagedTable
-        when the journal cannot be trusted.
+        know. Raises as `journal`.
         """
-        with self._reading():
-            now = self._snapshot()
+        with self._reading() as now:
             names = {*now.names, *names_in(self.folder)} if name is None else {now.known(name)}
             return tuple(
                 StoreVerdict(f"{one}@{version}", now.flaws(one, version))
@@ -228,65 +198,68 @@ class Store:
         """Folders that a writer has begun, or that a stopped one left; the next writer clears."""
         return tuple(unplaced(self.folder))
 
+    @contextmanager
+    def changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
+        """The store, locked, and the version ``name@version`` of it, which will change."""
+        name, _, version = reference.partition("@")
+        self.now().number(name, version)  # before anything is made
+        with self._writing() as now:
+            yield now, now.load(name, now.number(name, version))
+
     def _find(self, reference: str, released: bool) -> Stored:
         path = path_of(reference)
         store = self if path is None else Store(path.resolve().parent.parent)
-        with store._reading():
-            return store._snapshot().find(reference, released)
+        with store._reading() as now:
+            return now.find(reference, released)
 
-    def _snapshot(self) -> Snapshot:
-        return Snapshot(self.folder, read_journal(self.folder))
+    def _added(self, table: Table, decision: StateDecision, now: Snapshot) -> Stored:
+        """The new version: made aside, entered in the journal, moved to its place."""
+        version = now.next_number(table.name)
+        place = placed_in(self.folder, table.name, version)
+        work = place.with_name(f"{NEW}{place.name}")
 
-    def _with_older(self, now: Snapshot) -> Snapshot:
-        """The store with the versions that are older than the journal, where it is still empty.
+        def discard() -> None:
+            shutil.rmtree(work, ignore_errors=True)
+            with suppress(OSError):
+                work.parent.rmdir()  # if it is empty
 
-        Raises DamagedTable where one of them is not older: then the journal is missing.
-        """
-        journal = now.journal
-        if journal.entries:
-            return now
-        for name in names_in(self.folder):
-            for version in versions_in(self.folder / name):
-                entry = now.entry(name, version)
-                if entry.stored is not None:
-                    journal = _entered(ADOPTED, entry.stored, StateDecision(), journal)
-                elif JOURNAL in entry.flaw:
-                    now.load(name, version)
-        return Snapshot(self.folder, journal)
+        try:
+            write_version(table, version, work)
+            stored = read_version(work, f"{table.name}@{version}")
+            journal = entered(STORED, stored, decision, now.journal)
+        except BaseException:
+            discard()
+            raise
+        enter(self.folder, journal, discard)
+        with suppress(OSError):  # it is stored: readers find it aside, the next writer moves it
+            os.rename(work, place)
+            sync(place.parent)
+        return Snapshot(self.folder, journal).load(table.name, version)
 
     def _judged(self, stored: Stored, decision: StateDecision | None, now: Snapshot) -> Stored:
         """Enter a change of state, unless it is one that the journal has already."""
-        if decision is None or next_state(stored.id, stored.state, decision) == stored.state:
+        if decision is None or not is_new(stored.id, stored.state, decision):
             return stored
-        journal = _entered(CHANGED, stored, decision, now.journal)
-        tidy(self.folder, now.journal)
+        journal = entered(CHANGED, stored, decision, now.journal)
         write_journal(self.folder, journal)
         return replace(stored, state=journal.state(stored.name, stored.version))
 
     @contextmanager
-    def _changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
-        """The store, locked, and the version ``name@version`` of it, which will change."""
-        name, _, version = reference.partition("@")
-        with self._reading():
-            self._snapshot().number(name, version)  # before anything is made
-        with self._writing():
-            now = self._with_older(self._snapshot())
-            yield now, now.load(name, now.number(name, version))
-
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
+    def _writing(self) -> Iterator[Snapshot]:
         try:
-            with locked(self.folder):
-                yield
+            with locked_folder(self.folder):
+                journal = read_journal(self.folder)
+                _tidy(self.folder, journal)
+                yield _with_older(Snapshot(self.folder, journal))
         except OSError as error:
             raise StoreError(
                 f"cannot be written ({error.strerror})", where=self.folder, do="nothing was stored"
             ) from error
 
     @contextmanager
-    def _reading(self) -> Iterator[None]:
+    def _reading(self) -> Iterator[Snapshot]:
         try:
-            yield
+            yield Snapshot(self.folder, read_journal(self.folder))
         except OSError as error:
             raise StoreError(f"cannot be read ({error.strerror})", where=self.folder) from error
 
@@ -301,12 +274,49 @@ def _require_storable(table: Table) -> None:
         )
 
 
-def _entered(
+def entered(
     event: str, stored: Stored, decision: StateDecision, journal: Journal, key: str = ""
 ) -> Journal:
     """The journal with an event of a version."""
-    given = inputs(stored.table.content()[0]) if event in FIRST else ""
     return journal.added(
-        event, stored.name, stored.version, stored.digest, stored.record, decision,
-        inputs=given, key=key, program=PROGRAM,
-    )  # fmt: skip
+        decision,
+        event=event,
+        table=stored.name,
+        version=stored.version,
+        digest=stored.digest,
+        record=stored.record,
+        inputs=inputs(stored.table.content()[0]) if event in FIRST else "",
+        key=key,
+    )
+
+
+def _with_older(now: Snapshot) -> Snapshot:
+    """The store with the versions that are older than the journal, where it is still empty.
+
+    Raises DamagedTable where one of them is not older: then the journal is missing.
+    """
+    journal = now.journal
+    if journal.entries:
+        return now
+    for name in names_in(now.folder):
+        for version in versions_in(now.folder / name):
+            entry = now.entry(name, version)
+            if entry.stored is not None:
+                journal = entered(ADOPTED, entry.stored, StateDecision(), journal)
+            elif JOURNAL in entry.flaw:
+                now.load(name, version)
+    return Snapshot(now.folder, journal)
+
+
+def _tidy(folder: Path, journal: Journal) -> None:
+    """Finish or undo what stopped writers left. The caller holds the lock. Raises OSError."""
+    for path in unplaced(folder):
+        home, name = path.parent, path.name.removeprefix(NEW)
+        known = {folder_of(version) for version in journal.of(home.name)}
+        if name in known and not (home / name).exists():
+            os.rename(path, home / name)
+        else:
+            shutil.rmtree(path)
+    for begun in (f".{JOURNAL}.*", f".{HEAD}.*", f"*/.v*{SIGNATURE}.*"):
+        for path in folder.glob(begun):
+            path.unlink()

@@ -12,36 +12,32 @@ key.
 """
 
 import hashlib
+import io
 import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
+
+import numpy as np
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.digest import content_digest
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.write import sync
-from calib.store.curve_file import Array, curve_bytes, read_curve
 from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL, without_duplicates
 from calib.store.state import UNKNOWN, VersionState
-from calib.table.table import Table
+from calib.table.table import Array, Table
 
-if TYPE_CHECKING:
-    from calib.base.schema import Section
-
-    S = TypeVar("S", bound=Section)
-
-CURVES = ("difference", "paper", "tyre")
+_CURVES = ("difference", "paper", "tyre")
 
 
 @dataclass(frozen=True)
 class Stored:
-    """A table with its address.
+    """A table with its address; ``digest`` is that of its content.
 
-    ``digest`` is that of its content, ``path`` its directory, ``record`` the SHA-256 of its record
-    file, "" of one that is not written yet; ``journaled`` whether that file names a journal;
+    ``record`` SHA-256 of its record file; ``journaled`` whether that file names a journal;
     ``existed`` whether `Store.save` found it there already.
     """
 
@@ -70,20 +66,15 @@ class Stored:
         return {**named, "digest": self.digest, "path": self.path}
 
 
-def write_curves(table: Table, path: Path) -> None:
-    """Write the curves' files into the directory ``path``, which must not be a version yet."""
-    _, curves = table.content()
-    for name in CURVES:
-        _write(path / f"{name}.parquet", curve_bytes(curves[name]))
-
-
-def write_record(table: Table, version: int, path: Path) -> None:
-    """Write the record of ``version`` beside the curves' files and flush the directory to disk."""
-    record, _ = table.content()
-    digests = {
-        f"{name}.parquet": hashlib.sha256(_bytes(path / f"{name}.parquet")).hexdigest()
-        for name in CURVES
-    }
+def write_version(table: Table, version: int, path: Path) -> None:
+    """Write the files of a version into the new directory ``path``. Raises OSError."""
+    record, curves = table.content()
+    path.mkdir(parents=True)
+    digests = {}
+    for name in _CURVES:
+        data = curve_bytes(curves[name])
+        digests[f"{name}.parquet"] = _sha256(data)
+        _write(path / f"{name}.parquet", data)
     document = {**_document(record, table.digest, version, digests), "states": JOURNAL}
     _write(path / RECORD, (json.dumps(document, indent=2, sort_keys=True) + "\n").encode())
     sync(path)
@@ -95,37 +86,66 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     ``promised`` is the id that belongs to its place in a store. Raises DamagedTable naming the part
     that differs, StoreError when it cannot be read at all.
     """
+    from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
 
     data = _bytes(path / RECORD)
-    file = _checked(data, RecordFile, path)
-    document = _single_keys(data, path)
+    try:
+        file = validated(data, RecordFile, None, DamagedTable)
+        document = json.loads(data, object_pairs_hook=without_duplicates)
+    except (DamagedTable, ValueError, RecursionError) as error:
+        raise _damaged(path, f"{RECORD}: {error}") from error
     record = document["record"]
     try:
-        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in CURVES}
+        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in _CURVES}
         if content_digest(record, curves) != file.digest:
             raise _damaged(path, f"{RECORD}: the record or its digest was changed")
         table = table_of(file.record, curves)
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, f"{RECORD}: not the record of these curves ({error!r})") from error
+    journaled = file.states is not None
     expected = _document(record, file.digest, file.version, file.files)
-    if file.states is not None:
-        expected["states"] = JOURNAL
-    stored = Stored(
-        table,
-        table.name,
-        file.version,
-        file.digest,
-        path,
-        record=hashlib.sha256(data).hexdigest(),
-        journaled=file.states is not None,
-    )
+    expected |= {"states": JOURNAL} if journaled else {}
     changed = sorted(k for k in {*expected, *document} if expected.get(k) != document.get(k))
     if changed:
         raise _damaged(path, f"{RECORD}: {', '.join(changed)} not in agreement with the record")
-    if promised not in (None, stored.id):
-        raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
-    return stored
+    name, version = table.name, file.version
+    if promised not in (None, f"{name}@{version}"):
+        raise _damaged(path, f"{RECORD}: holds {name}@{version} in the place of {promised}")
+    return Stored(table, name, version, file.digest, path, _sha256(data), journaled)
+
+
+def curve_bytes(columns: dict[str, Array]) -> bytes:
+    """A Parquet file of named ``columns``, each (n,) and dimensionless, in the given order.
+
+    Without compression and dictionary, in one row group: so any reader can read it, and the same
+    columns give the same bytes under one version of the Parquet library.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    fields = [pa.field(name, pa.float64(), metadata={"unit": "1"}) for name in columns]
+    arrays = [pa.array(np.ascontiguousarray(x, dtype=np.float64)) for x in columns.values()]
+    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+    sink = io.BytesIO()
+    pq.write_table(table, sink, compression="none", use_dictionary=False)
+    return sink.getvalue()
+
+
+def read_curve(data: bytes) -> dict[str, Array]:
+    """Columns of a Parquet file, each float64 (n,). Raises ValueError for any other file."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        # Without threads: a pool that still runs when a short program ends aborts it (code 134).
+        table = pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
+    except (pa.ArrowException, OSError) as error:
+        raise ValueError(str(error)) from error
+    return {
+        name: np.asarray(table.column(name).to_numpy(), dtype=np.float64)
+        for name in table.column_names
+    }
 
 
 def _document(
@@ -142,27 +162,10 @@ def _document(
     }
 
 
-def _checked(data: bytes, schema: "type[S]", path: Path) -> "S":
-    from calib.base.schema import validated_json
-
-    try:
-        return validated_json(data, schema, None, DamagedTable)
-    except DamagedTable as error:
-        raise _damaged(path, f"{RECORD}: {error}") from error
-
-
-def _single_keys(data: bytes, path: Path) -> dict[str, Any]:
-    try:
-        document: dict[str, Any] = json.loads(data, object_pairs_hook=without_duplicates)
-    except (ValueError, RecursionError) as error:
-        raise _damaged(path, f"{RECORD}: {error}") from error
-    return document
-
-
 def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:
     """Columns of one curve, after its bytes were compared with their digest."""
     data = _bytes(path)
-    if hashlib.sha256(data).hexdigest() != digests[path.name]:
+    if _sha256(data) != digests[path.name]:
         raise _damaged(path.parent, f"{path.name}: its bytes differ from their digest")
     return read_curve(data)
 
@@ -181,6 +184,10 @@ def _write(path: Path, data: bytes) -> None:
         file.write(data)
         file.flush()
         os.fsync(file.fileno())
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
 
 
 def _damaged(path: Path, what: str) -> DamagedTable:

@@ -14,6 +14,20 @@ from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
 from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
+from calib.suggest.body import (
+    find_acceleration,
+    find_by_name,
+    find_pressure,
+    find_speed,
+    refuse_computed,
+)
+from calib.suggest.clock_and_wheels import (
+    bridge,
+    find_clock,
+    find_wheel_pressures,
+    find_wheels,
+    while_moving,
+)
 from calib.suggest.columns import read_series
 from calib.suggest.search import LIKELY, SURE, Doubt, Proposal, Search, rim_mapping, rim_reason
 
@@ -70,7 +84,7 @@ def suggest(
     for channel, cell in search.told.items():
         if proposal := _told(channel, cell, source, where, radius):
             search.proposals[channel] = proposal
-    search.run()
+    _find(search)
     proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
     taken = {p.mapping.source for p in proposals}
     left = {s.name: search.left.get(s.name, "not a known channel") for s in search.series}
@@ -85,6 +99,26 @@ def suggest(
             missing[name] = gone or _why_missing(name, search)
     ignore = tuple(n for n in left if n in CHANNELS and n not in search.proposals)
     return Suggestion(where, proposals, tuple(search.doubts), missing, left, ignore)
+
+
+def _find(search: Search) -> None:
+    """Each step uses the results of the steps before."""
+    find_clock(search)
+    clock = search.clock
+    if clock is None:
+        search.left.update({s.name: "has missing values" for s in search.gapped})
+        return
+    bridge(search, clock)
+    mean, angular = find_wheels(search)
+    speed = find_speed(search, mean)
+    metres = speed is not None or not (angular or "omega_fl" in search.told)
+    rate = while_moving(search, speed if speed is not None else mean, clock)
+    clock = search.clock or clock
+    find_acceleration(search, rate, clock, metres)
+    refuse_computed(search)
+    find_pressure(search, None if rate is None else -rate, clock)
+    find_wheel_pressures(search)
+    find_by_name(search)
 
 
 def _why_missing(name: str, search: Search) -> str:

@@ -2,11 +2,17 @@
 
 import re
 from itertools import pairwise
+from typing import NamedTuple
 
 _WORD = re.compile(
     r"[LR][12](?![0-9A-Za-z])|(?<![A-Za-z])[lr][12](?![0-9A-Za-z])"
     r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"
 )
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
 
 FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
 REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
@@ -23,59 +29,83 @@ CORNERS = {
 """Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
 _SIDES = FRONT | REAR | LEFT | RIGHT | set().union(*CORNERS.values())
 
-TIME = {
-    *("time", "zeit", "zeitstempel", "t", "timestamp", "timestamps", "timestemp", "ts"),
-    *("uhrzeit", "messzeit", "clock", "datetime", "interval"),
-}
-BRAKE = {"brake", "brk", "pbk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
-MASTER = {
-    *("mc", "tmc", "master", "mastercylinder", "hz", "thz", "hbz", "hauptbremszylinder"),
-    *("hauptzylinder", "vordruck", "pmc", "phz", "pthz", "phbz", "mcp"),
-}
-NO_BRAKE = {
-    *("tire", "tyre", "reifen", "oil", "oel", "öl", "fuel", "boost", "booster", "manifold"),
-    *("rail", "baro", "ambient", "vacuum", "intake", "turbo", "clutch", "air", "park"),
-    *("parking", "hand"),
-}
-PRESSURE = {"pressure", "press", "prs", "druck", "bremsdruck", "vordruck", "p"}
-DECELERATION = {"decel", "deceleration", "verzoegerung", "verzögerung"}
-LONG = DECELERATION | {
-    *("x", "ax", "long", "lon", "lgt", "longitudinal", "laengs", "längs", "longacc", "forward"),
-}
-NO_LONG = {
-    *("y", "z", "ay", "az", "lat", "lateral", "quer", "querbeschl", "vert", "vertical", "pedal"),
-    *("latacc", "yaw", "roll", "pitch", "gier", "wank", "nick"),
-}
-DERIVED = {
-    *("est", "estimate", "estimated", "filt", "filtered", "model", "req", "requested", "raw"),
-    *("angez", "angezeigt", "displayed", "tacho"),
-}
+TIME = _words(
+    "time zeit zeitstempel t timestamp timestamps timestemp ts uhrzeit messzeit clock "
+    "datetime interval"
+)
+PRESSURE = _words("pressure press prs druck bremsdruck vordruck p")
+DECELERATION = _words("decel deceleration verzoegerung verzögerung")
+DERIVED = _words(
+    "est estimate estimated filt filtered model req requested raw angez angezeigt displayed tacho"
+)
 """Words for a second, computed channel of the same quantity."""
-SPEED = {
-    *("v", "vx", "speed", "spd", "velocity", "vel", "vehicle", "veh", "car", "ego", "gps", "gnss"),
-    *("ground", "geschwindigkeit", "geschw", "fahrzeug", "fzg", "kfz", "vveh", "vfzg", "vehspd"),
-}
-NO_SPEED = {
-    *("engine", "wheel", "rad", "motor", "wind", "fan", "turbine", "vertical", "vert", "target"),
-    *("set", "lateral", "lat", "limit", "cruise", "vy", "vz", "quer", "soll", "wunsch", "ziel"),
-    *("sollgeschw", "wunschgeschw", "zielgeschw", "radgeschw", "drehzahl", "tempomat", "whl"),
-}
-STEERING = {"steering", "steer", "swa", "strg", "lenk", "lenkwinkel", "lenkrad", "lws", "delta"}
-NO_STEERING = {"yaw", "heading", "slip", "pitch", "roll", "rate", "road", "rear"}
-TORQUE = {"torque", "trq", "tq", "moment", "mom", "drehmoment", "radmoment"}
-DRIVE = {
-    *("drive", "drv", "motor", "mot", "engine", "eng", "emotor", "antrieb", "antriebsmoment"),
-    *("regen", "rekuperation", "powertrain"),
-}
-NO_DRIVE = {
-    *("brake", "brk", "brakes", "bremse", "bremsmoment", "steering", "steer", "lenk", "yaw"),
-    *("target", "set", "setpoint", "soll", "request", "req", "requested", "max", "min", "limit"),
-    *("lim", "available", "avail", "driver", "fahrer", "hand"),
-}
-"""Words for another torque, or one that is only asked for or possible."""
+
+
+class Words(NamedTuple):
+    """Words of a quantity, and those of others that are like it."""
+
+    wanted: frozenset[str]
+    unwanted: frozenset[str] = frozenset()
+
+
+_NO_BRAKE = _words(
+    "tire tyre reifen oil oel öl fuel boost booster manifold rail baro ambient vacuum intake "
+    "turbo clutch air park parking hand"
+)
+BRAKE = Words(
+    _words("brake brk pbk brakes bremse brems bremsdruck bremskraft"),
+    _NO_BRAKE,
+)
+MASTER = Words(
+    _words(
+        "mc tmc master mastercylinder hz thz hbz hauptbremszylinder hauptzylinder vordruck pmc "
+        "phz pthz phbz mcp"
+    ),
+    _NO_BRAKE,
+)
+LONG = Words(
+    _words(
+        "decel deceleration verzoegerung verzögerung x ax long lon lgt longitudinal laengs längs "
+        "longacc forward"
+    ),
+    _words(
+        "y z ay az lat lateral quer querbeschl vert vertical pedal latacc yaw roll pitch gier "
+        "wank nick"
+    ),
+)
+SPEED = Words(
+    _words(
+        "v vx speed spd velocity vel vehicle veh car ego gps gnss ground geschwindigkeit geschw "
+        "fahrzeug fzg kfz vveh vfzg vehspd"
+    ),
+    _words(
+        "engine wheel rad motor wind fan turbine vertical vert target set lateral lat limit "
+        "cruise vy vz quer soll wunsch ziel sollgeschw wunschgeschw zielgeschw radgeschw "
+        "drehzahl tempomat whl"
+    ),
+)
+STEERING = Words(
+    _words("steering steer swa strg lenk lenkwinkel lenkrad lws delta"),
+    _words("yaw heading slip pitch roll rate road rear"),
+)
+DRIVE = Words(
+    _words(
+        "drive drv motor mot engine eng emotor antrieb antriebsmoment regen rekuperation powertrain"
+    ),
+)
+TORQUE = Words(
+    _words("torque trq tq moment mom drehmoment radmoment"),
+    _words(
+        "brake brk brakes bremse bremsmoment steering steer lenk yaw target set setpoint soll "
+        "request req requested max min limit lim available avail driver fahrer hand"
+    ),
+)
+"""Not another torque, nor one that is only asked for or possible."""
+DISC = Words(
+    _words("disc disk rotor scheibe bremsscheibe"),
+)
 WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
-DISC = {"disc", "disk", "rotor", "scheibe", "bremsscheibe"}
 
 
 def words(name: str) -> list[str]:
@@ -134,18 +164,18 @@ def axle(name: str) -> str | None:
     return "f" if found & FRONT else "r"
 
 
-def score(name: str, wanted: set[str], unwanted: set[str]) -> int:
+def score(name: str, of: Words) -> int:
     """How well a name fits a quantity: wanted words, less one if computed; -1 if unwanted.
 
-    >>> score("a_x", LONG, NO_LONG), score("a_y", LONG, NO_LONG), score("a_x_est", LONG, NO_LONG)
+    >>> score("a_x", LONG), score("a_y", LONG), score("a_x_est", LONG)
     (2, -1, 1)
     """
     found = set(words(name))
-    if _matching(found, unwanted):
+    if _matching(found, of.unwanted):
         return -1
-    return 2 * len(_matching(found, wanted)) - (1 if found & DERIVED else 0)
+    return 2 * len(_matching(found, of.wanted)) - (1 if found & DERIVED else 0)
 
 
-def _matching(found: set[str], wanted: set[str]) -> set[str]:
+def _matching(found: set[str], wanted: frozenset[str]) -> set[str]:
     """The words in ``wanted`` that occur, long ones also within a compound."""
     return {w for w in found if w in wanted or any(len(x) >= WHOLE and x in w for x in wanted)}

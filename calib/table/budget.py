@@ -1,27 +1,20 @@
 """What an interval is made of: the variance of a pad friction, split by what is not known.
 
-    mass           of the car with its load
-    resistance     drag and rolling resistance
-    accelerometer  its scale and offset
-    tyres          stiffness, curve, load exponent, front against rear, surface
-    zeros          radii at rest, as the lead-in gives them; clock of v
-    load_geometry  radius under load, load that the body moves late
-    unlike_pads    whether they changed since the ramp, and front against rear
-    cars           how cars of one model differ: in a table that is the mean of several
-    ramp           what an older table left open and does not split
-    motor          one that may have braked along and is not logged: of a stop
-    delay          brakes that follow late, while the pressure moves: of a stop
-    noise          sensors, road, what no tyre curve follows
-
-Not counted: the centre of gravity, areas and radii of the brakes, which are taken as the vehicle
-file has them.
+The page `validation` of the manual says what each part holds. Not counted: the centre of gravity,
+areas and radii of the brakes, which are taken as the vehicle file has them.
 """
 
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
 
 from calib.base.intervals import Z95
+from calib.car.balance import brake_forces
+from calib.car.vehicle import Vehicle
+from calib.table.table import Calibration, Table
 
 Parts = Mapping[str, float]
 """Variance of the logarithm of a pad friction [1] by the name of its cause."""
@@ -47,28 +40,8 @@ ADVICE = {
 }
 """What shrinks each part: an entry in the vehicle file, or a drive."""
 
-MOST = 3
-"""Parts that a line of words names."""
-
 PARTS = tuple(ADVICE)
 """Names of all parts, in the order in which they are printed."""
-
-
-@dataclass(frozen=True)
-class TableBudget:
-    """What the pads and the tyre of a table rest on.
-
-    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1] by part: their
-    squares add up to that of its sigma over its value. An estimate goes on from what follows:
-    ``level`` variance of the logarithm of the pad level of the ramps [1] by part; ``posterior`` by
-    part a share of the covariance of the table's posterior, each positive semidefinite: their sum
-    is that covariance.
-    """
-
-    front: dict[str, float]
-    rear: dict[str, float]
-    level: dict[str, float]
-    posterior: dict[str, tuple[tuple[float, ...], ...]]
 
 
 @dataclass(frozen=True)
@@ -106,7 +79,7 @@ class AxleBudget:
         >>> AxleBudget(0.4, {"tyres": 1e-4, "mass": 9e-4, "load_geometry": 4e-6}).words
         'one sigma of mass 3.0 %, tyres 1.0 %, load geometry 0.2 %'
         """
-        named = [(part.replace("_", " "), 100 * x) for part, x in self.relative.items()][:MOST]
+        named = [(part.replace("_", " "), 100 * x) for part, x in self.relative.items()][:3]
         return "one sigma of " + ", ".join(f"{part} {percent:.1f} %" for part, percent in named)
 
     @property
@@ -139,3 +112,88 @@ def summary(front: AxleBudget, rear: AxleBudget) -> dict[str, object]:
             name: {"part": axle.largest, "do": axle.advice} for name, axle in axles.items()
         },
     }
+
+
+def pads_budget(table: Table) -> tuple[AxleBudget, AxleBudget]:
+    """Budgets of the front and the rear pads of the ramps.
+
+    Their parts add up to the square of sigma over value of each. A table without a budget says how
+    much is open, and nothing of it but the mass.
+    """
+    cal = table.calibration
+    if table.budget is not None:
+        front, rear = (
+            {part: x**2 for part, x in sigma.items()}
+            for sigma in (table.budget.front, table.budget.rear)
+        )
+        return (
+            AxleBudget(cal.pad_friction_f.value, front),
+            AxleBudget(cal.pad_friction_r.value, rear),
+        )
+    ratio = {"ramp": cal.pad_log_ratio.sigma**2}
+    return axle_budgets(table.vehicle, cal, level_of(table), ratio)
+
+
+def axle_budgets(
+    vehicle: Vehicle, cal: Calibration, level: Parts, ratio: Parts
+) -> tuple[AxleBudget, AxleBudget]:
+    """Budgets of front and rear pads from those of level and ratio (variances).
+
+    The ratio of the pads moves each axle by the other one's share of the brake force.
+    """
+    share = front_share(vehicle, cal.pad_log_ratio.value)
+    return (
+        axle_budget(cal.pad_friction_f.value, (1.0, level), ((1.0 - share) ** 2, ratio)),
+        axle_budget(cal.pad_friction_r.value, (1.0, level), (share**2, ratio)),
+    )
+
+
+def level_of(table: Table) -> Parts:
+    """Variance of the logarithm of the pad level of the ramps [1] by part.
+
+    It is that of the sum of forces: the ratio of the pads has no part in it.
+    """
+    if table.budget is not None:
+        return table.budget.level
+    cal = table.calibration
+    of_ratio = (front_share(table.vehicle, cal.pad_log_ratio.value) - 0.5) * cal.pad_log_ratio.sigma
+    total = max((cal.pad_scale.sigma / cal.pad_scale.value) ** 2 - of_ratio**2, 0.0)
+    mass = min(table.vehicle.mass_tolerance**2, total)
+    return {"mass": mass, "ramp": total - mass}
+
+
+def front_share(vehicle: Vehicle, log_ratio: float) -> float:
+    """Share of the front axle in the brake force at one pressure, at a pad ratio."""
+    B_f, B_r = brake_forces(vehicle, np.ones(()), np.ones(()), log_ratio)
+    return float(B_f / (B_f + B_r))
+
+
+class PadLevels(NamedTuple):
+    """Logarithms [1], against the pads of the vehicle file.
+
+    ``level`` of the brake force of both axles per pressure, which the sum of forces fixes;
+    ``ratio`` of the pads, front over rear.
+    """
+
+    level: float
+    ratio: float
+
+
+def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:
+    """Level and ratio of the pads of a calibration."""
+    front = pads.pad_friction_f.value / vehicle.front.pad_friction
+    rear = pads.pad_friction_r.value / vehicle.rear.pad_friction
+    ratio = math.log(front / rear)
+    return PadLevels(math.log(math.sqrt(front * rear)) + _gain(vehicle, ratio), ratio)
+
+
+def pad_scale(vehicle: Vehicle, levels: PadLevels) -> float:
+    """Common factor on the pads of the vehicle file [1]; with the ratio it gives both axles."""
+    return math.exp(levels.level - _gain(vehicle, levels.ratio))
+
+
+def _gain(vehicle: Vehicle, ratio: float) -> float:
+    """ln of the brake force per pressure at a pad ratio over that at the ratio of the file."""
+    one = np.ones(())
+    with_ratio, nominal = (sum(brake_forces(vehicle, one, one, r)) for r in (ratio, 0.0))
+    return math.log(float(with_ratio) / float(nominal))

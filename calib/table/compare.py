@@ -1,17 +1,33 @@
-"""The differences of two tables: curve by curve, and key by key of their records."""
+"""The differences of two tables, and whether they are one fit, computed on two kinds of computer.
 
+Sums of floating-point numbers are rounded in another order on another processor, so the numbers of
+one fit differ from the seventh digit on. Two tables are the same where they were made by one
+program from the same logs, vehicle and settings, and no number differs by more than `TOLERANCE`.
+"""
+
+import hashlib
 import json
 import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
-from calib.table.table import Table, Value
+from calib.table.table import Array, Table, Value
 
-Array = NDArray[np.float64]
+TOLERANCE = 1e-5
+"""Largest difference of two numbers over the largest of their list or column [1].
+
+A value is compared over itself or its sigma, whichever is larger.
+"""
+
+_VALUE = {"value", "sigma"}
+"""Keys of a fitted value in a record."""
+
+_RESULTS = ("calibration", "effects", "noise", "posterior", "quality")
+"""Sections of the record that hold numbers of the fit; its words follow from them."""
 
 EQUAL, WITHIN, DIFFERENT = "equal", "equal within bands", "different"
 """Verdicts on two tables; the second where nothing differs by more than the 95 % bands of both."""
@@ -94,21 +110,15 @@ class Difference:
 
 def diff(a: Table, b: Table) -> Difference:
     """Compare two tables: curves on their common axis, linearly between rows; records by key."""
-    pairs = {
-        name: (first, second) for (name, first), (_, second) in zip(_axes(a), _axes(b), strict=True)
-    }
-    gaps = {name: _gap(name, first, second) for name, (first, second) in pairs.items()}
+    theirs = _axes(b)
+    gaps = {name: _gap(name, first, theirs[name]) for name, first in _axes(a).items()}
+    pads = vars(b.calibration)
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
-        values=_values(a, b),
-        changes=_changes(a, b),
+        values=tuple(_value_gap(name, x, pads[name]) for name, x in vars(a.calibration).items()),
+        changes=changes(a, b),
     )
-
-
-def _values(a: Table, b: Table) -> tuple[ValueGap, ...]:
-    ours, theirs = vars(a.calibration), vars(b.calibration)
-    return tuple(_value_gap(name, ours[name], theirs[name]) for name in ours)
 
 
 def _value_gap(name: str, a: Value, b: Value) -> ValueGap:
@@ -117,15 +127,15 @@ def _value_gap(name: str, a: Value, b: Value) -> ValueGap:
     return ValueGap(name, a.value, b.value, far)
 
 
-def _axes(table: Table) -> list[tuple[str, tuple[Array, Array, Array]]]:
-    """Name, and axis, value, 95 % half-width of each curve."""
+def _axes(table: Table) -> dict[str, tuple[Array, Array, Array]]:
+    """Axis, value and 95 % half-width of each curve."""
     d, p, g = table.difference, table.paper, table.tyre
-    return [
-        ("D", (d.eta, d.D, (d.upper - d.lower) / 2)),
-        ("f1", (p.eta, p.f1, (p.f1_upper - p.f1_lower) / 2)),
-        ("f2", (p.eta, p.f2, (p.f2_upper - p.f2_lower) / 2)),
-        ("g", (g.slip, g.force, (g.upper - g.lower) / 2)),
-    ]
+    return {
+        "D": (d.eta, d.D, (d.upper - d.lower) / 2),
+        "f1": (p.eta, p.f1, (p.f1_upper - p.f1_lower) / 2),
+        "f2": (p.eta, p.f2, (p.f2_upper - p.f2_lower) / 2),
+        "g": (g.slip, g.force, (g.upper - g.lower) / 2),
+    }
 
 
 def _gap(
@@ -140,42 +150,31 @@ def _gap(
     gap = np.interp(x, b[0], b[1]) - np.interp(x, a[0], a[1])
     band = np.hypot(np.interp(x, a[0], a[2]), np.interp(x, b[0], b[2]))
     worst = int(np.argmax(np.abs(gap)))
+    square = (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
+    differs = gap != 0.0  # at eta = 1 both gap and band are zero
+    over = np.full_like(gap, math.inf)
+    np.divide(np.abs(gap), band, out=over, where=band > 0.0)
     return CurveGap(
         curve=name,
         start=float(start),
         end=float(end),
         largest=float(gap[worst]),
         at=float(x[worst]),
-        rms=_rms(x, gap),
-        in_bands=_in_bands(gap, band),
+        rms=float(np.sqrt(np.sum(square * np.diff(x)) / (x[-1] - x[0]))),
+        in_bands=float(np.max(over, initial=0.0, where=differs)),
     )
 
 
-def _rms(x: Array, y: Array) -> float:
-    """Root mean square over x of the straight lines through (x, y); exact on any spacing."""
-    square = (y[:-1] ** 2 + y[:-1] * y[1:] + y[1:] ** 2) / 3.0
-    return float(np.sqrt(np.sum(square * np.diff(x)) / (x[-1] - x[0])))
-
-
-def _in_bands(gap: Array, band: Array) -> float:
-    differs = gap != 0.0  # at eta = 1 both gap and band are zero
-    if not np.any(differs):
-        return 0.0
-    if np.any(band[differs] == 0.0):
-        return float("inf")
-    return float(np.max(np.abs(gap[differs]) / band[differs]))
-
-
-def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
+def changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
+    """The keys of two records that differ, by section."""
     first, second = _flat(_record(a)), _flat(_record(b))
-    changes: dict[str, list[RecordChange]] = {}
+    found: dict[str, tuple[RecordChange, ...]] = {}
     for key in sorted({*first, *second}):
         if first.get(key) != second.get(key):
             section, _, rest = key.partition(".")
-            changes.setdefault(section, []).append(
-                RecordChange(rest or section, first.get(key), second.get(key))
-            )
-    return {section: tuple(found) for section, found in changes.items()}
+            one = RecordChange(rest or section, first.get(key), second.get(key))
+            found[section] = (*found.get(section, ()), one)
+    return found
 
 
 def _record(table: Table) -> dict[str, Any]:
@@ -205,3 +204,52 @@ def _flat(value: object, path: str = "") -> dict[str, str]:
     for key, part in items.items():
         leaves |= _flat(part, f"{path}.{key}" if path else key)
     return leaves
+
+
+def inputs(record: dict[str, Any]) -> str:
+    """SHA-256 over everything in a record that was given to the fit, and over the program."""
+    given = {name: record.get(name) for name in ("name", "vehicle", "by_hand")}
+    origin = record["provenance"]
+    given["provenance"] = {**origin, "logs": [_given(log) for log in origin["logs"]]}
+    return hashlib.sha256(canonical_json(given)).hexdigest()
+
+
+def _given(log: dict[str, Any]) -> dict[str, Any]:
+    """A log of a record without the numbers of its fingerprint, which follow from the log."""
+    return {**log, "fingerprint": "fingerprint" in log}
+
+
+def same(a: Table, b: Table) -> bool:
+    """Whether two tables have equal inputs, and numbers equal within `TOLERANCE`."""
+    (first, ours), (second, theirs) = a.content(), b.content()
+    return inputs(first) == inputs(second) and _close(
+        [{name: first[name] for name in _RESULTS}, ours],
+        [{name: second[name] for name in _RESULTS}, theirs],
+    )
+
+
+def _close(a: Any, b: Any) -> bool:
+    """Compare dicts, lists and arrays part by part, and lists of numbers by their largest."""
+    if isinstance(a, dict) and isinstance(b, dict) and a.keys() == b.keys() == _VALUE:
+        return _close([*a.values()], [*b.values()])
+    if isinstance(a, dict):
+        return isinstance(b, dict) and a.keys() == b.keys() and all(_close(a[k], b[k]) for k in a)
+    first, second = _numbers(a), _numbers(b)
+    if first is not None and second is not None:
+        if first.shape != second.shape:
+            return False
+        scale = max(np.max(np.abs(x), initial=0.0) for x in (first, second))
+        return bool(np.all(np.abs(first - second) <= TOLERANCE * scale))
+    if isinstance(a, list):
+        return isinstance(b, list) and len(a) == len(b) and all(map(_close, a, b))
+    return bool(a == b)
+
+
+def _numbers(value: Any) -> Array | None:
+    """A number, or lists of numbers of one shape, as an array; None for anything else."""
+    if isinstance(value, str | dict | bool) or value is None:
+        return None
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None

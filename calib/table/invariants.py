@@ -9,21 +9,16 @@ from collections.abc import Iterator
 from dataclasses import fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.digest import canonical_json
 from calib.base.errors import not_finite
 from calib.car.forces import axle_loads
-from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Array, Table
 
-Array = NDArray[np.float64]
-
-CONSTRAINT_TOLERANCE = 1e-9
+_TOLERANCE = 1e-9
 """Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
 
-FLAGS = (MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND)
-
-DIGEST = re.compile(r"[0-9a-f]{64}")
+_FLAGS = (MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND)
 
 
 def violations(table: Table) -> tuple[str, ...]:
@@ -31,10 +26,7 @@ def violations(table: Table) -> tuple[str, ...]:
     shapes = tuple(_shapes(table))
     if shapes:  # the next checks need columns of equal length
         return shapes
-    checks = (
-        *(_finite, _axes, _bands, _flags, _zero, _constraint, _covariance, _parents),
-        *(_spread, _by_hand),
-    )
+    checks = (_finite, _axes, _flags, _zero, _constraint, _covariance, _parents, _spread)
     return tuple(flaw for check in checks for flaw in check(table))
 
 
@@ -74,32 +66,23 @@ def _finite(table: Table) -> Iterator[str]:
 
 
 def _axes(table: Table) -> Iterator[str]:
-    axes = {
-        "difference.eta": table.difference.eta,
-        "paper.eta": table.paper.eta,
-        "tyre.slip": table.tyre.slip,
-    }
-    for name, axis in axes.items():
+    d, p, g = table.difference, table.paper, table.tyre
+    for name, axis in (("difference.eta", d.eta), ("paper.eta", p.eta), ("tyre.slip", g.slip)):
         if not np.all(np.diff(axis) > 0.0):
             yield f"{name}: does not increase from row to row"
-
-
-def _bands(table: Table) -> Iterator[str]:
-    d, p, g = table.difference, table.paper, table.tyre
-    bands = {
-        "difference.D": (d.lower, d.D, d.upper),
-        "paper.f1": (p.f1_lower, p.f1, p.f1_upper),
-        "paper.f2": (p.f2_lower, p.f2, p.f2_upper),
-        "tyre.force": (g.lower, g.force, g.upper),
-    }
-    for name, (lower, middle, upper) in bands.items():
+    for name, lower, middle, upper in (
+        ("difference.D", d.lower, d.D, d.upper),
+        ("paper.f1", p.f1_lower, p.f1, p.f1_upper),
+        ("paper.f2", p.f2_lower, p.f2, p.f2_upper),
+        ("tyre.force", g.lower, g.force, g.upper),
+    ):
         if not np.all((lower <= middle + 1e-12) & (middle <= upper + 1e-12)):
             yield f"{name}: outside its own 95 % band"
 
 
 def _flags(table: Table) -> Iterator[str]:
     for curve, columns in _columns(table):
-        if not np.all(np.isin(columns["flag"], FLAGS)):
+        if not np.all(np.isin(columns["flag"], _FLAGS)):
             yield f"{curve}.flag: a value that is no flag"
         if not np.all(columns["count"] >= 0.0):
             yield f"{curve}.count: negative"
@@ -118,7 +101,7 @@ def _constraint(table: Table) -> Iterator[str]:
     F_zf, F_zr = axle_loads(table.vehicle, paper.z)
     error = np.abs(paper.f1 + F_zr / F_zf * paper.f2)  # (18)
     worst = int(np.argmax(error))
-    if not error[worst] <= CONSTRAINT_TOLERANCE:
+    if not error[worst] <= _TOLERANCE:
         yield f"paper: (18) is off by {error[worst]:.3g} in row {worst}"
 
 
@@ -152,12 +135,12 @@ def _psd(name: str, matrix: Array) -> Iterator[str]:
 
 
 def _parents(table: Table) -> Iterator[str]:
-    for log in table.provenance.logs:
-        if not DIGEST.fullmatch(log.digest):
-            yield f"provenance: the digest of {log.name} is not a SHA-256"
-    for parent in table.provenance.parents:
-        if not DIGEST.fullmatch(parent.digest):
-            yield f"provenance: the digest of {parent.id} is not a SHA-256"
+    origin = table.provenance
+    digests = [(log.name, log.digest) for log in origin.logs]
+    digests += [(parent.id, parent.digest) for parent in origin.parents]
+    for name, digest in digests:
+        if not re.fullmatch(r"[0-9a-f]{64}", digest):
+            yield f"provenance: the digest of {name} is not a SHA-256"
 
 
 def _spread(table: Table) -> Iterator[str]:
@@ -171,9 +154,3 @@ def _spread(table: Table) -> Iterator[str]:
     scalars = (spread.pad_level, spread.pad_ratio, spread.stiffness)
     if any(min(s.between, s.of_mean) < 0.0 for s in (*spread.D, *scalars)):
         yield "spread: a negative standard deviation"
-
-
-def _by_hand(table: Table) -> Iterator[str]:
-    marked = any(np.any(columns["flag"] == BY_HAND) for _, columns in _columns(table))
-    if marked and not table.by_hand:
-        yield "by_hand: cells are marked as set by hand, and nobody set them"

@@ -1,10 +1,9 @@
 """The look-up table as a value: three look-ups, their origin and their uncertainty.
 
-A table is plain data. ``content`` gives it as one JSON-able record and named float columns;
-`from_content` in `calib.store.record_file` builds the same table again. The digest is over that
+`Table.content` gives it as one JSON-able record and named float columns. The digest is over that
 canonical content, so it does not depend on how a file format packs it.
 
-    record  {schema, name, vehicle, calibration, tyre, effects, noise, quality, provenance}
+    record  {schema, name, vehicle, calibration, posterior, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
              "tyre": {slip, force, ...}}
 """
@@ -25,14 +24,15 @@ from calib.car.tyre import PARAMETERS as TYRE
 from calib.car.tyre import Tyre
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.run.fingerprint import Fingerprint
-from calib.run.same_run import same_as
-from calib.table.budget import TableBudget
-from calib.table.by_hand import SetByHand
-from calib.table.spread import FleetScatter
+from calib.run.same_run import Fingerprint, same_as
 
 Array = NDArray[np.float64]
-SCHEMA = 1
+
+_OPTIONAL = {
+    *("own_effects", "empirical", "notes", "fingerprint", "warnings", "budget", "spread"),
+    *("by_hand", "scatter", "identity", "parents"),
+}
+"""Keys that a record does not have where there is nothing to say; older tables had none of them."""
 
 MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND = 0.0, 1.0, 2.0, 3.0
 """Flags of a cell: with enough blocks, between such cells, beyond them, set by a person."""
@@ -40,10 +40,10 @@ MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND = 0.0, 1.0, 2.0, 3.0
 
 @dataclass(frozen=True)
 class DifferenceCurve:
-    """D(eta) with D(1) = 0, on the branch where eta rises.
+    """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
 
-    ``eta`` [1]; ``D`` = F_f - F_r [1]; ``lower``, ``upper`` 95 % band [1]; ``count`` of blocks in
-    the cell; ``flag`` MEASURED, INTERPOLATED, EXTRAPOLATED or BY_HAND. Shapes (n,).
+    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` MEASURED,
+    INTERPOLATED, EXTRAPOLATED or BY_HAND.
     """
 
     eta: Array
@@ -62,11 +62,10 @@ class DifferenceCurve:
 
 @dataclass(frozen=True)
 class PaperCurves:
-    """f1(eta) and f2(eta) of Fig. 6, on the branch where they are single-valued.
+    """f1, f2 of (11), (12) and Fig. 6 over eta, where they are single-valued. Shapes (n,), all [1].
 
-    ``eta`` [1]; ``z`` deceleration of the ramp at that eta [1]; ``f1``, ``f2`` of (11), (12) [1],
-    with their 95 % bands; ``count``, ``flag`` as in `DifferenceCurve`. (18) holds in every row.
-    Shapes (n,).
+    ``z`` deceleration of the ramp at that eta; the rest as in `DifferenceCurve`. (18) holds in
+    every row.
     """
 
     eta: Array
@@ -133,11 +132,10 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Pad parameters estimated from the ramps.
+    """Pads from the ramps [1], against the vehicle file.
 
-    ``pad_scale`` common factor on the nominal pad friction, from the sum of forces;
-    ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value; ``pad_friction_f``,
-    ``pad_friction_r`` [1].
+    ``pad_scale`` common factor, from the sum of forces; ``pad_log_ratio`` ln of (mu_f/mu_r) over
+    its nominal value; ``pad_friction_f``, ``pad_friction_r``.
     """
 
     pad_scale: Value
@@ -152,8 +150,7 @@ class TyrePosterior:
 
     ``names`` those of `calib.model.parameters.RampParameters`; ``mean`` (k,), ``covariance``
     (k, k). ``scatter`` (k, k) is the part of it by which real pads, tyres and radii are less alike
-    than the mean takes them: no ramp can tell, and a stop that seems to tells of its own road. The
-    record of an older table does not have it.
+    than the mean takes them: no ramp can tell, and a stop that seems to tells of its own road.
     """
 
     names: tuple[str, ...]
@@ -162,16 +159,16 @@ class TyrePosterior:
     scatter: tuple[tuple[float, ...], ...] = ()
 
     def value(self, name: str) -> float:
-        """Mean of a parameter. Raises ValueError if there is none of this name."""
+        """Mean of a parameter. Raises ValueError for an unknown one, as those below."""
         return self.mean[self.names.index(name)]
 
     def variance(self, name: str) -> float:
-        """Variance of a parameter. Raises ValueError if there is none of this name."""
+        """Variance of a parameter."""
         at = self.names.index(name)
         return self.covariance[at][at]
 
     def sigma(self, name: str) -> float:
-        """Standard deviation of a parameter. Raises ValueError if there is none of this name."""
+        """Standard deviation of a parameter."""
         return math.sqrt(self.variance(name))
 
     @property
@@ -182,11 +179,10 @@ class TyrePosterior:
 
 @dataclass(frozen=True)
 class LogReference:
-    """A log of the fit: its name, the SHA-256 of its bytes, its role, and notes of its reader.
+    """A log of the fit; ``digest`` SHA-256 of its bytes.
 
-    ``notes`` say what was resampled or decoded, and how; empty for a log that was used unchanged.
-    ``fingerprint`` tells a copy of the run from another run; the record of an older table does not
-    have it.
+    ``notes`` of its reader: what was resampled or decoded, and how. ``fingerprint`` tells a copy of
+    the run from another run.
     """
 
     name: str
@@ -215,11 +211,9 @@ class TableReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Parents of a table: logs, settings, program version.
+    """Where a table comes from; ``identity`` of the car: serial number, VIN and the like.
 
-    ``identity`` of the car at a station: serial number, VIN and the like, see
-    `calib.line.station.identity`. ``parents`` versions that it was merged from or derived from, see
-    `calib.store`. The record of a table without them does not have the key.
+    ``parents`` versions that it was merged from.
     """
 
     logs: tuple[LogReference, ...]
@@ -234,6 +228,73 @@ class Provenance:
 
 
 @dataclass(frozen=True)
+class SetByHand:
+    """``key`` that a person set from ``old`` to ``new``, the ``reason``, and ``by`` whom.
+
+    A key is `pad_friction_f`, `D[1.0025]`: a pad, or a curve in the row of an eta. Only tables of
+    former programs have any.
+    """
+
+    key: str
+    old: float
+    new: float
+    reason: str
+    by: str = ""
+
+    def __str__(self) -> str:
+        by = f", by {self.by}" if self.by else ""
+        return f"{self.key} set by hand to {self.new:.6g} from {self.old:.6g}{by}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class TableBudget:
+    """What the pads and the tyre of a table rest on, by part, see `calib.table.budget`.
+
+    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]: their squares
+    add up to that of its sigma over its value. An estimate goes on from what follows: ``level``
+    variance of the logarithm of the pad level of the ramps [1]; ``posterior`` a share of the
+    covariance of the table's posterior, each positive semidefinite: their sum is that covariance.
+    """
+
+    front: dict[str, float]
+    rear: dict[str, float]
+    level: dict[str, float]
+    posterior: dict[str, tuple[tuple[float, ...], ...]]
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """``between`` standard deviation between cars; ``of_mean`` standard error of their mean.
+
+    ``of_mean`` holds what differs from car to car and from run to run, not what all of them share:
+    vehicle file, track, method. It goes with Student's t of `FleetScatter.freedom`.
+    """
+
+    between: float
+    of_mean: float
+
+
+@dataclass(frozen=True)
+class FleetScatter:
+    """Scatter of ``cars`` cars: of D [1] at the rows of the table's D, and of logarithms [1].
+
+    ``pad_level`` of the brake force of both axles per pressure; ``pad_ratio`` of the pads, front
+    over rear; ``stiffness`` slip stiffness of the tyres.
+    """
+
+    cars: int
+    D: tuple[Scatter, ...]
+    pad_level: Scatter
+    pad_ratio: Scatter
+    stiffness: Scatter
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom of Student's t."""
+        return self.cars - 1
+
+
+@dataclass(frozen=True)
 class Table:
     """A fitted table, without version: the store gives it one.
 
@@ -241,8 +302,7 @@ class Table:
     terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
     [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words;
     ``warnings`` what speaks against it; ``budget`` what the pads rest on; ``spread`` how the cars
-    of a mean table differ; ``by_hand`` what a person set. The record of a table without one of the
-    last four, as older ones are, does not have the key.
+    of a mean table differ; ``by_hand`` what a person set.
     """
 
     name: str
@@ -278,35 +338,20 @@ class Table:
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves (named float columns)."""
         record = asdict(self)
-        # the format of older tables: a vehicle with named effects only, and one term beside it
-        vehicle = record["vehicle"].pop("effects")
-        own = self.vehicle.effects.defined_in
-        if own:
-            record["own_effects"] = {name: asdict(one) for name, one in own.items()}
-        record["vehicle"]["effects"] = vehicle["parameters"]
-        if self.vehicle.motor_odds == Vehicle.motor_odds:  # the format of older tables
+        effects = record["vehicle"].pop("effects")
+        record["vehicle"]["effects"] = effects["parameters"]
+        if self.vehicle.motor_odds == Vehicle.motor_odds:
             del record["vehicle"]["motor_odds"]
+        own = self.vehicle.effects.defined_in
+        record["own_effects"] = {name: asdict(one) for name, one in own.items()}
+        terms = effects["terms"]
+        record["empirical"] = terms[0] if len(terms) == 1 else terms
         record["effects"] = {
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()
         }
-        if vehicle["terms"]:
-            one = len(vehicle["terms"]) == 1
-            record["empirical"] = vehicle["terms"][0] if one else vehicle["terms"]
-        for log in record["provenance"]["logs"]:
-            for key in ("notes", "fingerprint"):
-                if not log[key]:  # the format of older tables: without notes of a reader
-                    del log[key]
-        for key in ("warnings", "budget", "spread", "by_hand"):
-            if not getattr(self, key):  # the format of older tables
-                del record[key]
-        if not self.posterior.scatter:
-            del record["posterior"]["scatter"]
-        for key in ("identity", "parents"):
-            if not getattr(self.provenance, key):
-                del record["provenance"][key]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
-        return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
+        return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
 
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:
@@ -321,3 +366,10 @@ class Table:
     def digest(self) -> str:
         """SHA-256 of the canonical content [hex]."""
         return content_digest(*self.content())
+
+
+def _written(value: Any) -> Any:
+    """A value without the optional keys that say nothing."""
+    if isinstance(value, dict):
+        return {k: _written(v) for k, v in value.items() if v or k not in _OPTIONAL}
+    return [_written(v) for v in value] if isinstance(value, list | tuple) else value

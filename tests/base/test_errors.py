@@ -29,29 +29,6 @@ CODES = {
 }
 
 
-def drawn_tree():
-    """Parent of each class as the drawing in the docstring has it, by how far it is indented."""
-    parents, path = {}, []
-    for line in errors.__doc__.splitlines():
-        name = line.lstrip(" ├└─│").split(" ")[0]
-        if name not in CLASSES:
-            continue
-        column = line.index(name)
-        path = [(c, n) for c, n in path if c < column]
-        parents[name] = path[-1][1] if path else "Exception"
-        path.append((column, name))
-    return parents
-
-
-def test_the_drawing_is_the_tree():
-    assert drawn_tree() == {name: cls.__base__.__name__ for name, cls in CLASSES.items()}
-
-
-def test_one_root():
-    assert set(CLASSES) == {"BrakeCalError", *CODES}
-    assert all(issubclass(cls, BrakeCalError) for cls in CLASSES.values())
-
-
 @pytest.mark.parametrize("name", CODES)
 def test_exit_codes(name):
     assert CLASSES[name]("x").exit_code == CODES[name]
@@ -75,16 +52,3 @@ def test_a_message_is_one_line_whatever_is_put_into_it():
 
 def test_more_mistakes_of_a_file_have_a_line_each():
     assert str(BrakeCalError("2 errors", lines=("a\nb", "c"))) == "2 errors\n  a b\n  c"
-
-
-@pytest.mark.parametrize(
-    ("given", "says"),
-    [
-        ({}, "broken"),
-        ({"where": 0}, "0: broken"),
-        ({"expected": "whole"}, "broken; expected whole"),
-        ({"do": "see the log"}, "broken; see the log"),
-    ],
-)
-def test_what_is_not_given_leaves_no_trace(given, says):
-    assert str(BrakeCalError("broken", **given)) == says

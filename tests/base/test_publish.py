@@ -1,8 +1,10 @@
-"""All files of a run or none, whatever is killed when, full or read-only."""
+"""All files of a run or none, whatever is killed when, full or read-only.
+
+`tests/studies/kill_publish.py` kills processes at random times.
+"""
 
 import json
 import os
-import re
 import subprocess
 import sys
 from contextlib import suppress
@@ -121,27 +123,6 @@ def test_a_kill_while_the_next_start_settles_is_settled_by_the_one_after(tmp_pat
     assert step > 10
 
 
-def test_what_is_killed_at_random_is_never_mixed():
-    """`kill -9` on a process that publishes, 200 times; the study does it 1,000 times."""
-    script = Path(__file__).parents[1] / "studies" / "kill_publish.py"
-    ran = subprocess.run(
-        [sys.executable, script, "--count", "200", "--seed", "12"],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={**os.environ, "PYTHONPATH": str(script.parents[2])},
-    )
-    rows = re.findall(r"(?m)^(\S.*?) +(\d+) +(\d+) +\d+$", ran.stdout)
-    counts = {name: (int(one), int(two)) for name, one, two in rows}
-    kills = {name: n for name, n in counts.items() if name.startswith("killed")}
-    assert len(kills) == 3
-    # They hit inside of a publish. Of two writers the second settles what the first one left.
-    assert min(one for one, _ in kills.values()) > 0, kills
-    flaws = {name: n for name, n in counts.items() if name not in kills}
-    assert len(flaws) == 4
-    assert flaws == dict.fromkeys(flaws, (0, 0))
-
-
 def test_the_work_of_a_run_that_is_alive_stays(out):
     with workshop(out) as work:
         (work / "a.txt").write_text("3")
@@ -157,10 +138,6 @@ def test_the_work_of_a_dead_run_goes(out):
     assert settle(out)
     assert not settle(out)
     assert files(out) == {**result_of("old", "1"), "notes": "mine"}
-
-
-def test_a_folder_that_is_not_there_has_nothing_to_settle(tmp_path):
-    assert not settle(tmp_path / "none")
 
 
 def test_without_its_work_folder_a_killed_run_is_undone(out, monkeypatch):

@@ -71,16 +71,6 @@ def test_every_key_is_read_and_paths_lead_from_the_file(written):
     )
 
 
-def test_in_the_working_folder_a_path_is_as_written(written):
-    path = written('schema = 1\nstore = "tables"\n', folder=".")
-    assert read_settings(path).store == Path("tables")
-    assert read_settings(path.absolute()).store == Path("tables")
-
-
-def test_a_file_that_says_nothing_sets_nothing(written):
-    assert read_settings(written("schema = 1")) == Settings()
-
-
 @pytest.mark.parametrize(
     ("golden", "means"),
     [
@@ -123,12 +113,6 @@ def test_all_mistakes_are_one_error(written):
     ):
         assert part in message
     assert refused.value.exit_code == 3
-
-
-@pytest.mark.parametrize("text", ["schema = 2", "", "store = ", 'schema = true\nstore = "x"'])
-def test_another_version_or_no_toml(written, text):
-    with pytest.raises(SettingsError):
-        read_settings(written(text))
 
 
 def test_a_file_that_cannot_be_read(written, monkeypatch):

@@ -66,33 +66,16 @@ def test_agrees_with_pint(registry, si, ours, theirs):
 @pytest.mark.parametrize(
     ("variant", "plain", "si"),
     [
-        ("m/s2", "m/s^2", "m/s^2"),
         ("m/s²", "m/s^2", "m/s^2"),
-        ("°C", "degC", "degC"),
         ("N·m", "N*m", "N*m"),
         ("N.m", "N*m", "N*m"),
         ("N m", "N*m", "N*m"),
         ("kg·m²", "kg*m^2", "kg*m^2"),
         ("cm²", "cm^2", "m^2"),
-        (" bar ", "bar", "Pa"),
         ("m·s⁻²", "m/s^2", "m/s^2"),
-        ("G", "g", "m/s^2"),
-        ("kmh", "km/h", "m/s"),
-        ("Km/h", "km/h", "m/s"),
-        ("MPH", "mph", "m/s"),
-        ("kts", "kn", "m/s"),
-        ("mps", "m/s", "m/s"),
-        ("RPM", "rpm", "rad/s"),
-        ("r/min", "rpm", "rad/s"),
         ("min⁻¹", "rpm", "rad/s"),
-        ("°/s", "deg/s", "rad/s"),
-        ("deg/sec", "deg/s", "rad/s"),
-        ("Degrees", "deg", "rad"),
         ("℃", "degC", "degC"),
         ("deg C", "degC", "degC"),
-        ("Secs", "s", "s"),
-        ("PSI", "psi", "Pa"),
-        ("Percent", "%", "1"),
         ("km / h", "km/h", "m/s"),
     ],
 )
@@ -110,11 +93,7 @@ def test_spellings_mean_the_same(variant, plain, si):
         ("Kpa", "Pa", ("did you mean 'kPa'",)),
         ("", "Pa", ("unknown unit ''", "pressure")),
         ("1/s", "rad/s", ("unknown unit",)),  # a radian or a revolution per second?
-        ("g", "m", ("'g'", "acceleration", "length")),
-        ("G", "kg", ("acceleration",)),
-        ("Nm", "Pa", ("torque", "pressure")),
         ("mPa", "Pa", ("unknown unit 'mPa'",)),  # a millipascal is no megapascal
-        ("Bar", "Pa", ("did you mean 'bar'",)),
         ("km/h", "rad/s", ("speed", "angular speed")),
     ],
 )
@@ -135,11 +114,6 @@ def test_every_spelling_leads_to_a_unit():
     assert not set(SPELLINGS) & known
 
 
-def test_refuses_an_unknown_quantity():
-    with pytest.raises(UnknownUnit, match="no table"):
-        to_si(1.0, "m", "furlong")
-
-
 @given(
     case=st.sampled_from([(si, ours) for si, ours, _ in CASES]),
     value=st.floats(-1e6, 1e6, allow_nan=False),
@@ -155,11 +129,6 @@ def test_every_channel_converts_and_its_quantity_is_found():
         to_si(1.0, quantity.unit, quantity.si)
     for unit in TRUTH_UNITS.values():
         assert si_of(unit) == unit
-
-
-def test_quantity_of_an_unknown_unit():
-    with pytest.raises(UnknownUnit, match="'parsec'"):
-        si_of("parsec")
 
 
 def test_written_decimals_stay_decimals():

@@ -48,20 +48,3 @@ def test_low_pass_has_no_step_in_its_bend(around):
     below, at, above = (low_pass(TIME, bumpy(4), 1.0, around + d) for d in (-1e-13, 0.0, 1e-9))
     assert np.max(np.abs(at - below)) < 1e-5
     assert np.max(np.abs(above - at)) < 1e-5
-
-
-@pytest.mark.parametrize(
-    "respond", [lambda t, x: first_order(t, x, 0.2), lambda t, x: second_order(t, x, 9.0, 0.3)]
-)
-def test_more_samples_on_the_same_lines_change_nothing(respond):
-    rng = np.random.default_rng(2)
-    fine = np.sort(np.concatenate([TIME, rng.uniform(0.0, TIME[-1], 300)]))
-    x = bumpy(2)
-    again = respond(fine, np.interp(fine, TIME, x))
-    assert np.interp(TIME, fine, again) == pytest.approx(respond(TIME, x), abs=1e-8)
-
-
-def test_at_rest_it_stays():
-    x = np.full(TIME.size, 3.7)
-    assert np.array_equal(first_order(TIME, x, 0.1), x)
-    assert second_order(TIME, x, 9.0, 0.3) == pytest.approx(x, rel=1e-14)

@@ -31,13 +31,6 @@ def test_parameters_are_the_first_fields():
     assert Tyre(**dict(zip(PARAMETERS, (1.0, 2.0, 3.0, 4.0), strict=True))) == Tyre(1, 2, 3, 4)
 
 
-def test_by_hand():
-    """0.04 of compliance, half the force: 0.04 x 0.5 x (1 + 0.2 x 0.5 + 0.4 x 0.25) = 0.024."""
-    tyre = Tyre(np.log(0.04), 0.2, 0.4, 0.5)
-    assert tyre.slip(np.asarray(0.5), 1.0) == pytest.approx(0.024)
-    assert tyre.slip(np.asarray(0.5), 1.44) == pytest.approx(0.024 * 1.2)
-
-
 @given(tyres(), forces, loads)
 def test_inverse_found_by_bisection_gives_the_force_back(tyre, force, load):
     slip = float(tyre.slip(np.asarray(force), load))
@@ -73,14 +66,6 @@ def test_takes_the_shape_of_a_brush_at_small_forces(peak, used):
 
 FORCES, LOADS, REST = (np.array([0.5]), np.array([0.25])), (12e3, 4e3), (10e3, 6e3)
 """Front and rear: normalised forces [1], loads [N] of a braked car, and at rest."""
-
-
-def test_tyres_that_do_not_differ_are_one_curve():
-    tyre = Tyre(np.log(0.04), 0.2, 0.4, 0.5)
-    loads = tuple(np.array([x]) for x in LOADS)
-    slips = AxleTyres(tyre).slips(FORCES, loads, REST)
-    for slip, force, load in zip(slips, FORCES, LOADS, strict=True):
-        assert slip == pytest.approx(tyre.slip(force, load / 8e3))
 
 
 def test_stiffer_rear_tyres_slip_less_and_the_front_ones_as_much_more():

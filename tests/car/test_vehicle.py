@@ -1,6 +1,5 @@
 """The vehicle file: what it says in SI, and every slip it must not let through."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,13 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import VehicleError
-from calib.base.schema import quantities
-from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.effects.effects import Effects
+from calib.car.keys import KEYS
 from calib.car.vehicle import Axle, Vehicle
-from calib.car.vehicle_file import AxleSection, ChassisSection, read_vehicle, write_vehicle
+from calib.car.vehicle_file import read_vehicle
 from tests.support.refusals import refusal
+from tests.support.vehicle_files import write_vehicle
 
-CHASSIS, AXLE = quantities(ChassisSection), quantities(AxleSection)
+CHASSIS, AXLE = ({k.name: k for k in KEYS if k.section == part} for part in ("chassis", "front"))
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 TEXT = SEDAN.read_text()
 
@@ -84,26 +84,16 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
     ("old", "new", "words"),
     [
         ('mass = "1744 kg"', 'mass = "-1744 kg"', ("chassis.mass", "-1744", "300 to 60000 kg")),
-        ('mass = "1744 kg"', 'mas = "1744 kg"', ("'mas'", "did you mean 'mass'?")),
         ('mass = "1744 kg"', "", ("chassis", "'mass' is missing")),
         ('mass = "1744 kg"', "mass = 1744", ("chassis.mass", "no unit", "1744 kg")),
-        ('mass = "1744 kg"', 'mass = "1744 m"', ("'m'", "length", "mass")),
         ('mass = "1744 kg"', 'mass = "1744 g"', ("'g'", "mass")),
-        ('mass = "1744 kg"', 'mass = "heavy"', ("'heavy'", "1.5 kg")),
-        ('mass = "1744 kg"', "mass = nan", ("chassis.mass", "not finite")),
         ('mass = "1744 kg"', 'mass = "1e999 kg"', ("chassis.mass", "not finite")),
-        ('mass = "1744 kg"', "mass = true", ("True", "chassis.mass")),
         ('"0.615 m"', '"2.9 m"', ("cg_height", "wheelbase")),
-        ('"0.615 m"', '"61.5 m"', ("cg_height", "0.1 to 3 m")),
         ("pad_friction = 0.38", "pad_friction = 3.8", ("front.pad_friction", "0.05 to 1")),
         ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces: 2.5", "whole")),
         ('"130.9 mm"', '"330.9 mm"', ("front", "fits into the wheel")),
         ('name = "sedan-2up"', 'name = "a/b"', ("'a/b'", "name")),
         ('name = "sedan-2up"', "name = 5", ("name: 5", "text")),
-        ('name = "sedan-2up"', "", ("'name' is missing",)),
-        ("[rear]", "[raer]", ("'raer'", "did you mean 'rear'?")),
-        ("schema = 1", "schema = 2", ("schema 2", "schema = 1")),
-        ("schema = 1", "", ("no schema",)),
         ("[chassis]", "[chassis", ("not TOML",)),
         ("[chassis]", "[effects]\ndrag = 1\n[chassis]", ("drag", "[effects.drag]")),
     ],
@@ -121,16 +111,7 @@ def test_no_file_and_no_text(tmp_path):
     assert "not TOML" in refused(binary)
 
 
-def test_a_replaced_value_is_checked_before_it_is_written(tmp_path):
-    car, path = read_vehicle(SEDAN), tmp_path / "car.toml"
-    with pytest.raises(VehicleError, match=r"sedan-2up: chassis\.mass"):
-        write_vehicle(replace(car, mass=-1.0), path)
-    broken = Effects({"aerodynamic_drag": {"drag_area": float("nan")}})
-    with pytest.raises(VehicleError, match=r"effects\.aerodynamic_drag\.drag_area"):
-        write_vehicle(replace(car, effects=broken), path)
-
-
-inside = {key: st.floats(bound.low, bound.high) for key, bound in {**CHASSIS, **AXLE}.items()}
+inside = {name: st.floats(key.least, key.most) for name, key in {**CHASSIS, **AXLE}.items()}
 
 
 @st.composite
@@ -157,26 +138,3 @@ def test_written_and_read_back_is_the_same(tmp_path_factory, car):
     path = tmp_path_factory.getbasetemp() / "round.toml"
     write_vehicle(car, path)
     assert read_vehicle(path) == car
-
-
-def test_an_empirical_term_is_not_lost_in_a_vehicle_file(tmp_path):
-    term = EmpiricalTerm("body", "constant", (0.0,), (0.01,))
-    car = replace(read_vehicle(SEDAN), effects=Effects(terms=(term,)))
-    with pytest.raises(VehicleError, match="cannot hold an empirical term"):
-        write_vehicle(car, tmp_path / "car.toml")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_refused_vehicle_leaves_no_file(tmp_path):
-    car = replace(read_vehicle(SEDAN), mass=0.0)
-    with pytest.raises(VehicleError):
-        write_vehicle(car, tmp_path / "car.toml")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_static_loads_are_the_moments_about_the_other_axle():
-    """(6), (7) at z = 0, with Table II."""
-    car = read_vehicle(SEDAN)
-    front, rear = car.static_loads
-    assert front + rear == pytest.approx(1744 * 9.80665)
-    assert front * 1.1556 == pytest.approx(rear * 1.6494)

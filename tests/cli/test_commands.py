@@ -10,7 +10,7 @@ import typer.main
 
 from calib import __version__
 from calib.base.errors import BrakeCalError, InputError, StoreError
-from calib.base.schema import ErrorFile, json_schema
+from calib.base.record import ErrorFile, json_schema
 from calib.store.store import Store
 from cli.group import GONE, HEADINGS, PAGES, first_sentence
 from cli.main import app

@@ -9,8 +9,7 @@ import pytest
 from calib.help.samples import sample_logs
 from calib.logs.write import write_csv
 from calib.store.store import Store
-from calib.table.budget import summary
-from calib.table.pads_budget import pads_budget
+from calib.table.budget import pads_budget, summary
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
 
 VEHICLE = SEDAN / "vehicle.toml"

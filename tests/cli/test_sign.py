@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from calib.store.minisign_keys import Cost, locked_file, secret_file
+from calib.store.minisign import generate
 from calib.store.state import StateDecision
 from calib.store.store import Store
-from tests.support.signing import ADA, EVE, set_back
+from tests.support.signing import ADA, EVE, secret_file, set_back
 
 pytestmark = pytest.mark.usefixtures("seen")
 
@@ -75,8 +75,9 @@ def test_sign_json(tables, secret, store, document):
 
 def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, store):
     path = tmp_path / "locked.key"
-    cheap = Cost(2**15, 2**24)
-    path.write_bytes(locked_file(ADA.public.number, SEED, "Bremse 1", bytes(32), cheap))
+    cheap = {"opslimit": 2**15, "memlimit": 2**24}
+    monkeypatch.setattr("calib.store.minisign.SENSITIVE", cheap)
+    generate(path, tmp_path / "locked.pub", "Bremse 1")
     for typed, code in ((b"Bremse 2\n", 3), (b"", 2), (b"Bremse 1\n", 0)):
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(typed), encoding="utf-8"))
         ran = tables("sign", "sedan@1", "--key", path)

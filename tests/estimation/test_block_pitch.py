@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.car.effects.pitch_coupling import pitch_deficit
+from calib.car.effects.body import pitch_deficit
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.priors import Priors
 from calib.run.axle_signals import signals

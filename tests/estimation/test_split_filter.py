@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.base.intervals import Z95
-from calib.base.mixture_posterior import mixture_posterior
+from calib.base.mixtures import mixture_posterior
 from calib.base.names import G
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.priors import Priors

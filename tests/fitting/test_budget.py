@@ -15,7 +15,7 @@ from calib.run.accelerometer import Accelerometer
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from calib.table.pads_budget import pads_budget
+from calib.table.budget import pads_budget
 from tests.support.reference_car import CAR, REAL, noisy, ramp, without
 
 UNWEIGHED = replace(CAR, mass_tolerance=0.03)

@@ -1,4 +1,4 @@
-"""Each document that a command prints has the keys that the manual says, and no other."""
+"""Each document that a command prints has the keys of its schema, and the page says them."""
 
 import json
 import re
@@ -6,7 +6,7 @@ import re
 import pytest
 from jsonschema import Draft202012Validator
 
-from calib.help.documents import documents
+from calib.help.documents import PAGE, documents, page_of
 from tests.support.documents import missing_and_unknown
 from tests.support.manual import run, working_folder
 
@@ -56,9 +56,13 @@ def test_the_documents_have_the_keys_of_the_page(tmp_path, capsys):
     assert wrong == []
 
 
+def test_the_page_is_made_of_the_documents():
+    assert page_of(PAGE.read_text()) == PAGE.read_text()
+
+
 @pytest.mark.parametrize("name", documents())
 def test_a_schema_is_one(name):
     one = documents()[name]
     Draft202012Validator.check_schema(one.schema)
     assert one.keys
-    assert re.search(r"brake-cal|\.json$", one.title)
+    assert re.search(r"brake-cal|\.json$", one.schema["title"])

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from calib.base.schema import json_schema
+from calib.base.record import json_schema
 from cli.reference import section
 from tests.support.manual import LANGUAGES, PAGES, examples, run, working_folder
 

@@ -73,41 +73,20 @@ def test_source_that_is_there_twice(tmp_path, log_file):
     ("old", "new", "words"),
     [
         ("[channels.a_x]", "[channels.ax]", ("'ax'", "did you mean 'a_x'?")),
-        ("sign = -1", "sing = -1", ("'sing'", "did you mean 'sign'?")),
         ("sign = -1", "sign = -2", ("channels.a_x.sign: -2", "1 or -1")),
-        ('source = "Decel"\n', "", ("channels.a_x", "'source' is missing")),
         ('source = "Decel"\n', "source = 5\n", ("channels.a_x.source: 5", "the name of a column")),
         ('"Decel"', '"true_ax"', ("truth",)),
         ('"kPa"', '"kPo"', ("channels.p_mc.unit", "'kPo'", "did you mean 'kPa'")),
         ("scale = 2.0", "scale = 0", ("channels.p_mc.scale: 0 would make every value 0",)),
-        ("scale = 2.0", 'scale = "two"', ("channels.p_mc.scale", "'two'")),
-        ("schema = 1", "schema = 9", ("schema 9",)),
         ("schema = 1", "schema = 1\nignore = 3", ("ignore", "a list of names")),
         ("schema = 1", "schema = 1\ntext.separator = 'x'", ("text.separator: 'x'", "';'")),
         ("schema = 1", "schema = 1\ntext.decimal = ';'", ("text.decimal: ';'", "one of '.', ','")),
         ("schema = 1", "schema = 1\ntext.encoding = 'latin-77'", ("latin-77",)),
-        ("schema = 1", "schema = 1\ntext.seperator = ';'", ("did you mean 'separator'",)),
-        ("[channels.a_x]", "[channels.a_x", ("not TOML",)),
     ],
 )
 def test_slips_are_named(tmp_path, old, new, words):
     message = refused(write_map(tmp_path, MAP.replace(old, new, 1)))
     assert [word for word in words if word not in message] == []
-
-
-def test_all_slips_of_a_map_come_in_one_message(tmp_path):
-    text = "schema = 1\nignore = 3\n" + MAP.removeprefix("schema = 1\n")
-    for old, new in (('"Zeit"', '""'), ('"kPa"', '"kPo"'), ("scale = 2.0", "scale = 0")):
-        assert old in text
-        text = text.replace(old, new, 1)
-    head, *lines = refused(write_map(tmp_path, text)).splitlines()
-    assert head.endswith("map.toml: 4 errors")
-    assert [line.split(": ")[0] for line in lines] == [
-        "  channels.time.source",
-        "  channels.p_mc.unit",
-        "  channels.p_mc.scale",
-        "  ignore",
-    ]
 
 
 def test_dbc_files_are_relative_to_the_map(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.base.hypotheses import weigh_hypotheses
+from calib.base.mixtures import weigh_hypotheses
 from calib.model.covariance_parts import PART, posterior_parts
 from calib.model.parameters import AT, COUNT, PRIORS
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ModelError
-from calib.car.effects import aerodynamic_drag, rolling_resistance
+from calib.car.effects.body import AERODYNAMIC_DRAG
 from calib.car.effects.effects import Effects
+from calib.car.effects.wheels import ROLLING_RESISTANCE
 from calib.model.resistance import MODEL_ERROR, identify
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
@@ -17,7 +18,7 @@ from tests.support.tables import VEHICLE
 
 CAR = replace(VEHICLE, effects=Effects())
 TRUE = (0.80, 0.015)
-PRIOR = tuple(effect.EFFECT.card.parameters[0] for effect in (aerodynamic_drag, rolling_resistance))
+PRIOR = tuple(effect.card.parameters[0] for effect in (AERODYNAMIC_DRAG, ROLLING_RESISTANCE))
 
 
 def coasted(v0, duration, pressure=lambda t: 0.0):

@@ -9,17 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import t
 
+from calib.base.errors import RevisionError
 from calib.estimation.estimator import estimate
 from calib.model.parameters import RampParameters, tyres_of
 from calib.store.merge import merge
-from calib.store.record_file import from_content
+from calib.store.state import OUTSIDE, VersionState
 from calib.store.store import Store
+from calib.table.budget import pad_levels, pads_budget
 from calib.table.invariants import violations
-from calib.table.pad_levels import pad_levels
-from calib.table.pads_budget import pads_budget
+from calib.table.table import SetByHand
 from tests.support.cars_of_a_line import car_table, cars, version
 from tests.support.reference_car import WET, noisy, stop
-from tests.support.tables import VEHICLE
+from tests.support.tables import VEHICLE, from_content
 
 STIFFNESS = st.lists(st.floats(22.0, 32.0), min_size=2, max_size=5, unique=True)
 
@@ -111,13 +112,6 @@ def test_the_record_names_the_parents_and_what_no_mean_shrinks(store):
     assert kept.save(merge(parents[::-1], "golden")).id == "golden@1"
 
 
-def test_cars_without_a_serial_number_are_named():
-    one, two = cars(26.0, 28.0)
-    nameless = replace(two.table, provenance=replace(two.table.provenance, identity={}))
-    mean = merge([one, version(nameless, 2)], "golden")
-    assert any(r.endswith("without a serial number or VIN: sedan@2") for r in mean.remarks)
-
-
 def test_copies_of_one_car_have_next_to_no_spread(copies):
     """What scatters are the runs: next to nothing is left for the cars."""
     mean = merge(copies, "golden")
@@ -176,7 +170,60 @@ def test_it_is_estimated_with_and_its_interval_holds_the_pads(copies):
         assert np.mean(held[found.valid]) >= 0.9
 
 
-def test_a_table_of_one_car_has_no_key_for_a_spread_or_for_parents(table):
-    record, _ = table.content()
-    assert not {"spread", "by_hand"} & set(record)
-    assert "parents" not in record["provenance"]
+# What has no mean
+
+PAIR = cars(26.0, 28.0)
+FRONT = PAIR[1].table.vehicle.front
+
+
+def of_second(state=PAIR[1].state, **changes):
+    """The pair with the second table changed."""
+    return [PAIR[0], replace(version(replace(PAIR[1].table, **changes), 2), state=state)]
+
+
+def of_origin(**changes):
+    return of_second(provenance=replace(PAIR[1].table.provenance, **changes))
+
+
+def of_vehicle(**changes):
+    return of_second(vehicle=replace(PAIR[1].table.vehicle, **changes))
+
+
+def shortened():
+    d = PAIR[1].table.difference
+    return of_second(difference=replace(d, **{name: getattr(d, name)[:8] for name in vars(d)}))
+
+
+@pytest.mark.parametrize(
+    "parents",
+    [
+        *([], PAIR[:1], [PAIR[0], PAIR[0]], [PAIR[0], version(PAIR[0].table, 7)]),
+        of_origin(logs=PAIR[0].table.provenance.logs),
+        of_origin(identity={"serial": "S1"}),
+        of_vehicle(mass=1750.0),
+        of_vehicle(front=replace(FRONT, piston_area=3e-3)),
+        of_second(by_hand=(SetByHand("pad_friction_f", 0.38, 0.39, "bench"),)),
+        of_second(VersionState("rejected", reason="front pads wet")),
+        of_second(VersionState("withdrawn")),
+        of_second(OUTSIDE),
+        [version(merge(PAIR, "golden"), 1), *cars(1.0, 2.0, 27.0)[2:]],
+        shortened(),
+    ],
+)
+def test_what_has_no_mean_is_refused(parents):
+    with pytest.raises(RevisionError) as error:
+        merge(parents, "mean")
+    assert error.value.exit_code == 2
+
+
+def test_the_mean_is_no_version_of_a_car_and_all_reasons_come_at_once():
+    with pytest.raises(RevisionError) as error:
+        merge(PAIR, "sedan")
+    assert len(error.value.what.split("; ")) == 2  # and another name
+    with pytest.raises(RevisionError) as error:
+        merge([*of_vehicle(mass=1750.0), PAIR[1]], "sedan")
+    assert len(error.value.what.split("; ")) > 2
+
+
+def test_what_is_open_about_a_car_is_no_other_vehicle():
+    merge(of_vehicle(name="another name", mass_tolerance=0.005, motor_odds=0.0), "golden")

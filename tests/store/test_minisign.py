@@ -1,138 +1,291 @@
-"""Both directions against the program `minisign` itself."""
+"""Keys and signatures of Debian's minisign: what is read, made, and refused."""
 
+import copy
+import os
+import pickle
 import shutil
 import stat
 import subprocess
-from itertools import count
+import sys
+import traceback
+from base64 import b64decode, b64encode
+from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
+import calib.store.minisign
 from calib.base.errors import KeyFileError, SignatureRefused
-from calib.store.minisign import parse_signature, sign, verify
-from calib.store.minisign_keys import SENSITIVE, Cost, generate, read_public_key, read_secret_key
-from tests.store.conftest import never
-from tests.store.golden.make import little_memory
-
-pytestmark = pytest.mark.skipif(
-    shutil.which("minisign") is None, reason="minisign is not installed: apt install minisign"
+from calib.store.minisign import (
+    PublicKey,
+    generate,
+    read_public_key,
+    read_secret_key,
+    read_signature,
+    verify,
 )
+from tests.store.golden.make import COMMENT, DATA, HERE, PASSWORD, little_memory
+from tests.support.signing import ADA
 
-CHEAP = Cost(2**15, 2**24)
-DATA = bytes(range(256)) * 300
-COMMENT = "brake-cal table=Käfer version=3"
+CHEAP = {"opslimit": 2**15, "memlimit": 2**24}
+OPEN = HERE / "open.key"
+PUBLIC = read_public_key(HERE / "open.pub")
+CONTENT = (HERE / "open.minisig").read_bytes()
+UNTRUSTED = range(len("untrusted comment: "), CONTENT.index(b"\n"))
+"""Bytes of the comment that is not signed: nobody can tell whether they were changed."""
 
 
 @pytest.fixture
-def minisign(tmp_path):
-    """Run minisign in a folder with data.bin; its passwords are typed into its input.
+def files(tmp_path, monkeypatch):
+    """Names for a new pair, whose password takes little time."""
+    monkeypatch.setattr(calib.store.minisign, "SENSITIVE", CHEAP)
+    return tmp_path / "car.key", tmp_path / "car.pub"
 
-    With little memory it makes keys whose password takes little time; it cannot read `SENSITIVE`.
-    """
+
+@pytest.fixture
+def outcome(tmp_path):
+    """The trusted comment of a signature file that holds."""
+
+    def of(content, data=DATA, public=PUBLIC):
+        path = tmp_path / "a.minisig"
+        path.write_bytes(content)
+        signature = read_signature(path)
+        verify(public, data, signature, path)
+        return signature.trusted_comment
+
+    return of
+
+
+def never():
+    raise AssertionError("no password is needed")
+
+
+# Made by minisign
+
+
+@pytest.mark.parametrize("name", ["open", "small", "sensitive"])
+def test_keys_and_signatures_of_minisign(outcome, name):
+    """``sensitive`` takes 1 GiB and some seconds, as minisign's own keys do."""
+    public = read_public_key(HERE / f"{name}.pub")
+    key = read_secret_key(HERE / f"{name}.key", never if name == "open" else lambda: PASSWORD)
+    assert key.public == public == read_public_key(public.text)
+    assert public.file == (HERE / f"{name}.pub").read_bytes()
+    assert outcome((HERE / f"{name}.minisig").read_bytes(), public=public) == COMMENT
+    assert outcome(key.sign(DATA, "line 7"), public=public) == "line 7"
+
+
+def test_a_signature_of_the_older_kind_holds(outcome):
+    assert outcome((HERE / "legacy.minisig").read_bytes()).startswith("timestamp:")
+
+
+def test_line_ends_of_windows_are_read(outcome, tmp_path):
+    assert outcome(CONTENT.replace(b"\n", b"\r\n")) == COMMENT
+    for name in ("open.pub", "open.key"):
+        (tmp_path / name).write_bytes((HERE / name).read_bytes().replace(b"\n", b"\r\n"))
+    assert read_public_key(tmp_path / "open.pub") == PUBLIC
+    assert read_secret_key(tmp_path / "open.key", never).public == PUBLIC
+
+
+@pytest.mark.skipif(shutil.which("minisign") is None, reason="minisign is not installed")
+@pytest.mark.parametrize("password", ["", "Bremse 9"])
+def test_minisign_signs_and_verifies_with_our_keys(files, outcome, tmp_path, password):
+    public = generate(*files, password)
     (tmp_path / "data.bin").write_bytes(DATA)
 
-    def run(*arguments, typed="", limit=little_memory):
+    def minisign(*words):
+        line = ["minisign", *words, "-m", "data.bin", "-p", "car.pub"]
         return subprocess.run(
-            ["minisign", *map(str, arguments)],
-            cwd=tmp_path,
-            input=typed,
-            capture_output=True,
-            text=True,
-            check=False,
-            preexec_fn=limit,
-        )
+            line, cwd=tmp_path, input=f"{password}\n", text=True, preexec_fn=little_memory
+        ).returncode
 
-    return run
+    assert minisign("-S", "-s", "car.key", "-t", COMMENT) == 0
+    beside = tmp_path / "data.bin.minisig"
+    assert outcome(beside.read_bytes(), public=public) == COMMENT
+    beside.write_bytes(read_secret_key(files[0], lambda: password).sign(DATA, "line 7"))
+    assert minisign("-V") == 0
+    beside.write_bytes(read_secret_key(files[0], lambda: password).sign(DATA + b"!", "line 7"))
+    assert minisign("-V") != 0
+
+
+# Refused
+
+
+def test_every_changed_byte_of_a_signature_is_refused(outcome):
+    for place in sorted({*range(len(CONTENT))} - {*UNTRUSTED}):
+        content = bytearray(CONTENT)
+        content[place] ^= 1
+        try:
+            # the last character of base64 has bits that are not used
+            assert outcome(bytes(content)) == COMMENT
+            assert CONTENT[place + 1 : place + 2] == b"="
+        except SignatureRefused:
+            continue
 
 
 @pytest.mark.parametrize(
-    ("password", "cost"), [("", CHEAP), ("Bremse 9", CHEAP), ("é" * 511, CHEAP), ("b", SENSITIVE)]
+    "data", [b"", DATA[:-1], DATA + b"\n", DATA[1:], bytes([DATA[0] ^ 1]) + DATA[1:]]
 )
-def test_our_keys_work_in_minisign(minisign, tmp_path, password, cost):
-    public = generate(tmp_path / "car.key", tmp_path / "car.pub", password, cost)
-    signing = ("-S", "-s", "car.key", "-p", "car.pub", "-m", "data.bin", "-t", COMMENT)
-    limit = None if cost == SENSITIVE else little_memory
-    ran = minisign(*signing, typed=f"{password}\n", limit=limit)
-    assert ran.returncode == 0, ran.stderr
-    signature = parse_signature((tmp_path / "data.bin.minisig").read_bytes())
-    assert verify(public, DATA, signature) == COMMENT
-    # what minisign makes of our secret key is our public key
-    again = ("-R", "-s", "car.key", "-p", "again.pub")
-    assert minisign(*again, typed=f"{password}\n", limit=limit).returncode == 0
-    assert (tmp_path / "again.pub").read_bytes() == (tmp_path / "car.pub").read_bytes()
+def test_other_data_is_refused(outcome, data):
+    for name in ("open", "legacy"):
+        with pytest.raises(SignatureRefused) as refusal:
+            outcome((HERE / f"{name}.minisig").read_bytes(), data)
+    assert refusal.value.exit_code == 4
 
 
-def test_our_wrong_password_is_wrong_in_minisign(minisign, tmp_path):
-    generate(tmp_path / "car.key", tmp_path / "car.pub", "Bremse 9", CHEAP)
-    ran = minisign("-S", "-s", "car.key", "-m", "data.bin", typed="Bremse 8\n")
-    assert (ran.returncode, "Wrong password" in ran.stderr) == (2, True)
+def test_another_key_is_refused_also_under_the_same_number(outcome):
+    other = read_public_key(HERE / "small.pub")
+    point = b64decode(other.text)[10:]
+    namesake = PublicKey(b64encode(b"Ed" + PUBLIC.number + point).decode())
+    for key in (other, namesake):
+        with pytest.raises(SignatureRefused):
+            outcome(CONTENT, public=key)
 
 
-@pytest.mark.parametrize("comment", ["", COMMENT, "\t", "é" * 4086])
-def test_our_signatures_hold_in_minisign(minisign, tmp_path, comment):
-    public = generate(tmp_path / "car.key", tmp_path / "car.pub", "")
-    key = read_secret_key(tmp_path / "car.key", never)
-    (tmp_path / "data.bin.minisig").write_bytes(sign(key, DATA, comment))
-    for way in (("-p", "car.pub"), ("-P", public.text)):
-        ran = minisign("-V", "-H", "-Q", *way, "-m", "data.bin")
-        assert (ran.returncode, ran.stdout) == (0, f"{comment}\n")
+def test_the_trusted_comment_of_another_signature_is_refused(outcome):
+    key = read_secret_key(OPEN, never)
+    other = key.sign(DATA + b"2", "car 8").split(b"\n")
+    mixed = [*CONTENT.split(b"\n")[:2], *other[2:]]
+    with pytest.raises(SignatureRefused):
+        outcome(b"\n".join(mixed))
 
 
-@pytest.mark.parametrize("typed", ["", "Bremse 9\n", "\n"])
-@pytest.mark.parametrize("legacy", [(), ("-l",)])
-def test_keys_and_signatures_of_minisign_are_ours(minisign, tmp_path, typed, legacy):
-    """Also a key that is hidden by an empty password."""
-    open_key = ("-W",) if not typed else ()
-    ran = minisign("-G", *open_key, "-s", "car.key", "-p", "car.pub", typed=typed * 2)
-    assert ran.returncode == 0, ran.stderr
-    key = read_secret_key(tmp_path / "car.key", typed.strip if typed else never)
-    assert key.public == read_public_key(tmp_path / "car.pub")
-    assert minisign("-S", *legacy, "-s", "car.key", "-m", "data.bin", typed=typed).returncode == 0
-    signature = parse_signature((tmp_path / "data.bin.minisig").read_bytes())
-    assert "file:data.bin" in verify(key.public, DATA, signature)
+@pytest.mark.parametrize("name", ["open.minisig", "open.pub", "open.key"])
+def test_a_file_that_is_cut_off_is_refused(outcome, tmp_path, name):
+    content = (HERE / name).read_bytes()
+    path = tmp_path / name
+    read = {
+        ".minisig": lambda: outcome(path.read_bytes()),
+        ".pub": lambda: read_public_key(path),
+        ".key": lambda: read_secret_key(path, never),
+    }[path.suffix]
+    for end in range(len(content) - 1):
+        path.write_bytes(content[:end])
+        with pytest.raises((KeyFileError, SignatureRefused)):
+            read()
 
 
-def test_a_key_whose_password_minisign_took_away_is_read(minisign, tmp_path):
-    public = generate(tmp_path / "car.key", tmp_path / "car.pub", "Bremse 9", CHEAP)
-    assert minisign("-C", "-W", "-s", "car.key", typed="Bremse 9\n").returncode == 0
-    assert read_secret_key(tmp_path / "car.key", never).public == public
+@pytest.mark.parametrize("source", ["no/such.pub", "RWtooShort", "\0", ".", "/dev/zero"])
+def test_what_is_no_public_key_is_refused(source):
+    with pytest.raises(KeyFileError) as refusal:
+        read_public_key(source)
+    assert refusal.value.exit_code == 3
 
 
-def test_a_key_that_minisign_gave_a_password_is_read(minisign, tmp_path):
-    public = generate(tmp_path / "car.key", tmp_path / "car.pub", "")
-    assert minisign("-C", "-s", "car.key", typed="b\nb\n").returncode == 0
-    assert read_secret_key(tmp_path / "car.key", lambda: "b").public == public
-    with pytest.raises(KeyFileError, match="the password is wrong"):
-        read_secret_key(tmp_path / "car.key", lambda: "c")
+def put(content, place, part):
+    return content[:place] + part + content[place + len(part) :]
 
 
-def test_the_files_have_the_modes_that_minisign_gives(minisign, tmp_path):
-    generate(tmp_path / "ours.key", tmp_path / "ours.pub", "")
-    minisign("-G", "-W", "-s", "its.key", "-p", "its.pub")
-    for end in ("key", "pub"):
-        modes = [
-            stat.S_IMODE((tmp_path / f"{who}.{end}").stat().st_mode) for who in ("ours", "its")
-        ]
-        assert modes[0] == modes[1]
+SMALL = b64decode((HERE / "small.key").read_text().split("\n")[1])
+SEED = b64decode(OPEN.read_text().split("\n")[1])
 
 
-NUMBER = count()
+def test_no_refusal_shows_the_key_or_the_password(tmp_path):
+    """Wrong passwords, damage, and files that ask for a gigabyte too much or for ever."""
+    path = tmp_path / "car.key"
+    wrong = "Rote Bremse \udcff"
+    for content, password in (
+        *((SMALL, word) for word in ("", PASSWORD + " ", wrong)),
+        *((put(SMALL, place, b"xx"), PASSWORD) for place in (0, 2, 4, 6, 54, 62, 94, 156)),
+        (put(SMALL, 38, b"\xff" * 8), PASSWORD),
+        (put(SMALL, 46, b"\xff" * 8), PASSWORD),
+        *((SEED[:-1], PASSWORD), (SEED + b"\0", PASSWORD), (b"", PASSWORD)),
+    ):
+        path.write_bytes(b"untrusted comment: a\n" + b64encode(content) + b"\n")
+        with pytest.raises(KeyFileError) as refusal:
+            read_secret_key(path, lambda typed=password: typed)
+        said = "".join(traceback.format_exception(refusal.value)) + repr(vars(refusal.value))
+        assert not any(x in said for x in (PASSWORD, "Rote", repr(SMALL[-104:])[2:-1]))
+        assert b64encode(SMALL[-104:]).decode()[4:-4] not in said
 
 
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.integers(0, 400), st.integers(1, 255))
-def test_what_we_accept_of_a_changed_file_minisign_accepts(minisign, tmp_path, golden, place, by):
-    """The other way need not hold: minisign ignores what follows the last line."""
-    content = bytearray((golden / "open.minisig").read_bytes())
-    content[place % len(content)] ^= by
-    data = (golden / "data.bin").read_bytes()
-    name = tmp_path / f"{next(NUMBER)}.bin"
-    name.write_bytes(data)
-    name.with_suffix(".bin.minisig").write_bytes(content)
-    its = minisign("-V", "-q", "-p", golden / "open.pub", "-m", name).returncode == 0
+def test_a_key_whose_halves_are_not_of_one_pair_signs_nothing(tmp_path):
+    path = tmp_path / "car.key"
+    path.write_bytes(b"untrusted comment: a\n" + b64encode(put(SEED, 94, bytes(32))) + b"\n")
+    with pytest.raises(KeyFileError):
+        read_secret_key(path, never).sign(DATA, "car 7")
+
+
+def test_want_of_memory_is_an_error_of_the_program():
+    """The key asks for 1 GiB where there are 400 MB."""
+    code = (
+        "import resource, sys; from pathlib import Path\n"
+        "from calib.base.errors import KeyFileError\n"
+        "from calib.store.minisign import read_secret_key\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (400_000_000, 400_000_000))\n"
+        "try: read_secret_key(Path(sys.argv[1]), lambda: 'a')\n"
+        "except KeyFileError as error: print('memory' in str(error))"
+    )
+    line = [sys.executable, "-c", code, HERE / "sensitive.key"]
+    root = Path(__file__).parents[2]
+    ran = subprocess.run(line, cwd=root, capture_output=True, text=True, check=True)
+    assert (ran.stdout, ran.stderr) == ("True\n", "")
+
+
+@pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, pickle.dumps, vars])
+def test_a_key_is_not_copied_into_a_file_or_a_message(way):
+    assert repr(ADA) == f"SecretKey({ADA.key_id})"
+    with pytest.raises(TypeError):
+        way(ADA)
+
+
+# New pairs
+
+
+@pytest.mark.parametrize("password", ["", "Bremse 8", "é" * 511])
+def test_a_new_pair_signs_and_only_its_owner_reads_the_secret_key(files, outcome, password):
+    old = os.umask(0)
     try:
-        verify(read_public_key(golden / "open.pub"), data, parse_signature(bytes(content)))
-    except SignatureRefused:
-        return
-    assert its
+        made = generate(*files, password)
+    finally:
+        os.umask(old)
+    assert [stat.S_IMODE(path.stat().st_mode) for path in files] == [0o600, 0o644]
+    key = read_secret_key(files[0], (lambda: password) if password else never)
+    assert made == key.public == read_public_key(files[1])
+    assert outcome(key.sign(b"data", "comment"), b"data", made) == "comment"
+
+
+@pytest.mark.parametrize("existing", [0, 1])
+def test_an_existing_file_is_not_replaced(files, existing):
+    files[existing].write_text("precious")
+    with pytest.raises(KeyFileError) as refusal:
+        generate(*files, "")
+    assert refusal.value.where == files[existing]
+    assert [path.read_text() for path in files if path.exists()] == ["precious"]
+
+
+def test_a_link_to_nowhere_and_one_file_for_both_are_refused(files):
+    with pytest.raises(KeyFileError):
+        generate(files[0], files[0], "")
+    files[0].symlink_to(files[0].with_name("elsewhere"))
+    with pytest.raises(KeyFileError):
+        generate(*files, "")
+    assert [path.name for path in files[0].parent.iterdir()] == ["car.key"]
+
+
+@pytest.mark.parametrize("write", [1, 2])
+def test_a_full_disk_leaves_nothing(files, monkeypatch, write):
+    done = []
+
+    def full(handle):
+        done.append(handle)
+        if len(done) == write:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(KeyFileError):
+        generate(*files, "")
+    assert list(files[0].parent.iterdir()) == []
+
+
+def test_without_the_extra_it_is_named_and_key_numbers_are_read(monkeypatch, files):
+    monkeypatch.setitem(sys.modules, "minisign", None)
+    assert read_signature(HERE / "open.minisig").key_id == PUBLIC.key_id
+    uses = (
+        lambda: read_public_key(HERE / "open.pub"),
+        lambda: read_secret_key(OPEN, never),
+        lambda: generate(*files, ""),
+        lambda: verify(PUBLIC, DATA, read_signature(HERE / "open.minisig"), "a"),
+    )
+    for use in uses:
+        with pytest.raises(KeyFileError) as refusal:
+            use()
+        assert "brake-cal[sign]" in refusal.value.do

@@ -41,13 +41,6 @@ def test_it_comes_back_with_its_six_parameters_and_its_digest(older, store):
     assert all(verdict.sound for verdict in Store(store).verify())
 
 
-def test_odds_of_a_motor_are_kept_where_a_vehicle_file_states_them(fitted, store):
-    stated = replace(fitted, vehicle=replace(fitted.vehicle, motor_odds=0.0))
-    read = Store(store).load(Store(store).save(stated).id).table
-    assert read.vehicle.motor_odds == 0.0
-    assert "motor_odds" not in fitted.content()[0]["vehicle"]
-
-
 def test_it_is_estimated_with_and_doubts_its_tyres(older, store):
     """Tyres start at the prior: the interval is honest, though the table never heard of them."""
     Store(store).save(older)

@@ -6,10 +6,6 @@ from calib.suggest.words import (
     BRAKE,
     LONG,
     MASTER,
-    NO_BRAKE,
-    NO_LONG,
-    NO_SPEED,
-    NO_STEERING,
     SPEED,
     STEERING,
     axle,
@@ -62,50 +58,50 @@ def test_axle(name, found):
 
 
 def test_scores():
-    assert score("LongAcc", LONG, NO_LONG) > 0 > score("LatAcc", LONG, NO_LONG)
-    assert score("vehicle speed", SPEED, NO_SPEED) > score("speed", SPEED, NO_SPEED)
-    assert score("engine speed", SPEED, NO_SPEED) == -1
+    assert score("LongAcc", LONG) > 0 > score("LatAcc", LONG)
+    assert score("vehicle speed", SPEED) > score("speed", SPEED)
+    assert score("engine speed", SPEED) == -1
 
 
 @pytest.mark.parametrize(
-    ("name", "wanted", "unwanted"),
+    ("name", "quantity"),
     [
-        ("GW1_FzgGeschw", SPEED, NO_SPEED),
-        ("v_Fzg", SPEED, NO_SPEED),
-        ("vFzg", SPEED, NO_SPEED),
-        ("Fahrzeuggeschw", SPEED, NO_SPEED),
-        ("VehSpdEsc", SPEED, NO_SPEED),
-        ("CarSpeed", SPEED, NO_SPEED),
-        ("ESP_Laengsbeschl", LONG, NO_LONG),
-        ("VehALgt", LONG, NO_LONG),
-        ("ESP_Bremsdruck", BRAKE, NO_BRAKE),
-        ("pTHZ", BRAKE | MASTER, NO_BRAKE),
-        ("pVordruck", MASTER, NO_BRAKE),
-        ("LWI_Lenkradwinkel", STEERING, NO_STEERING),
-        ("StrgAg", STEERING, NO_STEERING),
+        ("GW1_FzgGeschw", SPEED),
+        ("v_Fzg", SPEED),
+        ("vFzg", SPEED),
+        ("Fahrzeuggeschw", SPEED),
+        ("VehSpdEsc", SPEED),
+        ("CarSpeed", SPEED),
+        ("ESP_Laengsbeschl", LONG),
+        ("VehALgt", LONG),
+        ("ESP_Bremsdruck", BRAKE),
+        ("pTHZ", MASTER),
+        ("pVordruck", MASTER),
+        ("LWI_Lenkradwinkel", STEERING),
+        ("StrgAg", STEERING),
     ],
 )
-def test_names_of_vehicle_buses(name, wanted, unwanted):
-    assert score(name, wanted, unwanted) > 0
+def test_names_of_vehicle_buses(name, quantity):
+    assert score(name, quantity) > 0
 
 
 @pytest.mark.parametrize(
-    ("name", "wanted", "unwanted"),
+    ("name", "quantity"),
     [
-        ("Sollgeschw", SPEED, NO_SPEED),
-        ("v_Soll", SPEED, NO_SPEED),
-        ("WhlSpd", SPEED, NO_SPEED),
-        ("ESP_Querbeschl", LONG, NO_LONG),
+        ("Sollgeschw", SPEED),
+        ("v_Soll", SPEED),
+        ("WhlSpd", SPEED),
+        ("ESP_Querbeschl", LONG),
     ],
 )
-def test_names_of_other_signals(name, wanted, unwanted):
-    assert score(name, wanted, unwanted) < 1
+def test_names_of_other_signals(name, quantity):
+    assert score(name, quantity) < 1
 
 
 def test_the_speed_that_is_displayed_is_less_likely():
     shown, driven = "KBI_angez_Geschw", "GW1_FzgGeschw"
-    assert score(shown, SPEED, NO_SPEED) < score(driven, SPEED, NO_SPEED)
+    assert score(shown, SPEED) < score(driven, SPEED)
 
 
 def test_scores_of_computed_channels():
-    assert score("GPS_Speed_filtered", SPEED, NO_SPEED) < score("GPS_Speed", SPEED, NO_SPEED)
+    assert score("GPS_Speed_filtered", SPEED) < score("GPS_Speed", SPEED)

@@ -268,19 +268,16 @@ def summaries() -> list[bytes]:
 
 
 def read_a_secret(path: Path) -> object:
-    from calib.store.minisign_keys import read_secret_key
+    from calib.store.minisign import read_secret_key
 
     return read_secret_key(path, lambda: "")
 
 
 def read_a_signature(path: Path) -> object:
-    from functools import partial
+    from calib.store.minisign import read_signature, verify
+    from tests.support.signing import ADA
 
-    from calib.base.errors import SignatureRefused
-    from calib.store.minisign import parse_signature
-    from calib.store.minisign_lines import read_small
-
-    return parse_signature(read_small(path, partial(SignatureRefused, where=path)), path)
+    return verify(ADA.public, b"content", read_signature(path), path)
 
 
 def public() -> list[bytes]:
@@ -290,16 +287,15 @@ def public() -> list[bytes]:
 
 
 def secrets() -> list[bytes]:
-    from calib.store.minisign_keys import secret_file
+    from tests.support.signing import secret_file
 
     return [secret_file(b"adasline", bytes(range(32)))]
 
 
 def signatures() -> list[bytes]:
-    from calib.store.minisign import sign
     from tests.support.signing import ADA
 
-    return [sign(ADA, b"content", "table sedan")]
+    return [ADA.sign(b"content", "table sedan")]
 
 
 READ_LOG = by("calib.logs.read", "read_log", require=())
@@ -341,7 +337,7 @@ READERS = {
         lambda: [b"log,car,station\na.csv,1,x\nb.csv,2,x\n"],
     ),
     "result": Reader("a.parquet", by("calib.show.result", "read_result"), parquets),
-    "public key": Reader("a.pub", by("calib.store.minisign_keys", "read_public_key"), public),
+    "public key": Reader("a.pub", by("calib.store.minisign", "read_public_key"), public),
     "secret key": Reader("a.key", read_a_secret, secrets),
     "signature": Reader("a.minisig", read_a_signature, signatures),
 }

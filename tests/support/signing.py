@@ -3,21 +3,35 @@
 import hashlib
 import json
 import shutil
+from base64 import b64encode
 from dataclasses import asdict, replace
 
+import minisign
 import pytest
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 from calib.base.errors import StoreError
-from calib.store.commit import write_journal
-from calib.store.journal import Entry, Journal
-from calib.store.minisign_keys import SecretKey
+from calib.store.journal import Entry, Journal, write_journal
+from calib.store.minisign import SecretKey
+from calib.store.signature import require_signed, verify_signed
 from calib.store.state import StateDecision
 from calib.store.store import Store
-from calib.store.trust import require_signed, verify_signed
 
-ADA = SecretKey(b"adasline", bytes(range(32)))
-EVE = SecretKey(b"evesline", bytes(range(1, 33)))
-NAMESAKE = SecretKey(ADA.public.number, bytes(range(2, 34)))
+
+def secret_file(number: bytes, seed: bytes) -> bytes:
+    """The file of a secret key without a password, as minisign 0.11 writes it."""
+    point = Ed25519PrivateKey.from_private_bytes(seed).public_key().public_bytes_raw()
+    content = b"Ed" + bytes(2) + b"B2" + bytes(48) + number + seed + point + bytes(32)
+    return b"untrusted comment: a key of a test\n" + b64encode(content) + b"\n"
+
+
+def secret_key(number: bytes, seed: bytes) -> SecretKey:
+    return SecretKey(minisign.SecretKey.from_bytes(secret_file(number, seed)))
+
+
+ADA = secret_key(b"adasline", bytes(range(32)))
+EVE = secret_key(b"evesline", bytes(range(1, 33)))
+NAMESAKE = secret_key(ADA.public.number, bytes(range(2, 34)))
 """Another key that bears the number of Ada's."""
 
 RELEASE = StateDecision("released", "four stops agree", by="Ada")
@@ -69,7 +83,7 @@ def refusal(store, reference="sedan@2", key=ADA):
 def passes(store, key=ADA):
     """Whether `tables verify --key` would end with 0."""
     try:
-        return all(verdict.sound for verdict in verify_signed(store, key.public).verdicts)
+        return all(verdict.sound for verdict in verify_signed(store, key.public)[0])
     except StoreError:
         return False
 

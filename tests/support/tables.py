@@ -9,8 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.base.digest import canonical_json
+from calib.base.errors import StoreError
+from calib.base.record import validated
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle, Vehicle
+from calib.store.record_file import Record, table_of
 from calib.store.version import Stored
 from calib.table.table import (
     EXTRAPOLATED,
@@ -104,3 +108,8 @@ def stored_as(reference: str) -> Stored:
     name, version = reference.split("@")
     table = made_table(name=name)
     return Stored(table, name, int(version), table.digest, Path(f"v{int(version):04d}"))
+
+
+def from_content(record, curves) -> Table:
+    """The table that `Table.content` described."""
+    return table_of(validated(canonical_json(record), Record, None, StoreError), curves)

@@ -1,1 +1,1 @@
-"""Named effects, one file each, and their catalogue."""
+"""Named effects, a file for each link of the chain, and their catalogue."""

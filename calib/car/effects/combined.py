@@ -1,17 +1,19 @@
 """Several effects together, at each link of the chain from the pedal to the accelerometer.
 
 Each function uses only the effects that act on its link. Factors are multiplied, forces and
-moments are added; pressures and readings pass through the effects in the order of the catalogue,
-then through the user's own: a pressure in the caliper, a reading at the end.
+moments are added; pressures and readings pass through the effects in their physical order, then
+through the user's own: a pressure in the caliper, a reading at the end.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from calib.base.names import Array
 from calib.car.effects.catalogue import CALIPER, LINE, SENSOR
-from calib.car.effects.effect import Array, Effect, Pair, Parameters
+from calib.car.effects.effect import Effect, Pair, Parameters
 from calib.car.effects.effects import Effects
 from calib.car.effects.empirical import effect_of
 from calib.car.history import Motion, RunHistory
@@ -29,21 +31,37 @@ def chosen(effects: Effects, test: Callable[[Effect], bool]) -> Effects:
     return replace(kept, terms=tuple(term for term in effects.terms if test(effect_of(term))))
 
 
+def _hooks(
+    effects: Effects, link: str, names: tuple[str, ...] | None = None
+) -> Iterator[tuple[Callable[..., Any], Parameters]]:
+    """The hooks on a link with their parameters: of all, the terms last, or of these ``names``."""
+    found = [
+        (definition(effects, name), effects.parameters[name])
+        for name in (effects.names if names is None else names)
+        if name in effects
+    ]
+    if names is None:
+        found += [(effect_of(term), {}) for term in effects.terms]
+    for effect, parameters in found:
+        hook = getattr(effect, link)
+        if hook is not None:
+            yield hook, parameters
+
+
 def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
     """Return the vehicle with mass, rolling radii and wheel inertias as the effects change them.
 
     Its list of effects is not changed.
     """
     front, rear, mass = vehicle.front, vehicle.rear, vehicle.mass
-    for effect, parameters in _all(effects):
-        if effect.radius is not None:
-            R_f, R_r = effect.radius(parameters)
-            front, rear = front.with_radius(R_f), rear.with_radius(R_r)
-        if effect.inertia is not None:
-            J_f, J_r = effect.inertia(parameters)
-            front, rear = _with_inertia(front, J_f), _with_inertia(rear, J_r)
-        if effect.mass is not None:
-            mass *= effect.mass(parameters)
+    for radius, parameters in _hooks(effects, "radius"):
+        R_f, R_r = radius(parameters)
+        front, rear = front.with_radius(R_f), rear.with_radius(R_r)
+    for inertia, parameters in _hooks(effects, "inertia"):
+        J_f, J_r = inertia(parameters)
+        front, rear = _with_inertia(front, J_f), _with_inertia(rear, J_r)
+    for factor, parameters in _hooks(effects, "mass"):
+        mass *= factor(parameters)
     return replace(vehicle, front=front, rear=rear, mass=mass)
 
 
@@ -67,9 +85,8 @@ def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Arr
 def _through(
     order: tuple[str, ...], effects: Effects, history: RunHistory, p_f: Array, p_r: Array
 ) -> Pair:
-    for effect, parameters in _in_order(effects, order):
-        if effect.pressure is not None:
-            p_f, p_r = effect.pressure(parameters, history, p_f, p_r)
+    for hook, parameters in _hooks(effects, "pressure", order):
+        p_f, p_r = hook(parameters, history, p_f, p_r)
     return p_f, p_r
 
 
@@ -79,40 +96,34 @@ def pad_factors(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -
     Raises ModelError where an empirical term needs a temperature that is not known.
     """
     front, rear = np.ones_like(p_f), np.ones_like(p_r)
-    for effect, parameters in _all(effects):
-        if effect.friction is not None:
-            f, r = effect.friction(parameters, history, p_f, p_r)
-            front, rear = front * f, rear * r
+    for hook, parameters in _hooks(effects, "friction"):
+        f, r = hook(parameters, history, p_f, p_r)
+        front, rear = front * f, rear * r
     return front, rear
 
 
 def wheel_factors(effects: Effects, history: RunHistory) -> dict[str, Array]:
     """Factors [1] (n,) on the torques of the wheels that differ from the other side, by wheel."""
-    factors: dict[str, Array] = {}
-    for effect, parameters in _all(effects):
-        if effect.wheels is not None:
-            for w, factor in effect.wheels(parameters, history).items():
-                factors[w] = factors[w] * factor if w in factors else factor
-    return factors
+    return _product(hook(own, history) for hook, own in _hooks(effects, "wheels"))
 
 
 def wheel_speed_factors(vehicle: Vehicle, effects: Effects, motion: Motion) -> dict[str, Array]:
     """Factors [1] (n,) on the wheel speeds as read; only of wheels that an effect changes."""
+    return _product(hook(vehicle, own, motion) for hook, own in _hooks(effects, "wheel_speed"))
+
+
+def _product(several: Iterator[Mapping[str, Array]]) -> dict[str, Array]:
     factors: dict[str, Array] = {}
-    for effect, parameters in _all(effects):
-        if effect.wheel_speed is not None:
-            for w, factor in effect.wheel_speed(vehicle, parameters, motion).items():
-                factors[w] = factors[w] * factor if w in factors else factor
+    for one in several:
+        for w, factor in one.items():
+            factors[w] = factors[w] * factor if w in factors else factor
     return factors
 
 
 def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
     """Sum of the load that is shifted from the front to the rear axle, over W [1] (n,)."""
-    total = 0.0 * history.z
-    for effect, parameters in _all(effects):
-        if effect.load_shift is not None:
-            total = total + effect.load_shift(vehicle, parameters, history)
-    return total
+    shifts = (hook(vehicle, own, history) for hook, own in _hooks(effects, "load_shift"))
+    return np.asarray(sum(shifts, 0.0 * history.z))
 
 
 def body_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
@@ -123,75 +134,46 @@ def body_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> 
 
 def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:
     """Sum of the forces that slow the body directly [N] (n,)."""
-    total = 0.0 * motion.v
-    for effect, parameters in _all(effects):
-        if effect.body_force is not None:
-            total = total + effect.body_force(vehicle, parameters, motion)
-    return total
+    forces = (hook(vehicle, own, motion) for hook, own in _hooks(effects, "body_force"))
+    return np.asarray(sum(forces, 0.0 * motion.v))
 
 
 def total_axle_moment(vehicle: Vehicle, effects: Effects, motion: Motion) -> Pair:
     """Sum of the moments on the wheels besides the brake [N m per axle] (n,), front and rear."""
     front, rear = 0.0 * motion.v, 0.0 * motion.v
-    for effect, parameters in _all(effects):
-        if effect.axle_moment is not None:
-            f, r = effect.axle_moment(vehicle, parameters, motion)
-            front, rear = front + f, rear + r
+    for hook, parameters in _hooks(effects, "axle_moment"):
+        f, r = hook(vehicle, parameters, motion)
+        front, rear = front + f, rear + r
     return front, rear
 
 
 def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
     """Reading of the accelerometer [m/s^2] (n,) at the acceleration ``a_x`` [m/s^2] (n,)."""
     reading = as_sensed(vehicle, effects, history, a_x)
-    for effect, parameters in _all(effects):
-        if effect.accelerometer_lag is not None:
-            lag, second = effect.accelerometer_lag(parameters)
-            if lag > SHORTEST:
-                reading = low_pass(history.time, reading, lag, second)
+    for hook, parameters in _hooks(effects, "accelerometer_lag"):
+        lag, second = hook(parameters)
+        if lag > SHORTEST:
+            reading = low_pass(history.time, reading, lag, second)
     return reading
 
 
 def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
     """Reading of an accelerometer [m/s^2] (n,) that follows ``a_x`` [m/s^2] (n,) at once."""
-    for effect, parameters in _in_order(effects, (*SENSOR, *effects.own)):
-        if effect.accelerometer is not None:
-            a_x = effect.accelerometer(vehicle, parameters, history, a_x)
+    for hook, parameters in _hooks(effects, "accelerometer", (*SENSOR, *effects.own)):
+        a_x = hook(vehicle, parameters, history, a_x)
     return a_x
 
 
 def accelerometer_lag(effects: Effects) -> float:
     """Time [s] by which a slow acceleration is read late."""
-    hooks = ((effect.accelerometer_lag, parameters) for effect, parameters in _all(effects))
-    return sum((hook(parameters)[0] for hook, parameters in hooks if hook is not None), 0.0)
+    return sum((hook(own)[0] for hook, own in _hooks(effects, "accelerometer_lag")), 0.0)
 
 
 def speed_delay(effects: Effects) -> float:
     """Time [s] by which v is read late."""
-    return _seconds(effects, lambda effect: effect.speed_delay)
+    return sum((hook(own) for hook, own in _hooks(effects, "speed_delay")), 0.0)
 
 
 def wheel_speed_delay(effects: Effects) -> float:
     """Time [s] by which all wheel speeds are read late."""
-    return _seconds(effects, lambda effect: effect.wheel_speed_delay)
-
-
-def _seconds(
-    effects: Effects, hook_of: Callable[[Effect], Callable[[Parameters], float] | None]
-) -> float:
-    hooks = ((hook_of(effect), parameters) for effect, parameters in _all(effects))
-    return sum((hook(parameters) for hook, parameters in hooks if hook is not None), 0.0)
-
-
-def _all(effects: Effects) -> Iterator[tuple[Effect, Parameters]]:
-    """Every effect with its parameters, the terms last."""
-    for name, parameters in effects.parameters.items():
-        yield definition(effects, name), parameters
-    for term in effects.terms:
-        yield effect_of(term), {}
-
-
-def _in_order(effects: Effects, order: tuple[str, ...]) -> Iterator[tuple[Effect, Parameters]]:
-    """The effects of ``order`` that are among ``effects``, in that order."""
-    for name in order:
-        if name in effects:
-            yield definition(effects, name), effects.parameters[name]
+    return sum((hook(own) for hook, own in _hooks(effects, "wheel_speed_delay")), 0.0)

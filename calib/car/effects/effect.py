@@ -11,14 +11,12 @@ effect), the analysis (which removes it) and the diagnosis (which estimates its 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from calib.base.names import Array
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 Parameters = Mapping[str, float]
 Pair = tuple[Array, Array]
 
@@ -116,37 +114,44 @@ class Effect:
     wheel_speed_delay: Callable[[Parameters], float] | None = None
 
 
+def effect(
+    name: str,
+    *parameters: Parameter,
+    cause: str,
+    equation: str,
+    source: str,
+    looks_like: str,
+    neutral: float = 0.0,
+    **hooks: Callable[..., Any],
+) -> Effect:
+    """An effect from what its card says and its hooks, as the catalogue has them."""
+    return Effect(Card(name, cause, equation, source, looks_like, parameters, neutral), **hooks)
+
+
 def acts_on_brakes(effect: Effect) -> bool:
     """Whether an effect changes pressures, pads or the torque of single wheels."""
-    return _any(effect.pressure, effect.friction, effect.wheels)
+    return _any(effect, _BRAKES)
 
 
 def acts_on_wheels(effect: Effect) -> bool:
     """Whether an effect changes brakes, wheels or their sensors, not only the body and its own."""
-    return acts_on_brakes(effect) or _any(
-        effect.axle_moment,
-        effect.inertia,
-        effect.radius,
-        effect.wheel_speed,
-        effect.wheel_speed_delay,
-    )
+    wheels = ("axle_moment", "inertia", "radius", "wheel_speed", "wheel_speed_delay")
+    return _any(effect, (*_BRAKES, *wheels))
 
 
 def changes_readings(effect: Effect) -> bool:
     """Whether an effect changes what a sensor reads; the car moves as without it."""
-    return _any(
-        effect.accelerometer,
-        effect.accelerometer_lag,
-        effect.speed_delay,
-        effect.wheel_speed,
-        effect.wheel_speed_delay,
-    )
+    delays = ("accelerometer_lag", "speed_delay", "wheel_speed_delay")
+    return _any(effect, ("accelerometer", "wheel_speed", *delays))
 
 
 def slows(effect: Effect) -> bool:
     """Whether an effect slows body or wheels besides the brakes, so is in the force balance."""
-    return _any(effect.axle_moment, effect.body_force)
+    return _any(effect, ("axle_moment", "body_force"))
 
 
-def _any(*hooks: Callable[..., object] | None) -> bool:
-    return any(hook is not None for hook in hooks)
+_BRAKES = ("pressure", "friction", "wheels")
+
+
+def _any(effect: Effect, links: tuple[str, ...]) -> bool:
+    return any(getattr(effect, link) is not None for link in links)

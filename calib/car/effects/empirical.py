@@ -6,8 +6,9 @@ So a model with a term can be simulated, and a term can be removed from a log. S
 import numpy as np
 
 from calib.base.errors import ModelError
+from calib.base.names import Array
 from calib.car.braking import BITE
-from calib.car.effects.effect import Array, Card, Effect, Pair, Parameters
+from calib.car.effects.effect import Card, Effect, Pair, Parameters
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle

@@ -13,9 +13,6 @@ from calib.car.effects.effect import Effect
 from calib.car.effects.effects import DefinedIn, Effects
 from calib.car.vehicle import Vehicle
 
-COMMANDS = "diagnose, simulate, fit and validate"
-"""Commands with ``--effect``."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class OwnEffect(DefinedIn):
@@ -53,7 +50,8 @@ def not_given(name: str, defined: DefinedIn, where: object = None) -> ModelError
     return ModelError(
         f"the effect {name!r} is defined in {defined.file}, which was not given",
         where=where,
-        do=f"give --effect {defined.file}, with its folder; {COMMANDS} have this option",
+        do=f"give --effect {defined.file}, with its folder; diagnose, simulate, fit and validate "
+        "have this option",
     )
 
 

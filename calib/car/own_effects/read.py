@@ -1,23 +1,28 @@
-"""Read an effect of the user's own: a Python file with ``EFFECT``, as each of the catalogue has it.
+"""Read an effect of the user's own: a Python file with ``EFFECT``, as the catalogue has them.
 
 The file is executed, with all that this process may do. See `brake-cal manual vehicle_file`.
 """
 
-import ast
+import math
+import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from calib.base.bounded import EFFECT, bytes_of
 from calib.base.errors import ModelError
-from calib.car.effects.effect import Effect
-from calib.car.own_effects.card import check_card
-from calib.car.own_effects.hooks import at, checked, hooks_of, line_of, raised
+from calib.base.units import QUANTITIES
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.effect import Card, Effect, Parameter
+from calib.car.own_effects.hooks import at, changes, checked, hooks_of, line_of, raised, trial
 from calib.car.own_effects.own_effect import OwnEffect
-from calib.car.own_effects.trial import changes, trial
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+"""What an effect and a parameter may be called: a key of a model file."""
 
 
 def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
@@ -31,13 +36,13 @@ def read_own_effect(path: Path) -> OwnEffect:
     The hooks are called once for each end of each parameter, on a made run whose arrays cannot
     be changed in place.
 
-    Raises ModelError, with file and line, for a file that is missing or not Python, raises, has no
-    ``EFFECT`` or a card that is not complete; for a name of the catalogue; for a hook that raises,
-    returns another shape or what is not finite, or does something at the neutral strength.
+    Raises ModelError, with its line where it has one, for a file that is missing or not Python,
+    raises, has no ``EFFECT`` or a card that is not complete; for a name of the catalogue; for a
+    hook that raises, returns another shape or what is not finite, or does something at nothing.
     """
-    source, path = _source(Path(path)), Path(path)
-    module = _executed(source, str(path))
-    effect = getattr(module, "EFFECT", None)
+    path = Path(path)
+    source = bytes_of(path, EFFECT, ModelError, "a Python file")
+    effect = getattr(_executed(source, str(path)), "EFFECT", None)
     if not isinstance(effect, Effect):
         raise ModelError(
             "no EFFECT" if effect is None else f"EFFECT is a {type(effect).__name__}",
@@ -45,14 +50,11 @@ def read_own_effect(path: Path) -> OwnEffect:
             expected="EFFECT = Effect(card=Card(...), ...) at the top level",
             do="see `brake-cal manual vehicle_file`",
         )
-    check_card(effect, at(str(path), _line_of_card(source)))
+    for what, expected in _mistakes(effect):
+        raise ModelError(what, where=path, expected=expected)
     guarded = checked(effect, str(path))
     _try(guarded, str(path))
     return OwnEffect(file=path.name, sha256=sha256(source).hexdigest(), effect=guarded)
-
-
-def _source(path: Path) -> bytes:
-    return bytes_of(path, EFFECT, ModelError, "a Python file")
 
 
 def _executed(source: bytes, path: str) -> ModuleType:
@@ -75,11 +77,59 @@ def _executed(source: bytes, path: str) -> ModuleType:
     return module
 
 
-def _line_of_card(source: bytes) -> int | None:
-    """The first line where ``Card(`` is called."""
-    calls = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
-    lines = [c.lineno for c in calls if isinstance(c.func, ast.Name) and c.func.id == "Card"]
-    return min(lines, default=None)
+def _mistakes(effect: Effect) -> Iterator[tuple[str, str]]:
+    """What is wrong in a card and what was expected, one by one: each rests on those before."""
+    card: Any = effect.card
+    if not isinstance(card, Card):
+        yield f"the card is a {type(card).__name__}", "a Card"
+    if not _is_name(card.name):
+        yield f"name {card.name!r}", "lower case letters, digits, _"
+    if card.name in CATALOGUE:
+        yield f"the catalogue has an effect {card.name!r}", "another name"
+    for part in ("cause", "equation", "source", "looks_like"):
+        text = getattr(card, part)
+        if not (isinstance(text, str) and text.strip()):
+            yield f"{part} {text!r}", "a sentence"
+    parts = card.parameters
+    if not (isinstance(parts, tuple) and parts and all(isinstance(p, Parameter) for p in parts)):
+        yield "parameters of the card", "a tuple of one Parameter or more"
+    for p in parts:
+        yield from _mistakes_of(p)
+    if len({p.name for p in parts}) < len(parts):
+        yield "two parameters of one name", "other names"
+    strength, neutral = parts[0], card.neutral
+    if not (_is_number(neutral) and strength.low <= neutral <= strength.high):
+        ends = f"{strength.low:g} to {strength.high:g}, the range of {strength.name}"
+        yield f"neutral {neutral!r}", f"a strength from {ends}"
+    if strength.typical == neutral:
+        what = f"typical {neutral:g} of {strength.name} is the neutral strength"
+        yield what, "a typical strength that does something"
+    if not hooks_of(effect):
+        yield "the effect has no function", "one hook of Effect"
+    for name, hook in hooks_of(effect).items():
+        if not callable(hook):
+            yield f"{name} is a {type(hook).__name__}", "a function"
+
+
+def _mistakes_of(p: Parameter) -> Iterator[tuple[str, str]]:
+    if not _is_name(p.name):
+        yield f"parameter {p.name!r}", "lower case letters, digits, _"
+    if not (isinstance(p.unit, str) and p.unit in QUANTITIES):
+        yield f"unit {p.unit!r} of {p.name}", 'an SI unit, such as "N*m"'
+    numbers = all(map(_is_number, (p.low, p.high, p.typical, p.spread)))
+    if not (numbers and p.low <= p.typical <= p.high and 0.0 < p.spread < p.high - p.low):
+        ends = f"low {p.low!r}, high {p.high!r}, typical {p.typical!r}, spread {p.spread!r}"
+        yield f"{p.name}: {ends}", "low <= typical <= high and 0 < spread < high - low"
+    if p.default is not None and not (_is_number(p.default) and p.low <= p.default <= p.high):
+        yield f"{p.name}: default {p.default!r}", "None, or one from low to high"
+
+
+def _is_name(name: object) -> bool:
+    return isinstance(name, str) and _NAME.fullmatch(name) is not None
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
 
 
 def _try(effect: Effect, path: str) -> None:

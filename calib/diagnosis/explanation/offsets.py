@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.names import G
-from calib.car.effects import accelerometer_bias, road_grade
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.channels import (
     CHANNELS,
@@ -32,7 +31,7 @@ from calib.logs.log import Log
 
 Array = NDArray[np.float64]
 
-GRADE, ZERO = road_grade.EFFECT.card.name, accelerometer_bias.EFFECT.card.name
+GRADE, ZERO = "road_grade", "accelerometer_bias"
 """Effects that each log may have of its own."""
 
 PARAMETERS = {GRADE: ("grade", "1"), ZERO: ("bias", "m/s^2")}

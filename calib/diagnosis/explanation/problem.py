@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.processes import Mapped
-from calib.car.effects import aerodynamic_drag
+from calib.car.effects.body import AERODYNAMIC_DRAG
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 DRAG, SHARE = "aerodynamic_drag", "load_share"
 
-_SHARE = {p.name: p for p in aerodynamic_drag.EFFECT.card.parameters}[SHARE]
+_SHARE = {p.name: p for p in AERODYNAMIC_DRAG.card.parameters}[SHARE]
 
 USUAL_SHARE, SHARE_SIGMA = _SHARE.typical, 2.0 * _SHARE.spread
 

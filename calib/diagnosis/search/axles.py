@@ -12,7 +12,6 @@ One more effect, whichever helps most, is allowed to both: what is hidden must n
 from collections.abc import Sequence
 from dataclasses import replace
 
-from calib.car.effects import regenerative_torque
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit_base
@@ -24,7 +23,7 @@ from calib.diagnosis.search.search import added, refine
 from calib.logs.log import Log
 from calib.run.gates import require_right_slip, wrong_slip
 
-MOTOR = regenerative_torque.EFFECT.card.name
+MOTOR = "regenerative_torque"
 """The effect that makes the rear wheels slip more."""
 
 

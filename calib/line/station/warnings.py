@@ -11,7 +11,7 @@ from calib.estimation.validate import Validation
 from calib.logs.log import Log
 from calib.run.check import check
 from calib.run.limits import LIMITS
-from calib.table.pads_budget import front_share
+from calib.table.budget import front_share
 from calib.table.table import Table
 
 LEVEL = 0.06

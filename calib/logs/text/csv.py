@@ -3,7 +3,7 @@
 import csv
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,16 +36,10 @@ FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "b
 
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
-    """Open a file of separated text.
+    """Open a file of separated text, compressed by gzip or not; ``where`` is its path.
 
-    Parameters
-    ----------
-    data : the whole file, compressed by gzip or not.
-    where : its path, for messages.
-    text_format : separator, decimal mark and encoding from a channel map.
-
-    Raises LogError for a file without text, header or rows, for an ambiguous dialect (see
-    `calib.logs.text.dialect`), and for a file that is cut off.
+    ``text_format`` is that of a channel map. Raises LogError for a file without text, header or
+    rows, for an ambiguous dialect (`calib.logs.text.dialect`), and for a file that is cut off.
     """
     if data.startswith(GZIP):
         data = gunzip(data, where)
@@ -96,13 +90,9 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
         columns[i] = Column(columns[i].name, "s", columns[i].full or cells[i])
     above = f"{layout.above} lines above the header were not read" if layout.above else ""
     counted = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
-    end = last_row(data, start, len(columns), dialect, where)
-    notes = tuple(n for n in (note, above, *counted, end) if n)
-
-    def read(indices: Sequence[int]) -> list[Array]:
-        return read_columns(data, start, tuple(columns), indices, dialect, where, clocks)
-
-    return ColumnSource(tuple(columns), read, notes)
+    table = TextRows(data, start, tuple(columns), dialect, where, frozenset(clocks))
+    notes = tuple(n for n in (note, above, *counted, table.end()) if n)
+    return ColumnSource(table.columns, table.read, notes)
 
 
 def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
@@ -127,119 +117,109 @@ def _refuse_frames(columns: Sequence[Column], where: str) -> None:
         )
 
 
-def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) -> str | None:
-    r"""Check the last row: LogError if it is cut off, a note if it has no end of line.
+@dataclass(frozen=True)
+class TextRows:
+    """The rows of a table: they begin at ``start`` of the whole ``data``, which a slice would copy.
 
-    ``data`` is the whole file; rows have ``width`` cells and begin at ``start``.
-
-    0.005,0.10,74.4800\n
-    0.010,0.20,74.4\n         a shorter number and no end of line: cut off
+    ``where`` names the file; ``clocks`` are the columns that hold times of day.
     """
-    tail = 40 * 32 * width
-    text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
-    text = text or data[start:].rstrip(b"\r\n")[-tail:]  # many blank lines at the end
-    lines = text.splitlines()[-20:]
-    cells = dialect.cells([line.decode(errors="replace") for line in lines])
-    ended = data.endswith((b"\n", b"\r"))
-    counts = [len(row) for row in cells[:-1] if row]
-    wrong = [count for count in counts if count != width]
-    if 2 * len(wrong) > len(counts):  # not cut off: text of another kind
-        what = f"{len(wrong)} of the {len(counts)} rows before the last one have"
-        raise LogError(
-            f"{what} {min(wrong)} to {max(wrong)} cells",
-            where=where,
-            expected=f"a table: {width} cells in each row, as the header has",
-        )
-    before, last = [row[-1] for row in cells[:-1] if row], cells[-1]
-    shown = lines[-1].decode(errors="replace")
-    short = len(last) < width or shown.count('"') % 2 == 1
-    if short or (not ended and _shorter(last[-1], before, dialect.decimal)):
-        raise damaged(where, f"the last line is cut off: {shown[:60]!r}", f"{width} whole cells")
-    return None if ended else "no end of line after the last row, which looks complete"
 
+    data: bytes
+    start: int
+    columns: tuple[Column, ...]
+    dialect: Dialect
+    where: str
+    clocks: frozenset[int] = frozenset()
 
-def _shorter(cell: str, before: list[str], mark: str) -> bool:
-    """Whether a number is shorter than all before it.
+    def end(self) -> str | None:
+        r"""Check the last row: LogError if it is cut off, a note if it has no end of line.
 
-    Compares the number of decimals if it is the same in all of them, else the length. A cut number
-    that is as long as the shortest one before it is not detected.
-    """
-    if not before:
-        return False
-    decimals = {len(c.partition(mark)[2]) for c in before}
-    if len(decimals) == 1:
-        return len(cell.partition(mark)[2]) < min(decimals)
-    return len(cell) < min(len(c) for c in before)
-
-
-def read_columns(
-    data: bytes,
-    start: int,
-    columns: tuple[Column, ...],
-    indices: Sequence[int],
-    dialect: Dialect,
-    where: str,
-    clocks: Collection[int] = (),
-) -> list[Array]:
-    """Read some columns as numbers. After a failure, a second, slow pass locates the bad cell.
-
-    ``data`` is the whole file (a slice would copy it); rows begin at ``start``; ``clocks`` are the
-    columns that hold times of day, which are read as seconds.
-
-    Raises LogError with row, counted from 1, and column of that cell.
-    """
-    import pyarrow as pa
-    import pyarrow.csv as arrow_csv
-
-    types = {str(i): pa.string() if i in clocks else pa.float64() for i in indices}
-    try:
-        table = arrow_csv.read_csv(
-            pa.BufferReader(pa.py_buffer(data).slice(start)),
-            read_options=arrow_csv.ReadOptions(
-                column_names=[str(i) for i in range(len(columns))], use_threads=False
-            ),
-            parse_options=arrow_csv.ParseOptions(delimiter=dialect.separator),
-            convert_options=arrow_csv.ConvertOptions(
-                include_columns=list(map(str, indices)),
-                column_types=types,
-                null_values=list(EMPTY),
-                decimal_point=dialect.decimal,
-            ),
-        )
-    except pa.ArrowInvalid as cause:
-        numbers = [i for i in indices if i not in clocks]
-        raise _bad_row(data[start:], columns, numbers, dialect, where, str(cause)) from cause
-    return [
-        clock_seconds(column.to_pylist(), EMPTY, f"{where}: {columns[i].name}")
-        if i in clocks
-        else column.to_numpy().astype(np.float64, copy=False)  # null becomes NaN
-        for i, column in zip(indices, table.columns, strict=True)
-    ]
-
-
-def _bad_row(
-    body: bytes,
-    columns: tuple[Column, ...],
-    indices: Sequence[int],
-    dialect: Dialect,
-    where: str,
-    cause: str,
-) -> LogError:
-    for row, cells in enumerate(dialect.cells(body.decode(errors="replace").splitlines()), start=1):
-        if cells and len(cells) != len(columns):
-            return LogError(
-                f"row {row} has {len(cells)} cells",
-                where=where,
-                expected=f"{len(columns)}, as the header has",
-                do="look at the row; was the log written by two programs at once?",
+        0.005,0.10,74.4800\n
+        0.010,0.20,74.4\n         a shorter number and no end of line: cut off
+        """
+        data, start, width = self.data, self.start, len(self.columns)
+        tail = 40 * 32 * width
+        text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
+        text = text or data[start:].rstrip(b"\r\n")[-tail:]  # many blank lines at the end
+        lines = [line.decode(errors="replace") for line in text.splitlines()[-20:]]
+        *before, last = self.dialect.cells(lines)
+        before = [row for row in before if row]
+        wrong = [len(row) for row in before if len(row) != width]
+        if 2 * len(wrong) > len(before):  # not cut off: text of another kind
+            what = f"{len(wrong)} of the {len(before)} rows before the last one have"
+            raise LogError(
+                f"{what} {min(wrong)} to {max(wrong)} cells",
+                where=self.where,
+                expected=f"a table: {width} cells in each row, as the header has",
             )
-        for index in indices:
-            cell = cells[index] if cells else ""
-            if cell not in EMPTY and not is_number(cell, dialect.decimal):
-                mark = {".": "point", ",": "comma"}[dialect.decimal]
+        ended = data.endswith((b"\n", b"\r"))
+        short = len(last) < width or lines[-1].count('"') % 2 == 1
+        if short or (not ended and self._shorter(last[-1], [row[-1] for row in before])):
+            what = f"the last line is cut off: {lines[-1][:60]!r}"
+            raise damaged(self.where, what, f"{width} whole cells")
+        return None if ended else "no end of line after the last row, which looks complete"
+
+    def _shorter(self, cell: str, before: list[str]) -> bool:
+        """Whether a number is shorter than all before it.
+
+        Compares the number of decimals if it is the same in all of them, else the length. A cut
+        number that is as long as the shortest one before it is not detected.
+        """
+        decimals = [len(c.partition(self.dialect.decimal)[2]) for c in (cell, *before)]
+        if len(set(decimals[1:])) == 1:
+            return decimals[0] < decimals[1]
+        return bool(before) and len(cell) < min(map(len, before))
+
+    def read(self, indices: Sequence[int]) -> list[Array]:
+        """Some columns as numbers, times of day as seconds.
+
+        After a failure, a second, slow pass locates the bad cell: raises LogError with its row,
+        counted from 1, and its column.
+        """
+        import pyarrow as pa
+        import pyarrow.csv as arrow_csv
+
+        names = [str(i) for i in range(len(self.columns))]
+        types = {str(i): pa.string() if i in self.clocks else pa.float64() for i in indices}
+        try:
+            table = arrow_csv.read_csv(
+                pa.BufferReader(pa.py_buffer(self.data).slice(self.start)),
+                read_options=arrow_csv.ReadOptions(column_names=names, use_threads=False),
+                parse_options=arrow_csv.ParseOptions(delimiter=self.dialect.separator),
+                convert_options=arrow_csv.ConvertOptions(
+                    include_columns=[str(i) for i in indices],
+                    column_types=types,
+                    null_values=list(EMPTY),
+                    decimal_point=self.dialect.decimal,
+                ),
+            )
+        except pa.ArrowInvalid as cause:
+            raise self._bad_row(set(indices) - self.clocks, str(cause)) from cause
+        return [
+            clock_seconds(column.to_pylist(), EMPTY, f"{self.where}: {self.columns[i].name}")
+            if i in self.clocks
+            else column.to_numpy().astype(np.float64, copy=False)  # null becomes NaN
+            for i, column in zip(indices, table.columns, strict=True)
+        ]
+
+    def _bad_row(self, numbers: Collection[int], cause: str) -> LogError:
+        lines = self.data[self.start :].decode(errors="replace").splitlines()
+        for row, cells in enumerate(self.dialect.cells(lines), start=1):
+            if cells and len(cells) != len(self.columns):
                 return LogError(
-                    f"row {row}: {cell!r} is not a number",
-                    where=f"{where}: {columns[index].name}",
-                    expected=f"a number with a decimal {mark}, or an empty cell",
+                    f"row {row} has {len(cells)} cells",
+                    where=self.where,
+                    expected=f"{len(self.columns)}, as the header has",
+                    do="look at the row; was the log written by two programs at once?",
                 )
-    return LogError(f"not readable as CSV: {cause}", where=where, expected="separated text")
+            for index in sorted(numbers) if cells else ():
+                cell, decimal = cells[index], self.dialect.decimal
+                if cell not in EMPTY and not is_number(cell, decimal):
+                    mark = {".": "point", ",": "comma"}[decimal]
+                    return LogError(
+                        f"row {row}: {cell!r} is not a number",
+                        where=f"{self.where}: {self.columns[index].name}",
+                        expected=f"a number with a decimal {mark}, or an empty cell",
+                    )
+        what = f"not readable as CSV: {cause}"
+        return LogError(what, where=self.where, expected="separated text")

@@ -105,15 +105,12 @@ def _fits(separator: str, header: str, rows: list[str]) -> bool:
     """Whether most rows have as many cells as the header, and two columns are mostly numbers."""
     if separator not in header:
         return False
-    plain = Dialect(separator, ".")
-    (names,) = plain.cells([header])
-    table = plain.cells(rows)
+    names, *table = Dialect(separator, ".").cells([header, *rows])
     # A few rows may be short or damaged: they are reported later, with their number.
     whole = [row for row in table if len(row) == len(names)]
-    if 2 * len(whole) <= len(table):
-        return False
-    columns = list(zip(*whole, strict=True))
-    return sum(mostly(_any_number, column) for column in columns) >= 2
+    columns = zip(*whole, strict=True)
+    numbers = sum(mostly(_any_number, column) for column in columns)
+    return 2 * len(whole) > len(table) and numbers >= 2
 
 
 def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:

@@ -19,7 +19,7 @@ from calib.base.errors import LogError
 from calib.base.units import is_unit, spelling
 from calib.logs.source import Array, Column, ColumnSource
 from calib.logs.text.cells import column_from_cell, over_midnight
-from calib.logs.text.csv import last_row, read_columns
+from calib.logs.text.csv import TextRows
 from calib.logs.text.dialect import Dialect, TextFormat
 from calib.logs.text.encoding import head_text, to_utf8
 
@@ -50,13 +50,13 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
     body = _single_blanks(body)
     if not body or body.isspace():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    end = last_row(body, 0, len(columns), DIALECT, where)
+    rows = TextRows(body, 0, columns, DIALECT, where)
+    end = rows.end()
 
     def read(indices: Sequence[int]) -> list[Array]:
-        arrays = read_columns(body, 0, columns, indices, DIALECT, where)
         return [
             _seconds(x, where) if columns[i].name == "time" else x
-            for i, x in zip(indices, arrays, strict=True)
+            for i, x in zip(indices, rows.read(indices), strict=True)
         ]
 
     return ColumnSource(columns, read, (*notes, *more, *((end,) if end else ())))

@@ -1,58 +1,32 @@
-"""The catalogue: complete cards, one file each, and an order where the order is physics."""
-
-from pathlib import Path
+"""The catalogue: complete cards, the order of the contract, and an order that is physics."""
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-import calib.car.effects.catalogue as catalogue
 from calib.base.errors import ModelError
 from calib.base.units import to_si
-from calib.car.effects.catalogue import (
-    CALIPER,
-    CATALOGUE,
-    LINE,
-    SENSOR,
-    effect_named,
-    nothing,
+from calib.car.effects.catalogue import CALIPER, CATALOGUE, LINE, SENSOR, effect_named
+from calib.car.effects.combined import (
+    accelerometer_lag,
+    as_driven,
+    as_read,
+    caliper_pressure,
+    line_pressure,
+    pad_factors,
+    speed_delay,
+    total_axle_moment,
+    total_body_force,
+    total_load_shift,
+    wheel_factors,
+    wheel_speed_delay,
+    wheel_speed_factors,
 )
-from tests.support.effect_runs import clock, driven
+from calib.car.effects.effects import Effects
+from tests.support.effect_runs import SEDAN, clock, driven, made_history, made_motion
 
-ALL = sorted(CATALOGUE)
-PARAMETERS = [(name, p) for name in ALL for p in CATALOGUE[name].card.parameters]
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_a_card_says_everything(name):
-    card = CATALOGUE[name].card
-    assert card.name == name
-    for text in (card.cause, card.equation, card.source, card.looks_like):
-        assert text.strip()
-    assert card.parameters
-
-
-@pytest.mark.parametrize(("name", "p"), PARAMETERS, ids=lambda x: getattr(x, "name", x))
-def test_a_parameter_has_an_si_unit_and_a_range_around_what_is_usual(name, p):
-    assert to_si(1.0, p.unit, p.unit) == 1.0
-    assert p.low <= p.typical <= p.high
-    assert 0.0 < p.spread < p.high - p.low
-
-
-def test_one_file_for_each_effect_and_one_effect_for_each_file():
-    files = {path.stem for path in Path(catalogue.__file__).parent.glob("*.py")}
-    shared = {"__init__", "effect", "effects", "catalogue", "combined", "empirical"}
-    assert files - shared == set(CATALOGUE)
-
-
-def test_no_two_parameters_share_a_name():
-    names = [p.name for _, p in PARAMETERS]
-    assert len(set(names)) == len(names)
-
-
-def test_an_unknown_effect_is_refused_with_the_known_ones():
-    with pytest.raises(ModelError, match=r"'fad'.*aerodynamic_drag.*see calib/car/effects"):
-        effect_named("fad")
-
+PARAMETERS = [(name, p) for name in CATALOGUE for p in CATALOGUE[name].card.parameters]
 
 CONTRACT = (
     "aerodynamic_drag rolling_resistance road_grade engine_drag pad_thermal_fade "
@@ -63,57 +37,87 @@ CONTRACT = (
     "regenerative_torque rolling_radius_load tone_ring_runout accelerometer_lag speed_delay "
     "wheel_speed_delay"
 )
+NAMES = """
+    drag_area load_share coefficient rolling_growth grade felt drag_torque drag_growth
+    drag_rear_share fade_slope fade_onset speed_slope pressure_slope pressure_bend wet_loss
+    dry_energy dry_rear_share radius_mismatch threshold threshold_rear_share time_constant lag_bend
+    delay knee_slope knee width fixed_share elastic_share natural_frequency damping pitch_gradient
+    bias scale_error extra_inertia imbalance rear_share amplitude phase side mass_error
+    residual_pressure drain_time rear_bias response_time line_damping regen_torque regen_power
+    regen_rear_share regen_onset regen_span regen_lag radius_load runout runout_phase runout_side
+    filter_time filter_bend v_delay omega_delay
+"""
 
 
 def test_the_names_are_those_of_the_contract():
     assert " ".join(CATALOGUE) == CONTRACT
+    assert [p.name for _, p in PARAMETERS] == NAMES.split()
 
 
-def test_what_changes_a_pressure_or_a_reading_has_its_place_in_the_chain():
-    hydraulic = {n for n, e in CATALOGUE.items() if e.pressure is not None}
-    sensed = {n for n, e in CATALOGUE.items() if e.accelerometer is not None}
-    assert sorted(LINE + CALIPER) == sorted(hydraulic)
-    assert sensed <= set(SENSOR)
-
-
-# Nothing -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_the_strength_comes_first_and_may_be_nothing(name):
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_a_card_says_everything_and_its_strength_comes_first(name):
     card = CATALOGUE[name].card
+    assert all(text.strip() for text in (card.cause, card.equation, card.source, card.looks_like))
     strength = card.parameters[0]
     assert strength.low <= card.neutral <= strength.high
     assert strength.typical != card.neutral
-    assert nothing(name)[strength.name] == card.neutral
     assert f"no effect at {strength.name} = {card.neutral:g}" in card.equation
+    for p in card.parameters:
+        assert to_si(1.0, p.unit, p.unit) == 1.0
+        assert p.low <= p.typical <= p.high
+        assert 0.0 < p.spread < p.high - p.low
 
 
-HEAT = {"f": 80.0 + 40.0 * clock(4.0), "r": 60.0 + 20.0 * clock(4.0)}
+def test_an_unknown_effect_is_refused_with_the_known_ones():
+    with pytest.raises(ModelError, match=r"'fad'.*aerodynamic_drag.*see calib/car/effects"):
+        effect_named("fad")
+
+
+def test_what_acts_in_a_row_has_its_place_in_the_chain():
+    assert LINE == (
+        "hydraulic_delay", "hydraulic_lag", "hydraulic_oscillation", "rear_proportioning",
+    )  # fmt: skip
+    assert CALIPER == ("brake_threshold_pressure", "caliper_hysteresis", "residual_torque")
+    assert SENSOR == ("road_grade", "pitch_coupling", "accelerometer_scale", "accelerometer_bias")
+    assert {*LINE, *CALIPER} == {n for n, e in CATALOGUE.items() if e.pressure is not None}
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+@given(data=st.data())
+def test_at_nothing_no_link_of_the_chain_is_changed(name, data):
+    """Whatever the other parameters are."""
+    effect, history = CATALOGUE[name], made_history()
+    own = {p.name: data.draw(st.floats(p.low, p.high)) for p in effect.card.parameters}
+    own[effect.card.parameters[0].name] = effect.card.neutral
+    effects, motion = Effects({name: own}), made_motion(history.v)
+    line = line_pressure(effects, history)
+    for p in (*line, *caliper_pressure(effects, history, *line)):
+        assert np.array_equal(p, history.p_mc)
+    uneven = wheel_factors(effects, history) | wheel_speed_factors(SEDAN, effects, motion)
+    for factor in (*pad_factors(effects, history, history.p_mc, history.p_mc), *uneven.values()):
+        assert np.array_equal(factor, np.ones(200))
+    for nothing in (
+        *total_axle_moment(SEDAN, effects, motion),
+        total_body_force(SEDAN, effects, motion),
+        total_load_shift(SEDAN, effects, history),
+    ):
+        assert np.array_equal(nothing, np.zeros(200))
+    assert np.array_equal(as_read(SEDAN, effects, history, history.z), history.z)
+    assert as_driven(SEDAN, effects) == SEDAN
+    assert accelerometer_lag(effects) == speed_delay(effects) == wheel_speed_delay(effects) == 0.0
 
 
 def restless(t):
-    return 14e5 - 15e5 * np.cos(2.5 * t)  # below zero at first, as a noisy sensor
+    return 14e5 - 15e5 * np.cos(2.5 * t)  # below zero at first, as a noisy sensor; a release
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_at_nothing_the_simulation_is_the_same_to_the_last_bit(name):
-    bare = driven({}, restless, temperature=HEAT)
-    again = driven({name: nothing(name)}, restless, temperature=HEAT)
-    for channels, others in ((bare.channels, again.channels), (bare.truth, again.truth)):
-        assert set(channels) == set(others)
-        for channel in channels:
-            assert np.array_equal(channels[channel], others[channel]), channel
-
-
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", CATALOGUE)
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_simulation_bears_every_parameter_at_its_bounds(name, end):
     parameters = CATALOGUE[name].card.parameters
     typical = {p.name: p.typical for p in parameters}
     for p in parameters:
-        changed = {**typical, p.name: getattr(p, end)}
-        log = driven({name: changed}, restless, duration=2.0)
+        log = driven({name: {**typical, p.name: getattr(p, end)}}, restless, duration=2.0)
         assert np.all(np.isfinite(log["a_x"]))
 
 
@@ -124,9 +128,8 @@ def test_a_small_change_of_a_parameter_is_a_small_change_of_the_run(name, p):
     h, hot = 0.01 * p.spread, {a: 200.0 + 100.0 * clock(3.0) for a in "fr"}
 
     def run(value):
-        log = driven(
-            {name: {**typical, p.name: value}}, restless, duration=3.0, temperature=hot
-        )  # with a release
+        changed = {**typical, p.name: value}
+        log = driven({name: changed}, restless, duration=3.0, temperature=hot)
         return np.concatenate([log["a_x"], log["v"], log["omega_fl"], log["omega_rl"]])
 
     middle = run(p.typical - 2.0 * h)

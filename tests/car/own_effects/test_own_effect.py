@@ -6,16 +6,15 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.effects.combined import caliper_pressure, total_axle_moment, total_body_force
-from calib.car.effects.effects import DefinedIn, Effects
+from calib.car.effects.combined import caliper_pressure, total_axle_moment
+from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
 from calib.car.own_effects.own_effect import definition, every_effect, with_own
 from calib.car.own_effects.read import read_own_effect
-from calib.store.record_file import from_content
 from tests.support.effect_runs import SEDAN, made_history, made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
-from tests.support.tables import made_table
+from tests.support.tables import from_content, made_table
 
 FLAP = read_own_effect(EXAMPLE)
 WITH = with_own(SEDAN, [FLAP])
@@ -37,22 +36,6 @@ def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
         definition(SEDAN.effects, "air_brake_flap")
 
 
-def test_given_is_not_acting():
-    assert not WITH.effects
-    assert not total_body_force(WITH, WITH.effects, made_motion([30.0])).any()
-
-
-def test_it_adds_to_those_of_the_catalogue():
-    drag = {"aerodynamic_drag": {"drag_area": 0.5}}
-    motion = made_motion([30.0, 20.0])
-    force = [
-        total_body_force(SEDAN, Effects(parts, own=WITH.effects.own), motion)
-        for parts in (drag, ACTS, {**drag, **ACTS})
-    ]
-    assert force[2] == pytest.approx(force[0] + force[1])
-    assert force[1].all()
-
-
 def test_two_files_with_one_name_are_refused(tmp_path):
     one, other = own_of(tmp_path, retarder(), "a.py"), own_of(tmp_path, retarder(), "b.py")
     with pytest.raises(ModelError, match=r"b\.py: .*'rear_retarder' is also defined in a\.py"):
@@ -71,18 +54,6 @@ def test_a_pressure_of_ones_own_comes_after_those_of_the_catalogue(tmp_path):
     )
     assert front == pytest.approx(18e5, rel=1e-3)
     assert rear == pytest.approx(18e5, rel=1e-3)
-
-
-def test_effects_keep_their_definitions_when_they_are_chosen_and_joined():
-    effects = MODEL.effects
-    for kept in (
-        effects.only("air_brake_flap"),
-        Effects().with_(effects),
-        effects.with_(Effects()),
-    ):
-        assert definition(kept, "air_brake_flap") is FLAP.effect
-    assert effects.defined_in == {"air_brake_flap": DefinedIn(FLAP.file, FLAP.sha256)}
-    assert effects.without("air_brake_flap").defined_in == {}
 
 
 # A model file ------------------------------------------------------------------------------------
@@ -116,19 +87,6 @@ def test_a_model_whose_file_has_changed_is_refused_unless_it_says_any(model_file
     assert read_model(model_file, car).effects.parameters == ACTS
 
 
-def test_a_wrong_parameter_of_an_own_effect_is_told_as_that_of_any(model_file):
-    model_file.write_text(model_file.read_text().replace("0.5 m^2", "5 m^2"))
-    with pytest.raises(ModelError, match=r"flap_area: 5 m\^2 is not believable; expected 0 to 1.5"):
-        read_model(model_file, WITH)
-
-
-def test_a_vehicle_file_may_name_it_too():
-    car = replace(SEDAN, effects=Effects(ACTS))
-    with pytest.raises(ModelError, match="unknown effect 'air_brake_flap'"):
-        default_model(car)
-    assert default_model(with_own(car, [FLAP])).effects.parameters == ACTS
-
-
 # A table -----------------------------------------------------------------------------------------
 
 
@@ -148,11 +106,3 @@ def test_the_record_of_a_table_holds_name_and_digest_and_no_code():
     given = replace(read, vehicle=with_own(read.vehicle, [FLAP]))
     assert given.digest == table.digest
     assert default_model(given.vehicle).effects.parameters == ACTS
-
-
-def test_a_table_refuses_a_file_that_has_changed(tmp_path):
-    table = replace(made_table(), vehicle=replace(SEDAN, effects=MODEL.effects))
-    read = from_content(*table.content())
-    changed = own_of(tmp_path, EXAMPLE.read_text() + "\n# more\n")
-    with pytest.raises(ModelError, match="has changed since"):
-        with_own(read.vehicle, [changed])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.effects import rolling_radius_mismatch
+from calib.car.effects.catalogue import CATALOGUE
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit, fit_base
@@ -35,10 +35,10 @@ def mismatch(size: float) -> Candidate:
     """The fit of other radii at the rear, where the plant has them ``size`` larger [1]."""
     car = problem(CAR, replace(IDEAL, radius_scale=(1.0, 1.0 + size)), 30e5)
     start = np.append(fit_base(car).x, 0.0)
-    return fit(car, (rolling_radius_mismatch.EFFECT.card.name,), start)
+    return fit(car, ("rolling_radius_mismatch",), start)
 
 
 def test_the_range_of_a_card_holds_what_lies_past_it():
-    (own,) = rolling_radius_mismatch.EFFECT.card.parameters
+    (own,) = CATALOGUE["rolling_radius_mismatch"].card.parameters
     assert pressed(mismatch(1.5 * own.high)) == ("rolling_radius_mismatch",)
     assert pressed(mismatch(0.5 * own.high)) == ()

@@ -6,17 +6,11 @@ import pytest
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.proof.gap import CHANNELS, noises_of
 from calib.diagnosis.search.clocks import DELAYS
-from calib.run.held import without_holds
+from calib.run.copies import without_holds
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.measuring_chain import Message, chained
 
 V = CHANNELS.index("v")
-SELDOM = {
-    "p_mc": Message(100.0, step=0.1e5),
-    "a_x": Message(50.0, step=0.02),
-    "omega": Message(100.0, step=0.02),
-    "v": Message(20.0, step=0.01),
-}
 LATE = {
     "p_mc": Message(100.0, 0.005),
     "a_x": Message(50.0, 0.02, corner=15.0),

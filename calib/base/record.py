@@ -1,0 +1,258 @@
+"""Records in files: what a TOML or JSON file may contain, as pydantic models.
+
+    class PadsSection(Section):                                [pads]
+        front: Annotated[float, QuantityMark("1", 0.02, 1.0)]  front = 0.38
+
+    class ModelFile(FileSchema):                               schema = 1
+        pads: PadsSection
+
+All mistakes of a file are one message, and its JSON Schema follows from the same models. `section`
+makes a table of rows.
+
+This module loads pydantic: only what reads or writes a file imports it.
+"""
+
+import math
+import re
+from collections.abc import ItemsView, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    PrivateAttr,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    create_model,
+    model_validator,
+)
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic_core import CoreSchema, core_schema
+
+from calib.base.errors import BrakeCalError, InputError
+from calib.base.record_errors import one_error, shown, wrong
+from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity
+from calib.base.units import behind, spellings, to_si
+
+S = TypeVar("S", bound="Section")
+
+
+class Section(BaseModel):
+    """A table of a file. Unknown keys and values of another type are errors."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    written_as: ClassVar[str] = ""
+    """What a message expects where a value is not a table; by default the table's name."""
+
+
+def _number(version: object) -> object:
+    """The version of a schema; ``true`` is refused, although it equals 1 in Python."""
+    if isinstance(version, bool):
+        raise wrong(f"{version}", "a number")
+    return version
+
+
+class FileSchema(Section):
+    """A whole file, with the version of its schema."""
+
+    schema_version: Annotated[Literal[1], BeforeValidator(_number)] = Field(alias="schema")
+
+
+class ErrorSection(Section):
+    """The error."""
+
+    kind: Annotated[
+        str, Field(description="usage, log, vehicle, limits, store, table_not_found and so on")
+    ]
+    message: Annotated[str, Field(description="the whole message, as on stderr")]
+    exit_code: Annotated[int, Field(ge=1, le=255)]
+    what: Annotated[str, Field(description="what was wrong, and what was given")]
+    where: Annotated[str, Field(description="file, channel, key or option; empty if there is none")]
+    expected: Annotated[str, Field(description="what is valid; may be empty")]
+    do: Annotated[str, Field(description="the next step; may be empty")]
+    lines: Annotated[list[str], Field(description="each mistake, where a file has several")]
+
+
+class ErrorFile(FileSchema):
+    """The document that a command with --json prints where it ends with an error."""
+
+    error: ErrorSection
+
+
+class ByName(Section):
+    """A table whose keys are all optional; `entries` are in the order of the file."""
+
+    _order: tuple[str, ...] = PrivateAttr(())
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _keep_order(cls, data: Any, handler: ValidatorFunctionWrapHandler) -> "ByName":
+        section: ByName = handler(data)
+        section._order = tuple(data)
+        return section
+
+    def entries(self) -> ItemsView[str, Any]:
+        """Name and value of each entry, in the order of the file."""
+        return {name: getattr(self, name) for name in self._order}.items()
+
+
+def section(
+    title: str, about: str, keys: Mapping[str, tuple[Any, Any]], base: type[Section] = Section
+) -> Any:
+    """Return the schema of a table from type and default of each key.
+
+    A default of None is that of a key which may be left out, ``...`` of one that must be there.
+    """
+    fields: dict[str, Any] = {
+        name: (kind | None if default is None else kind, default)
+        for name, (kind, default) in keys.items()
+    }
+    return create_model(title, __base__=base, __doc__=about, **fields)
+
+
+def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
+    """Return the schema of a table from the type of each possible entry."""
+    rows = {name: (kind, None) for name, kind in entries.items()}
+    schema: type[ByName] = section(title, about, rows, ByName)
+    return schema
+
+
+@dataclass(frozen=True)
+class QuantityMark:
+    """Marks a float of a file: written with a unit, stored in SI, plausible from low to high.
+
+    ``si`` None allows any quantity; "1" is a plain number or a percentage. Bounds in SI.
+    """
+
+    si: str | None
+    low: float = -math.inf
+    high: float = math.inf
+
+    def read(self, written: object) -> float:
+        """Value [SI]. Raises `wrong` for another quantity or a value out of bounds."""
+        try:
+            value = quantity(written, self.si, None, InputError)
+        except InputError as cause:
+            expected = self._with_unit(written) or cause.expected
+            raise wrong(cause.what, expected, cause.do) from cause
+        if not self.low <= value <= self.high:
+            raise wrong(
+                f"{value:g}{behind(self.si or '1')} is not believable",
+                self._range,
+                "check the sign, the unit and the decimal point",
+            )
+        return value
+
+    def _with_unit(self, written: object) -> str:
+        """A number without a unit with the one that makes it believable; empty if there is none."""
+        number = re.fullmatch(rf"\s*({NUMBER})\s*", str(written))
+        if number is None or self.si is None or self.si == "1":
+            return ""
+        for unit in spellings(self.si):
+            if self.low <= to_si(float(number[1]), unit, self.si) <= self.high:
+                return f'a unit, such as "{number[1]} {unit}"'
+        return ""
+
+    @property
+    def _range(self) -> str:
+        return f"{self.low:g} to {self.high:g}{behind(self.si or '1')}"
+
+    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        number: JsonSchemaValue = {"type": "number"}
+        if math.isfinite(self.low):
+            number["minimum"] = self.low
+        if math.isfinite(self.high):
+            number["maximum"] = self.high
+        text: JsonSchemaValue = {"type": "string", "pattern": quantity_pattern(self.si)}
+        bounded = {"description": self._range} if math.isfinite(self.high) else {}
+        if self.si in ("1", None):
+            return {"anyOf": [number, text]} | bounded
+        return text | bounded | {"examples": [f"1.5 {self.si}"]}
+
+
+def quantity_pattern(*si: str | None) -> str:
+    """Regular expression for a quantity in any unit of these SI units; None for any quantity."""
+    units = "|".join(_unit_pattern(unit) for one in si for unit in spellings(one))
+    may_be_left_out = "?" if {"1", None} & set(si) else ""
+    return rf"^\s*{NUMBER}\s*(?:{units}){may_be_left_out}\s*$"
+
+
+def _unit_pattern(unit: str) -> str:
+    """Regular expression for a unit, with every accepted sign for power and product."""
+    return re.escape(unit).replace(r"\*", "[*·⋅×]").replace(r"\^2", r"(?:\^2|\*\*2|²)")
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """Marks a value of a file that must be one of ``known``."""
+
+    known: tuple[str, ...]
+
+    def read(self, written: object) -> Any:
+        """The value itself. Raises `wrong` for any other."""
+        if not isinstance(written, str) or written not in self.known:
+            raise wrong(
+                shown(written),
+                f"one of {', '.join(map(repr, self.known))}",
+                did_you_mean(written, self.known) if isinstance(written, str) else "",
+            )
+        return written
+
+    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"enum": list(self.known)}
+
+
+def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
+    """Read a TOML file of a schema.
+
+    Raises ``error`` if there is no such file, if it is not TOML or of another version of the
+    schema; else one ``error`` that lists all mistakes in the file.
+    """
+    return validated(load_toml(path, error), schema, path, error)
+
+
+def validated(document: object, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
+    """Check a document, plain values or the bytes of JSON. Raises one ``error`` of all mistakes."""
+    try:
+        if isinstance(document, bytes):
+            return schema.model_validate_json(document)
+        return schema.model_validate(document)
+    except ValidationError as cause:
+        raise one_error(cause, schema, where, error) from cause
+
+
+def json_schema(schema: type[Section]) -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a file."""
+    return {
+        "$schema": GenerateJsonSchema.schema_dialect,
+        **schema.model_json_schema(schema_generator=_WithoutNull),
+    }
+
+
+class _WithoutNull(GenerateJsonSchema):
+    """TOML has no null: an optional key is left out instead."""
+
+    def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
+        if schema.get("default") is None:
+            return self.generate_inner(schema["schema"])
+        return super().default_schema(schema)

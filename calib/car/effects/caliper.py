@@ -1,0 +1,177 @@
+"""Effects of the caliper, behind a wheel pressure sensor, in the order in which they act.
+
+Hysteresis: friction of seals and pins holds the pads, with a fixed and a relative width. A play
+operator between two lines, which does not depend on the rate of the pressure.
+
+    clamp ^            .-------.        loading    c = p - r, not below zero
+          |          .'      .'         release    c = p/(1 - u) + r
+          |        .'      .'           between    c stays
+          |      .'      .'
+          |    .'      .'               r = s w p_0/2     s w of the width is fixed,
+          |    |     .'                 u = (1 - s) w     the rest grows with the pressure
+          +----'-----'--------> p
+
+The fixed part is that of dry friction: the pads bite late by r and keep r when the pedal is free.
+With L = p - r and U = p/(1 - u) + r at each sample: c[k] = max(L[k], min(U[k], c[k-1])).
+
+Residual torque: pads that do not come back after the first release.
+
+    clamp ^      .------.
+          |    .'        '.
+        r |  .'            '--...___       min(p, r) of the last application, draining
+          +-'------------------------> t
+"""
+
+import numpy as np
+
+from calib.base.intervals import QUARTILE
+from calib.base.names import Array
+from calib.car.braking import BITE
+from calib.car.effects.effect import Pair, Parameter, Parameters, effect
+from calib.car.history import RunHistory
+
+BOTH = 0.5
+"""Share at which both axles have the same threshold [1]."""
+
+REFERENCE = 20e5
+"""Pressure p_0 at which the width of the loop is told [Pa]: that of a usual stop."""
+
+WOBBLE = 0.25e5
+"""Largest error that a pressure sensor is assumed to add to a held pressure [Pa]: three sigma of a
+loud sensor (0.4 bar at 200 Hz), averaged over 0.1 s. The third differences of such a mean are as
+large as its noise."""
+
+
+def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Pressure less the threshold; a negative pressure, as of a noisy sensor, keeps its sign.
+
+    A negative threshold is what a sensor reads too little: it adds to every pressure above -p_0,
+    and below that less, so that a released brake stays released, read as zero or as p_0.
+    """
+    share = parameters.get("threshold_rear_share", BOTH)
+    most = parameters["threshold"]
+    front, rear = most * min(1.0, 2.0 - 2.0 * share), most * min(1.0, 2.0 * share)
+    return _less(p_f, front), _less(p_r, rear)
+
+
+def _less(p: Array, threshold: float) -> Array:
+    if threshold < 0.0:
+        return np.asarray(p + np.minimum(np.abs(p), -threshold))
+    return np.asarray(p - np.clip(p, -threshold, threshold))
+
+
+def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Pressure that would give the same clamping without hysteresis; begins on the loading line.
+
+    No play where the pressure is negative (sensor noise). Both calipers have the same width.
+    Without ``fixed_share`` all of it is relative, as in older files. Not valid for a caliper whose
+    seals pull the pads back by themselves: it keeps no torque at zero pressure.
+    """
+    width, share = parameters["width"], parameters.get("fixed_share", 0.0)
+    play = ((1.0 - share) * width, 0.5 * share * width * REFERENCE)
+    front = _held(p_f, *play)
+    return front, front if p_r is p_f else _held(p_r, *play)
+
+
+def _held(p: Array, relative: float, half: float) -> Array:
+    """Sensor noise must not raise the clamp step by step while the pressure is held: the loop is
+    computed from the pressure less a band of its noise. Without noise it is exact; with noise the
+    clamp is low by at most twice that band while it moves from one line to the other.
+    """
+    rough = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
+    wobble = min(3.0 * float(rough), WOBBLE)
+    foot = _between(p - wobble, p + wobble, p[0])
+    return np.asarray(p + (clamp(foot, relative, half) - foot))
+
+
+def clamp(p: Array, relative: float, half: float = 0.0) -> Array:
+    """Clamping pressure [Pa] (n,) at line pressure ``p`` [Pa] (n,).
+
+    ``relative`` u [1] below 1; ``half`` r of the fixed width [Pa].
+    """
+    loading = p - np.clip(p, 0.0, half)
+    return _between(loading, p / (1.0 - relative) + half, loading[0])
+
+
+def _between(lowest: Array, highest: Array, first: float) -> Array:
+    """c[k] = max(lowest[k], min(highest[k], c[k-1])) (n,), from ``first`` on.
+
+    Two limits [L, U] in a row are one limit, so all samples are computed in log2(n) passes, each of
+    which joins runs of twice the length.
+    """
+    low, high = lowest.copy(), highest.copy()
+    low[0] = high[0] = first
+    reach = 1
+    while reach < low.size:
+        before = np.maximum(low[reach:], np.minimum(high[reach:], low[:-reach]))
+        high[reach:] = np.maximum(low[reach:], np.minimum(high[reach:], high[:-reach]))
+        low[reach:] = before
+        reach *= 2
+    return low
+
+
+def _never_free(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Never less than what is left of an application: a pressure above `BITE`.
+
+    ``rear_bias`` is 0 when both axles keep it, 1 when only the rear one does, -1 the front one. Not
+    valid for pads that are knocked back by the disc.
+    """
+    most, bias = parameters["residual_pressure"], parameters["rear_bias"]
+    if most <= 0.0:
+        return p_f, p_r
+    drain = parameters["drain_time"]
+    front = clamped(history.time, p_f, most * min(1.0, 1.0 - bias), drain)
+    return front, clamped(history.time, p_r, most * min(1.0, 1.0 + bias), drain)
+
+
+def clamped(time: Array, p: Array, most: float, drain: float) -> Array:
+    """Clamping pressure max(p, left) [Pa] (n,) with left' = -left/drain, at least min(p, most).
+
+    ``time`` [s], ``p`` [Pa] (n,); ``most`` [Pa], ``drain`` [s]. All samples at once: left
+    exp(t/drain) is a running maximum, taken of logarithms so that it does not overflow.
+    """
+    kept = np.where(p > BITE, np.minimum(p, most), 0.0)
+    grown = np.log(np.maximum(kept, 1e-30)) + (time - time[0]) / drain
+    left = np.exp(np.maximum.accumulate(grown) - (time - time[0]) / drain)
+    return np.where(left > np.maximum(p, 1e-20), left, p)
+
+
+EFFECTS = (
+    effect(
+        "brake_threshold_pressure",
+        Parameter("threshold", "Pa", -3e5, 10e5, 1.5e5, 1e5),
+        Parameter("threshold_rear_share", "1", 0.0, 1.0, BOTH, 0.25, default=BOTH, share=True),
+        cause="springs and seals of the calipers; below 0 a sensor that reads too low",
+        equation="p - p_0 above |p_0|; p_0 min(1, 2 - 2 s) in front, p_0 min(1, 2 s) in the "
+        "rear; no effect at threshold = 0",
+        source="Limpert, Brake Design and Safety, ch. 5 (pushout pressure)",
+        looks_like="the same loss of torque at every pressure; no torque below the threshold",
+        pressure=_above_threshold,
+    ),
+    effect(
+        "caliper_hysteresis",
+        Parameter("width", "1", 0.0, 0.5, 0.06, 0.04),
+        Parameter("fixed_share", "1", 0.0, 1.0, 0.5, 0.5, default=0.0),
+        cause="friction of piston seals and slide pins holds the pads on release",
+        equation="c = p - r rising, p/(1 - (1 - s) w) + r falling, held between; "
+        "r = s w p_0/2, p_0 = 20 bar; no effect at width = 0",
+        source="Visintin, Differential Models of Hysteresis, ch. III (play); Limpert, ch. 5",
+        looks_like="more torque on release than on application at the same pressure, fast or "
+        "slow; a fixed width also bites late and drags after release; seen only in logs with a "
+        "release",
+        pressure=_in_the_loop,
+    ),
+    effect(
+        "residual_torque",
+        Parameter("residual_pressure", "Pa", 0.0, 20e5, 1.5e5, 1e5),
+        Parameter("drain_time", "s", 1.0, 60.0, 8.0, 5.0),
+        Parameter("rear_bias", "1", -1.0, 1.0, 0.0, 0.7),
+        cause="pads that stick: a seized pin or piston, after an application",
+        equation="clamp = max(p, q), q = min(p, r) while applied, q' = -q/T after; front or "
+        "rear share by b; no effect at residual_pressure = 0",
+        source="Limpert, Brake Design and Safety, ch. 5; Breuer and Bill, Brake Technology",
+        looks_like="a deceleration that stays after release, with slip of one axle, and none "
+        "before the first application; only logs that go on after a release show it",
+        pressure=_never_free,
+    ),
+)

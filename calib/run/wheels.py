@@ -1,0 +1,368 @@
+"""The four wheels compared: radii, exchanged axles and sides, sign of a_x, ABS, locked wheels.
+
+What braking changes of the four slips s is split into three parts, each 0 but for the first on a
+car that brakes alike left and right:
+
+    E = (fl + fr - rl - rr)/2      front against rear: the front wheels slip more
+    L = (fl - fr + rl - rr)/2      left against right: a bend, unlike brakes, unlike tyres
+    X = (fl - fr - rl + rr)/2      one diagonal against the other
+
+Columns that change places change the parts: fl with rl makes X = -E and E = 0, fr with rr X = E,
+fl with rr L = -E, fr with rl L = E. One wheel that brakes more or less moves |X| and |L| alike, so
+X alone is no brake and no tyre, and no bend.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.arrays import Array, Mask
+from calib.base.names import WHEELS, G
+from calib.car.braking import MOVING
+from calib.logs.log import Log
+from calib.run.driving_record import NOMINAL_RADIUS, BrakeEvent, DrivingRecord
+from calib.run.filters import block_mean, centred_mean, runs, without_single
+from calib.run.limits import LIMITS
+
+
+@dataclass(frozen=True)
+class IntervalEstimate:
+    """An estimate with its 95 % interval: value +- half."""
+
+    value: float
+    half: float
+
+
+def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | None:
+    """Ratio b/a - 1 of two wheel speeds where ``mask`` holds [1], from means over 0.2 s.
+
+    None with fewer than three blocks. The interval assumes independent blocks: it does not include
+    a slow drift, such as on a long bend.
+    """
+    ratio = _ratios(a, b, mask, step)
+    count = ratio.size
+    if count < 3:
+        return None
+    from scipy.special import stdtrit
+
+    spread = float(np.std(ratio, ddof=1)) / np.sqrt(count)
+    return IntervalEstimate(float(np.mean(ratio)), float(stdtrit(count - 1, 0.975)) * spread)
+
+
+def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
+    """``b/a - 1`` of means over `wheel_block` where ``mask`` holds [1]; empty if that is short.
+
+    Without those in which the first wheel does not turn.
+    """
+    n = max(1, round(LIMITS.wheel_block / step))
+    if mask.sum() < n:
+        return np.empty(0)
+    before, after = (block_mean(x[mask], n) for x in (a, b))
+    turns = before > 0.0
+    return after[turns] / before[turns] - 1.0
+
+
+@dataclass(frozen=True)
+class Axles:
+    """Comparison of the wheels.
+
+    Attributes
+    ----------
+    front_rear : eta - 1 on the unbraked part [1]: positive if the rear radius is the smaller.
+    left_right_f, left_right_r : right over left wheel speed - 1, unbraked [1].
+    radius : ``v`` over the wheel speed while rolling unbraked, the median [m]; None without ``v``.
+    slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
+        correct; negative for a wrong sign. None if it cannot be determined.
+    eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
+    eta_most : the same in that third of a braking with 0.1 to 0.5 g in which it is farthest from 0
+        [1]. Eta rises and falls again, so its mean may be 0 where it tells much.
+    """
+
+    front_rear: IntervalEstimate | None
+    left_right_f: IntervalEstimate | None
+    left_right_r: IntervalEstimate | None
+    radius: float | None
+    slope: float | None
+    eta_braked: IntervalEstimate | None
+    eta_most: IntervalEstimate | None
+
+
+def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
+    """Compare the wheels. The log must have ``a_x`` and the four wheel speeds.
+
+    ``slips`` of the wheels, as `slips_of` has them.
+    """
+    fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
+    front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
+    zero = mismatch(front, rear, free, driving.step)
+    braking = driving.braked & (driving.wheel_z < 0.5) & (driving.speed > 5.0)
+    braked = mismatch(front, rear, braking & (driving.wheel_z > 0.2), driving.step)
+    if braked is not None and zero is not None:
+        braked = IntervalEstimate(
+            braked.value - zero.value, float(np.hypot(braked.half, zero.half))
+        )
+    return Axles(
+        front_rear=zero,
+        left_right_f=mismatch(fl, fr, free, driving.step),
+        left_right_r=mismatch(rl, rr, free, driving.step),
+        radius=_rolling_radius(log, driving),
+        slope=_against_wheels(driving, _all_roll(slips, driving)),
+        eta_braked=braked if zero is not None else None,
+        eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
+    )
+
+
+def _most(
+    front: Array, rear: Array, free: Mask, braking: Mask, step: float
+) -> IntervalEstimate | None:
+    """Largest change of eta from ``free`` rolling to a third of ``braking`` [1].
+
+    The interval takes the noise of the rolling car, which has no slope, for that of the braking.
+    """
+    rolling, slipping = (_ratios(front, rear, mask, step) for mask in (free, braking))
+    if min(rolling.size, slipping.size) < 3:
+        return None
+    from scipy.special import stdtrit
+
+    thirds = np.array_split(slipping, 3)
+    changes = [float(np.mean(third) - np.mean(rolling)) for third in thirds]
+    at = int(np.argmax(np.abs(changes)))
+    share = 1.0 / rolling.size + 1.0 / thirds[at].size
+    spread = float(np.std(rolling, ddof=1) * np.sqrt(share))
+    return IntervalEstimate(changes[at], float(stdtrit(rolling.size - 1, 0.975)) * spread)
+
+
+def _rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
+    """Median of ``v`` over the wheel speed [m], that of the middle wheels, while nothing brakes."""
+    wheel = np.median([log[f"omega_{w}"] for w in WHEELS], axis=0)
+    rolls = ~driving.braked & (wheel * NOMINAL_RADIUS > MOVING)
+    if "v" not in log or rolls.sum() < LIMITS.noise_fewest:
+        return None
+    return float(np.median(log["v"][rolls] / wheel[rolls]))
+
+
+def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
+    """Slope of the measured deceleration over that of the wheels [m] where all wheels roll.
+
+    None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
+    """
+    width = max(1, round(LIMITS.slope_time / driving.step)) | 1
+    use = driving.moving & rolling
+    spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[use]
+    a = centred_mean(driving.z * G, width)[use]
+    if spin.size < 20 or np.ptp(spin) < 3.0 or np.ptp(a) == 0.0:  # 3 rad/s^2 are about 0.1 g
+        return None
+    if abs(np.corrcoef(a, spin)[0, 1]) < 0.8:
+        return None
+    return float(np.cov(a, spin)[0, 1] / np.var(spin, ddof=1))
+
+
+def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
+    """Mask (n,): no wheel slips deeply against the unbraked part, within `near_lock`.
+
+    A locked wheel says nothing of the speed, and one on its way to it slows faster than the car.
+    """
+    deep = np.zeros(driving.time.size, bool)
+    for slip in slips.values():
+        free = float(np.median(slip[driving.unbraked])) if driving.unbraked.any() else 0.0
+        deep |= slip - free > LIMITS.deep
+    width = max(1, round(2.0 * LIMITS.near_lock / driving.step)) | 1
+    return np.asarray(centred_mean(deep.astype(float), width) == 0.0)
+
+
+@dataclass(frozen=True)
+class Slipping:
+    """Wheels at their limit: ABS cycles as (wheel, start [s]); wheels that locked."""
+
+    cycles: tuple[tuple[str, float], ...]
+    locked: tuple[str, ...]
+
+
+def slipping(
+    slips: Mapping[str, Array], driving: DrivingRecord, events: tuple[BrakeEvent, ...]
+) -> Slipping:
+    """Find ABS cycles and locked wheels within the brake events.
+
+    ``slips`` are relative to the reference speed; without one, to the fastest wheel. Then it is not
+    detected when all four wheels slip at the same time.
+    """
+    inside = np.zeros(driving.time.size, bool)
+    for event in events:
+        inside[event.first : event.last + 1] = True
+    inside &= driving.speed > MOVING
+    cycles, locked = [], []
+    for wheel, slip in slips.items():
+        for start, end in runs(inside & (slip > LIMITS.deep_back)):
+            part = slip[start:end]
+            if part.max() > LIMITS.locked:
+                locked.append(wheel)
+            came_back = end < inside.size and inside[end]
+            if (
+                part.max() > LIMITS.deep
+                and came_back
+                and (end - start) * driving.step < LIMITS.abs_cycle
+            ):
+                cycles.append((wheel, float(driving.time[start])))
+    return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
+
+
+def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
+    """Slip of each wheel [1], without single wild samples, smoothed over 30 ms.
+
+    Zero on the unbraked part if there is one.
+    """
+    width = max(1, round(0.03 / driving.step)) | 1
+    omega = {w: centred_mean(without_single(log[f"omega_{w}"]), width) for w in WHEELS}
+    free = driving.unbraked
+    if "v" in log and free.any():
+        v = centred_mean(log["v"], width)
+        turning = {w: np.maximum(omega[w][free], 1e-6) for w in WHEELS}
+        scale = {w: float(np.median(v[free] / turning[w])) for w in WHEELS}
+    else:
+        v = np.max(list(omega.values()), axis=0)
+        scale = dict.fromkeys(WHEELS, 1.0)
+    floor = np.maximum(v, 1e-6)
+    return {w: 1.0 - scale[w] * omega[w] / floor for w in WHEELS}
+
+
+PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
+"""E, L and X, each over fl, fr, rl, rr."""
+
+LOW, HIGH = 0.1, 0.5
+"""Range of deceleration [1] in which the wheels are compared."""
+
+
+CORRECT = "compare the columns with the car, and correct them with a channel map"
+"""What to do about columns that have changed places."""
+
+
+@dataclass(frozen=True)
+class WheelParts:
+    """E, L and X while braking less those of the rolling car [1]; ``z`` mean deceleration [1]."""
+
+    axles: IntervalEstimate
+    sides: IntervalEstimate
+    diagonals: IntervalEstimate
+    z: float
+
+
+class Crossed(NamedTuple):
+    """A front and a rear wheel whose columns have changed places, and the part that tells it [1].
+
+    ``others`` the two wheels that slip less or more than the rest, in words.
+    """
+
+    wheels: tuple[str, str]
+    part: float
+    others: str
+
+    def __str__(self) -> str:
+        front, rear = self.wheels
+        return (
+            f"omega_{front} and omega_{rear} have changed places: while braking {self.others} slip "
+            f"{100 * abs(self.part):.2f} % more than the other two, and front and rear alike"
+        )
+
+
+def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
+    """Compare the wheels; None with fewer than three blocks of 0.2 s that roll, or that brake.
+
+    The interval takes the noise of the rolling car for that of the braking.
+    """
+    braking = driving.braked & (driving.wheel_z > LOW) & (driving.wheel_z < HIGH)
+    braking &= driving.speed > 5.0
+    free, braked = (_parts(log, driving, mask) for mask in (driving.unbraked, braking))
+    if min(free.shape[1], braked.shape[1]) < 3:
+        return None
+    from scipy.special import stdtrit
+
+    count = free.shape[1]
+    share = np.sqrt(1.0 / count + 1.0 / braked.shape[1])
+    half = stdtrit(count - 1, 0.975) * np.std(free, axis=1, ddof=1) * share
+    change = np.mean(braked, axis=1) - np.mean(free, axis=1)
+    axles, sides, diagonals = (
+        IntervalEstimate(float(x), float(h)) for x, h in zip(change, half, strict=True)
+    )
+    return WheelParts(axles, sides, diagonals, float(np.mean(driving.wheel_z[braking])))
+
+
+def _parts(log: Log, driving: DrivingRecord, mask: Mask) -> Array:
+    """E, L and X of means over `wheel_block` where ``mask`` holds [1], (3, k)."""
+    n = max(1, round(LIMITS.wheel_block / driving.step))
+    if mask.sum() < n:
+        return np.empty((3, 0))
+    wheels = np.array([block_mean(log[f"omega_{w}"][mask], n) for w in WHEELS])
+    return np.asarray(PARTS @ (1.0 - wheels / wheels.mean(axis=0)))
+
+
+def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed | None:
+    """Front and rear wheel of one side that are exchanged; None where that is not sure.
+
+    ``alone`` is the axle that brakes alone, "f" or "r", or None.
+    """
+    if parts is None:
+        return None
+    x = parts.diagonals
+    others = max(abs(parts.axles.value), abs(parts.sides.value))
+    if abs(x.value) - x.half < max(LIMITS.crossed_alone * others, LIMITS.crossed_least * parts.z):
+        return None
+    left = (x.value < 0.0) is (alone != "r")
+    wheels = ("fl", "rl") if left else ("fr", "rr")
+    return Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
+
+
+def crossed_diagonal(parts: WheelParts | None, expected: float) -> Crossed | None:
+    """Front and rear wheel of a diagonal that are exchanged; None where that is not likely.
+
+    ``expected`` is E [1] as the table of the car has it. A bend moves L too, and leaves E.
+    """
+    if parts is None:
+        return None
+    part, e, x = parts.sides, abs(parts.axles.value), abs(parts.diagonals.value)
+    low, high = abs(expected) / LIMITS.crossed_alone, LIMITS.crossed_alone * abs(expected)
+    alone = abs(part.value) - part.half > max(
+        LIMITS.crossed_alone * max(e, x), LIMITS.crossed_least * parts.z
+    )
+    if not (alone and low < abs(part.value) < high and e < low):
+        return None
+    left = (part.value < 0.0) is (expected > 0.0)
+    wheels = ("fl", "rr") if left else ("fr", "rl")
+    return Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")
+
+
+_SWAPPED = "front and rear wheel speeds that are swapped"
+_OTHER = {"front": "rear", "rear": "front"}
+
+
+def causes_of_reversed_slip(less: str) -> tuple[str, ...]:
+    """The causes if the wheels of the axle that should slip less slip more.
+
+    ``less`` is that axle, ``front`` or ``rear``.
+    """
+    return (
+        _SWAPPED,
+        f"{_OTHER[less]} pads that are weak: wet, hot, glazed or new",
+        f"a motor or engine that brakes the {less} wheels and is not logged: regeneration",
+        "an all-wheel drive that couples the axles",
+        f"{less} wheels that brake more",
+    )
+
+
+def what_to_check(less: str, *, mirrored: bool = True) -> str:
+    """Advice for a refusal.
+
+    A swap mirrors the difference of the axles: if it is clearly larger or smaller than expected,
+    not ``mirrored``, a torque of the drive is likelier.
+    """
+    swap = "are the axles swapped? correct them with a channel map"
+    drive = (
+        f"does a motor or the engine brake the {less} wheels? log T_drive_{less[0]}, or switch "
+        "regeneration off; does an all-wheel drive couple the axles? open it"
+    )
+    pads = (
+        f"are the {_OTHER[less]} pads weak (wet, hot, glazed or new), or does ABS work on the "
+        f"{less} wheels?"
+    )
+    return "; ".join((swap, drive, pads) if mirrored else (drive, swap, pads))

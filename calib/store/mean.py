@@ -1,0 +1,226 @@
+"""The mean of several cars: curves on common axes, pads, tyre and budget, all of one more car.
+
+    D(eta)   1 to where the shortest table ends;  D(1) = 0 in every car, so in the mean
+    f1, f2   from the mean D at the load split of the mean z(eta): (18) holds in every row
+    g(slip)  0 to where the shortest ends
+
+A band is that of the table of one more car: scatter between cars, error of the mean, noise of one
+run, and what all cars share. All but the last go with Student's t of one degree of freedom less
+than there are cars. In the budget they are the part `cars`; the other parts are as large as in one
+car: a mean does not make them smaller.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.base.random_effects import RandomEffects, quantile95, random_effects
+from calib.car.forces import paper_curves
+from calib.fitting.calibration import calibration_of
+from calib.store.own_errors import (
+    COMPLIANCE,
+    OWN,
+    RATIO,
+    own_covariance,
+    own_level,
+    own_share,
+    own_share_of_tyre,
+    own_variance,
+    stiffness,
+)
+from calib.table.budget import PadLevels, axle_budgets, level_of, pad_levels, pad_scale
+from calib.table.table import (
+    Array,
+    Calibration,
+    DifferenceCurve,
+    PaperCurves,
+    Table,
+    TableBudget,
+    TyreCurve,
+    TyrePosterior,
+    Value,
+)
+
+_CARS = "cars"
+"""Part of a budget that is the difference between cars."""
+
+
+class MeanCurves(NamedTuple):
+    """The curves of a mean table, the scatter of D, and the weight of each car (k,)."""
+
+    difference: DifferenceCurve
+    paper: PaperCurves
+    tyre: TyreCurve
+    scatter: RandomEffects
+    weights: Array
+
+
+class _OneCurve(NamedTuple):
+    """One curve of all k cars on a common axis (n,): values and variances (k, n)."""
+
+    axis: Array
+    values: Array
+    own: Array
+    shared: Array
+    blocks: Array
+    flag: Array
+
+
+def mean_curves(tables: Sequence[Table]) -> MeanCurves:
+    """The mean curves.
+
+    A car has one weight in the whole mean, by how well its D is known where D is largest: what
+    belongs together in a car stays together.
+    """
+    d = [t.difference for t in tables]
+    of_D = _on_one_axis(
+        1.0,
+        [(c.eta, c.D, c.upper - c.lower, c.count, c.flag) for c in d],
+        lambda eta: [own_share(t, eta) for t in tables],
+    )
+    top = int(np.argmax(np.abs(of_D.values.mean(axis=0))))
+    at = slice(top, top + 1)
+    weights = np.asarray(random_effects(of_D.values[:, at], of_D.own[:, at]).weights[:, 0])
+    g = [t.tyre for t in tables]
+    of_g = _on_one_axis(
+        0.0,
+        [(c.slip, c.force, c.upper - c.lower, c.count, c.flag) for c in g],
+        lambda slip: [own_share_of_tyre(t, slip) for t in tables],
+    )
+    scatter, columns = _mean(of_D, weights)
+    difference = DifferenceCurve(*columns)
+    tyre = TyreCurve(*_mean(of_g, weights)[1])
+    return MeanCurves(difference, _paper(tables, difference, weights), tyre, scatter, weights)
+
+
+def _paper(tables: Sequence[Table], d: DifferenceCurve, weights: Array) -> PaperCurves:
+    """f1 and f2 from the mean ``d``."""
+    vehicle = tables[0].vehicle
+    z = np.asarray(weights @ [np.interp(d.eta, t.paper.eta, t.paper.z) for t in tables])
+    f1, f2 = paper_curves(vehicle, z, d.D)
+    f1_a, f2_a = paper_curves(vehicle, z, d.lower)
+    f1_b, f2_b = paper_curves(vehicle, z, d.upper)
+    return PaperCurves(d.eta, z, f1, f1_a, f1_b, f2, f2_b, f2_a, d.count, d.flag)
+
+
+def _mean(of: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ...]]:
+    """Scatter, and the columns: axis, mean, the band of one more car, blocks, flags."""
+    found = random_effects(of.values, of.own, weights)
+    of_cars = quantile95(found.freedom) * found.one_more
+    half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(weights @ of.shared)))
+    mean = found.mean
+    return found, (of.axis, mean, mean - half, mean + half, of.blocks, of.flag)
+
+
+def _on_one_axis(
+    start: float, curves: Sequence[tuple[Array, ...]], own_shares: Callable[[Array], list[Array]]
+) -> _OneCurve:
+    """Axis, value, width of the band, blocks and flags of each car, from ``start`` to the shortest.
+
+    A cell has the blocks of all cars, and the flag of the middle car, of the worse of two.
+    """
+    axes = [curve[0] for curve in curves]
+    axis = np.linspace(start, min(float(a[-1]) for a in axes), max(a.size for a in axes))
+    values = np.array([np.interp(axis, x, y) for x, y, *_ in curves])
+    variance = np.array([(np.interp(axis, x, w) / (2.0 * Z95)) ** 2 for x, _, w, *_ in curves])
+    own = variance * np.array(own_shares(axis))
+    nearest = [np.abs(x[:, None] - axis).argmin(axis=0) for x in axes]
+    counts, flags = (
+        np.array([curve[column][at] for curve, at in zip(curves, nearest, strict=True)])
+        for column in (3, 4)
+    )
+    middle = np.sort(flags, axis=0)[len(curves) // 2]
+    return _OneCurve(axis, values, own, variance - own, counts.sum(axis=0), middle)
+
+
+class MeanPads(NamedTuple):
+    """What a mean table says of pads and tyre, and the scatter of level, ratio and stiffness."""
+
+    posterior: TyrePosterior
+    calibration: Calibration
+    budget: TableBudget
+    scatter: RandomEffects
+
+
+def mean_pads(tables: Sequence[Table], weights: Array) -> MeanPads:
+    """Mean of pads and tyre; ``weights`` (k,) of the cars."""
+    vehicle, names = tables[0].vehicle, tables[0].posterior.names
+    scatter = _scatter(tables, weights)
+    of_cars = inflated(scatter) ** 2
+    shared = _shared([level_of(t) for t in tables], weights)
+    level = {part: float(x) for part, x in shared.items()} | {_CARS: float(of_cars[0])}
+    mean, parts = _posterior(tables, weights)
+    if RATIO in names:
+        at = names.index(RATIO)
+        ratio = {part: float(share[at, at]) for part, share in parts.items()}
+    else:  # a table whose tyre knows no pads
+        open_ = [t.calibration.pad_log_ratio.sigma**2 for t in tables]
+        ratio = {"ramp": float(weights @ open_), _CARS: float(of_cars[1])}
+    middle = PadLevels(float(scatter.mean[0]), float(scatter.mean[1]))
+    log_ratio = Value(middle.ratio, float(np.sqrt(sum(ratio.values()))))
+    pads = calibration_of(vehicle, pad_scale(vehicle, middle), log_ratio, level)
+    front, rear = axle_budgets(vehicle, pads, level, ratio)
+    # the part of the covariance that no stop learns from: no mean makes it smaller
+    scatters = [t.posterior.scatter for t in tables]
+    apart = _shared([{"": one} if one else {} for one in scatters], weights)
+    return MeanPads(
+        posterior=TyrePosterior(
+            names,
+            tuple(mean.tolist()),
+            _rows(np.sum(list(parts.values()), axis=0)),
+            _rows(apart[""]) if apart else (),
+        ),
+        calibration=pads,
+        budget=TableBudget(
+            front=front.relative,
+            rear=rear.relative,
+            level=level,
+            posterior={part: _rows(share) for part, share in parts.items()},
+        ),
+        scatter=scatter,
+    )
+
+
+def inflated(found: RandomEffects) -> Array:
+    """Sigma of one more car (n,) whose normal 95 % interval is that of Student's t."""
+    return np.asarray(quantile95(found.freedom) / Z95 * found.one_more)
+
+
+def _scatter(tables: Sequence[Table], weights: Array) -> RandomEffects:
+    """Of pad level, pad ratio and stiffness, logarithms [1]."""
+    values = [[*pad_levels(t.vehicle, t.calibration), stiffness(t)] for t in tables]
+    own = [[own_level(t), own_variance(t, RATIO), own_variance(t, COMPLIANCE)] for t in tables]
+    return random_effects(np.array(values), np.array(own), weights)
+
+
+def _posterior(tables: Sequence[Table], weights: Array) -> tuple[Array, dict[str, Array]]:
+    """Mean, and the parts of the covariance."""
+    values = np.array([t.posterior.mean for t in tables])
+    own = np.array([own_covariance(t) for t in tables])
+    found = random_effects(values, np.diagonal(own, axis1=1, axis2=2), weights)
+    apart = values - found.mean
+    together = np.einsum("i,ij,ik->jk", weights, apart, apart) + np.tensordot(weights, own, 1)
+    sigma = np.sqrt(np.diag(together))
+    per = np.divide(inflated(found), sigma, out=np.zeros_like(sigma), where=sigma > 0.0)
+    wholes = [
+        {"ramp": t.posterior.covariance} if t.budget is None else t.budget.posterior for t in tables
+    ]
+    # as large as each parameter's own scatter says, correlated as the cars are
+    return found.mean, _shared(wholes, weights) | {_CARS: together * np.outer(per, per)}
+
+
+def _shared(of: Sequence[Mapping[str, Any]], weights: Array) -> dict[str, Array]:
+    """Mean of variances by part, without the own errors."""
+    out: dict[str, Array] = {}
+    for weight, parts in zip(weights.tolist(), of, strict=True):
+        for part, share in parts.items():
+            if part not in OWN:
+                out[part] = out.get(part, np.zeros(())) + weight * np.asarray(share)
+    return out
+
+
+def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:
+    even = 0.5 * (matrix + matrix.T)
+    return tuple(tuple(float(x) for x in row) for row in even)

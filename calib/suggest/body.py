@@ -1,0 +1,280 @@
+"""Find the columns for the car's speed, acceleration and pressure, and those by name alone."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from calib.base.names import G
+from calib.logs.channel_map import Mapping
+from calib.logs.source import Array
+from calib.run.copies import factor_between, is_other_quantity
+from calib.run.limits import LIMITS
+from calib.suggest.columns import ColumnClock, Series, correlation, follows, lead
+from calib.suggest.search import Search
+from calib.suggest.words import (
+    BRAKE,
+    DECELERATION,
+    DERIVED,
+    DISC,
+    DRIVE,
+    LONG,
+    MASTER,
+    PRESSURE,
+    SPEED,
+    STEERING,
+    TORQUE,
+    axle,
+    corner,
+    score,
+    words,
+)
+
+FOLLOWS = 0.8
+"""Lowest correlation [1] of two signals that belong together."""
+ACCELERATED = 0.5
+"""Smallest range of the derivative of speed [m/s^2] to check an acceleration with."""
+LATE = 0.06
+"""A pressure may be later than its effect by this [s], because sensor filters differ."""
+LATER = 0.01
+"""Gain of correlation [1] from which on a pressure counts as later than the deceleration."""
+PRESSED = 2e5
+"""Smallest range of a brake pressure [Pa] in a log with braking."""
+SLOPES = (0.7, 1.4)
+"""Allowed a_x over the derivative of speed [1]: slope, pitch and slip change it less than this."""
+WITH_WHEELS = 0.98
+"""Lowest correlation [1] of the speed of the car with that of its wheels."""
+NAMED = 99
+"""Score of a column that has the name of the channel."""
+
+
+def _choose(
+    search: Search, channel: str, passed: list[tuple[Series, int]], why: str
+) -> Series | None:
+    """The column whose name fits best; if several fit equally well, a doubt.
+
+    Of measured columns, those that are sampled coarsely beside another are no candidates.
+    """
+    measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
+    top = max((s.rate or 0.0 for s in measured), default=0.0)
+    coarse = {s.name for s in measured if 2.0 * (s.rate or 0.0) < top}
+    if any(s.name == channel for s, _ in passed):
+        coarse = set()
+    best = max((points for s, points in passed if s.name not in coarse), default=0)
+    fit = [s for s, points in passed if points == best and s.name not in coarse]
+    fit = [s for s in fit if s.name == channel] or fit
+    if len(fit) != 1:
+        if fit:
+            search.doubt(channel, fit, why, f"choose one: --take {channel}=NAME")
+        return None
+    for item, _ in passed:
+        if item.name in coarse:
+            why = f"sampled at {item.rate:.3g} Hz, and {fit[0].name} at {fit[0].rate:.3g} Hz"
+            search.refuse(item, why)
+        elif item is not fit[0]:
+            search.refuse(item, f"{fit[0].name} is more likely {channel}")
+    return fit[0]
+
+
+def find_speed(search: Search, wheels: Array | None) -> Array | None:
+    """The values [m/s] of a speed by name and unit that agrees with the wheels."""
+    moves = wheels is not None and bool(np.ptp(wheels))
+    passed = []
+    for item in search.free():
+        if item.si != "m/s" or corner(item.name):
+            continue
+        points = NAMED if item.name == "v" else score(item.name, SPEED)
+        if points < 1:
+            search.refuse(item, "a speed, but not of the car, by its name")
+        elif wheels is not None and moves and correlation(item.values, wheels) < WITH_WHEELS:
+            search.refuse(item, "a speed that does not agree with the wheels")
+        else:
+            passed.append((item, points))
+    chosen = _choose(search, "v", passed, "more than one speed of the car")
+    if "v" in search.told:
+        return search.given("v")
+    if chosen is None:
+        return None
+    agrees = ["agrees with the wheels"] if moves else []
+    search.propose("v", Mapping(chosen.name), moves, "name", f"unit {chosen.column.unit}", *agrees)
+    return chosen.values
+
+
+def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, metres: bool) -> None:
+    """By unit, and by the derivative of speed up to its sign.
+
+    ``rate`` is that derivative, shape (n,): in m/s^2 with ``metres``, else of the wheels in
+    rad/s^2.
+    """
+    checked = None
+    if rate is not None and float(np.ptp(rate)) > (ACCELERATED if metres else 2.0):
+        checked = rate
+    passed = []
+    for item in search.free():
+        if item.si != "m/s^2":
+            continue
+        points = NAMED if item.name == "a_x" else score(item.name, LONG)
+        if points < 0:
+            search.refuse(item, "an acceleration, but not longitudinal, by its name")
+        elif checked is not None and abs(follows(item.values, checked, clock)) < FOLLOWS:
+            search.refuse(item, "an acceleration that is not the derivative of speed")
+        elif checked is None and points < 1:
+            search.refuse(item, "an acceleration, not known to be longitudinal")
+        else:
+            passed.append((item, points))
+    chosen = _choose(search, "a_x", passed, "more than one longitudinal acceleration")
+    if chosen is None:
+        return
+    named = chosen.name == "a_x" or score(chosen.name, LONG) > 0
+    reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
+    if checked is not None:
+        if _wrong_size(search, chosen, checked, clock, metres):
+            return
+        agrees = follows(chosen.values, checked, clock)
+        sign = 1 if agrees > 0 else -1
+        reasons.append(f"is the derivative of speed (correlation {abs(agrees):.2f})")
+        reasons += ["positive when the car slows down: sign reversed"] if sign < 0 else []
+    else:
+        sign = -1 if DECELERATION & set(words(chosen.name)) else 1
+        if rate is None:
+            reasons.append("no speed is known to check its sign with")
+        else:
+            most = f"{float(np.abs(rate).max()):.2g} {'m/s^2' if metres else 'rad/s^2'}"
+            reasons.append(f"the speed changes by {most} at most: too slowly to check its sign")
+        reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
+    sure = named and checked is not None
+    search.propose("a_x", Mapping(chosen.name, sign=sign), sure, *reasons)
+
+
+def _wrong_size(
+    search: Search, item: Series, rate: Array, clock: ColumnClock, metres: bool
+) -> bool:
+    """Whether the size of the acceleration contradicts its unit, which is then asked for."""
+    slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
+    off, what = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
+    low, high = SLOPES if metres else LIMITS.wheel_radius
+    if low <= off <= high:
+        return False
+    meant = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if SLOPES[0] < off / f < SLOPES[1]]
+    hint = f": is it in {meant[0]}?" if meant else ""
+    why = f"in {item.column.unit} it is {off:.3g} times the derivative of {what}{hint}"
+    search.doubt("a_x", [item], why, "give its unit: --take 'a_x=NAME [UNIT]'")
+    return True
+
+
+def refuse_computed(search: Search) -> None:
+    """Refuse pressures that are a column of another quantity times a number."""
+    others = [s for s in search.series if is_other_quantity(s.column.unit)]
+    for item in search.free():
+        for other in others if item.si == "Pa" else []:
+            if factor_between(item.values, other.values) is not None:
+                of = f"{other.name} [{other.column.unit}]"
+                search.left[item.name] = f"computed: a fixed number times {of}"
+
+
+def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> None:
+    """By unit, correlated with the deceleration and not later than it.
+
+    ``braking`` is the deceleration, shape (n,), or None if speed does not change. A column
+    without a unit is a doubt if it is named a brake pressure: it could be a torque or a
+    percentage.
+    """
+    passed, unnamed = [], []
+    for item in search.free():
+        points = NAMED if item.name == "p_mc" else _brake_score(item.name)
+        if corner(item.name) or points < 0:
+            continue
+        if item.si in (None, "?") and points >= 2 and PRESSURE & set(words(item.name)):
+            unnamed.append(item)
+        elif item.si == "N*m" and points >= 1:
+            search.refuse(item, "a torque, not a pressure")
+        elif item.si == "Pa":
+            if reason := _no_brake(item, points, braking, clock):
+                search.refuse(item, reason)
+            else:
+                passed.append((item, points))
+    before = len(search.doubts)
+    chosen = _choose(search, "p_mc", passed, "more than one brake pressure")
+    if chosen is None:
+        if unnamed and len(search.doubts) == before:
+            why = "named a brake pressure, but it has no unit that is known"
+            search.doubt("p_mc", unnamed, why, "give its unit: --take 'p_mc=NAME [bar]'")
+        return
+    named = chosen.name == "p_mc" or _brake_score(chosen.name) > 0
+    reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
+    sure = False
+    if braking is None:
+        reasons.append("no speed is known to check it with")
+    elif np.ptp(chosen.values) <= PRESSED or np.ptp(braking) < ACCELERATED:
+        reasons.append("no braking in the log to check it with")
+    else:
+        ahead, agrees = lead(chosen.values, braking, clock, LATE)
+        when = f"{ahead:.2f} s before" if ahead > 0 else "with"
+        reasons.append(f"{when} the deceleration (correlation {agrees:.2f})")
+        sure = named
+    search.propose("p_mc", Mapping(chosen.name), sure, *reasons)
+
+
+def find_by_name(search: Search) -> None:
+    """Find the channels that are not tested with physics."""
+    for channel, fits in BY_NAME.items():
+        found = [s for s in search.free() if s.name == channel or fits(s)]
+        found = [s for s in found if s.name == channel] or found
+        if len(found) > 1:
+            do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
+            search.doubt(channel, found, "several columns fit by name", do)
+        elif found:
+            reasons = (
+                "name",
+                f"unit {found[0].column.unit}",
+                NOT_TESTED.get(channel, "not tested"),
+            )
+            search.propose(channel, Mapping(found[0].name), False, *reasons)
+
+
+def _brake_score(name: str) -> int:
+    return score(name, BRAKE) + max(0, 2 * score(name, MASTER))
+
+
+def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
+    """Reason why a pressure is not the brake pressure, or None."""
+    if item.values.max() > LIMITS.pressure:
+        return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
+    if braking is None or np.ptp(braking) < ACCELERATED or not np.ptp(item.values) > 0.0:
+        return None if points > 0 else "a pressure, not known to be of the brake"
+    ahead, agrees = lead(item.values, braking, clock)
+    if agrees < FOLLOWS:
+        return f"a pressure that does not agree with the deceleration (correlation {agrees:.2f})"
+    if agrees - lead(item.values, braking, clock, LATE)[1] > LATER:
+        return f"a pressure that comes {-ahead:.2f} s after the deceleration"
+    return None
+
+
+def _disc(side: str) -> Callable[[Series], bool]:
+    return lambda s: s.si == "degC" and score(s.name, DISC) > 0 and axle(s.name) == side
+
+
+def _drive(side: str) -> Callable[[Series], bool]:
+    """Whether a column is the torque of an engine or motor of an axle, by name and unit."""
+
+    def fits(s: Series) -> bool:
+        named = score(s.name, TORQUE) > 0 and score(s.name, DRIVE) > 0
+        return s.si == "N*m" and named and axle(s.name) == side
+
+    return fits
+
+
+BY_NAME: dict[str, Callable[[Series], bool]] = {
+    "steering": lambda s: s.si == "rad" and score(s.name, STEERING) > 0,
+    "T_disc_f": _disc("f"),
+    "T_disc_r": _disc("r"),
+    "T_drive_f": _drive("f"),
+    "T_drive_r": _drive("r"),
+}
+"""What a column is by name and unit alone."""
+
+
+NOT_TESTED = dict.fromkeys(
+    ("T_drive_f", "T_drive_r"),
+    "not tested: it must be that at the wheels (scale by the gear), negative when it slows",
+)
+"""What the user must look at, by channel."""

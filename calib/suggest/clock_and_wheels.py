@@ -1,0 +1,202 @@
+"""Find the time, and the four columns of the wheel speeds and of the wheel pressures."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from calib.base.names import WHEELS
+from calib.logs.channel_map import Mapping
+from calib.logs.clock import step_of
+from calib.logs.source import Array
+from calib.run.limits import LIMITS
+from calib.suggest.columns import ColumnClock, Series, moving, rising, together, without_gaps
+from calib.suggest.search import Doubt, Search, rim_mapping, rim_reason
+from calib.suggest.words import TIME, loose_corner, words
+
+SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+"""Possible units of a time column without a unit [s]; the sample rate decides between them."""
+REPEATED = 0.01
+"""Largest share of rows that repeat the time of the row before them [1]."""
+
+ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
+
+
+def find_clock(search: Search) -> None:
+    """Not decreasing, named as a time, with a unit of time.
+
+    A missing unit follows from the rate: of seconds, milliseconds and microseconds only one
+    gives 40 Hz to 1 kHz. Nothing is proposed if no column, or more than one, fits.
+    """
+    if "time" not in search.told:
+        _propose_clock(search)
+    elif (given := search.given("time")) is not None:
+        given = given[rising(given)]
+        search.clock = ColumnClock(given, step_of(given))
+    if search.clock is None:
+        return
+    source = search.proposals["time"].mapping.source
+    written = next((s.values for s in search.series if s.name == source), None)
+    if written is not None:
+        kept = rising(written)
+        search.series = [replace(s, values=s.values[kept]) for s in search.series]
+        search.gapped = [replace(s, values=s.values[kept]) for s in search.gapped]
+
+
+def _propose_clock(search: Search) -> None:
+    free = search.free()
+    running = [s for s in free if s.si in ("s", None) and _runs(s.values)]
+    named = [s for s in running if _is_time(s.name)]
+    fit = [s for s in named if s.name == "time"] or named
+    if len(fit) > 1:
+        search.doubt("time", fit, "more than one column is a time", "choose one: --take time=NAME")
+    elif fit:
+        _take_clock(search, fit[0])
+    elif broken := [s for s in (*free, *search.gapped) if s.si in ("s", None) and _is_time(s.name)]:
+        why = f"{broken[0].name} is named a time, but {_disorder(broken[0].values)}"
+        search.doubt("time", broken[:1], why, "correct the log, or export it again")
+    elif unread := [(name, why) for name, why in search.left.items() if _is_time(name)]:
+        name, why = unread[0]
+        do = "export the log again, with a time for each row"
+        search.doubts.append(Doubt("time", (name,), why, do))
+    else:
+        candidates = [s for s in running if s.si == "s"] or running
+        do = "choose one and give its unit: --take 'time=NAME [s]'"
+        do = do if candidates else "export the log again, with its time"
+        search.doubt("time", candidates, "no column is named a time", do)
+
+
+def _take_clock(search: Search, item: Series) -> None:
+    time = item.values[rising(item.values)]
+    step, order = step_of(time), "increasing"
+    if time.size < item.values.size:
+        order += f", but {_disorder(item.values)}: the log is refused until they are deleted"
+    if item.si == "s":
+        unit = f"unit {item.column.unit}"
+        search.propose("time", Mapping(item.name), True, "name", unit, order)
+        search.clock = ColumnClock(time, step)
+        return
+    for unit, scale in SCALES.items():
+        if LIMITS.rates[0] <= 1.0 / (step * scale) <= LIMITS.rates[1]:
+            only = f"only {unit} gives a rate of 40 Hz to 1 kHz"
+            search.propose("time", Mapping(item.name, unit), False, "name", order, only)
+            search.clock = ColumnClock(time * scale, step * scale)
+            return
+    do = "give the unit: --take 'time=NAME [s]'"
+    search.doubt("time", [item], f"no unit, and steps of {step:.4g}", do)
+
+
+def bridge(search: Search, clock: ColumnClock) -> None:
+    """Bridge the short gaps of columns; leave those with longer ones."""
+    for item in search.gapped:
+        filled = without_gaps(item, clock.time)
+        if isinstance(filled, str):
+            search.left[item.name] = filled
+        else:
+            search.series.append(filled)
+    search.series = [replace(s, rate=s.rate or 1.0 / clock.step) for s in search.series]
+
+
+def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Array | None:
+    """Derivative of the speed; drops all rows in which the car does not move."""
+    if motion is None:
+        return None
+    part = moving(motion, clock)
+    search.series = [replace(s, values=s.values[part]) for s in search.series]
+    search.clock = ColumnClock(clock.time[part], clock.step)
+    return clock.rate_of(motion)[part]
+
+
+def _is_time(name: str) -> bool:
+    return bool(TIME & set(words(name)))
+
+
+def _runs(values: Array) -> bool:
+    """Whether the values rise, with `REPEATED` of the rows repeating the one before at most."""
+    steps = np.diff(values)
+    few = np.count_nonzero(steps == 0.0) <= REPEATED * values.size
+    return bool(steps.size and np.all(steps >= 0.0) and few)
+
+
+def _disorder(time: Array) -> str:
+    """What keeps a column from being a time, in words."""
+    steps = np.diff(time)
+    for what, wrong in (
+        ("has no value", np.flatnonzero(np.isnan(time))),
+        ("goes back", np.flatnonzero(steps < 0.0) + 1),
+        ("repeats a time", np.flatnonzero(steps == 0.0) + 1),
+    ):
+        if wrong.size:
+            return f"{what} in {wrong.size} rows, first in row {wrong[0] + 1}"
+    return "has one row"
+
+
+def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
+    """Sets of four free columns of the given quantities, one for each wheel."""
+    found: dict[tuple[str, str | None], dict[str, Series]] = {}
+    for item in search.free():
+        wheel, rest = loose_corner(item.name)
+        if wheel and item.si in quantities:
+            found.setdefault((rest, item.si), {}).setdefault(wheel, item)
+    return [four for four in found.values() if len(four) == 4]
+
+
+def find_wheels(search: Search) -> tuple[Array | None, bool]:
+    """Named for the four wheels, similar, with a unit; speeds at the rim need the radius.
+
+    Returns the mean wheel speed and whether it is in rad/s.
+    """
+    good = []
+    for four in _fours(search, "rad/s", "m/s", None):
+        if together([four[w].values for w in WHEELS]):
+            good.append([four[w] for w in WHEELS])
+        elif four["fl"].si is not None:
+            for item in four.values():
+                search.refuse(item, "does not agree with the other three wheels")
+    angular = [each for each in good if each[0].si == "rad/s"]
+    fit = [each for each in angular if each[0].name == "omega_fl"] or angular or good
+    if len(fit) != 1:
+        if fit:
+            names = [" ".join(item.name for item in each) for each in fit]
+            do = "choose one: --take omega_fl=NAME, and the same for the others"
+            _doubt_wheels(search, names, "several sets of four", do)
+        given = [x for w in WHEELS if (x := search.given(f"omega_{w}")) is not None]
+        return (np.mean(given, axis=0) if len(given) == 4 else None), False
+    (chosen,) = fit
+    mean = np.mean([x.values for x in chosen], axis=0)
+    unit, si = chosen[0].column.unit, chosen[0].si
+    names = [item.name for item in chosen]
+    if si is None:
+        do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
+        _doubt_wheels(search, names, "the file gives no unit", do)
+        return mean, False
+    if si == "m/s" and search.radius is None:
+        why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
+        do = "give the radius with which the car computes them: --radius 0.31"
+        _doubt_wheels(search, names, why, do)
+        return mean, False
+    if not _wheels_told(search):
+        for channel, one in zip(ALL_WHEELS, chosen, strict=True):
+            at_rim = rim_mapping(channel, one.name, unit, search.radius)
+            reasons = ["name", f"unit {unit}", "the four wheels agree"]
+            reasons += [rim_reason(search.radius)] if at_rim and search.radius else []
+            search.propose(channel, at_rim or Mapping(one.name), True, *reasons)
+    return mean / search.radius if si == "m/s" and search.radius else mean, True
+
+
+def _wheels_told(search: Search) -> bool:
+    return any(channel in search.told for channel in ALL_WHEELS)
+
+
+def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
+    if not _wheels_told(search):
+        channel = f"{ALL_WHEELS[0]} ... {ALL_WHEELS[-1]}"
+        search.doubts.append(Doubt(channel, tuple(names), why, do))
+
+
+def find_wheel_pressures(search: Search) -> None:
+    """Four columns of pressures that are named for the wheels."""
+    found = _fours(search, "Pa")
+    if len(found) == 1 and all(s.values.max() <= LIMITS.pressure for s in found[0].values()):
+        for wheel, item in found[0].items():
+            unit = f"unit {item.column.unit}"
+            search.propose(f"p_{wheel}", Mapping(item.name), False, "name", unit)

@@ -1,0 +1,116 @@
+"""Drag, grade, mass and pitch against figures by hand and the modes of textbooks."""
+
+import numpy as np
+import pytest
+import scipy.signal
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.base.names import WHEELS, G
+from calib.car.balance import force_balance
+from calib.car.effects.body import AERODYNAMIC_DRAG, AIR_DENSITY, pitch_deficit
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.effects import Effects
+from calib.car.forces import axle_loads
+from tests.support.effect_runs import SEDAN, driven, made_history, made_motion, without_inertia
+
+PITCH = CATALOGUE["pitch_coupling"]
+MODE = {
+    "elastic_share": 1.0,
+    "natural_frequency": 2.0 * np.pi * 1.5,
+    "damping": 0.25,
+    "pitch_gradient": 0.03,
+}
+
+
+def drag(v, area=0.66):
+    return AERODYNAMIC_DRAG.body_force(SEDAN, {"drag_area": area}, made_motion(np.atleast_1d(v)))
+
+
+def test_306_newtons_at_100_km_h():
+    assert drag(100.0 / 3.6) == pytest.approx(0.5 * 1.2 * 0.66 * 771.605, rel=1e-6)
+    assert pytest.approx(101325.0 / (287.05 * 293.15), rel=0.005) == AIR_DENSITY  # gas law
+
+
+@given(st.floats(0.0, 70.0), st.floats(0.0, 12.0))
+def test_drag_grows_with_area_and_the_square_of_speed(v, area):
+    assert drag(2.0 * v, area) == pytest.approx(4.0 * drag(v, area))
+    assert drag(v, 2.0 * area) == pytest.approx(2.0 * drag(v, area))
+
+
+@pytest.mark.parametrize("share", [{}, {"load_share": 1.0}])
+def test_at_the_height_of_the_road_it_moves_load_as_the_paper_has_it(share):
+    history = made_motion([30.0]).history
+    assert AERODYNAMIC_DRAG.load_shift(SEDAN, {"drag_area": 0.66, **share}, history) == 0.0
+
+
+def test_at_the_height_of_the_centre_of_gravity_only_tyre_forces_move_load():
+    """Moments about the contact of the rear wheels: F_zf L = W l_r + F_x h."""
+    effects = {"aerodynamic_drag": {"drag_area": 2.0, "load_share": 0.0}}
+    run = driven(effects, lambda t: 10e5 * min(t, 1.0), 40.0, duration=2.0)
+    F_x = sum(run.truth[f"true_Fx_{w}"] for w in WHEELS)
+    moment = SEDAN.weight * SEDAN.cg_to_rear_axle + F_x * SEDAN.cg_height
+    F_zf = run.truth["true_Fz_fl"] + run.truth["true_Fz_fr"]
+    assert F_zf == pytest.approx(moment / SEDAN.wheelbase, rel=1e-6)
+    assert np.all(axle_loads(SEDAN, -run["a_x"] / G)[0] > 1.01 * F_zf)
+
+
+def test_a_known_share_is_in_the_loads_of_an_estimate():
+    known = Effects({"aerodynamic_drag": {"drag_area": 0.66, "load_share": 0.0}})
+    z, v = np.array([0.3]), np.array([30.0])
+    found = force_balance(SEDAN, known, np.zeros(1), v, z, np.array([20e5]))
+    assert found.load_f == pytest.approx(axle_loads(SEDAN, found.tyre_sum / SEDAN.weight)[0])
+
+
+@pytest.mark.parametrize("grade", [0.04, -0.03])
+@pytest.mark.parametrize("felt", [0.0, 1.0])
+def test_a_car_left_alone_rolls_as_on_an_inclined_plane(grade, felt):
+    effects = {"road_grade": {"grade": grade, "felt": felt}}
+    log = driven(effects, lambda t: 0.0, 20.0, car=without_inertia(SEDAN))
+    # an accelerometer that feels gravity reads nothing in free rolling
+    assert log["a_x"] == pytest.approx((felt - 1.0) * G * grade, abs=1e-9)
+    assert log["v"] == pytest.approx(20.0 - G * grade * log.time)
+    assert log.truth["true_Fx_fl"] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("rate", [40.0, 200.0])
+@pytest.mark.parametrize(("frequency", "damping"), [(6.0, 0.1), (10.0, 0.3), (6.0, 0.7)])
+def test_the_deficit_is_that_of_the_mode_in_continuous_time(frequency, damping, rate):
+    """h/L (z - the mode's answer) by SciPy: z runs straight between the samples of both."""
+    time = np.arange(round(5.0 * rate)) / rate
+    z = 0.02 + 0.3 * np.clip((time - 1.0) / 0.25, 0.0, 1.0)
+    mode = ([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2])
+    moved = z[0] + scipy.signal.lsim(mode, z - z[0], time)[1]
+    expected = (z - moved) * SEDAN.cg_height / SEDAN.wheelbase
+    assert np.max(np.abs(pitch_deficit(SEDAN, time, z, frequency, damping) - expected)) < 1e-9
+    assert np.max(np.abs(expected)) > 0.01
+
+
+def test_the_deficit_does_not_depend_on_the_future():
+    time, z = np.arange(400) * 0.005, np.random.default_rng(1).normal(size=400)
+    other = np.concatenate([z[:200], np.zeros(200)])
+    both = [pitch_deficit(SEDAN, time, x, 8.0, 0.3)[:200] for x in (z, other)]
+    assert np.array_equal(*both)
+
+
+def test_a_step_overshoots_as_the_damping_says():
+    """Step of z: overshoot exp(-pi D/sqrt(1 - D^2)) after half a damped period."""
+    time = np.arange(4000) * 1e-3
+    history = made_history(4000, time=time, z=np.where(time >= 0.5, 0.4, 0.0))
+    felt = PITCH.accelerometer(SEDAN, MODE, history, np.zeros(4000)) / (-G * 0.03 * 0.4)
+    root = np.sqrt(1.0 - 0.25**2)
+    assert np.max(felt) == pytest.approx(1.0 + np.exp(-np.pi * 0.25 / root), abs=1e-3)
+    assert time[np.argmax(felt)] - 0.5 == pytest.approx(0.5 / (1.5 * root), abs=2e-3)
+
+
+def test_held_it_is_gravity_on_a_pitched_sensor_and_no_load_is_late():
+    history = made_history(2000, z=np.full(2000, 0.5))
+    a_x = PITCH.accelerometer(SEDAN, MODE, history, np.full(2000, -0.5 * G))
+    assert a_x == pytest.approx(-0.5 * G * 1.03)  # nose down: reads more deceleration
+    assert PITCH.load_shift(SEDAN, MODE, history) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_at_first_the_front_lacks_all_of_the_transfer_that_springs_carry():
+    history = made_history(3, time=np.array([0.0, 1e-6, 2e-6]), z=np.array([0.0, 0.4, 0.4]))
+    late = PITCH.load_shift(SEDAN, {**MODE, "elastic_share": 0.7}, history)
+    assert late[1:] == pytest.approx(0.7 * 0.4 * SEDAN.cg_height / SEDAN.wheelbase, rel=1e-6)

@@ -1,0 +1,115 @@
+"""Threshold, play and residual torque against their recursions and loops by hand."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from calib.car.effects.caliper import clamp, clamped
+from tests.support.effect_runs import made_history, pressures
+
+PRESSURES = arrays(float, st.integers(1, 300), elements=st.floats(-1e5, 100e5))
+WIDTH = st.floats(0.0, 0.5)
+STUCK = {"residual_pressure": 2e5, "drain_time": 5.0}
+
+
+@given(st.floats(0.0, 10e5), st.floats(0.0, 150e5))
+def test_what_is_above_the_threshold(threshold, p):
+    history = made_history(1, p_mc=np.array([p]))
+    for found in pressures("brake_threshold_pressure", history, threshold=threshold):
+        assert found == pytest.approx([max(p - threshold, 0.0)], abs=1e-6)
+
+
+@given(st.floats(1e3, 3e5), st.floats(0.0, 150e5), st.booleans())
+def test_a_sensor_whose_zero_reads_too_low_is_a_threshold_below_zero(low, true, clipped):
+    """It reads ``low`` less, or zero: a released brake is released, a pressed one comes back."""
+    read = max(true - low, 0.0) if clipped else true - low
+    history = made_history(1, p_mc=np.array([read]))
+    for found in pressures("brake_threshold_pressure", history, threshold=-low):
+        assert -1e-6 <= found[0] <= true + 1e-6
+        if true == 0.0 or true > 2.0 * low:
+            assert found == pytest.approx([true], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("share", "front", "rear"),
+    [(0.0, 2e5, 0.0), (0.25, 2e5, 1e5), (0.5, 2e5, 2e5), (1.0, 0.0, 2e5)],
+)
+def test_an_axle_has_its_share_of_the_threshold(share, front, rear):
+    history = made_history(1, p_mc=np.array([30e5]))
+    given = {"threshold": 2e5, "threshold_rear_share": share}
+    found = pressures("brake_threshold_pressure", history, **given)
+    assert [float(p[0]) for p in found] == pytest.approx([30e5 - front, 30e5 - rear])
+
+
+@given(PRESSURES, WIDTH, st.floats(0.0, 5e5))
+def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half):
+    before = p.copy()
+    loading = [now - min(max(now, 0.0), half) for now in p]
+    c = [loading[0]]
+    for low, now in zip(loading[1:], p[1:], strict=True):
+        c.append(max(low, min(now / (1.0 - relative) + half, c[-1])))
+    assert np.array_equal(clamp(p, relative, half), c)
+    assert np.array_equal(p, before)
+
+
+@pytest.mark.parametrize(
+    ("play", "p", "c"),
+    [
+        ((0.1,),
+         [0, 20, 40, 38, 36, 18, 9, 9.5, 10, 20, 0], [0, 20, 40, 40, 40, 20, 10, 10, 10, 20, 0]),
+        ((0.0, 2e5),
+         [0, 1, 3, 20, 18, 16, 10, 12, 14, 20, 1, 0], [0, 0, 1, 18, 18, 18, 12, 12, 12, 18, 3, 2]),
+    ],
+)  # fmt: skip
+def test_a_loop_by_hand(play, p, c):
+    """Up, held, down on the upper line, held again, up on the lower [bar]."""
+    assert clamp(np.array(p) * 1e5, *play) == pytest.approx(np.array(c) * 1e5)
+
+
+@given(PRESSURES, WIDTH, st.integers(2, 4))
+def test_the_rate_is_of_no_matter(p, width, slower):
+    assert np.array_equal(clamp(np.repeat(p, slower), width)[::slower], clamp(p, width))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
+def test_the_width_is_told_at_20_bar(share):
+    """Full width of the loop over the releasing line, or over 20 bar where it is fixed."""
+    p = np.concatenate([np.linspace(0.0, 80e5, 801), np.linspace(80e5, 0.0, 801)])
+    history = made_history(p.size, p_mc=p)
+    front, _ = pressures("caliper_hysteresis", history, width=0.1, fixed_share=share)
+    up, down = front[200], front[-201]
+    assert down - up == pytest.approx(0.1 * share * 20e5 + 20e5 * (1 / (1 - 0.1 * (1 - share)) - 1))
+
+
+@given(
+    arrays(float, st.integers(1, 200), elements=st.floats(-1e5, 100e5)),
+    st.floats(1e3, 20e5),
+    st.floats(1.0, 60.0),
+)
+def test_what_stays_of_an_application_sample_by_sample(p, most, drain):
+    time = 5.0 + 0.3 * np.arange(p.size)
+    left, expected = 0.0, []
+    for now in p:
+        left = max(left * np.exp(-0.3 / drain), min(now, most) if now > 1.5e5 else 0.0)
+        expected.append(max(now, left) if left > 0.0 else now)
+    assert clamped(time, p, most, drain) == pytest.approx(np.array(expected), rel=1e-6, abs=1e-6)
+
+
+def test_an_hour_does_not_overflow():
+    p = np.where(np.arange(3600) % 600 < 5, 30e5, 0.0)
+    found = clamped(np.arange(3600.0), p, 2e5, 1.0)
+    assert np.all(np.isfinite(found))
+    assert found[5] == pytest.approx(2e5 * np.exp(-1.0))
+    assert found[599] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("bias", "kept"), [(0.0, (2.0, 2.0)), (1.0, (0.0, 2.0)), (-0.5, (2.0, 1.0))]
+)
+def test_an_axle_may_have_it_alone(bias, kept):
+    history = made_history(p_mc=np.where(np.arange(200) < 100, 20e5, 0.0))
+    found = pressures("residual_torque", history, **STUCK, rear_bias=bias)
+    for pressure, bar in zip(found, kept, strict=True):
+        assert pressure[199] == pytest.approx(bar * 1e5 * np.exp(-1.0 / 5.0))

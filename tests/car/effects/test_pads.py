@@ -1,0 +1,116 @@
+"""Friction and its distribution against lines, heats and exponentials by hand."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.car.effects.catalogue import CATALOGUE
+from tests.support.effect_runs import (
+    SEDAN,
+    driven,
+    factors,
+    made_history,
+    wave,
+    without_inertia,
+)
+
+FADE = {"fade_slope": 0.001, "fade_onset": 150.0}
+WET = {"wet_loss": 0.4, "dry_energy": 50e3}
+PRESSURE = CATALOGUE["pad_pressure_dependence"]
+
+
+def test_fade_by_hand():
+    history = made_history(4, temperature_f=np.array([20.0, 150.0, 250.0, 650.0]))
+    front, rear = factors("pad_thermal_fade", history, **FADE)
+    assert front == pytest.approx([1.0, 1.0, 0.9, 0.5])
+    assert np.array_equal(rear, np.ones(4))
+
+
+@pytest.mark.parametrize("power", [0.0, 12e3])
+def test_without_a_log_each_disc_is_heated_by_its_brake(power):
+    """Constant power: T = T_e + (T_0 - T_e) exp(-t/tau), T_e = 20 + P tau/C."""
+    time = np.linspace(3.0, 303.0, 3001)
+    energy, starts = power * (time - 3.0), (400.0, 200.0)
+    unlogged = {"temperature_f": None, "temperature_r": None, "start_heat": starts}
+    history = made_history(3001, time=time, energy_f=energy, energy_r=energy, **unlogged)
+    for found, capacity, start in zip(
+        factors("pad_thermal_fade", history, **FADE), (3700.0, 2300.0), starts, strict=True
+    ):
+        end = 20.0 + power * 300.0 / capacity
+        T = end + (start - end) * np.exp(-(time - 3.0) / 300.0)
+        assert found == pytest.approx(1.0 - 0.001 * np.maximum(T - 150.0, 0.0), rel=1e-9)
+
+
+def test_the_simulation_heats_its_own_discs_where_none_is_given():
+    """Heat from the truth channels of the run itself, summed here step by step."""
+    hot = {"fade_slope": 0.004, "fade_onset": 101.0}
+    log = driven({"pad_thermal_fade": hot}, lambda t: 40e5, duration=3.0)
+    power = log.truth["true_Tb_fl"] * log["omega_fl"]
+    T, dt = [100.0], 0.005
+    for a, b in pairwise(power):
+        T.append(T[-1] + dt * (0.5 * (a + b) / 3700.0 - (T[-1] - 20.0) / 300.0))
+    expected = SEDAN.front.pad_friction * (1.0 - 0.004 * np.maximum(np.array(T) - 101.0, 0.0))
+    assert log.truth["true_mu_pad_f"] == pytest.approx(expected, abs=2e-5)
+    assert expected[-1] < 0.97 * expected[0]
+
+
+@pytest.mark.parametrize("slope", [-0.01, 0.01])
+def test_speed_falls_as_an_exponential(slope):
+    """dv/dt = -a (1 + k (v - 20)) from 30 m/s; a from the run without the effect."""
+    car = without_inertia(SEDAN)
+    a = -driven({}, car=car)["a_x"][0]
+    log = driven({"pad_speed_dependence": {"speed_slope": slope}}, duration=3.0, car=car)
+    limit = 20.0 - 1.0 / slope  # where the friction would be gone
+    expected = limit + (30.0 - limit) * np.exp(-a * slope * log.time)
+    assert log["v"] == pytest.approx(expected, abs=1e-4)
+
+
+@given(st.floats(-8e-8, 8e-8), st.floats(0.0, 150e5), st.floats(0.0, 150e5))
+def test_a_line_over_pressure_for_each_axle_by_itself(slope, p_f, p_r):
+    given_by = {"pressure_slope": slope}
+    found = PRESSURE.friction(given_by, made_history(1), np.array([p_f]), np.array([p_r]))
+    assert found[0] == pytest.approx([1.0 + slope * (p_f - 20e5)])
+    assert found[1] == pytest.approx([1.0 + slope * (p_r - 20e5)])
+
+
+@given(st.floats(-1e-7, 1e-7), st.floats(0.0, 4e-6))
+def test_a_bend_keeps_one_at_20_bar_and_the_mean_slope_to_40_bar(slope, bend):
+    given_by = {"pressure_slope": slope, "pressure_bend": bend}
+    p = np.array([0.0, 20e5, 40e5])
+    factor, _ = PRESSURE.friction(given_by, made_history(3), p, p)
+    assert factor[1] == pytest.approx(1.0, abs=1e-12)
+    assert factor[2] - factor[0] == pytest.approx(slope * 40e5, abs=1e-9)
+
+
+@given(st.floats(0.0, 0.95), st.floats(1e3, 1e6), st.floats(0.2, 2.0), st.floats(0.0, 1e6))
+def test_wet_pads_dry_each_by_its_own_heat(loss, dry, share, energy):
+    heat = np.array([0.0, energy])
+    history = made_history(2, energy_f=heat, energy_r=0.5 * heat)
+    wet = {"wet_loss": loss, "dry_energy": dry, "dry_rear_share": share}
+    front, rear = factors("wet_pad_recovery", history, **wet)
+    assert front == pytest.approx([1.0 - loss, 1.0 - loss * np.exp(-energy / dry)])
+    assert rear == pytest.approx([1.0 - loss, 1.0 - loss * np.exp(-0.5 * energy / dry / share)])
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_left_gains_what_right_loses_and_the_rear_its_share(share):
+    even = driven({}, wave)
+    log = driven({"side_imbalance": {"imbalance": 0.1, "rear_share": share}}, wave)
+    for w, factor in (("fl", 1.1), ("fr", 0.9), ("rl", 1.0 + 0.1 * share), ("rr", 1 - 0.1 * share)):
+        assert log.truth[f"true_Tb_{w}"] == pytest.approx(factor * even.truth[f"true_Tb_{w}"])
+
+
+@pytest.mark.parametrize(
+    ("side", "left", "right"), [(0.0, 1.0, 1.0), (1.0, 1.0, 0.0), (-1.0, 0.0, 1.0)]
+)
+def test_one_disc_pulses_or_two(side, left, right):
+    history = made_history(2, angle_f=np.array([0.0, 1.0]))
+    judder = {"amplitude": 0.1, "phase": 0.4, "side": side}
+    found = CATALOGUE["disc_thickness_variation"].wheels(judder, history)
+    turned = 0.1 * np.sin(np.array([0.4, 1.4]))
+    assert found["fl"] == pytest.approx(1.0 + left * turned)
+    assert found["fr"] == pytest.approx(1.0 + right * turned)
+    assert set(found) == {"fl", "fr"}

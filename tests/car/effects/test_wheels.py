@@ -1,0 +1,113 @@
+"""Moments, inertia and radii of the wheels against Newton's law for the whole car."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.effects import Effects
+from calib.car.forces import axle_loads
+from calib.model.known_effects import remove_known_effects
+from tests.support.effect_runs import SEDAN, driven, made_history, made_motion, without_inertia
+
+MOTOR = {
+    "regen_torque": 300.0,
+    "regen_power": 9e3,
+    "regen_rear_share": 0.25,
+    "regen_onset": 1.5e5,
+}
+FLAT = {"rolling_radius_load": {"radius_load": 0.01}}
+
+
+def moments(name, motion, car=SEDAN, **parameters):
+    """Moments [N m] of an effect on the front and the rear axle."""
+    return CATALOGUE[name].axle_moment(car, parameters, motion)
+
+
+@given(st.floats(0.0, 0.05), st.floats(0.0, 1.0), st.floats(0.25, 0.4), st.floats(0.25, 0.4))
+def test_rolling_resistance_is_its_share_of_the_weight_at_the_road(c_rr, z, R_f, R_r):
+    """Whatever the load transfer and the radii, M_f/R_f + M_r/R_r = c_rr M g."""
+    axles = (replace(SEDAN.front, rolling_radius=R_f), replace(SEDAN.rear, rolling_radius=R_r))
+    car = replace(SEDAN, front=axles[0], rear=axles[1])
+    motion = made_motion([20.0], *axle_loads(car, np.asarray([z])))
+    front, rear = moments("rolling_resistance", motion, car, coefficient=c_rr)
+    assert front / R_f + rear / R_r == pytest.approx(c_rr * 1744.0 * 9.80665)
+
+
+def test_rolling_resistance_may_grow_with_the_square_of_the_speed():
+    """0.9 of it at a standstill, and 1.8 of it at 60 m/s, by 0.1 (9 - 1)."""
+    motion = made_motion([0.0, 20.0, 60.0], load_f=10e3)
+    front, _ = moments("rolling_resistance", motion, coefficient=0.01, rolling_growth=0.1)
+    assert front == pytest.approx(100.0 * SEDAN.front.rolling_radius * np.array([0.9, 1.0, 1.8]))
+
+
+def test_the_drag_of_an_engine_grows_and_is_shared():
+    drag = {"drag_torque": 120.0, "drag_growth": 0.01, "drag_rear_share": 0.75}
+    front, rear = moments("engine_drag", made_motion([10.0, 20.0, 35.0]), **drag)
+    whole = np.array([108.0, 120.0, 138.0])
+    assert front == pytest.approx(0.25 * whole)
+    assert rear == pytest.approx(0.75 * whole)
+
+
+def test_torque_and_power_of_a_motor_and_the_end_of_a_stop():
+    """R = 0.322 m: 9 kW are 300 N m at 9.66 m/s, 9e3 x 0.322/v above."""
+    front, rear = moments("regenerative_torque", made_motion([1.5, 6.0, 9.0, 20.0, 40.0]), **MOTOR)
+    whole = [150.0, 300.0, 300.0, 9e3 * 0.322 / 20.0, 9e3 * 0.322 / 40.0]
+    assert front == pytest.approx(0.75 * np.array(whole))
+    assert rear == pytest.approx(0.25 * np.array(whole))
+
+
+def motor_at(p_mc, time=None, **more):
+    """Front torque of the motor [N m] at 8 m/s, where it is its limit."""
+    p = np.asarray(p_mc, float)
+    history = made_history(p.size, p_mc=p, **({} if time is None else {"time": time}))
+    motion = replace(made_motion(np.full(p.size, 8.0)), history=history)
+    return moments("regenerative_torque", motion, **MOTOR, **more)[0]
+
+
+@pytest.mark.parametrize(
+    ("span", "bar", "share"),
+    [
+        ({}, [1.49, 1.8, 2.11], [0.0, 0.5, 1.0]),
+        ({"regen_span": 6e5}, [1.4, 4.5, 7.5, 9.0], [0.0, 0.5, 1.0, 1.0]),
+    ],
+)
+def test_a_motor_sets_in_over_its_span(span, bar, share):
+    """From 1.5 bar on, and in full 40 % above it where no span is given."""
+    assert motor_at(np.array(bar) * 1e5, **span) == pytest.approx(225.0 * np.array(share))
+
+
+def test_a_motor_that_lags():
+    """On at once at 0.2 s: 63 % of it one time constant later, and as much less after the end."""
+    time = np.arange(600) * 0.001
+    front = motor_at(np.where((time >= 0.2) & (time < 0.4), 9e5, 0.0), time, regen_lag=0.03)
+    assert np.all(front[:200] == 0.0)
+    assert front[230] == pytest.approx(225.0 * (1.0 - np.exp(-1.0)), rel=0.03)
+    assert front[430] == pytest.approx(225.0 * np.exp(-1.0), rel=0.03)
+
+
+def test_speed_follows_from_the_power():
+    """At full power m v dv/dt = -P - F v: the energy lost is the work of pads and motor."""
+    motor = {**MOTOR, "regen_torque": 3000.0, "regen_rear_share": 0.0}
+    log = driven({"regenerative_torque": motor}, lambda t: 10e5, car=without_inertia(SEDAN))
+    v = log["v"]
+    pads = 2.0 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_rl"]) / 0.322
+    work = np.trapezoid(pads * v + 9e3, log.time)
+    assert 0.5 * SEDAN.mass * (v[0] ** 2 - v[-1] ** 2) == pytest.approx(work, rel=1e-5)
+
+
+def test_a_loaded_wheel_turns_faster_and_the_analysis_takes_it_out():
+    """Front load over that at rest 1 + z h/l_r, rear 1 - z h/l_f; nothing else of the run moves."""
+    bare, flat = driven({}), driven(FLAT)
+    z = -bare["a_x"] / 9.80665
+    for w, ratio in (("fl", z * 0.615 / 1.6494), ("rl", -z * 0.615 / 1.1556)):
+        speeds = flat[f"omega_{w}"] / bare[f"omega_{w}"]
+        assert speeds == pytest.approx(np.exp(0.01 * ratio), rel=1e-9)
+    for channel in ("a_x", "v"):
+        assert np.array_equal(flat[channel], bare[channel])
+    clean = remove_known_effects(replace(SEDAN, effects=Effects(FLAT)), flat)
+    for w in ("fl", "fr", "rl", "rr"):
+        assert clean.log[f"omega_{w}"] == pytest.approx(bare[f"omega_{w}"], rel=1e-9)

@@ -1,0 +1,139 @@
+"""A real Dask scheduler and two worker processes on this machine, one of them killed."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.support.fleet_logs import validating
+from tests.support.fleet_results import journalled
+
+pytest.importorskip("distributed", reason="dask[distributed], the extra `dist`, is not installed")
+
+ROOT = Path(__file__).parents[3]
+LOCAL = ("--host", "127.0.0.1", "--no-dashboard")
+
+# In a process of its own: what the cluster logs and warns of stays there.
+DRIVE = """
+import os, pickle, signal, sys
+from pathlib import Path
+from calib.line.fleet.workers import Cluster
+from calib.line.fleet.batch import run_batch
+
+job, logs, out, address, victim = pickle.loads(sys.stdin.buffer.read())
+def report(pace):
+    global victim
+    if pace.done >= 4 and victim:
+        os.kill(victim, signal.SIGKILL)
+        print("killed after", pace.done)
+        victim = None
+cluster = Cluster(address)
+cluster._client.wait_for_workers(2, timeout=30)
+assert cluster.workers == 2
+run_batch(job, [logs], Path(out), cluster, report)
+cluster.close()
+"""
+
+
+def started(*arguments):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.Popen(
+        [sys.executable, "-m", *map(str, arguments)],
+        cwd=ROOT,
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    """A scheduler that was just started."""
+    module = "distributed.cli.dask_scheduler"
+    file = tmp_path / "scheduler.json"
+    process = started(module, *LOCAL, "--port", 0, "--scheduler-file", file)
+    yield process
+    process.kill()
+    process.wait()
+
+
+@pytest.fixture
+def address(scheduler, tmp_path):
+    file = tmp_path / "scheduler.json"
+    return waited_for(lambda: file.exists() and address_in(file.read_text()))
+
+
+@pytest.fixture
+def workers(address):
+    """Two workers of it; without a nanny, so that one that is killed stays away."""
+    module = "distributed.cli.dask_worker"
+    found = [started(module, address, *LOCAL, "--no-nanny", "--nthreads", 1) for _ in range(2)]
+    yield found
+    for process in found:
+        process.kill()
+        process.wait()
+
+
+def address_in(text):
+    return text.partition('"address": "')[2].partition('"')[0]
+
+
+def waited_for(question, patience=30.0):
+    end = time.monotonic() + patience
+    while time.monotonic() < end:
+        if answer := question():
+            return answer
+        time.sleep(0.05)
+    raise AssertionError("waited in vain")
+
+
+def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, address, workers, tmp_path):
+    out = tmp_path / "out"
+    said = pickle.dumps((validating(fitted), str(fleet), str(out), address, workers[0].pid))
+    ran = subprocess.run(
+        [sys.executable, "-c", DRIVE], cwd=ROOT, input=said, capture_output=True, timeout=120
+    )
+    assert ran.returncode == 0, ran.stderr.decode()
+    assert b"killed after" in ran.stdout
+    assert workers[0].wait(10) == -signal.SIGKILL
+    assert workers[1].poll() is None
+    assert (out / "results.parquet").read_bytes() == undisturbed
+
+
+def test_the_command_says_that_nobody_answers(tmp_path, fleet):
+    code = (
+        "import sys; from calib.line.fleet import workers; workers.PATIENCE = '1s'; "
+        "from cli.main import main; main()"
+    )
+    words = ["batch", "check", str(fleet), "--out", str(tmp_path / "out")]
+    words += ["--scheduler", "tcp://127.0.0.1:9"]
+    ran = subprocess.run(
+        [sys.executable, "-c", code, *words], cwd=ROOT, capture_output=True, text=True
+    )
+    assert ran.returncode == 2
+    assert "Traceback" not in ran.stderr
+    assert not (tmp_path / "out").exists()
+
+
+# The scheduler is killed when four logs are done.
+GONE = DRIVE.replace("cluster.close()", "").replace("assert cluster.workers == 2", "")
+
+
+def test_a_scheduler_that_dies_ends_the_run_and_keeps_what_is_done(
+    fitted, fleet, address, workers, tmp_path, scheduler
+):
+    out = tmp_path / "out"
+    said = pickle.dumps((validating(fitted), str(fleet), str(out), address, scheduler.pid))
+    ran = subprocess.run(
+        [sys.executable, "-c", GONE], cwd=ROOT, input=said, capture_output=True, timeout=120
+    )
+    assert ran.returncode == 1
+    assert b"BatchError" in ran.stderr, ran.stderr.decode()
+    errors = journalled(out)
+    assert 4 <= len(errors) < 24
+    assert not any("died on it" in error for error in errors.values() if error)

@@ -1,0 +1,43 @@
+"""Effects of a table as figures: units of the cards, intervals within their ranges."""
+
+from dataclasses import replace
+
+import pytest
+
+from calib.car.effects.effects import DefinedIn, Effects
+from calib.store.figures import effect_figures
+from tests.support.tables import made_table
+
+
+def with_drag(value, sigma):
+    effects = Effects(
+        {"aerodynamic_drag": {"drag_area": value}}, sigma={"aerodynamic_drag": {"drag_area": sigma}}
+    )
+    return replace(made_table(), effects=effects)
+
+
+def test_an_interval_within_the_range_of_the_card_is_that_of_the_sigma():
+    (one,) = effect_figures(with_drag(0.66, 0.1))
+    assert one.ci95 == pytest.approx((0.464, 0.856), abs=1e-4)
+    assert one.unit == "m^2"
+    assert str(one) == "drag_area 0.66 m^2 (95 %: 0.464 to 0.856)"
+
+
+def test_no_drag_is_negative():
+    (one,) = effect_figures(with_drag(0.0, 0.1))
+    assert one.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)
+
+
+def test_a_value_that_was_given_has_no_interval():
+    (one,) = effect_figures(with_drag(0.66, 0.0))
+    assert str(one) == "drag_area 0.66 m^2 (given)"
+
+
+def test_an_effect_whose_file_was_not_given_has_si_units():
+    own = {"mine": DefinedIn("mine.py", "ab" * 32)}
+    table = made_table()
+    car = replace(table.vehicle, effects=Effects({"mine": {"size": 1.0}}, own=own))
+    effects = Effects({"mine": {"size": -1.0}}, sigma={"mine": {"size": 0.5}}, own=own)
+    (one,) = effect_figures(replace(table, vehicle=car, effects=effects))
+    assert one.unit == "SI"
+    assert one.ci95 == pytest.approx((-1.98, -0.02), abs=1e-3)

@@ -1,0 +1,116 @@
+"""The files of a version: bytes, foreign readers, and every kind of damage."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from calib.base.errors import DamagedTable
+from calib.store.store import Store
+from calib.store.version import curve_bytes, read_curve
+from tests.support.tables import made_table
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "tables")
+
+
+@pytest.fixture
+def path(store):
+    return store.save(made_table()).path
+
+
+@given(arrays(np.float64, st.integers(0, 30), elements=st.floats(allow_nan=False)))
+def test_columns_come_back_to_the_bit(column):
+    back = read_curve(curve_bytes({"eta": column, "D": -column}))
+    assert list(back) == ["eta", "D"]
+    assert back["eta"].tobytes() == column.tobytes()
+    assert back["D"].tobytes() == (-column).tobytes()
+
+
+def test_pandas_reads_it_plainly_and_the_unit_is_in_the_field(path):
+    found = pd.read_parquet(path / "difference.parquet")
+    pd.testing.assert_frame_equal(found, pd.DataFrame(vars(made_table().difference)))
+    units = [field.metadata for field in pq.read_schema(path / "difference.parquet")]
+    assert units == [{b"unit": b"1"}] * 6
+
+
+@pytest.mark.parametrize("data", [b"", b"PAR1", b"no such file" * 20])
+def test_other_bytes_are_no_curve(data):
+    with pytest.raises(ValueError, match=r"\w"):
+        read_curve(data)
+
+
+def test_the_record_is_for_reading(path):
+    text = (path / "record.json").read_text()
+    document = json.loads(text)
+    assert text == json.dumps(document, indent=2, sort_keys=True) + "\n"
+    assert document["id"] == "sedan@1"
+    assert document["parents"][0] == {"name": "ramp.csv", "digest": "ab" * 32}
+    assert document["record"]["vehicle"]["mass"] == 1744.0
+
+
+def flip(path, offset):
+    """Change one byte of a file."""
+    data = bytearray(path.read_bytes())
+    data[offset] ^= 0x01
+    path.write_bytes(bytes(data))
+
+
+def cut(path, end):
+    path.write_bytes(path.read_bytes()[:end])
+
+
+def of_record(change):
+    """Change the record as an editor would, digest and all else left as it is."""
+
+    def damage(version):
+        path = version / "record.json"
+        document = json.loads(path.read_text())
+        change(document)
+        path.write_text(json.dumps(document, indent=2, sort_keys=True) + "\n")
+
+    return damage
+
+
+def twice(version):
+    path = version / "record.json"
+    path.write_text(path.read_text().replace('"version": 1', '"version": 1, "version": 1'))
+
+
+DAMAGE = {
+    "a byte of a column": lambda v: flip(v / "paper.parquet", 40),
+    "the end of a file": lambda v: cut(v / "tyre.parquet", -9),
+    "a missing curve": lambda v: (v / "difference.parquet").unlink(),
+    "a missing record": lambda v: (v / "record.json").unlink(),
+    "half a record": lambda v: cut(v / "record.json", 300),
+    "a key given twice": twice,
+    "another kind of document": lambda v: (v / "record.json").write_text("[1, 2]"),
+    "a changed figure": of_record(lambda d: d["record"]["quality"].update(rms=0.001)),
+    "a changed digest": of_record(lambda d: d.update(digest="0" * 64)),
+    "no finite number": of_record(lambda d: d["record"]["quality"].update(rms=float("nan"))),
+    "a changed parent": of_record(lambda d: d["parents"].pop()),
+    "a key too many": of_record(lambda d: d.update(approved=True)),
+    "a missing part": of_record(lambda d: d.pop("files")),
+    "another number": of_record(lambda d: d.update(version=2, id="sedan@2")),
+    "another schema": of_record(lambda d: d["record"].update(schema=2)),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_damage_is_found(path, store, kind):
+    DAMAGE[kind](path)
+    with pytest.raises(DamagedTable) as error:
+        store.load("sedan@1")
+    assert error.value.exit_code == 4
+    (verdict,) = store.verify()
+    assert verdict.id == "sedan@1"
+    assert not verdict.sound
+    assert store.list()[0].flaw  # a listing goes on
+    assert store.save(made_table()).version == 2  # and it is not in the way of the next
