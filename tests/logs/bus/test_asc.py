@@ -46,13 +46,6 @@ def test_cut_at_the_end_of_a_line(folder, text):
     assert "no 'End TriggerBlock'" in message
 
 
-def test_without_a_block_there_is_no_footer_and_that_is_said(folder, text):
-    lines = [x for x in text.splitlines(keepends=True) if "trigger" not in x.lower()]
-    log = read(folder, "".join(lines))
-    assert any("looks like a complete one" in note for note in log.notes)
-    assert "cut off within the last line" in refused(folder, "".join(lines)[:-9])
-
-
 def test_no_frame_is_lost_to_a_short_header(folder, text):
     """python-can takes the line after `base` for a part of the header."""
     lines = text.splitlines(keepends=True)

