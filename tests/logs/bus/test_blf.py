@@ -47,6 +47,20 @@ def test_a_file_cut_anywhere_is_refused(folder, share):
         assert f"{len(data) - left} are missing" in message
 
 
+def test_the_library_reads_half_a_file_in_silence(folder):
+    """What the gate is for; should python-can begin to say so, this test tells."""
+    write = can.BLFWriter(folder / "many.blf", max_container_size=8192)
+    with write as log:
+        for message in frames():
+            log.on_message_received(message)
+    data = (folder / "many.blf").read_bytes()
+    cut = data.index(b"LOBJ", len(data) // 2)  # where a container ends
+    (folder / "half.blf").write_bytes(data[:cut])
+    with can.BLFReader(folder / "half.blf") as reader:
+        assert 1000 < sum(1 for _ in reader) < len(frames()) - 1000
+    assert f"{len(data) - cut} are missing" in refused(folder, data[:cut])
+
+
 def test_a_header_that_was_mended_does_not_hide_lost_objects(folder):
     data = (folder / "many.blf").read_bytes()
     cut = data.index(b"LOBJ", len(data) // 2)
