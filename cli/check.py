@@ -50,7 +50,7 @@ def _findings(path: Path, name: Path, mapping: Map) -> "Findings":
     from calib.logs.formats import RECORDINGS, ending_of
     from calib.logs.read import read_opened
     from calib.run.check import check as look_at
-    from calib.run.computed_channels import computed_channels
+    from calib.run.copies import computed_channels
 
     # a bus has thousands of signals: no search for copies of a pressure among them
     if ending_of(name) in RECORDINGS:

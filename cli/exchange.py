@@ -1,7 +1,7 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -81,7 +81,7 @@ def export(
             )  # fmt: skip
     except ExchangeError as error:
         raise typer.BadParameter(str(error), param_hint="--points, --fixed-point") from None
-    return _answer(written, bits)
+    return _answer(written)
 
 
 def _form(form: str | None, out: Path, bits: int | None, elf: Path | None) -> str:
@@ -103,14 +103,20 @@ def _form(form: str | None, out: Path, bits: int | None, elf: Path | None) -> st
     return form
 
 
-def _answer(written: "Exported", bits: int | None) -> Answer:
-    from calib.exports.dataset import placed
-    from calib.exports.fixed_point import roundings
-
+def _answer(written: "Exported") -> Answer:
     data = written.data
-    rounded = [] if bits is None else [vars(r) for r in roundings(data, bits)]
+    rounded: list[dict[str, Any]] = [
+        {
+            "label": one.label,
+            "step": one.fixed.step,
+            "error": one.fixed.error,
+            "read_error": getattr(one, "fixed_misfit", None),
+        }
+        for one in data.objects
+        if one.fixed is not None
+    ]
     for axis in data.axes:
-        say(f"{axis.label}: {placed(axis)}")
+        say(f"{axis.label}: {axis.placed}")
     for row in rounded:
         if row["read_error"] is not None:
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
@@ -121,7 +127,7 @@ def _answer(written: "Exported", bits: int | None) -> Answer:
             "label": axis.label,
             "points": len(axis.values),
             "rows": axis.rows,
-            "curves": [curve.label for curve in data.over(axis)],
+            "curves": [curve.label for curve in data.curves if curve.axis.label == axis.label],
             "worst": axis.misfit.worst,
             "worst_at": axis.misfit.at,
             "rms": axis.misfit.rms,
@@ -130,14 +136,14 @@ def _answer(written: "Exported", bits: int | None) -> Answer:
     ]
     document = {
         **data.facts(),
-        "version": data.version,
+        "version": data.stored.version,
         "format": written.form,
         "out": written.path,
         "bytes": len(written.content),
         "sha256": written.sha256,
         "axes": axes,
         "remarks": list(written.remarks),
-        "fixed_point": {"bits": bits, "objects": rounded} if rounded else None,
+        "fixed_point": {"bits": data.bits, "objects": rounded} if rounded else None,
     }
     return Answer(document, repr(written))
 
@@ -152,7 +158,8 @@ def compare(
     is cut off, damaged or names no table, 4 if it does not agree with the table. Another tool may
     have saved it: labels are compared, and numbers that were rounded agree.
     """
-    from calib.exports.read import difference, parent, read_back, refuse
+    from calib.exports.compare import difference, parent, refuse
+    from calib.exports.read import read_back
     from calib.show.store import returned
 
     found = read_back(file)

@@ -22,7 +22,7 @@ from cli.outputs import (
 
 if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
-    from calib.run.events import RunEvent
+    from calib.run.driving_record import RunEvent
 
     From = float | None
     Until = float | None
@@ -73,7 +73,7 @@ def log(
     filtered or zeroed; a log of several sample rates comes onto one clock.
     """
     from calib.logs.whole import channels_log, cut, inventory
-    from calib.run.events import run_events
+    from calib.run.driving_record import run_events
     from calib.show.facts import Facts
     from calib.show.log_page import facts
 

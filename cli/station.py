@@ -219,7 +219,8 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
 
 def _tell_exports(stored: "Stored", forms: list[str]) -> None:
     """Say why there are none, or that they have no addresses: no linked program is known here."""
-    from calib.exports.export import ADDRESSED, NOWHERE
+    from calib.exports.dataset import NOWHERE
+    from calib.exports.export import ADDRESSED
     from calib.line.station.folder import export_name
 
     if forms and not stored.state.released:

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from calib.base.errors import BrakeCalError, SettingsError
 
-MEGA = 1_000_000
+_MEGA = 1_000_000
 VARIABLE = "BRAKE_CAL_MOST_"
 
 
@@ -48,12 +48,12 @@ class FileKind:
                 where=self.variable,
                 expected="a number of MB, such as 500",
             )
-        return int(megabytes * MEGA)
+        return int(megabytes * _MEGA)
 
     def excess(self, size: int | None = None, what: str = "it has") -> str:
         """Words for a file of ``size`` bytes, or of unknown size, that is too large."""
-        has = "more" if size is None else f"{size / MEGA:.0f} MB"
-        most = f"{self.most / MEGA:g} MB"
+        has = "more" if size is None else f"{size / _MEGA:.0f} MB"
+        most = f"{self.most / _MEGA:g} MB"
         return f"{what} {has} than {most}" if size is None else f"{what} {has}, at most {most}"
 
     @property

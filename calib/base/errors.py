@@ -25,13 +25,8 @@ class BrakeCalError(Exception):
     ):
         """Build the message: one line, whatever libraries and files put into its parts.
 
-        Parameters
-        ----------
-        what : what was wrong, and the value that was given.
-        where : the file, channel or key.
-        expected : what would have been valid.
-        do : the next step for the user.
-        lines : further mistakes in the same file, a line each.
+        ``what`` was wrong, with the value given; ``where``: file, channel or key; ``expected`` what
+        would have been valid; ``do`` the next step; ``lines`` further mistakes, a line each.
         """
         self.what, self.expected, self.do = one_line(what), one_line(expected), one_line(do)
         self.where = where

@@ -22,16 +22,9 @@ WHEELS = ("fl", "fr", "rl", "rr")
 
 @dataclass(frozen=True)
 class Quantity:
-    """One logged quantity.
+    """One logged quantity: canonical ``name``, ``symbol`` in the paper, ``meaning`` with the sign.
 
-    Attributes
-    ----------
-    name : canonical channel name.
-    symbol : symbol in the paper, or the usual one.
-    unit : unit of the canonical log file.
-    si : unit inside the program; the two differ only where a log is read or written.
-    meaning : description, with the sign convention.
-    required : whether every log must have it.
+    ``unit`` of the canonical log file; ``si`` inside the program; ``required`` of every log.
     """
 
     name: str

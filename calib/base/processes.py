@@ -13,7 +13,7 @@ from typing import Protocol, TypeVar
 
 from calib.base.errors import BatchError
 
-STOPPING = 0.3
+_STOPPING = 0.3
 """Time [s] within which a signal to a group of processes has come to all of them."""
 
 T = TypeVar("T")
@@ -81,7 +81,7 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
     try:
         yield mapped
     except BrokenExecutor as error:
-        time.sleep(STOPPING)  # what stopped the workers may stop this process, too
+        time.sleep(_STOPPING)  # what stopped the workers may stop this process, too
         raise BatchError(
             "a worker process died",
             do="repeat it; if memory ran out, with --workers 1",

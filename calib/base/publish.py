@@ -28,9 +28,9 @@ from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.write import locked, sync, write_whole
 
 INTENT = ".publishing.json"
-WORK = ".making-"
+_WORK = ".making-"
 """How the name of a work folder begins."""
-LOCK = ".publishing.lock"
+_LOCK = ".publishing.lock"
 
 
 def _nothing(out: Path) -> Iterable[str]:
@@ -93,7 +93,7 @@ def settle(out: Path) -> bool:
 
     The work of a run that is alive is not touched. Raises OSError if ``out`` cannot be written.
     """
-    if not any((*out.glob(f"{WORK}*"), *out.glob(".publishing.*"))):
+    if not any((*out.glob(f"{_WORK}*"), *out.glob(".publishing.*"))):
         return False
     with _alone(out):
         return _settle(out)
@@ -102,17 +102,17 @@ def settle(out: Path) -> bool:
 @contextmanager
 def _alone(out: Path) -> Iterator[None]:
     """No other process changes ``out`` within this context."""
-    with locked(out / LOCK):
+    with locked(out / _LOCK):
         try:
             yield
         finally:
-            (out / LOCK).unlink(missing_ok=True)
+            (out / _LOCK).unlink(missing_ok=True)
 
 
 @contextmanager
 def _work_folder(out: Path) -> Iterator[Path]:
     """A new work folder, locked as long as this process has it."""
-    work = out / f"{WORK}{secrets.token_hex(8)}"
+    work = out / f"{_WORK}{secrets.token_hex(8)}"
     with ExitStack() as owned:
         with _alone(out):
             _settle(out)
@@ -130,7 +130,7 @@ def _work_folder(out: Path) -> Iterator[Path]:
 
 def _settle(out: Path) -> bool:
     finished = _finish(out)
-    works = {path.name.removesuffix(".lock") for path in out.glob(f"{WORK}*")}
+    works = {path.name.removesuffix(".lock") for path in out.glob(f"{_WORK}*")}
     cleared = [name for name in sorted(works) if _cleared(out / name)]
     return finished or bool(cleared)
 
@@ -198,7 +198,7 @@ def _read_intent(out: Path) -> _Intent | None:
         read = json.loads(read_bounded(out / INTENT, VALIDATION))
         intent = _Intent(str(read["work"]), tuple(read["remove"]), tuple(read["move"]))
         inside = all(_is_inside(name) for name in (intent.work, *intent.remove, *intent.move))
-        if read["schema"] == 1 and inside and intent.work.startswith(WORK) and intent.move:
+        if read["schema"] == 1 and inside and intent.work.startswith(_WORK) and intent.move:
             return intent
     except FileNotFoundError:
         return None

@@ -64,8 +64,6 @@ def one_error(
 
 
 class _Mistake(NamedTuple):
-    """Key path, value given, value expected, what to do."""
-
     place: str
     what: str
     expected: str = ""

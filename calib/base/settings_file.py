@@ -52,12 +52,9 @@ class SettingsFile(FileSchema):
 def read_settings(path: Path) -> Settings:
     """Read a settings file; its paths are made to lead from the working folder.
 
-    Raises one SettingsError with all mistakes of the file, or if it cannot be read.
+    Raises one SettingsError with all mistakes of the file.
     """
-    try:
-        file = read_toml(path, SettingsFile, SettingsError)
-    except OSError as error:
-        raise SettingsError(f"cannot be read ({error.strerror})", where=path) from error
+    file = read_toml(path, SettingsFile, SettingsError)
     folder = Path(os.path.relpath(path.absolute().parent))
 
     def place(written: str | None) -> Path | None:

@@ -150,12 +150,8 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
 def quantity(value: object, si: str | None, where: object, error: type[InputError]) -> float:
     """A number in SI from a quantity in a TOML file, such as ``"28.84 cm^2"``.
 
-    Parameters
-    ----------
-    value : a string with number and unit, or a plain number if the quantity is dimensionless.
-    si : SI unit wanted; None for any quantity.
-    where : file and key, for the message.
-    error : raised if the value is no finite number, has no unit or a unit of another quantity.
+    ``si`` is the unit wanted, None for any; only a dimensionless one may be a plain number. Raises
+    ``error`` at ``where`` for what is not finite, has no unit or one of another quantity.
     """
     dimensionless = si in ("1", None)
     if isinstance(value, int | float) and not isinstance(value, bool):

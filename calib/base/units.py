@@ -7,13 +7,14 @@ length. A unit that is not in the table raises `UnknownUnit`.
 
 import difflib
 from dataclasses import dataclass
-from typing import overload
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.names import G
 
+Number = TypeVar("Number", float, NDArray[np.float64])
 TURN = 2.0 * np.pi
 
 
@@ -156,22 +157,11 @@ def si_of(unit: str) -> str:
     raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(known)}")
 
 
-@overload
-def to_si(values: float, unit: str, si: str) -> float: ...
-@overload
-def to_si(values: NDArray[np.float64], unit: str, si: str) -> NDArray[np.float64]: ...
-def to_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | NDArray[np.float64]:
-    """Convert from a written unit to SI.
+def to_si(values: Number, unit: str, si: str) -> Number:
+    """Convert ``values``, any shape, from a written ``unit`` in any known spelling to ``si``.
 
-    Parameters
-    ----------
-    values : written values, any shape.
-    unit : their unit as written, in any known spelling.
-    si : SI unit wanted; it names the quantity: ``g`` is gravity for ``"m/s^2"``.
-
-    Returns
-    -------
-    Values in ``si``, same shape. Raises `UnknownUnit`. Temperatures are absolute, not differences.
+    The SI unit names the quantity: ``g`` is gravity for ``"m/s^2"``. Raises `UnknownUnit`.
+    Temperatures are absolute, not differences.
 
     >>> to_si(28.84, "cm^2", "m^2")
     0.002884
@@ -180,11 +170,7 @@ def to_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | ND
     return values * u.scale / u.per + u.offset
 
 
-@overload
-def from_si(values: float, unit: str, si: str) -> float: ...
-@overload
-def from_si(values: NDArray[np.float64], unit: str, si: str) -> NDArray[np.float64]: ...
-def from_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | NDArray[np.float64]:
+def from_si(values: Number, unit: str, si: str) -> Number:
     """Convert from SI to a written unit: the inverse of `to_si`, with the same arguments.
 
     >>> from_si(100.0, "km/h", "m/s")

@@ -17,7 +17,7 @@ from calib.base.names import Array, G
 from calib.car.effects.combined import body_load_shift, total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, braking_sum
-from calib.car.history import Motion, at_rest
+from calib.car.history import Motion, constant_speed
 from calib.car.vehicle import Axle, Vehicle
 
 
@@ -63,7 +63,7 @@ def force_balance(
     without it -g z/R, which neglects the change of slip.
     """
     load_f, load_r = axle_loads(vehicle, z)
-    history = replace(at_rest(time, pressure, 0.0), v=speed, z=z)
+    history = replace(constant_speed(time, pressure, 0.0), v=speed, z=z)
     motion = Motion(speed, load_f, load_r, history)
     moments = total_axle_moment(vehicle, effects, motion)
     axles = (vehicle.front, vehicle.rear)

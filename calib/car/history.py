@@ -63,7 +63,7 @@ class Motion:
     history: RunHistory
 
 
-def at_rest(
+def constant_speed(
     time: Array,
     p_mc: Array,
     v0: float,
@@ -71,9 +71,9 @@ def at_rest(
     source: str = "",
     start_heat: tuple[float, float] = ALIKE,
 ) -> RunHistory:
-    """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known.
+    """A run at the constant speed ``v0`` [m/s]: only pressure and temperatures are known.
 
-    ``time`` [s] and ``p_mc`` (n,); speed ``v0`` [m/s] at every sample, wheel angle and heat zero.
+    ``time`` [s], ``p_mc`` [Pa] and ``temperature`` [degC] by axle (n,); wheel angle and heat zero.
     """
     heat, zero = temperature or {}, np.zeros_like(time)
     return RunHistory(

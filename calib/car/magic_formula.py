@@ -70,16 +70,6 @@ class MagicFormula:
         bx = self._unbent(slip / load, self.peak_at(relative_load))
         return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load)
 
-    def slip(self, force: Array, relative_load: Array | float = 1.0) -> Array:
-        """Slip [1] on the rising branch that carries the normalised ``force`` [1].
-
-        NaN where the force is above the peak: no slip gives it.
-        """
-        ratio = force / self.peak_at(relative_load)
-        held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
-        bx = np.tan(np.arcsin(held) / self.shape)
-        return self._bent(bx, self.peak_at(relative_load), self._load_factor(relative_load))
-
     def rising(
         self, force: Array, relative_load: Array | float = 1.0, edge: float = 1.0
     ) -> tuple[Array, Array, NDArray[np.bool_]]:

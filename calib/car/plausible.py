@@ -167,9 +167,27 @@ FIGURES: tuple[Figure, ...] = (
 many good cars and mistakes have a warning: tests/studies/results/vehicle_mistakes.md."""
 
 
+_OF_KEYS = tuple(
+    Figure(
+        key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}",
+        key.value_of, key.low, key.high, *CAUSES[key.name], f"look at {key.path}",
+    )
+    for key in KEYS
+    if key.name in CAUSES
+)  # fmt: skip
+
+
 def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     """Warnings on what no usual car or van has; the values of the file first."""
-    return (*_keys(vehicle), *_figures(vehicle))
+    return tuple(_judged(vehicle))
+
+
+def _judged(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
+    for figure in (*_OF_KEYS, *FIGURES):
+        measured, ends = figure.of(vehicle), (figure.low, figure.high)
+        if not figure.low <= measured <= (figure.high or measured):
+            causes = figure.too_low if measured < figure.low else figure.too_high
+            yield PlausibilityWarning(figure.code, vehicle.name, measured, ends, causes, figure.do)
 
 
 def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
@@ -188,25 +206,3 @@ def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
             f"`brake-cal station` fails a car below {LEAST_FRONT_BIASED:g} g"
         )
     return tuple(found)
-
-
-def _keys(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
-    for key in KEYS:
-        if key.unit and key.name in CAUSES:
-            measured = key.value_of(vehicle)
-            if not key.low <= measured <= key.high:
-                code = key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}"
-                causes = CAUSES[key.name][measured > key.high]
-                ends = (key.low, key.high)
-                yield PlausibilityWarning(
-                    code, vehicle.name, measured, ends, causes, f"look at {key.path}"
-                )
-
-
-def _figures(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
-    for figure in FIGURES:
-        measured = figure.of(vehicle)
-        if not figure.low <= measured <= (figure.high or measured):
-            causes = figure.too_low if measured < figure.low else figure.too_high
-            ends = (figure.low, figure.high)
-            yield PlausibilityWarning(figure.code, vehicle.name, measured, ends, causes, figure.do)

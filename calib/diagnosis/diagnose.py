@@ -57,8 +57,8 @@ from calib.diagnosis.undecided.doubts import base_half_widths
 from calib.diagnosis.undecided.drives import ShowingDrive, drives
 from calib.logs.log import Log
 from calib.plausibility.speed import require_measured_speed
+from calib.run.copies import without_holds
 from calib.run.gates import refuse_copies
-from calib.run.held import without_holds
 
 Array = NDArray[np.float64]
 

@@ -271,7 +271,7 @@ class DiagnosisGates:
     simulated: int = 2
     """Manoeuvres that are simulated after the linear step."""
 
-    # written/words.py
+    # show/diagnosis.py
     sides_told: float = 3e-4
     """Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
     within: float = 1.0

@@ -27,12 +27,10 @@ from calib.estimation.exchanged import Exchanged, exchanged
 from calib.estimation.gates import LOCKS, NO_PAD
 from calib.estimation.settings import SETTINGS
 from calib.logs.log import Log
-from calib.run.blocks import Blocks
-from calib.run.crossed_wheels import CORRECT, Crossed, WheelParts, crossed_diagonal
+from calib.run.blocks import Blocks, braked_alone
 from calib.run.gates import bitten, eta_rise
 from calib.run.limits import LIMITS
-from calib.run.one_axle import braked_alone
-from calib.run.swapped import what_to_check
+from calib.run.wheels import CORRECT, Crossed, WheelParts, crossed_diagonal, what_to_check
 from calib.table.budget import front_share
 from calib.table.table import Table
 
@@ -136,7 +134,7 @@ class CrossedStop(NamedTuple):
 def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> CrossedStop | None:
     """A front and a rear wheel of one diagonal that changed places, None where nothing says so.
 
-    Those of one side are refused before a stop is estimated, see `calib.run.crossed_wheels`.
+    Those of one side are refused before a stop is estimated, see `calib.run.wheels`.
     """
     r = _rise(table, e.blocks)
     found = crossed_diagonal(parts, r.expected) if r is not None else None

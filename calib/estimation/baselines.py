@@ -28,7 +28,7 @@ from calib.estimation.priors import Priors
 from calib.estimation.temperature import temperature
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
-from calib.run.brake_balance import BrakeBalance
+from calib.run.brake_response import BrakeBalance
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

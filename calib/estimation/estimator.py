@@ -42,10 +42,8 @@ from calib.model.known_effects import remove_known_effects
 from calib.model.sensors import judge_accelerometer
 from calib.run.accelerometer import Accelerometer
 from calib.run.axle_signals import Signals, eta_of, signals
-from calib.run.block_balance import block_balance
-from calib.run.blocks import Blocks, blocks
-from calib.run.brake_balance import BrakeBalance, brake_balance
-from calib.run.brake_response import BrakeResponse, brake_response
+from calib.run.blocks import Blocks, block_balance, blocks
+from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
 from calib.run.filters import block_mean, block_slope
 from calib.run.lateral import lateral
 from calib.table.budget import front_share
@@ -219,6 +217,7 @@ def estimate(
     *,
     mass: float | None = None,
     with_laws: bool = True,
+    read: Signals | None = None,
 ) -> Estimate:
     """Run the estimator with a table on a log.
 
@@ -233,6 +232,7 @@ def estimate(
     priors, gates : of the split filter, and of ``valid``; by default those that were tried.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
     with_laws : without, the only baseline is nominal pads.
+    read : `signals` of the log with the table's vehicle, where they are known.
 
     Without a lead-in the radii are those of the vehicle, within one per cent: eta says little then.
 
@@ -251,7 +251,9 @@ def estimate(
     ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
-    read = signals(ran.log, nominal or ran.vehicle)
+    radius = ran.vehicle.rear.rolling_radius
+    if read is None or ran.log is not log or radius != table.vehicle.rear.rolling_radius:
+        read = signals(ran.log, nominal or ran.vehicle)
     known = with_known_pitch(priors or Priors(), car)
     plan = plan_for(used, ran.log, read, nominal, known, gates, mass_stated=mass is not None)
     as_read = blocks(read)

@@ -13,7 +13,7 @@ from calib.estimation.block_level import level_error
 from calib.estimation.plan import Plan
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks
-from calib.run.brake_balance import brake_balance
+from calib.run.brake_response import brake_balance
 from calib.run.filters import block_mean, trailing_mean
 
 Array = NDArray[np.float64]

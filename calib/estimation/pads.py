@@ -14,7 +14,7 @@ from calib.estimation.plan import Plan
 from calib.estimation.weighed_level import WeighedLevel
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks
-from calib.run.brake_balance import BrakeBalance
+from calib.run.brake_response import BrakeBalance
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from calib.car.effects.body import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
 from calib.run.brake_response import SPREAD, USUAL
-from calib.run.zero import WALK
+from calib.run.noise import WALK
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Priors:
     zero: float = 0.01
     """Sigma of eta_zero and slip_zero: radii agree within 1 %."""
     drift_zero: float = WALK
-    """Random walk of both until the bite [1/sqrt(s)], `calib.run.zero`."""
+    """Random walk of both until the bite [1/sqrt(s)], `calib.run.noise`."""
     sync: float = 0.02
     """Misalignment of pressure and wheels [s] while the pressure moves: one frame of a slow bus."""
     model: float = 0.02

@@ -16,7 +16,7 @@ from calib.car.disc_temperature import AIR, DISCS, START, disc_temperature
 from calib.car.effects import pads
 from calib.car.effects.effects import Effects
 from calib.car.forces import brake_torque
-from calib.car.history import at_rest
+from calib.car.history import constant_speed
 from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
@@ -50,7 +50,7 @@ def temperature(car: Vehicle, log: Log, s: Signals, known: Effects) -> Pair:
     name = pads.FADE.card.name
     if name in known:
         raise InputError(f"{name} of the car is already taken out of the log")
-    history = at_rest(s.time, log["p_mc"], 0.0, temperatures(car, log, s))
+    history = constant_speed(s.time, log["p_mc"], 0.0, temperatures(car, log, s))
     fade_f, fade_r = pads.faded(FADE, history, s.p_f, s.p_r)
     return car.front.pad_friction * fade_f, car.rear.pad_friction * fade_r
 

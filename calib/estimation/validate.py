@@ -215,8 +215,9 @@ def validate_one(
         )
     car = as_used(table, vehicle, mass)
     require_same_vehicle(table, vehicle, mass=mass)
-    require_same_wheels(table.vehicle, log, signals(log, table.vehicle))
-    result = estimate(table, log, vehicle, mass=mass, with_laws=baselines)
+    read = signals(log, table.vehicle)
+    require_same_wheels(table.vehicle, log, read)
+    result = estimate(table, log, vehicle, mass=mass, with_laws=baselines, read=read)
     other = judge_axles(table, log, result)
     crossed = crossed_wheels(table, result, seen.wheels)
     warnings = (

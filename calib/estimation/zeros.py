@@ -14,8 +14,7 @@ from calib.car.balance import ForceBalance
 from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals, eta_of
-from calib.run.noise import SensorNoise
-from calib.run.zero import aged
+from calib.run.noise import SensorNoise, aged
 from calib.table.table import Table
 
 Array = NDArray[np.float64]
@@ -62,7 +61,7 @@ def _turning(s: Signals) -> Array:
 
 
 def _mean(s: Signals, x: Array, density: Array) -> float:
-    """Mean of ``x`` (n,) over the lead-in, the last seconds most, `calib.run.zero`.
+    """Mean of ``x`` (n,) over the lead-in, the last seconds most, `calib.run.noise`.
 
     ``density`` of its noise [s^0.5] (n,).
     """

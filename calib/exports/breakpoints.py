@@ -16,10 +16,8 @@ The time grows with the cube of the rows: meant for tables of some hundred rows.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
+from calib.base.arrays import Array, Index
 
 FEWEST = 2
 """Least number of breakpoints of an axis: its ends."""
@@ -37,7 +35,7 @@ class Misfit:
     rms: float
 
 
-def place(x: Array, curves: Array, points: int) -> Indices:
+def place(x: Array, curves: Array, points: int) -> Index:
     """Rows to keep, both ends among them: ``points``, or fewer where more increase the error.
 
     Parameters
@@ -46,8 +44,6 @@ def place(x: Array, curves: Array, points: int) -> Indices:
     curves : the curves over it, (k, n), in one unit.
     points : 2 or more; all rows are kept where the axis has no more.
     """
-    if points < FEWEST:
-        raise ValueError(f"{points} breakpoints; expected {FEWEST} or more")
     n = len(x)
     if points >= n:
         return np.arange(n)
@@ -100,7 +96,7 @@ def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
     return worst, square
 
 
-def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, NDArray[np.intp]]:
+def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, Index]:
     """Least cost of p points that end at row j, (points + 1, n), and the row before j."""
     n = len(cost)
     reach = np.full((points + 1, n), np.inf)
@@ -113,7 +109,7 @@ def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, NDArray[np.
     return reach, back
 
 
-def _path(back: NDArray[np.intp], points: int, n: int) -> Indices:
+def _path(back: Index, points: int, n: int) -> Index:
     row, rows = n - 1, [n - 1]
     for p in range(points, 1, -1):
         row = int(back[p, row])

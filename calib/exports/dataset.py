@@ -1,71 +1,35 @@
-"""A table as calibration tools use it: axes, curves over them, scalars, and their origin.
+"""A version of a table as calibration tools use it: axes, curves over them, scalars, their origin.
 
-Every format writes one `Dataset`; its `Content` is the same in all formats. A file that is read
-back is `Returned`: an export of this program when it names a table, in its head or by its labels,
-since a tool that saves a file keeps labels and numbers, and seldom the head.
+Every format writes one `Dataset`, on all rows of the table or on the best selection of them, in
+double or in fixed point.
 """
 
 import hashlib
 import re
 import unicodedata
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 
+from calib.base.arrays import Array, Index
 from calib.base.errors import ExchangeError
-from calib.exports.breakpoints import Misfit
-from calib.store.evidence import Quality
-from calib.store.state import VersionState
-from calib.table.table import Array, SetByHand
+from calib.base.intervals import Z95
+from calib.exports.breakpoints import FEWEST, Misfit, misfit, place
+from calib.exports.fixed_point import Fixed, fixed_axis, to_fixed
+from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
+from calib.store.figures import effect_figures
+from calib.store.version import Stored
+from calib.table.table import BY_HAND, Table
 
-LONGEST = 31
-"""Significant characters of an external name in every C99 compiler."""
+LONGEST, LONGEST_PREFIX = 31, 16
+"""Characters of a label (significant in every C99 compiler), and of its first part."""
 
-LONGEST_PREFIX = 16
 MARK = 4
 """Digits of the digest behind a shortened name."""
 
-
-def prefix(name: str) -> str:
-    """Label of a table's name, at most 16 characters.
-
-    >>> prefix("sedan-2up"), prefix("2up")
-    ('sedan_2up', 't_2up')
-    >>> prefix("Müller")
-    'Muller_a784'
-    """
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
-    word = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
-    if not word[:1].isalpha():
-        word = f"t_{word}".rstrip("_")
-    whole = re.fullmatch(r"[A-Za-z0-9._-]+", name) is not None
-    if whole and len(word) <= LONGEST_PREFIX:
-        return word
-    return _marked(word, name, LONGEST_PREFIX)
-
-
-def label(first: str, *parts: str) -> str:
-    """Label of one curve or scalar, at most 31 characters.
-
-    >>> label("sedan_2up", "f1")
-    'sedan_2up_f1'
-    """
-    whole = "_".join((first, *parts))
-    return whole if len(whole) <= LONGEST else _marked(whole, whole, LONGEST)
-
-
-def printable(text: str) -> str:
-    """``text`` on one line, without control characters."""
-    return "".join(c if c.isprintable() else " " for c in text)
-
-
-def _marked(word: str, name: str, longest: int) -> str:
-    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:MARK]
-    return f"{word[: longest - MARK - 1].rstrip('_')}_{mark}"
-
-
-CLAMP = (
+_CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "
     "the estimator marks such samples as not valid"
 )
@@ -74,61 +38,173 @@ CLAMP = (
 BY_A_PERSON = "set by hand"
 """How the meaning of an object ends that a person set."""
 
+UNIT = "1"
+"""Unit of every axis and curve: speed ratios, slips and normalised forces."""
 
 NOT = "NOT RELEASED, not for use in a vehicle: "
 """Before the state of a version that is not released, in every format."""
 
+SHORT = {
+    ("aerodynamic_drag", "drag_area"): "drag_area",
+    ("rolling_resistance", "coefficient"): "rolling_coeff",
+}
+"""Short words for the effects that nearly every table has; other names are in full, and cut."""
+
+
+def prefix(name: str) -> str:
+    """Label of a table's name, at most 16 characters.
+
+    >>> prefix("sedan-2up"), prefix("2up"), prefix("Müller")
+    ('sedan_2up', 't_2up', 'Muller_a784')
+    """
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    word = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
+    if not word[:1].isalpha():
+        word = f"t_{word}".rstrip("_")
+    whole = re.fullmatch(r"[A-Za-z0-9._-]+", name) is not None
+    return word if whole and len(word) <= LONGEST_PREFIX else _marked(word, name, LONGEST_PREFIX)
+
+
+def label(*parts: str) -> str:
+    """Label of one curve or scalar, at most 31 characters.
+
+    >>> label("sedan_2up", "f1")
+    'sedan_2up_f1'
+    """
+    whole = "_".join(parts)
+    return whole if len(whole) <= LONGEST else _marked(whole, whole, LONGEST)
+
+
+def _marked(word: str, name: str, longest: int) -> str:
+    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:MARK]
+    return f"{word[: longest - MARK - 1].rstrip('_')}_{mark}"
+
+
+_NONE_GIVEN = (
+    "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
+    "the linked program"
+)
+
 
 @dataclass(frozen=True)
-class Axis:
-    """Breakpoints, strictly increasing. ``values`` (n,) in ``unit``.
+class Addresses:
+    """Address of each object by label, and the byte order; all are 0 where no file was given.
 
-    ``shared`` by several curves, or the own axis of one; ``origin`` of the fixed point; ``rows``
-    number of rows of the table; ``misfit`` of the curves interpolated between the breakpoints.
+    ``remarks`` say what was assumed, in sentences.
     """
+
+    by_label: dict[str, int] = field(default_factory=dict)
+    big_endian: bool = False
+    remarks: tuple[str, ...] = (_NONE_GIVEN,)
+
+    def of(self, name: str) -> int:
+        """Address of an object."""
+        return self.by_label.get(name, 0)
+
+
+NOWHERE = Addresses()
+"""No program was given."""
+
+
+@dataclass(frozen=True)
+class Object:
+    """What has a label: ``values`` (n,) in ``unit``; ``fixed`` the same in fixed point, or None."""
 
     label: str
     meaning: str
     unit: str
     values: Array
+    fixed: Fixed | None
+    kind: ClassVar[str]
+
+    @property
+    def numbers(self) -> list[float]:
+        """The values as Python's own floats: their texts read back to the last bit."""
+        return [float(x) for x in self.values]
+
+    @property
+    def span(self) -> str:
+        """Range of the values, in words."""
+        return f"range {min(self.numbers)!r} to {max(self.numbers)!r}"
+
+    @property
+    def band(self) -> Array:
+        """Values that the limits of the object must hold."""
+        return self.values
+
+
+@dataclass(frozen=True)
+class Axis(Object):
+    """Breakpoints, strictly increasing; ``shared`` by several curves, or the own axis of one.
+
+    ``rows`` number of rows of the table; ``misfit`` of the curves interpolated between the
+    breakpoints; ``origin`` of the fixed point.
+    """
+
     shared: bool
     origin: float
     rows: int
     misfit: Misfit
+    kind = "AXIS_PTS"
+
+    @property
+    def placed(self) -> str:
+        """Number of breakpoints and their interpolation error, in words."""
+        if len(self.values) == self.rows:
+            return f"all {self.rows} rows of the table; interpolation error 0"
+        m = self.misfit
+        return (
+            f"{len(self.values)} of {self.rows} rows; interpolation error at most {m.worst:.6g} "
+            f"(at {m.at:.8g}), rms {m.rms:.6g}"
+        )
 
 
 @dataclass(frozen=True)
-class Curve:
-    """A curve over the axis of that label, with 95 % band, counts and flags; shapes (n,)."""
+class Curve(Object):
+    """Values over ``axis`` with their 95 % band, counts and flags; shapes (n,)."""
 
-    label: str
-    axis: str
-    meaning: str
-    unit: str
-    values: Array
+    axis: Axis
     lower: Array
     upper: Array
     count: Array
     flag: Array
+    kind = "CURVE"
+
+    @property
+    def band(self) -> Array:
+        """Values and their band."""
+        return np.concatenate((self.values, self.lower, self.upper))
+
+    @property
+    def fixed_misfit(self) -> float:
+        """Largest error of the curve over its axis when both are rounded; both in fixed point."""
+        assert self.fixed is not None and self.axis.fixed is not None  # noqa: PT018
+        x, y = self.axis.fixed.values, self.fixed.values
+        return misfit(self.axis.values, self.values[None], x, y[None]).worst
 
 
 @dataclass(frozen=True)
-class Scalar:
-    """A number in ``unit`` (SI); ``sigma`` one standard deviation where it was fitted."""
+class Scalar(Object):
+    """One number; ``sigma`` one standard deviation where it was fitted."""
 
-    label: str
-    meaning: str
-    unit: str
-    value: float
-    sigma: float | None = None
+    sigma: float | None
+    kind = "VALUE"
+
+    @property
+    def band(self) -> Array:
+        """The 95 % band."""
+        return self.values + Z95 * (self.sigma or 0.0) * np.array([-1.0, 1.0])
+
+
+Numbers = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Content:
     """The bare numbers: shared axes, curves as (x, y), scalars, each by label."""
 
-    axes: dict[str, tuple[float, ...]]
-    curves: dict[str, tuple[tuple[float, ...], tuple[float, ...]]]
+    axes: dict[str, Numbers]
+    curves: dict[str, tuple[Numbers, Numbers]]
     scalars: dict[str, float]
 
     @property
@@ -140,147 +216,187 @@ class Content:
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
+def _hex(values: Numbers) -> str:
+    return " ".join(v.hex() for v in values)
+
+
 @dataclass(frozen=True)
 class Dataset:
-    """The exported data of one version of a table.
+    """The exported data of ``stored``, in integers of ``bits`` or in double.
 
-    ``id`` name@version; ``digest`` of the whole table; ``program`` that fitted it; ``quality``
-    result of a validation; ``release`` the state of the version; ``parents`` ids of the tables that
-    it was made of; ``by_hand`` what a person set in it.
+    ``date`` of the export as ISO 8601, for CDF: a table has none. ``addresses`` for A2L.
     """
 
-    id: str
-    version: int
-    digest: str
-    program: str
-    vehicle: str
+    stored: Stored
     prefix: str
     axes: tuple[Axis, ...]
     curves: tuple[Curve, ...]
     scalars: tuple[Scalar, ...]
     quality: Quality
-    release: VersionState
-    parents: tuple[str, ...] = ()
-    by_hand: tuple[SetByHand, ...] = ()
-
-    def axis(self, label: str) -> Axis:
-        """The axis of that label."""
-        return next(a for a in self.axes if a.label == label)
-
-    def over(self, axis: Axis) -> list[Curve]:
-        """The curves over an axis."""
-        return [c for c in self.curves if c.axis == axis.label]
+    bits: int | None
+    date: str
+    addresses: Addresses = NOWHERE
 
     @property
-    def blocks(self) -> int:
-        """Objects in a file: shared axes, curves and scalars."""
-        return sum(a.shared for a in self.axes) + len(self.curves) + len(self.scalars)
+    def id(self) -> str:
+        """Name and version of the table."""
+        return self.stored.id
 
     @property
-    def arrays(self) -> dict[str, Array]:
-        """The numbers of every object by label, axes first; shapes (n,)."""
-        return {
-            **{axis.label: axis.values for axis in self.axes},
-            **{curve.label: curve.values for curve in self.curves},
-            **{scalar.label: np.array([scalar.value]) for scalar in self.scalars},
-        }
+    def objects(self) -> tuple[Object, ...]:
+        """Axes, curves, scalars."""
+        return (*self.axes, *self.curves, *self.scalars)
+
+    @property
+    def numbers(self) -> str:
+        """How the numbers of a file for an ECU are written."""
+        return f"int{self.bits}_t, value = origin + step * raw" if self.bits else "double"
 
     def content(self) -> Content:
         """The bare numbers."""
         return Content(
-            {a.label: _floats(a.values) for a in self.axes if a.shared},
-            {c.label: (_floats(self.axis(c.axis).values), _floats(c.values)) for c in self.curves},
-            {s.label: s.value for s in self.scalars},
+            {a.label: tuple(a.numbers) for a in self.axes if a.shared},
+            {c.label: (tuple(c.axis.numbers), tuple(c.numbers)) for c in self.curves},
+            {s.label: s.numbers[0] for s in self.scalars},
         )
 
     def facts(self) -> dict[str, str]:
         """Facts that every file states, by key."""
+        stored, table, content = self.stored, self.stored.table, self.content()
+        objects = len(content.axes) + len(content.curves) + len(content.scalars)
+        parents = ", ".join(parent.id for parent in table.provenance.parents)
         return {
-            "table": self.id,
-            "version": str(self.version),
-            "digest": self.digest,
-            "program": self.program,
-            "vehicle": self.vehicle,
-            **({"parents": ", ".join(self.parents)} if self.parents else {}),
-            **({BY_A_PERSON: "; ".join(map(str, self.by_hand))} if self.by_hand else {}),
-            "ends": CLAMP,
-            **{f"breakpoints {a.label}": placed(a) for a in self.axes},
+            "table": stored.id,
+            "version": str(stored.version),
+            "digest": stored.digest,
+            "program": table.provenance.program,
+            "vehicle": table.vehicle.name,
+            **({"parents": parents} if parents else {}),
+            **({BY_A_PERSON: "; ".join(map(str, table.by_hand))} if table.by_hand else {}),
+            "ends": _CLAMP,
+            **{f"breakpoints {a.label}": a.placed for a in self.axes},
             "validation": self.quality.words,
             "state": self.quality.state,
-            "release": ("" if self.release.released else NOT) + self.release.why,
-            "objects": str(self.blocks),
-            "checksum": self.content().checksum,
+            "release": ("" if stored.state.released else NOT) + stored.state.why,
+            "objects": str(objects),
+            "checksum": content.checksum,
         }
 
 
-def placed(axis: Axis) -> str:
-    """Number of breakpoints of an axis and their interpolation error, in words."""
-    if len(axis.values) == axis.rows:
-        return f"all {axis.rows} rows of the table; interpolation error 0"
-    m = axis.misfit
-    return (
-        f"{len(axis.values)} of {axis.rows} rows; interpolation error at most {m.worst:.6g} "
-        f"(at {m.at:.8g}), rms {m.rms:.6g}"
+def build(
+    stored: Stored,
+    points: int | None = None,
+    quality: Quality = UNPROVED,
+    bits: int | None = None,
+    date: str = "",
+) -> Dataset:
+    """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
+
+    Raises ExchangeError if the table has fewer rows than ``points``, for a width that C does not
+    have, and where a rounded axis is not strictly increasing.
+    """
+    table, first = stored.table, prefix(stored.name)
+    p, d, g = table.paper, table.difference, table.tyre
+    ratio = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
+    force = "normalised force over slip, common tyre curve"
+    paper: list[_Row] = [
+        ("f1", "f1 = F_f - z", p.f1, p.f1_lower, p.f1_upper, p.count, p.flag),
+        ("f2", "f2 = F_r - z", p.f2, p.f2_lower, p.f2_upper, p.count, p.flag),
+    ]
+    gap: list[_Row] = [("D", "D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag)]
+    tyre: list[_Row] = [("g", force, g.force, g.lower, g.upper, g.count, g.flag)]
+    if np.array_equal(p.eta, d.eta):
+        over_eta = [("eta", p.eta, [*paper, *gap])]
+    else:
+        over_eta = [("eta", p.eta, paper), ("eta_D", d.eta, gap)]
+    groups = [
+        *(_group(first, (name, ratio, x, True, 1.0), over, points) for name, x, over in over_eta),
+        _group(first, ("slip", "slip of the wheel", g.slip, False, 0.0), tyre, points),
+    ]
+    data = Dataset(
+        stored=stored,
+        prefix=first,
+        axes=tuple(axis for axis, _ in groups),
+        curves=tuple(curve for _, curves in groups for curve in curves),
+        scalars=tuple(_scalars(table, stored.version, first)),
+        quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
+        bits=bits,
+        date=date,
+    )
+    return data if bits is None else _rounded(data, bits)
+
+
+_Row = tuple[str, str, Array, Array, Array, Array, Array]
+"""Name, meaning, values, band, counts and flags of a curve."""
+
+
+def _group(
+    first: str, row: tuple[str, str, Array, bool, float], over: list[_Row], points: int | None
+) -> tuple[Axis, list[Curve]]:
+    """An axis and the curves over it, on the rows that are kept."""
+    name, meaning, x, shared, origin = row
+    y = np.array([values for _, _, values, *_ in over])
+    name, kept = label(first, name), np.arange(len(x))
+    if points is not None:
+        if not FEWEST <= points <= len(x):
+            raise ExchangeError(
+                f"{points} breakpoints",
+                where=name,
+                expected=f"{FEWEST} to {len(x)}, the rows of the table",
+            )
+        kept = place(x, y, points)
+    error = misfit(x, y, x[kept], y[:, kept])
+    axis = Axis(name, meaning, UNIT, x[kept], None, shared, origin, len(x), error)
+    return axis, [_curve(first, axis, kept, *row) for row in over]
+
+
+def _curve(first: str, axis: Axis, kept: Index, name: str, meaning: str, *arrays: Array) -> Curve:
+    rows = int(np.count_nonzero(arrays[-1] == BY_HAND))
+    if rows:
+        meaning += f", {rows} row{'s' * (rows > 1)} {BY_A_PERSON}"
+    values, *others = (array[kept] for array in arrays)
+    return Curve(label(first, name), meaning, UNIT, values, None, axis, *others)
+
+
+def _rounded(data: Dataset, bits: int) -> Dataset:
+    """``data`` with every object in fixed point."""
+    axes = {a.label: replace(a, fixed=fixed_axis(a.label, a.values, bits, a.origin))
+            for a in data.axes}  # fmt: skip
+    return replace(
+        data,
+        axes=tuple(axes.values()),
+        curves=tuple(
+            replace(c, fixed=to_fixed(c.values, bits), axis=axes[c.axis.label]) for c in data.curves
+        ),
+        scalars=tuple(replace(s, fixed=to_fixed(s.values, bits)) for s in data.scalars),
     )
 
 
-def span(values: Array) -> str:
-    """Range of some numbers, in words."""
-    return f"range {float(values.min())!r} to {float(values.max())!r}"
+def _scalars(table: Table, version: int, first: str) -> Iterator[Scalar]:
+    car, pads, tyre = table.vehicle, table.calibration, table.posterior
 
+    def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
+        return Scalar(label(first, name), what, unit, np.array([float(value)]), None, sigma)
 
-def _floats(values: Array) -> tuple[float, ...]:
-    return tuple(float(v) for v in values)
-
-
-def _hex(values: tuple[float, ...]) -> str:
-    return " ".join(v.hex() for v in values)
-
-
-VERSION = "_version"
-"""How the label of the scalar ends that holds the version of the table."""
-
-
-@dataclass(frozen=True)
-class Returned:
-    """A file read back: ``format`` DCM or CDF, ``facts`` by key, and its numbers.
-
-    ``prefix`` of the labels of the table, ``table`` its id: as the head has it, or by the labels.
-    """
-
-    format: str
-    facts: dict[str, str]
-    units: dict[str, str]
-    content: Content
-    prefix: str
-    table: str
-
-    @property
-    def unchanged(self) -> bool | None:
-        """Whether the numbers agree with the checksum; None where the file states none."""
-        stated = self.facts.get("checksum")
-        return None if stated is None else stated == self.content.checksum
-
-
-def returned(
-    path: Path, form: str, facts: dict[str, str], units: dict[str, str], content: Content
-) -> Returned:
-    """Make a `Returned`. Raises ExchangeError where no table is named or objects are missing."""
-    firsts = [name.removesuffix(VERSION) for name in content.scalars if name.endswith(VERSION)]
-    firsts = [first for first in firsts if f"{first}_D" in content.curves]
-    if len(firsts) != 1:
-        raise ExchangeError(
-            f"{form} with the labels of {len(firsts)} tables, such as NAME{VERSION} and NAME_D",
-            where=path,
-            expected="an export of one table, or that file as another tool has saved it",
-        )
-    first = firsts[0]
-    found = len(content.axes) + len(content.curves) + len(content.scalars)
-    if facts.get("objects", str(found)) != str(found):
-        raise ExchangeError(
-            f"holds {found} objects and states {facts['objects']}: cut off, or joined",
-            where=path,
-            do="export the table again",
-        )
-    table = facts.get("table", f"{first}@{content.scalars[first + VERSION]:.0f}")
-    return Returned(form, facts, units, content, first, table)
+    yield scalar("version", "version of the table", "1", version)
+    yield scalar("mass", "M_v, vehicle mass", "kg", car.mass)
+    yield scalar("l_f", "l_f, centre of gravity to front axle", "m", car.cg_to_front_axle)
+    yield scalar("l_r", "l_r, centre of gravity to rear axle", "m", car.cg_to_rear_axle)
+    yield scalar("h", "h, height of the centre of gravity", "m", car.cg_height)
+    yield scalar("l_w", "l_w, track width", "m", car.track_width)
+    for a, axle in (("f", car.front), ("r", car.rear)):
+        gain = f"C of (3): torque of one wheel over mu P, {a}"
+        yield scalar(f"R_{a}", f"R, rolling radius, {a}", "m", axle.rolling_radius)
+        yield scalar(f"J_{a}", f"J_w, inertia of one wheel, {a}", "kg*m^2", axle.wheel_inertia)
+        yield scalar(f"C_{a}", gain, "m^3", axle.torque_gain)
+    keys = {one.key for one in table.by_hand}
+    for axle_name, mu in (("front", pads.pad_friction_f), ("rear", pads.pad_friction_r)):
+        a = axle_name[0]
+        how = BY_A_PERSON if f"pad_friction_{a}" in keys else "of the calibration"
+        yield scalar(f"mu_{a}", f"{axle_name} pad friction {how}", "1", mu.value, mu.sigma)
+    for name in tyre.names:
+        yield scalar(name, f"{name} of the tyre", "1", tyre.value(name), tyre.sigma(name))
+    for of in effect_figures(table):
+        short = SHORT.get((of.effect, of.name), f"{of.effect}_{of.name}")
+        value, what = of.value, f"{of.name} of {of.effect}"
+        yield scalar(short, what, of.unit, value.value, value.sigma)

@@ -1,75 +1,24 @@
 """A table written as the file of a calibration tool, an ECU or another program."""
 
 import hashlib
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
-from calib.exports.a2l import write_a2l
-from calib.exports.addresses import Addresses, find_addresses
-from calib.exports.build import build
-from calib.exports.c_header import write_c_header
-from calib.exports.cdfx import write_cdfx
-from calib.exports.dataset import Dataset
-from calib.exports.dcm import write_dcm
-from calib.exports.plain import write_csv, write_inca_csv, write_json, write_parquet
+from calib.exports.addresses import find_addresses
+from calib.exports.dataset import Dataset, build
+from calib.exports.write import FORMATS
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 
-NOWHERE = Addresses()
-"""No program was given."""
-
-
-@dataclass(frozen=True)
-class Order:
-    """Input of a format: ``data`` of ``stored``, ``date``; integers if ``bits`` is set.
-
-    ``addresses`` of the objects in the linked program.
-    """
-
-    data: Dataset
-    stored: Stored
-    date: str
-    bits: int | None = None
-    addresses: Addresses = NOWHERE
-
-
-FORMATS: dict[str, Callable[[Order], bytes]] = {
-    "json": lambda o: write_json(o.data, o.stored),
-    "csv": lambda o: write_csv(o.data),
-    "parquet": lambda o: write_parquet(o.data),
-    "dcm": lambda o: write_dcm(o.data),
-    "cdfx": lambda o: write_cdfx(o.data, o.date),
-    "a2l": lambda o: write_a2l(o.data, o.bits, o.addresses),
-    "c-header": lambda o: write_c_header(o.data, o.bits),
-    "inca-csv": lambda o: write_inca_csv(o.data),
-}
-"""Each returns the whole file as bytes. Raises ExchangeError where it cannot hold the data."""
-
-ENDINGS = {
-    "json": "json",
-    "csv": "csv",
-    "parquet": "parquet",
-    "dcm": "dcm",
-    "cdfx": "cdfx",
-    "a2l": "a2l",
-    "c-header": "h",
-    "inca-csv": "inca.csv",
-}
+ENDINGS = {name: form.ending for name, form in FORMATS.items()}
 """Ending of the file name by format."""
 
-SPOKEN = {"c": "c-header", "h": "c-header", "cdf": "cdfx", "inca": "inca-csv", "asap2": "a2l"}
-"""Other accepted names of the formats."""
-
-FIXED_POINT = ("c-header", "a2l")
-"""Formats that can be in fixed point."""
-
-ADDRESSED = ("a2l",)
-"""Formats that hold addresses."""
+FIXED_POINT = tuple(name for name, form in FORMATS.items() if form.fixed)
+ADDRESSED = tuple(name for name, form in FORMATS.items() if form.addressed)
 
 
 def format_named(written: str) -> str:
@@ -79,12 +28,13 @@ def format_named(written: str) -> str:
     ('dcm', 'c-header', 'inca-csv')
     """
     name = written.lower().replace("_", "-").lstrip(".")
-    known = SPOKEN.get(name, name)
-    if known in FORMATS:
-        return known
-    near = did_you_mean(name, FORMATS)
-    what = f"unknown format {written!r}; {near} " if near else f"unknown format {written!r}; "
-    raise ExchangeError(f"{what}known: {', '.join(FORMATS)}")
+    for known, form in FORMATS.items():
+        if name in (known, *form.names):
+            return known
+    near = did_you_mean(name, ENDINGS)
+    raise ExchangeError(
+        f"unknown format {written!r}; {f'{near} ' if near else ''}known: {', '.join(ENDINGS)}"
+    )
 
 
 def format_of(name: str) -> str:
@@ -102,19 +52,20 @@ def format_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class Exported:
-    """A file that was written: ``data`` in the format ``form``, as ``content``.
-
-    ``remarks`` say what the file assumes of the ECU's memory, in sentences.
-    """
+    """A file that was written: ``data`` in the format ``form``, as ``content``."""
 
     path: Path
     form: str
     data: Dataset
     content: bytes = field(repr=False)
-    remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"{self.path}: {self.data.id} as {self.form}, {len(self.content)} bytes"
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the file assumes of the ECU's memory, in sentences."""
+        return self.data.addresses.remarks if self.form in ADDRESSED else ()
 
     @property
     def sha256(self) -> str:
@@ -173,13 +124,12 @@ def export(
         raise ExchangeError(f"{form} has no fixed point", expected=", ".join(FIXED_POINT))
     if elf is not None and form not in ADDRESSED:
         raise ExchangeError(f"{form} has no addresses", expected=", ".join(ADDRESSED))
-    data = build(stored, points, quality)
-    addresses = NOWHERE if elf is None else find_addresses(Path(elf), data, bits)
-    today = date or datetime.now(UTC).date().isoformat()
-    order = Order(data, stored, today, bits, addresses)
-    content = FORMATS[form](order)
+    data = build(stored, points, quality, bits, date or datetime.now(UTC).date().isoformat())
+    if elf is not None:
+        data = replace(data, addresses=find_addresses(Path(elf), data))
+    content = FORMATS[form].write(data)
     write_whole(path, content)
-    return Exported(path, form, data, content, addresses.remarks if form in ADDRESSED else ())
+    return Exported(path, form, data, content)
 
 
 def _not_released(stored: Stored) -> StoreError:

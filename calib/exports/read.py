@@ -1,97 +1,43 @@
-"""A DCM or CDF file read back, and compared with the table that it names."""
+"""DCM and CDF files read back, those that another tool has saved too: what is cut off is named.
 
-import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from decimal import Decimal
+A tool that saves a file keeps labels and numbers, and seldom the head; so a file is an export of
+this program when it names a table, in its head or by its labels.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
-
-import numpy as np
+from xml.etree import ElementTree as ET
+from xml.parsers import expat
 
 from calib.base.bounded import CALIBRATION, bytes_of
-from calib.base.errors import DamagedTable, ExchangeError, TableNotFound
-from calib.exports.build import build
-from calib.exports.cdfx import read_cdfx
-from calib.exports.dataset import Content, Returned, prefix
-from calib.exports.dcm import read_dcm
-from calib.store.folders import names_in
-from calib.store.store import Store
-from calib.store.version import Stored
+from calib.base.errors import ExchangeError
+from calib.exports.dataset import Content, Numbers
 
-FEW = 0.1
-"""Share of the numbers that may have more digits than the tool writes: those that were changed.
-Of numbers written to a digit one in ten ends with a zero, which is not counted, so most have it."""
-
-COARSEST = 3
-"""Significant digits below which a number is not called rounded."""
-
-SLACK = 1.0 + 1e-6
-"""Of half a unit of the last digit: the sums here round, too."""
+VERSION = "_version"
+"""How the label of the scalar ends that holds the version of the table."""
 
 
 @dataclass(frozen=True)
-class Pair:
-    """A number as found in a file, with what the table has there; ``where`` its label and place."""
+class Returned:
+    """A file read back: ``format`` DCM or CDF, ``facts`` by key, and its numbers.
 
-    where: str
-    found: float
-    true: float
-
-
-def best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
-    """The way in which the found numbers were rounded, and those that it does not explain.
-
-    The way is empty where the numbers are those of the table to the last bit.
-
-    >>> best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
-    ('to 6 significant digits', [])
-    >>> best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
-    ('', [Pair(where='b', found=0.4, true=0.38)])
+    ``prefix`` of the labels of the table, ``table`` its id: as the head has it, or by the labels.
     """
-    ways = _ways([pair.found for pair in pairs])
-    told = [(way, [pair for pair in pairs if not holds(pair)]) for way, holds in ways]
-    return min(told, key=lambda one: len(one[1]))
 
+    format: str
+    facts: dict[str, str]
+    units: dict[str, str]
+    content: Content
+    prefix: str
+    table: str
 
-def _ways(found: Sequence[float]) -> Iterator[tuple[str, Callable[[Pair], bool]]]:
-    yield "", lambda pair: pair.found.hex() == pair.true.hex()
-    yield "to single precision", _is_single
-    written = [Decimal(repr(x)).normalize() for x in found if x]
-    digits = _usual([len(x.as_tuple().digits) for x in written])
-    decimals = _usual([-int(x.as_tuple().exponent) for x in written])
-    if digits >= COARSEST:
-        yield (
-            f"to {digits} significant digits",
-            lambda pair: _within(pair, _half_unit(pair.true, digits)),
-        )
-        yield f"to {decimals} decimals", lambda pair: _within(pair, 0.5 * 10.0**-decimals)
-
-
-def _usual(counts: Sequence[int]) -> int:
-    """What a tenth of the numbers reaches or passes; 0 without numbers."""
-    return sorted(counts)[-1 - int(FEW * (len(counts) - 1))] if counts else 0
-
-
-def _is_single(pair: Pair) -> bool:
-    """Whether a number is that of the table in single precision, as short as it may be written."""
-    single = float(np.float32(pair.true))
-    own = len(Decimal(repr(pair.found)).normalize().as_tuple().digits)
-    same = np.float32(pair.found) == np.float32(pair.true)
-    return bool(same) and abs(pair.found - single) <= _half_unit(single, own) * SLACK
-
-
-def _within(pair: Pair, half: float) -> bool:
-    """Whether a number lies within ``half`` of the table's, or of that in single precision."""
-    near = min(abs(pair.found - x) for x in (pair.true, float(np.float32(pair.true))))
-    return near <= half * SLACK
-
-
-def _half_unit(x: float, digits: int) -> float:
-    """Half a unit of the last of so many significant digits of ``x``."""
-    return 0.5 * 10.0 ** (math.floor(math.log10(abs(x))) + 1 - digits) if x else 0.0
-
-
-EDITED = "the numbers do not agree with its checksum"
+    @property
+    def unchanged(self) -> bool | None:
+        """Whether the numbers agree with the checksum; None where the file states none."""
+        stated = self.facts.get("checksum")
+        return None if stated is None else stated == self.content.checksum
 
 
 def read_back(path: Path) -> Returned:
@@ -101,122 +47,217 @@ def read_back(path: Path) -> Returned:
     """
     data = bytes_of(path, CALIBRATION, ExchangeError, "DCM or CDF")
     if data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):
-        return read_cdfx(path, data)
+        return _returned(path, "CDF", *_read_cdf(path, data))
     try:
-        return read_dcm(path, data.decode("utf-8-sig"))
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ExchangeError(
             f"not text ({error.reason})", where=path, expected="DCM or CDF"
         ) from error
+    return _returned(path, "DCM", *_read_dcm(path, text))
 
 
-def parent(found: Returned, store: Store) -> Stored | None:
-    """The version that the file names, None where the store does not have it.
-
-    Without a head the labels name it: they begin with the name of the table, as `prefix` has it.
-    Raises DamagedTable where that version is damaged, ExchangeError where the names of several
-    tables begin labels alike.
-    """
-    name, _, version = found.table.partition("@")
-    if "table" not in found.facts:
-        alike = [one for one in names_in(store.folder) if prefix(one) == name]
-        if len(alike) > 1:
-            raise ExchangeError(
-                f"its labels begin with {name}_, as those of {' and '.join(alike)} do",
-                where=store.folder,
-                do="export the table again, and keep the head of the file",
-            )
-        name = alike[0] if alike else name
-    try:
-        return store.load(f"{name}@{version}")
-    except TableNotFound:
-        return None
-
-
-@dataclass(frozen=True)
-class Difference:
-    """What is wrong in a file, in words, and how its numbers were ``rounded``, "" if not at all."""
-
-    wrong: list[str]
-    rounded: str = ""
+def _returned(
+    path: Path, form: str, facts: dict[str, str], units: dict[str, str], content: Content
+) -> Returned:
+    firsts = [name.removesuffix(VERSION) for name in content.scalars if name.endswith(VERSION)]
+    firsts = [first for first in firsts if f"{first}_D" in content.curves]
+    if len(firsts) != 1:
+        raise ExchangeError(
+            f"{form} with the labels of {len(firsts)} tables, such as NAME{VERSION} and NAME_D",
+            where=path,
+            expected="an export of one table, or that file as another tool has saved it",
+        )
+    first = firsts[0]
+    found = len(content.axes) + len(content.curves) + len(content.scalars)
+    if facts.get("objects", str(found)) != str(found):
+        raise ExchangeError(
+            f"holds {found} objects and states {facts['objects']}: cut off, or joined",
+            where=path,
+            do="export the table again",
+        )
+    table = facts.get("table", f"{first}@{content.scalars[first + VERSION]:.0f}")
+    return Returned(form, facts, units, content, first, table)
 
 
-def difference(found: Returned, stored: Stored | None) -> Difference:
-    """Contradictions in a file: to the table of the store, or to its own checksum without one.
+AXIS, GROUP, LINE, VALUE = "STUETZSTELLENVERTEILUNG", "GRUPPENKENNLINIE", "KENNLINIE", "FESTWERT"
+FORMAT, FUNCTIONS, END = "KONSERVIERUNG_FORMAT", "FUNKTIONEN", "END"
+X, Y = "ST/X", "WERT"
+_ARRAYS = {AXIS: (X,), GROUP: (X, Y), LINE: (X, Y), VALUE: (Y,), FUNCTIONS: ()}
+"""Arrays that an object of each kind must have."""
 
-    Numbers that a tool has rounded agree, see `calib.exports.read`. A file on fewer breakpoints
-    agrees when each of its rows is a row of the table. Raises ExchangeError where there is neither.
-    """
-    edited = [EDITED] if found.unchanged is False else []
-    if stored is None:
-        if found.unchanged is None:
-            raise ExchangeError(
-                f"{found.table} is not in this store, and the file has no checksum to hold it to",
-                do="give the store of that table with --store",
-            )
-        rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
-        return Difference([f"{EDITED}; {rounds}"] if edited else [])
-    content = build(stored).content()
-    rounded, changed = best_rounding(list(_pairs(found.content, content)))
-    wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
-    wrong = [*([] if rounded else edited), *wrong, *_gaps(found, content)]
-    claimed = found.facts.get("digest", stored.digest)
-    if claimed != stored.digest:
-        wrong.insert(0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}")
-    return Difference(wrong, rounded)
+TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
 
 
-def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
-    """Every number of the labels that both have, with that of the nearest row of the table."""
-    for name in sorted(found.scalars.keys() & whole.scalars.keys()):
-        yield Pair(name, found.scalars[name], whole.scalars[name])
-    for name in sorted(found.axes.keys() & whole.axes.keys()):
-        yield from _rows(name, found.axes[name], whole.axes[name])
-    for name in sorted(found.curves.keys() & whole.curves.keys()):
-        (x, y), (rows, values) = found.curves[name], whole.curves[name]
-        yield from _rows(f"{name}, axis", x, rows)
-        table = dict(zip(rows, values, strict=True))
-        for at, value, row in zip(x, y, _nearest(x, rows), strict=True):
-            yield Pair(f"{name} at {at!r}", value, table[row])
+@dataclass
+class _Block:
+    """One object of a DCM file, with the line at which it begins."""
+
+    where: str
+    kind: str
+    name: str
+    size: int
+    axis: str = ""
+    unit: str = ""
+    numbers: dict[str, list[float]] = field(default_factory=dict)
 
 
-def _rows(name: str, found: Sequence[float], rows: Sequence[float]) -> Iterator[Pair]:
-    for x, row in zip(found, _nearest(found, rows), strict=True):
-        yield Pair(name, x, row)
-
-
-def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
-    """The row of the table that each point is; rounded points of eta may be alike."""
-    if len(found) == len(rows):
-        return rows
-    return [min(rows, key=lambda row: abs(row - x)) for x in found]
-
-
-def _gaps(found: Returned, whole: Content) -> list[str]:
-    """Labels that one of both lacks, and curves that end before the table does.
-
-    A tool may save other objects of an ECU along; labels of this table begin with its name.
-    """
-    ours = {name for name in _labels(found.content) if name.startswith(f"{found.prefix}_")}
-    gaps = [f"{name}: only in the file" for name in ours - _labels(whole)]
-    gaps += [f"{name}: only in the table" for name in _labels(whole) - ours]
-    for name in found.content.curves.keys() & whole.curves.keys():
-        x, rows = found.content.curves[name][0], whole.curves[name][0]
-        row = _nearest(x, rows)
-        if (row[0], row[-1]) != (rows[0], rows[-1]):
-            gaps.append(f"{name}: does not reach both ends of the table")
-        elif len(set(row)) != len(row):
-            gaps.append(f"{name}: two of its points are one row of the table")
-    return sorted(gaps)
-
-
-def _labels(content: Content) -> set[str]:
-    return {*content.axes, *content.curves, *content.scalars}
-
-
-def refuse(path: Path, wrong: list[str]) -> DamagedTable:
-    """The error for a file that contradicts its checksum or its table."""
-    more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
-    return DamagedTable(
-        f"{wrong[0]}{more}", where=path, do="it was edited or damaged: export the table again"
+def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Content]:
+    lines = [line.strip() for line in text.splitlines()]
+    start = next((i for i, line in enumerate(lines) if line.startswith(FORMAT)), None)
+    if start is None or lines[start].split() != [FORMAT, "2.0"]:
+        what = f"no line {FORMAT}" if start is None else repr(lines[start])
+        raise _bad(
+            f"{path}:{(start or 0) + 1}", what, f"DCM with {FORMAT} 2.0, or CDF, which is XML"
+        )
+    head = (line.removeprefix("* ").partition(": ") for line in lines[:start] if line[:2] == "* ")
+    facts = {key: value for key, colon, value in head if colon}
+    blocks = [b for b in _blocks(path, lines, start + 1) if b.kind != FUNCTIONS]
+    names = [b.name for b in blocks]
+    if twice := sorted({n for n in names if names.count(n) > 1}):
+        raise ExchangeError(f"{twice[0]} is in it twice", where=path)
+    axes = {b.name: tuple(b.numbers[X]) for b in blocks if b.kind == AXIS}
+    curves = [b for b in blocks if b.kind in (GROUP, LINE)]
+    for b in curves:
+        if b.kind == GROUP and axes.get(b.axis) != tuple(b.numbers[X]):
+            what = f"{b.name} is over {b.axis or 'no axis'}, which is missing or differs"
+            raise _bad(b.where, what, f"the axis it repeats, as {AXIS}")
+    content = Content(
+        axes,
+        {b.name: (tuple(b.numbers[X]), tuple(b.numbers[Y])) for b in curves},
+        {b.name: b.numbers[Y][0] for b in blocks if b.kind == VALUE},
     )
+    return facts, {b.name: b.unit for b in blocks}, content
+
+
+def _blocks(path: Path, lines: list[str], start: int) -> Iterator[_Block]:
+    """The objects of the file, each complete up to its END."""
+    block: _Block | None = None
+    for i, line in enumerate(lines[start:], start + 1):
+        word, _, rest = line.partition(" ")
+        if block is not None and word.startswith("*SSTX"):
+            block.axis = line.split()[-1]
+        elif not word or word[0] in "*!.":
+            continue
+        elif word in _ARRAYS and block is None:
+            block = _opened(f"{path}:{i}", word, rest)
+        elif block is None:
+            raise _bad(f"{path}:{i}", f"{word!r} outside of every object", "an object or a comment")
+        elif word == END:
+            yield _complete(block)
+            block = None
+        elif word in _ARRAYS:
+            break
+        else:
+            _take(f"{path}:{i}", word, rest, block)
+    if block is not None:
+        raise _bad(block.where, f"{block.kind} {block.name} has no {END}", "the whole object")
+
+
+def _opened(where: str, kind: str, rest: str) -> _Block:
+    size = r"\s+(\d+)" if kind in (AXIS, GROUP, LINE) else "()"
+    found = re.fullmatch(r"\s*()()" if kind == FUNCTIONS else rf"\s*(\S+){size}", rest)
+    if found is None:
+        raise _bad(where, repr(f"{kind} {rest}"), f"{kind} NAME" + " SIZE" * (size != "()"))
+    return _Block(where, kind, found[1], int(found[2] or 1))
+
+
+def _take(where: str, word: str, rest: str, block: _Block) -> None:
+    if word in _ARRAYS[block.kind]:
+        try:
+            numbers = [float(number.replace(",", ".")) for number in rest.split()]
+        except ValueError as error:
+            raise _bad(where, str(error), f"numbers after {word}") from error
+        block.numbers.setdefault(word, []).extend(numbers)
+    elif word not in TEXTS:
+        raise _bad(where, f"{word!r} within {block.kind} {block.name}", ", ".join(TEXTS))
+    elif not re.fullmatch(r'".*"|\S+|\S+ ".*" ".*"', rest):
+        raise _bad(where, f"{rest!r} after {word}", "a name or a text in quotes")
+    elif word == ("EINHEIT_X" if block.kind == AXIS else "EINHEIT_W"):
+        block.unit = rest.strip('"')
+
+
+def _complete(block: _Block) -> _Block:
+    for word in _ARRAYS[block.kind]:
+        count = len(block.numbers.get(word, []))
+        if count != block.size:
+            what = f"{block.kind} {block.name} has {count} of {block.size} numbers {word}"
+            raise _bad(block.where, what, "as many as it says")
+    return block
+
+
+def _bad(where: str, what: str, expected: str) -> ExchangeError:
+    return ExchangeError(what, where=where, expected=expected)
+
+
+TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
+
+
+def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], Content]:
+    root = _root(path, text)
+    tree = root.find(TREE)
+    if root.tag != "MSRSW" or root.findtext("CATEGORY") != "CDF20" or tree is None:
+        expected = f"MSRSW, CDF20, {TREE}"
+        raise _bad(str(path), f"no CDF 2.0: its root is {root.tag}", expected)
+    facts = {
+        sd.get("GID", ""): sd.text or "" for sd in root.findall("SDGS/SDG[@GID='brake-cal']/SD")
+    }
+    units: dict[str, str] = {}
+    values: dict[str, dict[str, Numbers]] = {"COM_AXIS": {}, "CURVE": {}, "VALUE": {}}
+    instances = tree.findall("SW-INSTANCE")
+    for one in instances:
+        name, kind = one.findtext("SHORT-NAME") or "", one.findtext("CATEGORY") or ""
+        where = f"{path}: {name}"
+        if not name or name in units:
+            what = f"{name} is in it twice" if name else "an SW-INSTANCE without SHORT-NAME"
+            raise ExchangeError(what, where=path)
+        if kind not in values:
+            raise _bad(where, f"category {kind}", ", ".join(values))
+        units[name] = one.findtext("SW-VALUE-CONT/UNIT-DISPLAY-NAME", "")
+        values[kind][name] = _numbers(where, one.find("SW-VALUE-CONT/SW-VALUES-PHYS"))
+    axes, curves = values["COM_AXIS"], {}
+    for one in instances:
+        name = one.findtext("SHORT-NAME", "")
+        if name in values["CURVE"]:
+            y = values["CURVE"][name]
+            curves[name] = _over(f"{path}: {name}", one, axes, len(y)), y
+    return facts, units, Content(axes, curves, {n: v[0] for n, v in values["VALUE"].items()})
+
+
+def _root(path: Path, text: bytes) -> ET.Element:
+    def refuse(*_: object) -> None:
+        raise ExchangeError("declares an entity", where=path, expected="XML without entities")
+
+    try:
+        first = expat.ParserCreate()
+        first.EntityDeclHandler = refuse  # a few bytes of entities can stand for gigabytes
+        first.Parse(text, True)
+        return ET.fromstring(text)
+    except (expat.ExpatError, ET.ParseError, LookupError, ValueError) as error:
+        raise ExchangeError(
+            f"cut off or damaged: {error}", where=path, expected="XML that ends with </MSRSW>"
+        ) from error
+
+
+def _over(where: str, curve: ET.Element, axes: dict[str, Numbers], count: int) -> Numbers:
+    """The axis of a curve of ``count`` values: its own, or one that it names."""
+    over = curve.find("SW-AXIS-CONTS/SW-AXIS-CONT")
+    if over is None:
+        raise ExchangeError("a curve without SW-AXIS-CONT", where=where)
+    name = over.findtext("SW-INSTANCE-REF")
+    if name is not None and name not in axes:
+        raise ExchangeError(f"is over {name}, which is missing", where=where)
+    x = _numbers(where, over.find("SW-VALUES-PHYS")) if name is None else axes[name]
+    if len(x) != count:
+        raise ExchangeError(f"{count} values over an axis of {len(x)}", where=where)
+    return x
+
+
+def _numbers(where: str, values: ET.Element | None) -> Numbers:
+    texts = [] if values is None else [v.text or "" for v in values.findall("V")]
+    if not texts:
+        raise ExchangeError("no SW-VALUES-PHYS with a V", where=where)
+    try:
+        return tuple(float(text) for text in texts)
+    except ValueError as error:
+        raise _bad(where, str(error), "numbers in V") from error

@@ -8,7 +8,7 @@ from calib.logs.log import Log
 from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared
 from calib.run.blocks import BLOCK
-from calib.run.fingerprint import fingerprint_of
+from calib.run.same_run import fingerprint_of
 from calib.table.table import LogReference, Provenance
 
 

@@ -13,8 +13,7 @@ from calib.plausibility.bend import bend_warnings
 from calib.plausibility.resistance import resistance_warnings
 from calib.plausibility.run import run_warnings
 from calib.run.axle_signals import signals
-from calib.run.brake_balance import brake_balance
-from calib.run.brake_response import brake_response
+from calib.run.brake_response import brake_balance, brake_response
 
 
 def log_warnings(

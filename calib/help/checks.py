@@ -29,13 +29,13 @@ M, L_F, L_R, H, G = 1744.0, 1.1556, 1.6494, 0.615, 9.80665
 CAR = "simulation_study/vehicle.toml"
 PRESSURE, Z = 50e5, 0.5
 TORQUE = 2.0 * 0.40 * 28.84e-4 * 0.1309 * PRESSURE
-LOAD = M * G * (L_R + Z * H) / (L_F + L_R)
+_LOAD = M * G * (L_R + Z * H) / (L_F + L_R)
 PSI = 0.45359237 * G / 0.0254**2
-ADAPTED = 0.08 * (1.0 - 0.99**500)
+_ADAPTED = 0.08 * (1.0 - 0.99**500)
 """theta after 500 steps that each leave 0.99 of the error, towards 0.08."""
-THINGS = np.array([[0.36], [0.39], [0.40], [0.45]])
+_THINGS = np.array([[0.36], [0.39], [0.40], [0.45]])
 BETWEEN = 0.0014 - 0.0001
-"""Sample variance of `THINGS`, 0.0042/3, less their own variance of 0.01^2: what the maximum of
+"""Sample variance of `_THINGS`, 0.0042/3, less their own variance of 0.01^2: what the maximum of
 the restricted likelihood is where all own variances are equal."""
 
 
@@ -245,62 +245,63 @@ COUNT = 0.5
 """Tolerance of a number that is counted: it must be exact."""
 FRONT, REAR = 0.03, 0.08
 """Relative tolerances of pad friction: those of the torque in the default limits of `validate`."""
-D_TOLERANCE = 0.02
+_D_TOLERANCE = 0.02
 """Error of D from which a mistake counts in the study of mistakes on the page `warnings`."""
 SIZE = 0.1
 """Relative tolerance of a parameter: by the page `diagnosis` of the manual 92 % of the intervals
 hold the truth, and that of this one is 4 % wide to each side."""
 
-CLOSED = "closed form with Tables I and II of the paper"
-BY_DEFINITION = "definitions of the units"
-STUDY = "plant of sample_logs/simulation_study, Section IV of the paper: pads of 0.4"
+_CLOSED = "closed form with Tables I and II of the paper"
+_BY_DEFINITION = "definitions of the units"
+_STUDY = "plant of sample_logs/simulation_study, Section IV of the paper: pads of 0.4"
 BODY = "multi-body plant of sample_logs/third_party, channels true_mu_pad_*"
 FORCES = "multi-body plant of sample_logs/third_party, channels true_Fx_* and true_Fz_*"
-TORQUES = "multi-body plant of sample_logs/third_party, channels true_Tb_*"
-ANSWER = "independent plant, sample_logs/{}/answer.json"
+_TORQUES = "multi-body plant of sample_logs/third_party, channels true_Tb_*"
+_ANSWER = "independent plant, sample_logs/{}/answer.json"
 
 SUITE = (
     Check("unit_psi", "100 psi", "Pa", 100.0 * PSI, 1e-3,
           "definition of pound, inch and standard gravity",
           lambda _: float(units.to_si(100.0, "psi", "Pa"))),
     Check("brake_torque", "front brake torque of one wheel at 50 bar, (2) and (3)", "N*m",
-          TORQUE, EXACT * TORQUE, CLOSED, _torque),
-    Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", LOAD, EXACT * LOAD,
+          TORQUE, EXACT * TORQUE, _CLOSED, _torque),
+    Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", _LOAD, EXACT * _LOAD,
           "balance of moments with Tables I and II of the paper",
           lambda m: float(forces.axle_loads(m.vehicle(CAR), np.array([Z]))[0][0])),
     Check("constraint", "largest violation of (18) and of D = f1 - f2", "1", 0.0, EXACT,
           "equation (18) of the paper", _constraint),
-    Check("adaptive_law", "theta of (25) after 500 equal steps", "1", ADAPTED, EXACT,
+    Check("adaptive_law", "theta of (25) after 500 equal steps", "1", _ADAPTED, EXACT,
           "closed form: a geometric series", _adapted),
     Check("spread_of_cars", "variance between four cars measured alike", "1",
           BETWEEN, 1e-3 * BETWEEN, "closed form: sample variance less own variance",
-          lambda _: float(random_effects.random_effects(THINGS, np.full((4, 1), 1e-4)).between[0])),
+          lambda _: float(
+              random_effects.random_effects(_THINGS, np.full((4, 1), 1e-4)).between[0])),
     Check("read_units", "largest relative error of a log in psi, g, rpm and km/h", "1", 0.0, 1e-12,
-          BY_DEFINITION, partial(_read_error, ",", ".")),
+          _BY_DEFINITION, partial(_read_error, ",", ".")),
     Check("read_dialect", "the same log with semicolons and decimal commas", "1", 0.0, 1e-12,
-          BY_DEFINITION, partial(_read_error, ";", ",")),
+          _BY_DEFINITION, partial(_read_error, ";", ",")),
     Check("broken_logs", "refused of four broken logs", "files", 4, COUNT,
           "each file breaks one stated rule of a log", _broken_logs),
     Check("fit_pads_f", "front pad friction of the table of Section IV", "1", 0.4, 0.4 * FRONT,
-          STUDY, partial(_pads, "simulation_study", "f")),
+          _STUDY, partial(_pads, "simulation_study", "f")),
     Check("fit_pads_r", "rear pad friction of the table of Section IV", "1", 0.4, 0.4 * REAR,
-          STUDY, partial(_pads, "simulation_study", "r")),
+          _STUDY, partial(_pads, "simulation_study", "r")),
     Check("fit_body_pads_f", "relative error of the front pads of the multi-body car's table", "1",
           0.0, FRONT, BODY, partial(_pad_error, "f")),
     Check("fit_body_pads_r", "relative error of the rear pads of the multi-body car's table", "1",
           0.0, REAR, BODY, partial(_pad_error, "r")),
     Check("fit_split", "error of D = f1 - f2 at 0.3 g of the multi-body car's table", "1",
-          0.0, D_TOLERANCE, FORCES, _split_error),
+          0.0, _D_TOLERANCE, FORCES, _split_error),
     Check("stop_mu25_mu33_f", "front pads of hold2_steps_muf25_mur33.parquet", "1",
           0.25, FRONT * 0.25, BODY, partial(_stop_pads, STEPS, "f", "vehicle.toml")),
     Check("stop_mu25_mu33_r", "rear pads of hold2_steps_muf25_mur33.parquet", "1",
           0.33, REAR * 0.33, BODY, partial(_stop_pads, STEPS, "r", "vehicle.toml")),
     Check("stop_wrong_file_f", "front pads of Section IV where the file says 0.5", "1",
-          0.4, 0.4 * FRONT, STUDY, partial(_stop_pads, STOP, "f", WRONG)),
+          0.4, 0.4 * FRONT, _STUDY, partial(_stop_pads, STOP, "f", WRONG)),
     Check("stop_wrong_file_r", "rear pads of Section IV where the file says 0.6", "1",
-          0.4, 0.4 * REAR, STUDY, partial(_stop_pads, STOP, "r", WRONG)),
+          0.4, 0.4 * REAR, _STUDY, partial(_stop_pads, STOP, "r", WRONG)),
     Check("stop_torque", "rms error of the front brake torque of hold1, relative", "1", 0.0, FRONT,
-          TORQUES, _stop_torque),
+          _TORQUES, _stop_torque),
     Check("stop_interval", "share of samples with the true front pads outside the 95 % interval",
           "1", 0.0, 0.05, BODY, _outside),
     Check("verdict", "failed of two results that must fail", "results", 2, COUNT,
@@ -311,10 +312,10 @@ SUITE = (
     Check("damaged_tables", "refused of a version, a cut and an edited export that were damaged",
           "files", 3, COUNT, "each file was changed by this check", _damaged),
     Check("drag_named", "1 if aerodynamic drag, and it alone, is named", "1", 1, COUNT,
-          ANSWER.format(HIDDEN), _named),
+          _ANSWER.format(HIDDEN), _named),
     Check("drag_size", "drag area that was hidden", "m^2", DRAG, SIZE * DRAG,
-          ANSWER.format(HIDDEN), _drag),
+          _ANSWER.format(HIDDEN), _drag),
     Check("no_cause", "1 if nothing is named where nothing is hidden", "1", 1, COUNT,
-          ANSWER.format(NOTHING), lambda m: float(m.diagnosis(NOTHING).verdict == "no_gap")),
+          _ANSWER.format(NOTHING), lambda m: float(m.diagnosis(NOTHING).verdict == "no_gap")),
 )  # fmt: skip
 """In the order of the work."""

@@ -40,7 +40,7 @@ HIDDEN = "hidden/case_2"
 
 
 @dataclass(frozen=True)
-class PaperStudy:
+class _PaperStudy:
     """One car of the samples: folder, ramps and coasts, hold-outs, vehicle of the validation."""
 
     folder: str
@@ -51,8 +51,8 @@ class PaperStudy:
     """Logs of an earlier version of the table, fitted from one ramp alone."""
 
 
-STUDIES = (
-    PaperStudy(
+_STUDIES = (
+    _PaperStudy(
         "sedan",
         ("ramp_wet_asphalt.csv", "ramp_wet_asphalt_repeat.csv", "coast.csv"),
         (
@@ -63,13 +63,13 @@ STUDIES = (
         ),
         before=("ramp_wet_asphalt.csv",),
     ),
-    PaperStudy(
+    _PaperStudy(
         "simulation_study",
         ("ramp_noisy.parquet",),
         ("stop_noisy.parquet",),
         "vehicle_wrong_pads.toml",
     ),
-    PaperStudy(
+    _PaperStudy(
         "third_party",
         ("cal_ramp.parquet",),
         (
@@ -83,23 +83,23 @@ STUDIES = (
 
 
 @dataclass(frozen=True)
-class StudyOutcome:
+class _StudyOutcome:
     """Result of one study: the table, the validations, the figures drawn."""
 
-    study: PaperStudy
+    study: _PaperStudy
     stored: Stored
     results: tuple[Validation, ...]
     logs: tuple[Log, ...]
 
 
-def run(out: Path, say: Say) -> list[StudyOutcome]:
+def run(out: Path, say: Say) -> list[_StudyOutcome]:
     """Run every study below ``out``: sample_logs/, tables/, results/, figures/."""
     logs = out / "sample_logs"
     shutil.copytree(sample_logs(), logs, dirs_exist_ok=True)
-    return [run_study(study, logs / study.folder, out, say) for study in STUDIES]
+    return [_run_study(study, logs / study.folder, out, say) for study in _STUDIES]
 
 
-def run_study(study: PaperStudy, source: Path, out: Path, say: Say) -> StudyOutcome:
+def _run_study(study: _PaperStudy, source: Path, out: Path, say: Say) -> _StudyOutcome:
     """Check, fit, validate and draw one study."""
     fitted = [read_log(source / name) for name in study.fitted]
     held = [read_log(source / name) for name in study.held_out]
@@ -119,7 +119,7 @@ def run_study(study: PaperStudy, source: Path, out: Path, say: Say) -> StudyOutc
     write_results(results, to_dict(stored, results), out / "results" / study.folder)
     say(f"validated {stored.id} on {', '.join(log.name for log in held)}")
     draw(stored, fitted, held, other, out / "figures")
-    return StudyOutcome(study, stored, tuple(results), tuple(held))
+    return _StudyOutcome(study, stored, tuple(results), tuple(held))
 
 
 def draw(
@@ -151,7 +151,7 @@ class SectionFour:
 METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
 
 
-def section_four(outcome: StudyOutcome) -> list[SectionFour]:
+def section_four(outcome: _StudyOutcome) -> list[SectionFour]:
     """The stop of Section IV by method; torque error over both axles from the first bite on."""
     result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
     e = result.estimate
@@ -192,7 +192,7 @@ class SectionFive:
     sum_compensated: float
 
 
-def section_five(outcome: StudyOutcome) -> list[SectionFive]:
+def section_five(outcome: _StudyOutcome) -> list[SectionFive]:
     """The stops of Section V in our numbers."""
     return [_stop(result, outcome.stored.table.vehicle) for result in outcome.results]
 

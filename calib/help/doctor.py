@@ -21,7 +21,7 @@ from calib.store.folders import names_in, unplaced, versions_in
 FINE, NOTE, WRONG = "fine", "note", "wrong"
 """States: as it should be, something is limited, the program cannot work."""
 
-EXTRAS = {
+_EXTRAS = {
     "mdf": "logs as MDF (.mf4, .mdf, .dat)",
     "can": "bus logs (.blf, .asc, .trc, candump) with DBC, ARXML, KCD or SYM",
     "sign": "signatures of tables",
@@ -29,9 +29,9 @@ EXTRAS = {
 }
 """Extras that change what the program does, with what each gives; others are for work on it."""
 
-FONT = Path("mpl-data/fonts/ttf/DejaVuSans.ttf")
+_FONT = Path("mpl-data/fonts/ttf/DejaVuSans.ttf")
 """The font of all pictures; it is a part of matplotlib."""
-LEAST_MEMORY = 1.0
+_LEAST_MEMORY = 1.0
 """Memory [GB] below which a large log may not be read: a reader takes up to 1 GB."""
 
 
@@ -87,7 +87,7 @@ def needs() -> tuple[Need, ...]:
         lowest = metadata(NAME)["Requires-Python"].removeprefix(">=")
     except PackageNotFoundError:
         lowest = ""
-    return Need("python", lowest, platform.python_version()), *_declared(NAME, EXTRAS)
+    return Need("python", lowest, platform.python_version()), *_declared(NAME, _EXTRAS)
 
 
 def packages() -> dict[str, str]:
@@ -97,7 +97,7 @@ def packages() -> dict[str, str]:
     a folder without being installed.
     """
     found: dict[str, str] = {}
-    waiting = [*_declared(NAME, EXTRAS)]
+    waiting = [*_declared(NAME, _EXTRAS)]
     while waiting:
         need = waiting.pop()
         name = re.sub(r"[-_.]+", "-", need.package).lower()
@@ -151,7 +151,7 @@ def examine(store: Path) -> tuple[Finding, ...]:
 
 
 def _packages() -> Iterator[Finding]:
-    by_extra: dict[str, list[Need]] = {name: [] for name in EXTRAS}
+    by_extra: dict[str, list[Need]] = {name: [] for name in _EXTRAS}
     for need in needs():
         if need.extra:
             by_extra[need.extra].append(need)
@@ -163,7 +163,7 @@ def _packages() -> Iterator[Finding]:
         if given:
             there = all(need.met for need in given)
             do = "" if there else f"if you need it: pip install 'brake-cal[{name}]'"
-            what = f"{EXTRAS[name]}: {', '.join(map(str, given))}"
+            what = f"{_EXTRAS[name]}: {', '.join(map(str, given))}"
             yield Finding(f"[{name}]", FINE if there else NOTE, what, do)
 
 
@@ -171,7 +171,7 @@ def _pictures() -> Iterator[Finding]:
     spec = importlib.util.find_spec("matplotlib")
     if spec is None or spec.origin is None:
         return  # told among the packages
-    if (Path(spec.origin).parent / FONT).is_file():
+    if (Path(spec.origin).parent / _FONT).is_file():
         yield Finding("font", FINE, "DejaVu Sans, of matplotlib")
     else:
         what = "DejaVu Sans is missing in matplotlib"
@@ -182,7 +182,7 @@ def _machine() -> Iterator[Finding]:
     yield Finding("cores", FINE, f"{cores()} for this process")
     memory = _free_memory()
     if memory is not None:
-        enough = memory >= LEAST_MEMORY
+        enough = memory >= _LEAST_MEMORY
         do = "" if enough else "large logs need up to 1 GB"
         yield Finding("memory", FINE if enough else NOTE, f"{memory:.1f} GB free", do)
     folder = Path(tempfile.gettempdir())

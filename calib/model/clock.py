@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from calib.base.arrays import Array, Index
 
 STEP = 0.005
 """Longest step of the solver [s]. The backward difference of the wheels' speed is half a step late,
@@ -19,7 +18,7 @@ class FineClock:
     """``time`` [s] (m,) with every sample of the inputs' clock, at the places ``at`` (n,)."""
 
     time: Array
-    at: NDArray[np.intp]
+    at: Index
 
     def along(self, x: Array) -> Array:
         """Inputs ``x`` (n,) in straight lines between their samples (m,)."""
@@ -27,7 +26,7 @@ class FineClock:
             return x
         return np.interp(np.arange(self.time.size), self.at, x)
 
-    def before(self, end: int) -> NDArray[np.intp]:
+    def before(self, end: int) -> Index:
         """Places of the samples of the inputs' clock before the place ``end``."""
         return self.at[: np.searchsorted(self.at, end)]
 

@@ -34,7 +34,7 @@ from calib.car.effects.combined import (
 from calib.car.effects.effect import Effect, acts_on_brakes, changes_readings, slows
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, deceleration
-from calib.car.history import Motion, RunHistory, at_rest
+from calib.car.history import Motion, RunHistory, constant_speed
 from calib.car.lag import delayed, integral
 from calib.car.model import Model, default_model
 from calib.car.vehicle import Vehicle
@@ -126,7 +126,7 @@ def _history(model: Model, log: Log) -> RunHistory:
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
     heat = {a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log}
     run = replace(
-        at_rest(log.time, log["p_mc"], float(v[0]), heat, log.source),
+        constant_speed(log.time, log["p_mc"], float(v[0]), heat, log.source),
         v=v,
         angle_f=integral(log.time, omega["f"]),
         angle_r=integral(log.time, omega["r"]),
@@ -175,7 +175,7 @@ def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array
 
 def _brakes(model: Model, log: Log) -> Brakes:
     own = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
-    return brakes_of(model, at_rest(log.time, log["p_mc"], 0.0, source=log.source), own)
+    return brakes_of(model, constant_speed(log.time, log["p_mc"], 0.0, source=log.source), own)
 
 
 def _heated(brakes: Brakes, history: RunHistory, log: Log) -> RunHistory:

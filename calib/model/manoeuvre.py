@@ -10,22 +10,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
-
-Array = NDArray[np.float64]
 
 RISE = 400e5
 """Rise of the pressure in a step [Pa/s]; a driver in an emergency reaches 60 bar in 0.15 s."""
 
-FOOT = 80e5
+_FOOT = 80e5
 """Rise of the pressure in a usual stop [Pa/s]: a foot reaches 30 bar in about 0.4 s."""
 
 LEAD_IN = 1.5
 """Unbraked time at the start [s]."""
 
-RATES = (40.0, 1000.0)
+_RATES = (40.0, 1000.0)
 """Lowest and highest sample rate [Hz] of the program."""
 
 
@@ -85,7 +83,7 @@ def stop(
     duration: float = 60.0,
 ) -> Manoeuvre:
     """Rise to ``pressure`` [Pa] as a foot does, kept for ``duration`` [s], until the car stops."""
-    top = lead_in + pressure / FOOT
+    top = lead_in + pressure / _FOOT
     return _trace("stop", v0, rate, [(lead_in, 0.0), (top, pressure), (top + duration, pressure)])
 
 
@@ -162,7 +160,7 @@ def manoeuvre(
     ``duration`` is the time of the rise of a ramp, that of all steps of a staircase, the length of
     a coast, and the time at pressure of the others. Raises ModelError for an unknown name, a
     pressure for `coast`, a pressure, speed or duration that is not positive, a duration above
-    `LONGEST`, and a rate outside `RATES`.
+    `LONGEST`, and a rate outside `_RATES`.
     """
     if name not in NAMES:
         raise ModelError(f"unknown manoeuvre {name!r}", expected=f"one of {', '.join(NAMES)}")
@@ -193,9 +191,9 @@ def _lasting(name: str, pressure: float | None, duration: float) -> dict[str, fl
 
 def _trace(name: str, v0: float, rate: float, corners: Sequence[tuple[float, float]]) -> Manoeuvre:
     """Straight lines between (time [s], pressure [Pa]), sampled at ``rate`` [Hz]."""
-    if not RATES[0] <= rate <= RATES[1]:
+    if not _RATES[0] <= rate <= _RATES[1]:
         raise ModelError(
-            f"sample rate {rate:g} Hz", where=name, expected=f"{RATES[0]:g} to {RATES[1]:g} Hz"
+            f"sample rate {rate:g} Hz", where=name, expected=f"{_RATES[0]:g} to {_RATES[1]:g} Hz"
         )
     at, level = np.array(corners).T
     time = np.arange(int(np.floor(at[-1] * rate + 1e-9)) + 1) / rate

@@ -25,12 +25,9 @@ from calib.model.parameters import RampParameters, tyres_of
 from calib.model.ratio_along import ratio_along
 from calib.model.settings import SETTINGS
 from calib.run.accelerometer import Accelerometer
-from calib.run.block_balance import block_balance
-from calib.run.blocks import Blocks
+from calib.run.blocks import Axle, Blocks, block_balance, braked_alone
 from calib.run.filters import since
-from calib.run.noise import SensorNoise
-from calib.run.one_axle import Axle, braked_alone
-from calib.run.zero import aged
+from calib.run.noise import SensorNoise, aged
 
 Array = NDArray[np.float64]
 A = TypeVar("A", float, Array)
@@ -111,7 +108,7 @@ def prepare(
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
     one between the lead-in and the bite, or after a release: nobody knows whether the pads touch;
-    nor one so long before the bite that its radii are forgotten (`calib.run.zero`); nor one in
+    nor one so long before the bite that its radii are forgotten (`calib.run.noise`); nor one in
     which the pressure changes fast, as when the pedal is let go.
     """
     forces = block_balance(vehicle, effects, b)

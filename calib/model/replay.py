@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import AXLES, WHEELS
 from calib.car.braking import BITE
@@ -11,12 +12,12 @@ from calib.car.disc_temperature import ALIKE
 from calib.car.effects.combined import as_driven, speed_delay
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.model.simulate import simulate
 from calib.run.driving_record import SETTLE
 from calib.run.pedal import as_pressed
 
-FIRST_SECONDS = 0.25
+_FIRST_SECONDS = 0.25
 """Shortest span [s] of the line for the first speed: it reduces 0.02 m/s of noise to 0.006 m/s, and
 a beginning braking changes v by less than 0.01 m/s."""
 
@@ -66,12 +67,12 @@ def first_speed(log: Log, vehicle: Vehicle, late: float = 0.0) -> float:
     since = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
     free = float(since[braked[0]]) - SETTLE if braked.size else np.inf
-    first = since <= min(max(free, FIRST_SECONDS), COAST_SECONDS)
+    first = since <= min(max(free, _FIRST_SECONDS), COAST_SECONDS)
     speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
     finite = np.isfinite(speed)
-    if np.count_nonzero(finite[since[first] <= FIRST_SECONDS]) < 2:
+    if np.count_nonzero(finite[since[first] <= _FIRST_SECONDS]) < 2:
         raise LogError(
-            f"no speed in the first {FIRST_SECONDS:g} s",
+            f"no speed in the first {_FIRST_SECONDS:g} s",
             where=log.source,
             expected="v, or wheel speeds, from the start",
         )

@@ -20,8 +20,7 @@ from calib.car.effects.effects import Effects
 from calib.car.effects.wheels import ROLLING_RESISTANCE
 from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
-from calib.run.block_balance import block_balance
-from calib.run.blocks import Blocks
+from calib.run.blocks import Blocks, block_balance
 
 Array = NDArray[np.float64]
 

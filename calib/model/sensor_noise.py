@@ -11,13 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.digest import content_digest
 from calib.base.names import WHEELS
 from calib.logs.log import Log
-
-Array = NDArray[np.float64]
 
 TIME_CONSTANT = 0.1
 """Correlation time of the coloured part [s]."""

@@ -10,8 +10,7 @@ from calib.model.resistance import Resistance
 from calib.model.resistance import identify as identify_resistance
 from calib.model.sort_logs import Prepared
 from calib.run.accelerometer import Accelerometer, accelerometer
-from calib.run.block_balance import block_balance
-from calib.run.blocks import Blocks
+from calib.run.blocks import Blocks, block_balance
 from calib.run.noise import SensorNoise
 
 

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index
 from calib.base.digest import content_digest
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, WHEELS, G
@@ -24,14 +24,12 @@ from calib.car.effects.combined import (
     wheel_speed_delay,
     wheel_speed_factors,
 )
-from calib.car.history import Motion, RunHistory, at_rest
+from calib.car.history import Motion, RunHistory, constant_speed
 from calib.car.lag import delayed
 from calib.car.model import Model
 from calib.logs.log import Log
 from calib.model.clock import FineClock, fine_clock
 from calib.model.solver import Drive, SolverState, end_of, history_of, solve
-
-Array = NDArray[np.float64]
 
 
 def simulate(
@@ -103,7 +101,7 @@ def simulate(
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
     clock = fine_clock(time)
     own, heat, engine, angle = (_along(clock, x) for x in (own, heat, engine, angle))
-    rest = at_rest(clock.time, clock.along(pressure), v0, heat, name, start_heat)
+    rest = constant_speed(clock.time, clock.along(pressure), v0, heat, name, start_heat)
     none = np.zeros_like(clock.time)
     torque = (engine.get("f", none), engine.get("r", none))
     run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)
@@ -155,7 +153,7 @@ def _along(clock: FineClock, inputs: Mapping[str, Array]) -> dict[str, Array]:
     return {name: clock.along(values) for name, values in inputs.items()}
 
 
-def _at(kept: NDArray[np.intp], channels: Mapping[str, Array]) -> dict[str, Array]:
+def _at(kept: Index, channels: Mapping[str, Array]) -> dict[str, Array]:
     return {name: values[kept] for name, values in channels.items()}
 
 

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, G
 from calib.car import forces, wheel
@@ -25,15 +25,13 @@ from calib.car.history import Motion, RunHistory
 from calib.car.lag import integral
 from calib.car.model import tyres_along
 
-Array = NDArray[np.float64]
-
 TOLERANCE = 1e-9
 """Largest change of v (relative to the first speed) and of slip in the last iteration."""
 
 ITERATIONS = 60
 """Each iteration gains one to two digits; 30 s of coasting need about twelve."""
 
-LEAST_LOAD = 0.01
+_LEAST_LOAD = 0.01
 """Share of the weight [1] below which an axle counts as lifted."""
 
 
@@ -146,8 +144,8 @@ def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
     weight = run.brakes.model.vehicle.weight
     limits = {
         f"slower than {run.stop_speed:g} m/s": state.v < run.stop_speed,
-        "the front axle would lift": state.loads[0] < LEAST_LOAD * weight,
-        "the rear axle would lift": state.loads[1] < LEAST_LOAD * weight,
+        "the front axle would lift": state.loads[0] < _LEAST_LOAD * weight,
+        "the rear axle would lift": state.loads[1] < _LEAST_LOAD * weight,
     } | {f"wheel {w} would pass the peak of its tyre": used > 1.0 for w, used in state.used.items()}
     met = {why: int(np.argmax(beyond)) for why, beyond in limits.items() if np.any(beyond)}
     if not met:
@@ -175,7 +173,7 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
     history = history_of(run, old)
     travel = wheel.Travel(run.time, run.moving(old.v), old.z)
-    loads = [np.maximum(load, LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
+    loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
     motion = Motion(travel.v, loads[0], loads[1], history)
     moments = [
         moment - torque

@@ -4,12 +4,11 @@ from calib.base.errors import LogError
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.axle_signals import signals
-from calib.run.blocks import Blocks, blocks
+from calib.run.blocks import Blocks, blocks, braked_alone
 from calib.run.check import problems_for
 from calib.run.driving_record import brake_events, driving_record
 from calib.run.gates import refuse_copies, require_right_slip, require_same_wheels
 from calib.run.noise import SensorNoise, sensor_noise
-from calib.run.one_axle import braked_alone
 
 Prepared = tuple[Log, Blocks, SensorNoise]
 

@@ -1,7 +1,6 @@
 """What a run says against its channels: one signal twice, wheels of another size."""
 
 from collections.abc import Iterator
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.plausibility.limits import PLAUSIBLE
 from calib.run.axle_signals import HELD, Signals, held_time, rolling_radii, wheels_held
-from calib.run.copies import alike, as_sent, is_noise, rough
+from calib.run.copies import twice
 from calib.run.limits import LIMITS
 from calib.run.speed_delay import USUAL, SpeedDelay
 from calib.run.warnings import impossible_samples
@@ -34,22 +33,15 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
 
 
 def _twice(log: Log) -> Iterator[PlausibilityWarning]:
-    for pair in combinations([name for name in COMPARED if name in log], 2):
-        one, other = pair
-        sent = as_sent(log, pair)
-        if abs(float(rough(sent, one) @ rough(sent, other))) <= LIMITS.copy_correlation:
-            continue
-        if not is_noise(sent, one):
-            continue
-        if (same := alike(sent, one, other)) > LIMITS.copy_correlation:
-            yield PlausibilityWarning(
-                "same_signal",
-                log.name,
-                same,
-                (0.0, LIMITS.copy_correlation),
-                (f"{other} is a copy of {one}", "a channel map that names one column twice"),
-                "record each sensor by itself",
-            )
+    for one, other, same in twice(log, [name for name in COMPARED if name in log]):
+        yield PlausibilityWarning(
+            "same_signal",
+            log.name,
+            same,
+            (0.0, LIMITS.copy_correlation),
+            (f"{other} is a copy of {one}", "a channel map that names one column twice"),
+            "record each sensor by itself",
+        )
 
 
 def _held(log: Log, v_used: bool) -> Iterator[PlausibilityWarning]:

@@ -24,8 +24,8 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index, Mask
 from calib.base.mixtures import Mixture, weigh_hypotheses
 from calib.base.names import G
 from calib.base.noise import second_differences
@@ -34,11 +34,9 @@ from calib.run.blocks import Blocks
 from calib.run.filters import centred_mean
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
-class AccelerometerPriors:
+class _AccelerometerPriors:
     """What is believed of the sensor and the road before the log. Each with its reason.
 
     ``scale`` sigma of c: data sheets of car accelerometers give 1 to 3 % over life and temperature.
@@ -99,7 +97,7 @@ class Accelerometer:
     other_scale: Array
     disagrees: Array
 
-    def at(self, blocks: NDArray[np.int64] | int) -> "Accelerometer":
+    def at(self, blocks: Index | int) -> "Accelerometer":
         """As known at these blocks."""
         return Accelerometer(*(np.asarray(getattr(self, f.name)[blocks]) for f in fields(self)))
 
@@ -129,7 +127,7 @@ def accelerometer(
     sigma: Array,
     density_z: float,
     density_v: float,
-    priors: AccelerometerPriors | None = None,
+    priors: _AccelerometerPriors | None = None,
     smooth: Array | None = None,
 ) -> Accelerometer:
     """Judge the accelerometer of a log block by block.
@@ -139,7 +137,7 @@ def accelerometer(
     [m/s s^0.5] noise. ``smooth`` z of the blocks without jolts [1], (k,), tells scale and lag: in a
     jolt a_x and v may differ by other causes.
     """
-    p = priors or AccelerometerPriors()
+    p = priors or _AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
     read = Reading(b, unexplained, sigma, density_z, density_v)
     speeds, evidence = _evidence(read, b.z if smooth is None else smooth, p, at)
@@ -174,8 +172,8 @@ logarithm of the likelihood where they are zero (m, 2)."""
 
 
 def _evidence(
-    read: Reading, smooth: Array, p: AccelerometerPriors, at: NDArray[np.int64]
-) -> tuple[list["AgainstSpeed"], Evidence]:
+    read: Reading, smooth: Array, p: _AccelerometerPriors, at: Index
+) -> tuple[list["_AgainstSpeed"], Evidence]:
     """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
     compared = _compared(read.b, smooth)
     speeds = [
@@ -192,7 +190,7 @@ def _evidence(
 
 
 @dataclass(frozen=True)
-class AgainstSpeed:
+class _AgainstSpeed:
     """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
 
     ``precision`` (m, 3, 3), ``vector`` (m, 3); ``likelihood`` (m,) its logarithm where c, e and d
@@ -209,17 +207,17 @@ class AgainstSpeed:
 
     def lag_of(self, weighed: Mixture) -> tuple[Array, Array]:
         """Time by which a_x comes after v [s], and its variance, (m,)."""
-        moved = weighed.mean @ SENSED.T[:, :2]
-        covariance = SENSED[:2] @ weighed.covariance @ SENSED[:2].T
+        moved = weighed.mean @ _SENSED.T[:, :2]
+        covariance = _SENSED[:2] @ weighed.covariance @ _SENSED[:2].T
         lag = (self.side - np.sum(self.along * moved, axis=1)) / self.own
         spread = np.einsum("mi,mij,mj->m", self.along, covariance, self.along)
         return -lag, 1.0 / self.own + spread / self.own**2
 
 
-Compared = tuple[Array, NDArray[np.bool_]]
+Compared = tuple[Array, Mask]
 
 
-def _usable(b: Blocks) -> NDArray[np.bool_]:
+def _usable(b: Blocks) -> Mask:
     """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
     return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
 
@@ -246,10 +244,10 @@ def _against_speed(
     compared: Compared | None,
     density_z: float,
     density_v: float,
-    p: AccelerometerPriors,
-    at: NDArray[np.int64],
+    p: _AccelerometerPriors,
+    at: Index,
     wander: float,
-) -> AgainstSpeed:
+) -> _AgainstSpeed:
     """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
 
     The noise of v is white and that of the integral a random walk, and the grade walks by
@@ -260,7 +258,7 @@ def _against_speed(
     if compared is None:
         none = np.zeros(at.size)
         along = np.zeros((at.size, 2))
-        return AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
+        return _AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
     from scipy.signal import lfilter
 
     h = b.length
@@ -285,7 +283,7 @@ def _against_speed(
         side = side[:last] - along * right / own
     precision[:, :2, :2], vector[:, :2] = np.moveaxis(pair, -1, 0), side.T
     along = along.T
-    return AgainstSpeed(precision, vector, likelihood, own, right, along)
+    return _AgainstSpeed(precision, vector, likelihood, own, right, along)
 
 
 def _so_far(x: Array) -> Array:
@@ -294,7 +292,7 @@ def _so_far(x: Array) -> Array:
 
 
 def _on_lead_in(
-    b: Blocks, unexplained: Array, sigma: Array, density_z: float, at: NDArray[np.int64]
+    b: Blocks, unexplained: Array, sigma: Array, density_z: float, at: Index
 ) -> tuple[Array, Array]:
     """Mean of ``unexplained`` over the lead-in so far, and its variance [1]; inf without any."""
     free = b.lead_in & (b.speed > 3.0)
@@ -306,16 +304,16 @@ def _on_lead_in(
     return mean[at], np.where(count > 0, variance, np.inf)[at]
 
 
-SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
+_SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
-def _weighed(evidence: Evidence, p: AccelerometerPriors) -> Mixture:
+def _weighed(evidence: Evidence, p: _AccelerometerPriors) -> Mixture:
     """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks; they go by turns."""
     return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
 
 
-def _other_scale(read: Reading, p: AccelerometerPriors, last: NDArray[np.int64]) -> float:
+def _other_scale(read: Reading, p: _AccelerometerPriors, last: Index) -> float:
     """The scale over all of the run where it is likelier that of no sensor, else 0.
 
     Without a grade that walks, which explains what such a scale does. It takes no part in what is
@@ -330,9 +328,7 @@ def _other_scale(read: Reading, p: AccelerometerPriors, last: NDArray[np.int64])
     return float(other.mean[0, 0]) if likelier[0] else 0.0
 
 
-def _mixture(
-    evidence: Evidence, there: NDArray[np.bool_], scale: float, p: AccelerometerPriors
-) -> Mixture:
+def _mixture(evidence: Evidence, there: Mask, scale: float, p: _AccelerometerPriors) -> Mixture:
     """Mixture over cases, ``there`` (k, 4) whether bias, grade, drag and wandering are there."""
     still = (p.still_bias, p.still_grade, p.still_drag)
     spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
@@ -340,15 +336,15 @@ def _mixture(
     walks = there[:, 3].astype(int)
     precision, vector, likelihood = evidence
     return weigh_hypotheses(
-        (SENSED.T @ precision @ SENSED)[:, walks],
-        (vector @ SENSED)[:, walks],
+        (_SENSED.T @ precision @ _SENSED)[:, walks],
+        (vector @ _SENSED)[:, walks],
         np.column_stack([np.full(len(there), scale), spread]),
         np.where(there, odds, 1.0 - odds).prod(axis=1),
         likelihood[:, walks],
     )
 
 
-def _disagreement(b: Blocks, scale: Array, at: NDArray[np.int64]) -> Array:
+def _disagreement(b: Blocks, scale: Array, at: Index) -> Array:
     """Largest less smallest mean over a second of z less the slowing of v [g] so far, (m,).
 
     Less what the ``scale`` (m,) explains, as it is known at ``at``.
@@ -377,7 +373,7 @@ def _columns(weighed: Mixture) -> tuple[Array, ...]:
     return c, bias, covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 0, 1], grade, drag
 
 
-def _held(rows: Array, at: NDArray[np.int64], count: int) -> Accelerometer:
+def _held(rows: Array, at: Index, count: int) -> Accelerometer:
     """Each judgement from its block on."""
     last = np.searchsorted(at, np.arange(count), side="right") - 1
     return Accelerometer(*rows[last].T)

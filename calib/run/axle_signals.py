@@ -5,28 +5,32 @@ r"""Axle signals of a log on one clock.
                           \-> noise: of each sensor, white and coloured
 
 Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
+A tone ring that runs out, or has a damaged tooth, errs with the angle phi of its wheel:
+
+    omega read = omega (1 + sum_k a_k cos(k phi) + b_k sin(k phi))      k = 1, 2
+
+A ring that is 0.05 mm off its centre on a radius of 50 mm errs by 0.1 % once a turn, a third of
+what eta shows of a braking; an oval one errs twice a turn. Over one turn it cancels: omega over its
+mean of the turn around it holds the error and noise. The whole log counts: a ring has one error.
 """
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
 from calib.base.intervals import QUARTILE
 from calib.base.names import WHEELS
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import deceleration
+from calib.car.lag import integral
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.driving_record import NOMINAL_RADIUS, SETTLE, rolls
 from calib.run.filters import centred_mean, trailing_mean
 from calib.run.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
-from calib.run.tone_ring import without_runout
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,7 @@ HELD = 0.06
 """Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
 is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
 
-SLOWING = 1.0
+_SLOWING = 1.0
 """Deceleration [m/s^2] at which a v that is as fine as the wheel speeds changes."""
 
 
@@ -133,7 +137,7 @@ def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
     """
     if channel not in log or "a_x" not in log:
         return 0.0
-    x, slowing = log[channel], log["a_x"] < -SLOWING
+    x, slowing = log[channel], log["a_x"] < -_SLOWING
     slowing &= x > moving
     count = int(slowing.sum())
     if count * log.sample_time < 0.5:
@@ -180,7 +184,7 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     return np.asarray((time < first) & rolling & (speed > MOVING))
 
 
-DISTURBED = 4.0
+_DISTURBED = 4.0
 """Distance of eta from its median at the end of the lead-in, in its usual scatter, that no noise
 has: an axle is driven until the foot leaves the gas, or a wheel runs over something."""
 
@@ -205,7 +209,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     away = np.abs(smooth - np.median(known[bite:]))
     apart = np.abs(known[4 * width :] - known[: -4 * width])  # a step is in few of them
     usual = float(np.median(apart)) / QUARTILE / math.sqrt(2.0)
-    odd = away > DISTURBED * max(usual, FINEST)
+    odd = away > _DISTURBED * max(usual, FINEST)
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
 
 
@@ -218,3 +222,68 @@ def _leaves(p: Array) -> int:
     level = float(np.median(p))
     spread = float(np.median(np.abs(p - level))) / QUARTILE
     return int(np.flatnonzero(p <= level + 3.0 * spread)[-1])
+
+
+SLOWEST = 15.0
+"""Wheel speed [rad/s] below which a turn takes longer than a brake needs to build up."""
+
+_TURNS = 20
+"""Least number of turns that tell an error of the ring from what the car does."""
+
+COARSEST = 0.5 * np.pi
+"""Largest angle between two samples [rad]: twice a turn must be seen."""
+
+FEWEST = 100
+"""Least number of samples that tell it."""
+
+SURE = 6.0
+"""Standard deviations of white noise past which an order is an error of the ring. Of 327 logs with
+good rings the largest of eight has 2.4 in the middle, and 5 at most."""
+
+ALIKE = 0.5
+"""Difference of both halves of a log, over the error [1], up to which it is that of a ring. What
+goes with the car, as noise of a slow bus, has another phase in each half."""
+
+_LEAST_ERROR = 2e-4
+"""Error [1] below which a ring is good."""
+
+
+def without_runout(omega: Array, step: float) -> Array:
+    """A wheel speed [rad/s] (n,) without the error of its ring; as it is where none is sure.
+
+    ``step`` is the sample time [s].
+    """
+    time = step * np.arange(omega.size, dtype=np.float64)
+    angle = integral(time, omega)
+    inside = (omega > SLOWEST) & (omega * step < COARSEST)
+    inside &= (angle > np.pi) & (angle < angle[-1] - np.pi)
+    if np.count_nonzero(inside) < FEWEST or angle[-1] < 2.0 * np.pi * _TURNS:
+        return omega
+    rising = np.maximum.accumulate(angle)
+    turn = np.interp(angle + np.pi, rising, time) - np.interp(angle - np.pi, rising, time)
+    apart = omega[inside] * turn[inside] / (2.0 * np.pi) - 1.0
+    spread = float(np.median(np.abs(apart))) / QUARTILE
+    near = np.abs(apart) <= 5.0 * max(spread, 1e-9)
+    if np.count_nonzero(near) < FEWEST:
+        return omega
+    once, again = np.cos(angle), np.sin(angle)
+    turning = np.stack([once, again, once**2 - again**2, 2.0 * once * again])
+    columns, apart = turning[:, inside][:, near], apart[near]
+    whole, half = _fitted(columns, apart), apart.size // 2
+    halves = _fitted(columns[:, :half], apart[:half]), _fitted(columns[:, half:], apart[half:])
+    size = _sizes(whole)
+    sigma = float(np.std(apart - whole @ columns)) * np.sqrt(2.0 / apart.size)
+    sure = size > max(SURE * sigma, _LEAST_ERROR)
+    lasting = _sizes(halves[0] - halves[1]) < ALIKE * size
+    kept = np.repeat(sure & lasting, 2)
+    return omega / (1.0 + (whole * kept) @ turning) if kept.any() else omega
+
+
+def _fitted(columns: Array, apart: Array) -> Array:
+    """Factors (4,) of cosine and sine, once and twice a turn, by least squares."""
+    return np.asarray(np.linalg.solve(columns @ columns.T, columns @ apart))
+
+
+def _sizes(factors: Array) -> Array:
+    """Size (2,) of what goes once and twice a turn."""
+    return np.hypot(factors[0::2], factors[1::2])

@@ -1,15 +1,22 @@
-"""Means over blocks of 50 ms: causal, a block is complete at its end."""
+"""Means over blocks of 50 ms: causal, a block is complete at its end.
+
+A run in which one axle alone brakes is seen from the pressures of its axles, not from its name. The
+share of such an axle is known, so its eta and slip give its tyres' stiffness without the pads.
+"""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.run.axle_signals import Signals, eta_of
+from calib.base.arrays import Array, Index, Mask
+from calib.car.balance import ForceBalance, force_balance
+from calib.car.braking import BITE
+from calib.car.effects.effects import Effects
+from calib.car.vehicle import Vehicle
+from calib.logs.log import Log
+from calib.run.axle_signals import Signals, axle_pressure, eta_of
 from calib.run.filters import block_mean
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 BLOCK = 0.05
 """Length of a block [s]: ten samples at 200 Hz, short compared to a brake application (0.2 s)."""
@@ -39,7 +46,7 @@ class Blocks:
     samples: int
     length: float
 
-    def last_complete(self, time: Array) -> NDArray[np.int64]:
+    def last_complete(self, time: Array) -> Index:
         """Index of the last block that is complete at each ``time`` [s]; the first one before."""
         return np.maximum(np.searchsorted(self.end, time, side="right") - 1, 0)
 
@@ -73,3 +80,32 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
         samples=n,
         length=step,
     )
+
+
+def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
+    """`force_balance` of each block, with the spin of the wheels as it was measured, (k,)."""
+    drive, spin = (b.drive_f, b.drive_r), (b.spin_f, b.spin_r)
+    return force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, drive, spin)
+
+
+Axle = Literal["f", "r"]
+
+
+def braked_alone(p_f: Array, p_r: Array) -> Axle | None:
+    """The only axle whose pressure [Pa] passes the bite in any block, (k,); None for both or none.
+
+    Wrong where a brake drags or a motor brakes the other axle: pressures do not show that.
+    """
+    front, rear = (bool(np.any(p > BITE)) for p in (p_f, p_r))
+    if front == rear:
+        return None
+    return "f" if front else "r"
+
+
+def braked_alone_in(log: Log) -> Axle | None:
+    """`braked_alone` of a log; None where it has no ``p_mc``."""
+    if "p_mc" not in log:
+        return None
+    n = max(1, round(BLOCK / log.sample_time))
+    p_f, p_r = (block_mean(axle_pressure(log, axle), n) for axle in ("f", "r"))
+    return braked_alone(p_f, p_r)

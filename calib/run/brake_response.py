@@ -18,28 +18,28 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
+from calib.car.balance import ForceBalance, brake_forces, force_balance
+from calib.car.braking import BITE
+from calib.car.effects.effects import Effects
 from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
+from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
-from calib.run.brake_balance import BrakeBalance
 from calib.run.filters import block_mean, since
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 STEP = 0.02
 """Step of the means that are compared [s]."""
-TRIED = 0.06
+_TRIED = 0.06
 """Step of the delays that are tried [s]; the slope by the delay tells the rest."""
 LATEST = 0.5
 """Longest delay that is tried [s]: a hydraulic unit in the cold has 0.2 s."""
-EARLIEST = -0.5
+_EARLIEST = -0.5
 """Largest advance that is tried [s]: nothing brakes before the pressure but by a wrong clock."""
-LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])
+_LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])
 KINDS = ("shift", "lag")
-REFINED = 2
+_REFINED = 2
 """Times that the slope by the delay is followed."""
 USUAL, SPREAD = 0.02, 0.06
 """Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
@@ -67,11 +67,11 @@ FADING = 1.0
 run [1]: nearly nothing is known."""
 LEAST = 1.0
 """Time of braking that is needed [s]."""
-AGE = 10.0
+_AGE = 10.0
 """Time over which the trend is written [s]."""
 WINDOW, BETWEEN = 0.3, 0.1
 """Time of the two medians [s] whose difference is a step of the force, and that between them."""
-BITTEN = 0.4
+_BITTEN = 0.4
 """Time of braking [s] before a step is looked for: pads and body are not at rest before."""
 STEADY = 0.3
 """Change of the nominal brake force between the medians, over the usual one [1], beyond which a
@@ -90,7 +90,7 @@ class ForceStep(NamedTuple):
     sigma: float
 
 
-NO_STEP = ForceStep(0.0, 0.0, 1.0)
+_NO_STEP = ForceStep(0.0, 0.0, 1.0)
 """Of a run that is too short for one."""
 
 
@@ -114,7 +114,21 @@ class BrakeResponse:
     share_sigma: float
     fading: float = 0.0
     fading_sigma: float = FADING
-    step: ForceStep = NO_STEP
+    step: ForceStep = _NO_STEP
+
+
+@dataclass(frozen=True)
+class BrakeBalance:
+    """Forces of a run [N], shapes (n,).
+
+    ``nominal_f``, ``nominal_r`` brake forces of nominal pads; ``balance`` all others; ``active``
+    where the pads bite, after the lead-in.
+    """
+
+    nominal_f: Array
+    nominal_r: Array
+    balance: ForceBalance
+    active: Mask
 
 
 def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
@@ -136,15 +150,15 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     inside = use == 1.0
     if step * float(braked[inside].sum()) < LEAST:
         return None
-    age = (time - float(time[inside].mean())) / AGE
+    age = (time - float(time[inside].mean())) / _AGE
     y = demanded[inside]
     usual = float(np.median(y[braked[inside] > 0.5]))
     one = np.ones_like(time)
     tried, late, on = _tried(time, nominal, braked, step)
     others = (np.broadcast_to(x, late.shape) for x in (one, slow))
     best = _best(tried, np.stack([late, late * age, on, *others], -1)[:, inside], y)
-    kind, delay = KINDS[best >= tried.size - LAGS.size], float(tried[best])
-    for _ in range(REFINED):
+    kind, delay = KINDS[best >= tried.size - _LAGS.size], float(tried[best])
+    for _ in range(_REFINED):
         n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
         slope = -np.gradient(n, step)  # by the delay
         width = -np.gradient(slope, step)  # by half its variance
@@ -183,16 +197,16 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) 
     longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)
     width, apart = round(WINDOW / step), round((WINDOW + BETWEEN) / step)
     if longest.size < 2 * apart:
-        return NO_STEP
+        return _NO_STEP
     levels, pressed = (
         np.median(np.lib.stride_tricks.sliding_window_view(x[longest], width), axis=-1)
         for x in (rest, nominal)
     )
     steps = levels[apart:] - levels[:-apart]
     at = time[longest][(apart + width) // 2 :][: steps.size]
-    told = (np.abs(pressed[apart:] - pressed[:-apart]) < STEADY) & (at > at[0] + BITTEN)
+    told = (np.abs(pressed[apart:] - pressed[:-apart]) < STEADY) & (at > at[0] + _BITTEN)
     if not told.any():
-        return NO_STEP
+        return _NO_STEP
     largest = int(np.argmax(np.where(told, np.abs(steps), 0.0)))
     scatter = 1.4826 * float(np.median(np.abs(steps[told] - np.median(steps[told]))))
     return ForceStep(float(at[largest]), float(steps[largest]), scatter)
@@ -235,13 +249,13 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
 
     First no delay, then shifts of the clock, then first-order lags.
     """
-    each = max(1, round(TRIED / step))
-    shifts = np.arange(round(EARLIEST / step), round(LATEST / step) + 1, each)
+    each = max(1, round(_TRIED / step))
+    shifts = np.arange(round(_EARLIEST / step), round(LATEST / step) + 1, each)
     shifts = np.concatenate([[0], shifts[shifts != 0]])
     at = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
-    late = np.vstack([nominal[at], *(first_order(time, nominal, lag)[None] for lag in LAGS)])
-    on = np.vstack([braked[at], np.broadcast_to(braked, (LAGS.size, braked.size))])
-    return np.concatenate([shifts * step, LAGS]), late, on
+    late = np.vstack([nominal[at], *(first_order(time, nominal, lag)[None] for lag in _LAGS)])
+    on = np.vstack([braked[at], np.broadcast_to(braked, (_LAGS.size, braked.size))])
+    return np.concatenate([shifts * step, _LAGS]), late, on
 
 
 def _best(delays: Array, columns: Array, y: Array) -> int:
@@ -266,3 +280,20 @@ def _variance(residual: Array) -> float:
     if residual.size < 4 * group:
         return short
     return max(short, group * float(np.var(block_mean(residual, group))))
+
+
+def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
+    """Balance of a run with the nominal pads of ``car`` and the known effects."""
+    nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
+    drive = (s.drive_f, s.drive_r)
+    return BrakeBalance(
+        nominal_f=nominal_f,
+        nominal_r=nominal_r,
+        balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f, drive),
+        active=_began(s) & (np.maximum(s.p_f, s.p_r) > BITE),
+    )
+
+
+def _began(s: Signals) -> Mask:
+    """From the end of the lead-in on; all along without one."""
+    return np.asarray(~np.logical_or.accumulate(s.lead_in[::-1])[::-1])

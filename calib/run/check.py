@@ -10,15 +10,13 @@ from calib.base.units import from_si, to_si
 from calib.base.warning import PlausibilityWarning
 from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
-from calib.run.computed_channels import ComputedChannel
+from calib.run.copies import ComputedChannel
 from calib.run.driving_record import BrakeEvent
-from calib.run.figures import figures
-from calib.run.observation import OPTIONAL, Observation, observe
-from calib.run.rules import PURPOSES, problems
+from calib.run.observation import OPTIONAL, Observation, figures, observe
+from calib.run.rules import PURPOSES, problems, uses
 from calib.run.sensors import Sensor
-from calib.run.uses import uses
 from calib.run.warnings import impossible_samples, warnings_of
-from calib.run.wheel_checks import IntervalEstimate
+from calib.run.wheels import IntervalEstimate
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,7 @@ class LogVerdict:
 
 
 @dataclass(frozen=True)
-class Taken:
+class _Taken:
     """Source of a channel: SI value = factor * written + offset; ``low``, ``high`` in SI."""
 
     channel: str
@@ -83,7 +81,7 @@ class Findings:
     notes: tuple[str, ...]
     warnings: tuple[PlausibilityWarning, ...]
     verdicts: tuple[LogVerdict, ...]
-    taken: tuple[Taken, ...] = ()
+    taken: tuple[_Taken, ...] = ()
     uses: tuple[str, ...] = ()
     bridged: tuple[ChannelHole, ...] = ()
 
@@ -114,7 +112,7 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     ----------
     log : the run.
     copies : pressures of the log that were computed from another column, see
-        `calib.run.computed_channels`; they make it unusable for every purpose.
+        `calib.run.copies`; they make it unusable for every purpose.
 
     Returns
     -------
@@ -148,9 +146,9 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     )
 
 
-def _taken(log: Log, origin: Origin) -> Taken:
+def _taken(log: Log, origin: Origin) -> _Taken:
     values = log[origin.channel]
-    return Taken(
+    return _Taken(
         **asdict(origin),
         si=CHANNELS[origin.channel].si,
         low=float(values.min()),

@@ -1,46 +1,71 @@
-"""Channels that are copies of others, by their noise: two sensors have noise of their own."""
+"""Channels that are no measurement of their own: copies, values that are held, computed pressures.
 
-from collections.abc import Sequence
-from dataclasses import replace
+Two sensors have noise of their own. A bus sends each message at a rate of its own, 10 Hz for a
+receiver of satellites, 50 or 100 Hz for a_x and the wheels, and a logger with a faster clock
+repeats the last value: steps that no noise of the unbraked parts shows, late by half a step on the
+mean. Between the values such a channel is a straight line; where they came, they are true. How late
+a value comes cannot be known here: that is a delay (`calib.car.effects.speed_delay`).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index
+from calib.base.errors import LogError
 from calib.base.names import WHEELS
 from calib.base.noise import explained_square
+from calib.base.units import UnknownUnit, si_of, spelling
 from calib.logs.clock import GAP
 from calib.logs.log import Log
-from calib.run.held import period_of
+from calib.logs.source import ColumnSource
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
-Array = NDArray[np.float64]
+HELD = 1.5
+"""Samples for which a channel keeps its values, from which it is held between them."""
 
 
 def made_of_wheels(log: Log) -> bool:
     """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
-    log = as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
-    if not is_noise(log, "v"):
+    log = _as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
+    if not _is_noise(log, "v"):
         return False
     wheels = np.array([rough(log, f"omega_{w}") for w in WHEELS])
     return float(explained_square(wheels, rough(log, "v"))) > LIMITS.copy_correlation**2
 
 
-def as_sent(log: Log, channels: Sequence[str]) -> Log:
+def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
+    """Pairs of channels that are one signal, each with the correlation of their noise [1]."""
+    periods = {name: period_of(log[name]) for name in names}
+    whole = {name: rough(log, name) for name in names}
+    for one, other in combinations(names, 2):
+        sent, x, y = log, whole[one], whole[other]
+        if min(periods[one], periods[other]) >= HELD:
+            sent = _as_sent(log, (one, other))
+            x, y = rough(sent, one), rough(sent, other)
+        if abs(float(x @ y)) > LIMITS.copy_correlation and _is_noise(sent, one):
+            same = _alike(np.array([x, y]))
+            if same > LIMITS.copy_correlation:
+                yield one, other, same
+
+
+def _as_sent(log: Log, channels: Sequence[str]) -> Log:
     """The log at the samples at which the first of ``channels`` changes, where all are held.
 
     Values that are kept over several samples all rest and step together, which says nothing of
     where they come from.
     """
-    if min(period_of(log[name]) for name in channels) < 1.5:
+    if min(period_of(log[name]) for name in channels) < HELD:
         return log
     came = np.flatnonzero(np.diff(log[channels[0]])) + 1
     return replace(log, channels={name: x[came] for name, x in log.channels.items()})
 
 
-def alike(log: Log, one: str, other: str) -> float:
-    """Correlation of the noise of two channels [1], 0 to 1; without the samples of a bump."""
-    x = np.array([rough(log, one), rough(log, other)])
+def _alike(x: Array) -> float:
+    """Correlation of two noises (2, n) [1], 0 to 1; without the samples of a bump."""
     far = np.sum(x**2, axis=0)
     x = x[:, far <= np.quantile(far, LIMITS.copy_calmer)]
     size = float(np.prod(np.linalg.norm(x, axis=1)))
@@ -61,7 +86,7 @@ def _differences(log: Log, channel: str) -> Array:
     return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
 
 
-def is_noise(log: Log, channel: str) -> bool:
+def _is_noise(log: Log, channel: str) -> bool:
     """Whether the second differences are more than rounding, and those of noise.
 
     Those of noise change their sign from one to the next, those of a smooth signal do not.
@@ -71,3 +96,144 @@ def is_noise(log: Log, channel: str) -> bool:
     rounding = LIMITS.copy_steps * resolution_of(log[channel])
     above = square > rounding**2 * differences.size
     return above and float(differences[1:] @ differences[:-1]) < -0.3 * square
+
+
+CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
+"""Those that a diagnosis compares, or is driven by."""
+
+FEWEST = 20
+"""Changes of a channel from which on its period can be told."""
+
+_SOONER = 0.1
+"""Share of the changes that may come sooner than a period: messages jitter."""
+
+LATER = 1.6
+"""Longest time between two values that counts as one period [periods]: the next one is not lost."""
+
+_SAME = 0.6
+"""Rest [periods] from which on an unchanged value counts as one more value, which was the same."""
+
+LONGEST = 0.25
+"""Longest period [s]. What changes less often is at rest, or as coarse as a counter."""
+
+
+def period_of(x: Array) -> float:
+    """Samples [1] for which a channel (n,) keeps each value; 1 where it changes with its clock."""
+    ahead = np.diff(np.flatnonzero(np.diff(x)))
+    if ahead.size < FEWEST:
+        return 1.0
+    shortest = float(np.quantile(ahead, _SOONER, method="lower"))
+    if shortest < 2.0:
+        return 1.0
+    return float(np.mean(ahead[ahead < LATER * shortest]))
+
+
+def came_at(x: Array, longest: float) -> Index | None:
+    """Samples at which the values of a channel (n,) came, ascending; None for those of its clock.
+
+    A value that stays for several periods came again with each. One that is kept for more than
+    ``longest`` [samples] is not one that is sent.
+
+    >>> came_at(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
+    array([0, 4, 8])
+    """
+    period = period_of(x)
+    if not 1.0 < period <= longest:
+        return None
+    first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
+    length = np.diff(np.append(first, x.size))
+    values = np.maximum(1, np.floor(length / period + 1.0 - _SAME).astype(np.int64))
+    turn = np.arange(values.sum()) - np.repeat(np.cumsum(values) - values, values)
+    came = np.repeat(first, values) + np.round(turn * period).astype(np.int64)
+    return np.asarray(came[came < x.size])
+
+
+def without_holds(log: Log) -> Log:
+    """The log with each of `CHANNELS` in straight lines between its values, up to the last of them.
+
+    It ends where the first of the channels has its last value.
+    """
+    longest, end = LONGEST / log.sample_time, log.time.size
+    channels, straight = dict(log.channels), set(log.interpolated)
+    for name in (c for c in CHANNELS if c in log):
+        came = came_at(log[name], longest)
+        if came is not None:
+            channels[name] = np.interp(np.arange(log.time.size), came, log[name][came])
+            end = min(end, int(came[-1]) + 1)
+            straight.add(name)
+    cut = {name: x[:end] for name, x in channels.items()}
+    return replace(log, channels=cut, interpolated=tuple(sorted(straight)))
+
+
+PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
+"""The channels that are checked. The bus of some cars has the demanded brake torque and no
+pressure, and some decoders divide this torque by a constant to get a pressure."""
+
+COUNTS = ("1", "-")
+"""Units of a bare number."""
+
+
+@dataclass(frozen=True)
+class ComputedChannel:
+    """``channel`` is ``factor`` times the column ``source`` in ``unit``, a unit of ``quantity``."""
+
+    channel: str
+    source: str
+    unit: str
+    factor: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.channel} in bar is {self.factor:.4g} times {self.source} [{self.unit}]: it was "
+            "computed from that and is not a measured pressure: log the pressure itself"
+        )
+
+
+def factor_between(channel: Array, other: Array) -> float | None:
+    """The factor with which ``other`` gives ``channel``, or None; both of shape (n,).
+
+    >>> factor_between(np.array([0.0, 1.0, 3.0, 2.0]), np.array([0.0, 100.0, 300.0, 200.0]))
+    0.01
+    """
+    extent = float(np.ptp(channel))
+    if extent == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
+        return None
+    factor = float(channel @ other / (other @ other))
+    alike = float(np.max(np.abs(channel - factor * other))) < LIMITS.computed_alike * extent
+    return round(factor, 12) if alike else None
+
+
+def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, ...]:
+    """The pressures of a log that equal a column of another quantity times a number.
+
+    ``source`` is the opened file of ``log``. Only columns of `is_other_quantity` count as sources.
+    """
+    return tuple(_copies(log, source))
+
+
+def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
+    pressures = [name for name in PRESSURES if name in log]
+    for index, column in enumerate(source.columns):
+        if column.name not in log.ignored or not pressures or not is_other_quantity(column.unit):
+            continue
+        try:
+            (values,) = source.read([index])
+        except LogError:
+            continue
+        for name in pressures:
+            if values.size == log[name].size:
+                factor = factor_between(log[name] / 1e5, values)
+                if factor is not None:
+                    yield ComputedChannel(name, column.name, spelling(str(column.unit)), factor)
+
+
+def is_other_quantity(unit: str | None) -> bool:
+    """Whether a unit is that of a quantity of which a pressure can be computed.
+
+    Not so a pressure: a logger may write one in two units. Neither a bare number: it may be the
+    count of the converter that the pressure was scaled from.
+    """
+    try:
+        return unit is not None and spelling(unit) not in COUNTS and si_of(unit) not in ("Pa", "s")
+    except UnknownUnit:
+        return False

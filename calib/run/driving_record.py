@@ -7,21 +7,22 @@ four wheel speeds, ``a_x``, and the reference speed if it is logged.
            |  |    |     |  |
            |  +-event   +-event
            +-lead-in
+
+The events are the lead-in, the bites, the brakings, and standstill.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.names import WHEELS, G
 from calib.car.braking import BITE, MOVING
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean, runs
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from calib.run.limits import LIMITS
 
 BITE_Z = 0.08
 """Deceleration [g] that counts as braking if no pressure is logged: above drag and engine."""
@@ -161,7 +162,7 @@ def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
     )
 
 
-STROKE = 0.25
+_STROKE = 0.25
 """Interval in which a rise is judged [s]: longer than pedal tremble, shorter than a ramp."""
 
 
@@ -176,7 +177,7 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     moving = driving.moving[part]
     drive = driving.z[part] if driving.pressure is None else driving.pressure[part]
     drive, z = drive[moving], driving.z[part][moving]
-    n = max(1, round(STROKE / driving.step))
+    n = max(1, round(_STROKE / driving.step))
     if drive.size < 2 * n:
         return 0.0, 0.0
     best = (0.0, 0.0)
@@ -192,3 +193,65 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
             part_z = z[first * n + begin : first * n + end + 1]
             best = max(best, (float((end - begin) * driving.step), float(np.ptp(part_z))))
     return best
+
+
+LEAD_IN, BITES, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
+KINDS = (LEAD_IN, BITES, BRAKING, STANDSTILL)
+_NEEDED = ("a_x", *(f"omega_{wheel}" for wheel in WHEELS))
+"""Channels without which no event is known."""
+
+
+@dataclass(frozen=True)
+class RunEvent:
+    """An event of one of the `KINDS`, from ``start`` to ``end`` [s]; a bite has no length."""
+
+    kind: str
+    start: float
+    end: float
+
+
+def run_events(log: Log) -> tuple[RunEvent, ...]:
+    """The events in order of time; none without the channels of `_NEEDED`.
+
+    The lead-in is the longest steady, unbraked rolling before the first braking. Brakings are those
+    of `check`: by the pressure, or by the deceleration where there is none.
+    """
+    if any(name not in log for name in _NEEDED):
+        return ()
+    return tuple(sorted(_events(log), key=lambda event: (event.start, KINDS.index(event.kind))))
+
+
+def _events(log: Log) -> Iterator[RunEvent]:
+    driving = driving_record(log)
+    rolling = driving.lead_in & driving.moving & rolls(driving.z)
+    spans = _spans(log, rolling)
+    if spans:
+        yield RunEvent(LEAD_IN, *max(spans, key=lambda span: span[1] - span[0]))
+    for event in brake_events(driving):
+        yield RunEvent(BITES, event.start, event.start)
+        yield RunEvent(BRAKING, event.start, event.end)
+    wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
+    for span in _spans(log, wheels < LIMITS.standing):
+        yield RunEvent(STANDSTILL, *span)
+
+
+def _spans(log: Log, where: Mask) -> list[tuple[float, float]]:
+    return [(float(log.time[i]), float(log.time[j - 1])) for i, j in runs(where)]
+
+
+_SHORTEST_ROLL = 0.2
+"""Time of rolling [s] from which the radius is given: the noise of v is then 0.1 % or less."""
+
+
+def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
+    """Mean rolling radius of the four wheels [m] where the car rolls without brakes.
+
+    R = mean(v)/mean(omega), (19) at zero slip. On the lead-in where it is long enough, else in all
+    steady unbraked motion; None without ``v`` and without such motion. What drives or slows the
+    wheels there, as an engine in gear does, is a part of it: 0.1 % at 0.03 g.
+    """
+    rolls = driving.unbraked
+    if "v" not in log or float(rolls.sum()) * driving.step < _SHORTEST_ROLL:
+        return None
+    turning = float(np.mean([np.mean(log[f"omega_{w}"][rolls]) for w in WHEELS]))
+    return float(np.mean(log["v"][rolls])) / turning if turning > 0.0 else None

@@ -3,13 +3,9 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import QUARTILE
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Index = NDArray[np.int64]
 
 
 def block_mean(x: Array, size: int) -> Array:

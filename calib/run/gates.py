@@ -3,20 +3,19 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Mask
 from calib.base.errors import LogError
 from calib.car.braking import BITE
 from calib.car.forces import front_biased_up_to
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals, rolling_radii
-from calib.run.blocks import Blocks
+from calib.run.blocks import Blocks, braked_alone
 from calib.run.driving_record import SETTLE
 from calib.run.limits import LIMITS
-from calib.run.one_axle import braked_alone
 from calib.run.same_run import same_run
-from calib.run.swapped import what_to_check
+from calib.run.wheels import what_to_check
 
 
 def refuse_copies(fitted: Sequence[Log], held: Sequence[Log] = ()) -> None:
@@ -67,7 +66,7 @@ def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
             )
 
 
-def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
+def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
     """Median of eta over ``use`` minus that of the lead-in, and its standard error, both [1].
 
     The median is robust against wheels that lock for a short time. NaN with fewer than four blocks

@@ -7,17 +7,15 @@ them.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
 
-Array = NDArray[np.float64]
-
-LATERAL_TIME = 0.2
+_LATERAL_TIME = 0.2
 """Time constant [s] over which the wheels are compared: their noise alone is 1 m/s^2."""
 
 
@@ -42,7 +40,7 @@ def lateral(
     """
     geometric = track_width / np.maximum(s.speed, MOVING) ** 2
     turned = (sides(log) - straight) / (geometric + leaned(track_width, slip, height))
-    return low_pass(turned, s.sample_time, LATERAL_TIME)
+    return low_pass(turned, s.sample_time, _LATERAL_TIME)
 
 
 def leaned(track_width: float, slip: Array | float, height: float) -> Array:

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class CheckLimits:
+class _CheckLimits:
     """Each is named after what it decides; the comments name the file."""
 
-    # computed_channels.py
+    # copies.py: computed pressures
     computed_alike: float = 1e-3
     """Largest difference of a channel and its source, over its range [1]: rounding of decimals."""
 
@@ -21,7 +21,7 @@ class CheckLimits:
     """Share of the samples, those that change least, in which two copies agree as well: a bump
     shakes all wheels in a few samples, and these are most of the signal."""
 
-    # crossed_wheels.py
+    # wheels.py: exchanged wheels
     crossed_alone: float = 3.0
     """X or L over the larger one of the other two [1] from which it stands alone."""
     crossed_least: float = 5e-3
@@ -44,7 +44,7 @@ class CheckLimits:
     standing: float = 0.5
     """Wheel speed [rad/s] below which a car stands still: 0.15 m/s."""
 
-    # pressure_checks.py
+    # observation.py: pressure
     pressure_width: float = 0.3
     """Width of the means that are compared [s]: brakes build up in 0.1 to 0.2 s."""
     pressure_every: float = 0.05
@@ -103,7 +103,7 @@ class CheckLimits:
     eta_alike: float = 5e-4
     """Change of eta [1] below which the axles slip alike; a usual front bias makes 2e-3."""
 
-    # run_view.py
+    # same_run.py: fingerprint
     run_means: float = 0.05
     """Length of the means that are compared [s]."""
 
@@ -148,7 +148,7 @@ class CheckLimits:
     noise_fewest: int = 20
     """Samples from which noise is seen."""
 
-    # uses.py
+    # rules.py: uses
     table_zero: float = 5e-4
     """Largest uncertainty of the zero of eta for a table [1]: eta rises by 0.1 to 0.8 %."""
 
@@ -168,7 +168,7 @@ class CheckLimits:
     stiff: float = 500e5
     """Pressure per g [Pa] that is too high for any car."""
 
-    # wheel_checks.py
+    # wheels.py
     wheel_block: float = 0.2
     """Wheel noise is averaged over this before an interval is computed [s]."""
     slope_time: float = 0.3
@@ -186,4 +186,4 @@ class CheckLimits:
     """Slip of a wheel that rolls again [1]."""
 
 
-LIMITS = CheckLimits()
+LIMITS = _CheckLimits()

@@ -1,17 +1,25 @@
-"""Noise of each sensor, white and coloured."""
+"""Noise of each sensor, white and coloured, and how the zeros of eta and slip age.
+
+    r  noise density of what is zeroed [s^0.5]       a mean over T has sd r/sqrt(T)
+    q  walk of the zero [1/s^0.5]                    over T it walks by q sqrt(T)
+    tau = r/q                                        steady gain of the Kalman filter: 1/tau
+
+Rolling radii walk, and the last seconds before the bite count. That gain is that of weights
+exp(-age/tau), and their variance r^2/tau = r q is its own: half of it is noise, half is what the
+zero walked meanwhile (Simon, Optimal State Estimation, section 7.1). A lead-in much shorter than
+tau is averaged as if nothing walked.
+"""
 
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks
 from calib.run.filters import block_mean
-
-Array = NDArray[np.float64]
 
 NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
 """Lower bounds of the noise densities: no sensor on a car is better, but a simulation may be."""
@@ -57,7 +65,7 @@ def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
     )
 
 
-COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
+_COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 """Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
@@ -67,7 +75,7 @@ FEW = 10
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Noise of the sensors from the lead-in: white part times a usual `COLOUR`.
+    """Noise of the sensors from the lead-in: white part times a usual `_COLOUR`.
 
     Uses only the lead-in, so that an online estimator may use it; one of a few samples tells none.
     """
@@ -80,9 +88,9 @@ def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
     pairs = [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
     omega = float(np.sqrt(np.mean([white(pair) ** 2 for pair in pairs])))
     return SensorNoise(
-        omega=COLOUR["omega"] * omega * step,
-        z=COLOUR["z"] * white(s.z) * step,
-        v=0.0 if s.v is None else COLOUR["v"] * white(s.v) * step,
+        omega=_COLOUR["omega"] * omega * step,
+        z=_COLOUR["z"] * white(s.z) * step,
+        v=0.0 if s.v is None else _COLOUR["v"] * white(s.v) * step,
         omega_white=omega,
     )
 
@@ -130,3 +138,26 @@ def long_run_density(
     r = lagged / total * length / (length - 1) + taken / length
     r = min(max(r, 0.0), 0.8)
     return float(np.sqrt(variance * step * (1.0 + r) / (1.0 - r)))
+
+
+WALK = 1.2e-5
+"""Walk q of the ratio of two rolling radii, and of radius to v [1/s^0.5]. A tyre that warms by 30 K
+in five minutes rolls on a radius 0.1 % larger, 3e-6 a second. With usual wheel speeds, r 4e-5, tau
+is 3 s: the zero then lags by 1e-5 and has noise of 2e-5. A walk that makes 0.1 % in five minutes
+would forget a lead-in within half a second; a tyre that warms is steadier over seconds."""
+
+_OLDEST = 12.0
+"""Age over tau past which all is forgotten: its weight is 6e-6."""
+
+
+def aged(time: Array, rolling: Mask, density: Array) -> Array:
+    """Factor (n,) by which what was measured while ``rolling`` (n,) has lost its sigma, 1 or more.
+
+    ``time`` [s] (n,); ``density`` r [s^0.5] (n,). 1 at the end of the rolling and where the car
+    does not roll; infinite where it is forgotten.
+    """
+    if not rolling.any():
+        return np.ones_like(time)
+    age = (time[rolling][-1] - time) * WALK / density
+    factor = np.exp(0.5 * np.clip(age, 0.0, _OLDEST))
+    return np.where(rolling, np.where(age > _OLDEST, np.inf, factor), 1.0)

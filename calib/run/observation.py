@@ -1,21 +1,55 @@
-"""Observations on a log, on which its verdicts depend."""
+"""Observations on a log, on which its verdicts depend.
+
+A pressure of another run does not go with the deceleration:
+
+    z(t) = a + (b + c t) p(t - delay) + rest        over the lead-in and all that is braked
+
+Everything that brakes do is in it but for a small part: pads that fade or dry are in c, lines that
+lag in the delay, resistance and a bias of a_x in a. Wrong where a wheel is at its limit.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.names import CHANNELS, WHEELS
+from calib.base.arrays import Array
+from calib.base.names import AXLES, CHANNELS, WHEELS, G
+from calib.base.noise import explained_square
+from calib.car.braking import MOVING
+from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
-from calib.run.axle_signals import wheels_held
-from calib.run.check_clock import Clock, clock_of
+from calib.run.axle_signals import axle_pressure, wheels_held
+from calib.run.blocks import Axle, braked_alone_in
 from calib.run.copies import made_of_wheels
-from calib.run.crossed_wheels import WheelParts, wheel_parts
-from calib.run.driving_record import BrakeEvent, brake_events, driving_record, rolls
+from calib.run.driving_record import (
+    BITE_Z,
+    STEADY,
+    BrakeEvent,
+    DrivingRecord,
+    brake_events,
+    driving_record,
+    rolls,
+)
+from calib.run.filters import centred_mean, since
 from calib.run.limits import LIMITS
-from calib.run.one_axle import Axle, braked_alone_in
-from calib.run.pressure_checks import explained
 from calib.run.sensors import Sensor, sensors_of
-from calib.run.wheel_checks import Axles, Slipping, axles_of, slipping
+from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, slips_of, wheel_parts
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Sampling of a log.
+
+    ``duration`` [s]; ``rate`` of the mean step [Hz]; ``jitter`` root mean square deviation of
+    the steps from it, without gaps [s]; ``gaps`` as (start [s], length [s]).
+    """
+
+    samples: int
+    duration: float
+    rate: float
+    jitter: float
+    gaps: tuple[tuple[float, float], ...]
+
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
@@ -81,6 +115,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
     driving = driving_record(log)
     events = brake_events(driving)
+    slips = slips_of(log, driving)
     rolling = driving.lead_in & driving.moving
     steady = rolling & rolls(driving.z)
     wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
@@ -100,7 +135,99 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         explained=explained(log, driving) if "p_mc" in log else None,
         wheels_held=wheels_held(log),
         v_of_wheels="v" in log and made_of_wheels(log),
-        axles=axles_of(log, driving),
-        slipping=slipping(log, driving, events),
+        axles=axles_of(log, driving, slips),
+        slipping=slipping(slips, driving, events),
         wheels=wheel_parts(log, driving),
     )
+
+
+_SLOWS = 1.5 * BITE_Z
+"""Deceleration [g] that counts as braking whatever the pressure is: an engine in a low gear stays
+below it."""
+
+GREATEST = 1.5 * G
+"""Deceleration [m/s^2] that no road car reaches: a sample past it is a glitch of a_x."""
+
+
+DELAYS = np.arange(-0.2, 0.51, 0.05)
+"""Delays of the deceleration against the pressure that are tried [s]: clocks may be early."""
+
+
+def explained(log: Log, driving: DrivingRecord) -> float | None:
+    """Share of the variance of the deceleration that the pressure explains [1].
+
+    None where too little is braked to tell, or a motor's torque is logged, which brakes as well.
+    The log must have ``p_mc``, ``a_x`` and the wheel speeds.
+    """
+    if any(f"T_drive_{axle}" in log for axle in AXLES):
+        return None
+    step = driving.step
+    width = max(1, round(LIMITS.pressure_width / step)) | 1
+    z = centred_mean(driving.z, width)
+    active = driving.braked | (z > _SLOWS)
+    if not active.any():
+        return None
+    before = np.arange(z.size) < int(np.argmax(active))
+    rolling = before & (np.abs(driving.z) < STEADY)
+    glitch = (np.abs(log["a_x"]) > GREATEST).astype(float)
+    use = (driving.speed > MOVING) & (centred_mean(glitch, width) == 0.0)
+    enough = (use & active).sum() * step >= LIMITS.pressure_braked and (
+        use & rolling
+    ).sum() * step >= LIMITS.pressure_lead_in
+    if not enough:
+        return None
+    at = np.flatnonzero(use & (rolling | (since(log.time, active) < LIMITS.pressure_after)))
+    at = at[:: max(1, round(LIMITS.pressure_every / step))]
+    time, y = log.time[at], z[at] - float(np.mean(z[at]))
+    front, rear = (axle_pressure(log, axle) for axle in AXLES)
+    unlike = (front,) if np.array_equal(front, rear) else (front, rear)
+    pressures = [centred_mean(p, width) for p in unlike]
+    if not np.ptp(y) > 0.0:  # an a_x that hangs has no course to explain
+        return None
+    return float(np.max(_fitted(log.time, pressures, time, y))) / float(y @ y)
+
+
+def _fitted(clock: Array, pressures: list[Array], time: Array, y: Array) -> Array:
+    """Sum of squares of ``y`` at ``time`` that the pressures explain, for each of `DELAYS`."""
+    earlier = time - DELAYS[:, None]
+    age = time - float(time.mean())
+    columns = [np.ones_like(earlier)]
+    for pressure in pressures:
+        p = np.interp(earlier, clock, pressure)
+        columns += [p, p * age]
+    return explained_square(np.stack(columns, axis=1), y)
+
+
+def clock_of(time: Array) -> Clock:
+    """Sampling of a strictly increasing time [s], shape (n,)."""
+    steps = np.diff(time)
+    step = step_of(time)
+    wide = steps > GAP * step
+    jitter = steps[~wide] - step
+    return Clock(
+        samples=time.size,
+        duration=float(time[-1] - time[0]),
+        rate=1.0 / step,
+        jitter=float(np.sqrt(np.mean(jitter**2))),
+        gaps=tuple((float(time[i]), float(steps[i])) for i in np.flatnonzero(wide)),
+    )
+
+
+def figures(seen: Observation) -> dict[str, float | None]:
+    """Every figure in SI, see `calib.line.fleet.columns`; None where the log gives none."""
+    clock, pressure = seen.clock, seen.sensor("p_mc")
+    zero = seen.axles.front_rear if seen.axles else None
+    return {
+        "samples": clock.samples,
+        "duration": clock.duration,
+        "rate": clock.rate,
+        "jitter": clock.jitter,
+        "gaps": len(clock.gaps),
+        "brakings": len(seen.events),
+        "lead_in": seen.lead_in,
+        "coasting": seen.coasting,
+        "speed_max": seen.speed,
+        "deceleration_max": seen.z,
+        "pressure_max": pressure.high if pressure else None,
+        "eta_zero": zero.value if zero else None,
+    }

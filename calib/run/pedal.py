@@ -7,15 +7,12 @@ does not read below zero has a positive mean, like a slight constant braking.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.intervals import NINETY, QUARTILE
 from calib.run.filters import centred_mean, third_difference, typical_differences
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-HOLD = 0.1
+_HOLD = 0.1
 """Width [s] over which a constant pressure is averaged."""
 
 NOTHING = 0.4e5
@@ -37,7 +34,7 @@ def as_pressed(p: Array, step: float) -> Array:
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter
 
-    width = max(1, round(HOLD / step))
+    width = max(1, round(_HOLD / step))
     if width < 3 or p.size < 2 * width:
         return p
     sigma = noise_of(p)

@@ -4,21 +4,22 @@ import math
 from collections.abc import Iterator
 from itertools import permutations
 
-from calib.run.crossed_wheels import CORRECT, crossed_side
+from calib.base.names import AXLE_NAMES
 from calib.run.driving_record import BITE_Z, NOMINAL_RADIUS, BrakeEvent
 from calib.run.limits import LIMITS
 from calib.run.observation import Observation
 from calib.run.sensors import Sensor
+from calib.run.wheels import CORRECT, crossed_side
 
 PURPOSES = ("fit", "validate", "coast", "diagnose")
 """What a log may serve for; "coast": a fit, in addition to its ramps."""
 
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 
-SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
+_SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
 """Units of speed that are taken for each other [m/s]."""
 
-UNIT_KNOWN = 0.16
+_UNIT_KNOWN = 0.16
 """Largest distance (logarithm) from the factor between two units at which they are named; half of
 that between the closest two, 1.61 and 2.24, where the radius of the tyre is only about known."""
 
@@ -123,8 +124,8 @@ def _wrong_v(seen: Observation) -> Iterator[str]:
 
 def _right_unit(factor: float) -> str:
     """What to do about a ``v`` that is ``factor`` times too large [1]."""
-    for unit, read_as in permutations(SPEEDS, 2):
-        if factor > 0.0 and abs(math.log(factor * SPEEDS[unit] / SPEEDS[read_as])) < UNIT_KNOWN:
+    for unit, read_as in permutations(_SPEEDS, 2):
+        if factor > 0.0 and abs(math.log(factor * _SPEEDS[unit] / _SPEEDS[read_as])) < _UNIT_KNOWN:
             return f"v is in {unit} and was read as {read_as}; correct its unit"
     return "check the units of v and of the wheel speeds (rad/s or rpm)"
 
@@ -302,3 +303,29 @@ def _not_for_diagnose(seen: Observation) -> Iterator[str]:
             f"no braking, and only {seen.coasting:.1f} s of coasting: drive a stop, or coast for "
             f"{LIMITS.coasting:g} s or more"
         )
+
+
+def uses(seen: Observation) -> Iterator[str]:
+    """Quantities that can be determined from a log, with their accuracy, in words."""
+    axles = seen.axles
+    if axles is None:
+        return
+    zero = axles.front_rear
+    if zero is not None:
+        enough = "fine" if zero.half <= LIMITS.table_zero else "too coarse"
+        yield (
+            f"the zero of eta to {100 * zero.half:.3f} % ({enough} for a table), if the car rolled "
+            "without its engine"
+        )
+    if axles.slope is not None and axles.slope > 0:
+        yield f"sign and size of a_x: with the wheels it makes a radius of {axles.slope:.2f} m"
+    logged = [name for name in ("T_drive_f", "T_drive_r") if name in seen.present]
+    if logged:
+        yield f"brake forces less the torque of engine or motor: {', '.join(logged)}"
+    if seen.alone:
+        yield (
+            f"the {AXLE_NAMES[seen.alone]} tyres' stiffness, and the pads' ratio, in a fit "
+            "together with a ramp of both axles: the other axle has no pressure"
+        )
+    if seen.events and "p_mc" in seen.missing:
+        yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"

@@ -11,21 +11,88 @@ third differences, which are noise, have one sign:
 Both are computed from samples, of which a copy may have left out some, and from means over 50 ms,
 of which a copy may be made. Wrong where most channels of a copy are rounded to more than five times
 their noise: the noise is lost then, and the runs count as two.
+
+A table keeps the `Fingerprint` of its runs: the means, written to a quarter of their noise, as the
+second differences of whole numbers. A run of 10 s takes about 5 kB.
 """
 
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
+from calib.base.names import WHEELS
+from calib.car.lag import integral
 from calib.logs.log import Log
-from calib.run.fingerprint import Fingerprint
 from calib.run.limits import LIMITS
-from calib.run.run_view import COMPARED, View, noise_of, spread, view_of
+from calib.run.sensors import resolution_of
 
-Array = NDArray[np.float64]
+COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
+
+_NORMAL = 1.4826
+"""Standard deviation over the median of the absolute values, of normal noise [1]."""
 
 
-ROUNDS = 3
+_ROUNDS = 3
 """Steps of Newton's method to a lag between the samples."""
+
+
+_View = dict[str, Array]
+"""Channels [SI] on an even clock, and the mean of the ``wheels``."""
+
+
+VERSION = 1
+
+
+FINE = 0.25
+"""Unit of the whole numbers over the noise [1]: rounding adds 0.3 % to the noise's square."""
+
+
+MOST = 2.0**40
+"""Largest whole number of a channel that has no noise."""
+
+
+@dataclass(frozen=True)
+class _FingerprintChannel:
+    """A channel: its whole numbers are of ``unit`` [SI].
+
+    ``differences`` are their second differences as text; the two before the first count as 0.
+    """
+
+    name: str
+    unit: float
+    differences: str
+
+
+@dataclass(frozen=True)
+class Fingerprint:
+    """Means of the channels of a run, one after another without a gap.
+
+    ``version`` of this format; ``step`` length of a mean [s].
+    """
+
+    version: int
+    step: float
+    channels: tuple[_FingerprintChannel, ...]
+
+    def __post_init__(self) -> None:
+        """Raise ValueError for a fingerprint that is not one of this format."""
+        names = [channel.name for channel in self.channels]
+        if self.version != VERSION:
+            raise ValueError(f"fingerprint of version {self.version}, known is {VERSION}")
+        if not {f"omega_{w}" for w in WHEELS} <= set(names) <= set(COMPARED):
+            raise ValueError(f"a fingerprint has the channels of a run, not {', '.join(names)}")
+        if not all(0.0 < x < math.inf for x in (self.step, *(c.unit for c in self.channels))):
+            raise ValueError("the step and the units of a fingerprint are above 0")
+        if len({_decoded(channel.differences).size for channel in self.channels}) != 1:
+            raise ValueError("the channels of a fingerprint are of one length")
+
+    @cached_property
+    def view(self) -> _View:
+        """The means of the channels [SI], each (n,), and of the wheels."""
+        return _with_wheels({c.name: _decoded(c.differences) * c.unit for c in self.channels})
 
 
 def same_run(one: Log, other: Log) -> bool:
@@ -34,7 +101,7 @@ def same_run(one: Log, other: Log) -> bool:
         return True
     step = max(one.sample_time, other.sample_time)
     return any(
-        _agree(view_of(one, length, means=means), other, length, means=means)
+        _agree(_view_of(one, length, means=means), other, length, means=means)
         for length, means in (
             (max(LIMITS.run_grid, step), False),
             (max(LIMITS.run_means, 2.0 * step), True),
@@ -47,25 +114,25 @@ def same_as(fingerprint: Fingerprint, log: Log) -> bool:
     return _agree(fingerprint.view, log, fingerprint.step, means=True)
 
 
-def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
+def _agree(a: _View, other: Log, step: float, *, means: bool) -> bool:
     """Whether the channels agree, laid over each other where the wheel speeds agree best.
 
     The lag need not be a whole number of steps: ``other`` is read again between them.
     """
-    b = view_of(other, step, means=means)
+    b = _view_of(other, step, means=means)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
     lag = _best_lag(a["wheels"], b["wheels"])
     if _alike(a, b, lag):
         return True
     late = float(lag)
-    for _ in range(ROUNDS):
+    for _ in range(_ROUNDS):
         rest, far = _rest(a["wheels"], b["wheels"], lag)
         if far > LIMITS.run_far:
             return False
         late += rest
         lag = int(np.ceil(late))
-        b = view_of(other, step, means=means, offset=(lag - late) * step)
+        b = _view_of(other, step, means=means, offset=(lag - late) * step)
         if (
             b["wheels"].size < LIMITS.run_fewest
             or abs(lag) > max(a["wheels"].size, b["wheels"].size) - LIMITS.run_fewest
@@ -74,7 +141,7 @@ def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
     return _alike(a, b, lag)
 
 
-def _alike(one: View, other: View, lag: int) -> bool:
+def _alike(one: _View, other: _View, lag: int) -> bool:
     """Whether D and r say so, where ``other`` begins ``lag`` samples after ``one``."""
     pairs = {
         name: _over(one[name], other[name], lag)
@@ -145,3 +212,61 @@ def _best_lag(a: Array, b: Array) -> int:
     total = squares[0][last] - squares[0][first]
     total += squares[1][last - lags] - squares[1][first - lags]
     return int(lags[np.argmin((total - 2.0 * product) / (last - first))])
+
+
+def fingerprint_of(log: Log) -> Fingerprint:
+    """The fingerprint of a run, which must have its wheel speeds."""
+    view = _view_of(log, LIMITS.run_means, means=True)
+    return Fingerprint(
+        VERSION,
+        LIMITS.run_means,
+        tuple(_channel(name, view[name]) for name in COMPARED if name in view),
+    )
+
+
+def _channel(name: str, x: Array) -> _FingerprintChannel:
+    unit = _unit(x)
+    whole = np.round(x / unit).astype(np.int64)
+    return _FingerprintChannel(name, unit, " ".join(map(str, np.diff(whole, 2, prepend=[0, 0]))))
+
+
+def _unit(x: Array) -> float:
+    """A power of two, so that no rounding enters a product with it."""
+    least = max(FINE * noise_of(x), float(np.max(np.abs(x), initial=0.0)) / MOST)
+    return 2.0 ** math.floor(math.log2(least)) if least > 0.0 else 1.0
+
+
+def _decoded(text: str) -> Array:
+    """Raises ValueError for text that is no list of whole numbers."""
+    try:
+        differences = np.array([int(word) for word in text.split()], dtype=np.int64)
+    except OverflowError as error:
+        raise ValueError("a number of a fingerprint is too large") from error
+    return np.cumsum(np.cumsum(differences)).astype(float)
+
+
+def _view_of(log: Log, step: float, *, means: bool, offset: float = 0.0) -> _View:
+    """The channels every ``step`` [s] from ``offset`` [s] on: interpolated, or means of a step."""
+    time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
+    channels = {}
+    for name in COMPARED:
+        if name in log:
+            x = integral(log.time, log[name]) if means else log[name]
+            at = np.interp(time, log.time, x)
+            channels[name] = np.diff(at) / step if means else at
+    return _with_wheels(channels)
+
+
+def _with_wheels(channels: dict[str, Array]) -> _View:
+    """The channels with the mean of the wheel speeds."""
+    return channels | {"wheels": np.mean([channels[f"omega_{w}"] for w in WHEELS], axis=0)}
+
+
+def spread(x: Array) -> float:
+    """Standard deviation from zero of most of the values: where a braking begins, lags count."""
+    return float(_NORMAL * np.median(np.abs(x)))
+
+
+def noise_of(x: Array) -> float:
+    """Standard deviation of the noise of a channel and of its rounding, by third differences."""
+    return max(spread(np.diff(x, 3)) / math.sqrt(20.0), resolution_of(x) / math.sqrt(12.0))

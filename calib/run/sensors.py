@@ -3,18 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.names import CHANNELS
 from calib.logs.log import Log
-from calib.run.driving_record import SMOOTH, DrivingRecord, Mask
+from calib.run.driving_record import SMOOTH, DrivingRecord
 from calib.run.filters import centred_mean, runs
 from calib.run.limits import LIMITS
 
-Array = NDArray[np.float64]
-
-
-RESTING = ("T_drive_f", "T_drive_r")
+_RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
 
 
@@ -36,7 +33,7 @@ class Sensor:
     flat : share of the unbraked samples that have their most frequent value [1].
     stuck : (from, to) where it is constant while others change [s].
     saturated : time for which it stays at its highest (``a_x``: lowest) value, if unusual [s]; 0
-        for the channels of `RESTING`, and for a pressure that the driver holds.
+        for the channels of `_RESTING`, and for a pressure that the driver holds.
     """
 
     channel: str
@@ -66,7 +63,7 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
     step = log.sample_time
     quiet = np.ones(x.size, bool) if driving is None else driving.unbraked
     noise, white, colour = noise_of(x, quiet, step) if full else UNKNOWN
-    idle = name in RESTING or (name.startswith("p_") and _is_held(x, driving))
+    idle = name in _RESTING or (name.startswith("p_") and _is_held(x, driving))
     return Sensor(
         channel=name,
         low=float(x.min()),
@@ -75,7 +72,7 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
         noise=noise,
         white=white,
         autocorrelation=colour,
-        flat=flatness(x[quiet]) if full else UNKNOWN[0],
+        flat=_flatness(x[quiet]) if full else UNKNOWN[0],
         stuck=() if driving is None else _stuck(name, x, log, driving),
         saturated=0.0 if idle else saturation(-x if name == "a_x" else x, step),
     )
@@ -131,7 +128,7 @@ def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
     return float(np.sqrt(variance)), white, colour
 
 
-def flatness(x: Array) -> float:
+def _flatness(x: Array) -> float:
     """Share of the samples that have the most frequent value [1]; 0 without samples."""
     return float(np.unique(x, return_counts=True)[1].max() / x.size) if x.size else 0.0
 
@@ -212,7 +209,7 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
 
 def _rustles(quiet: Array) -> bool:
     """Whether a channel has noise that a pedal cannot hold: a constant value is then a fault."""
-    return quiet.size >= LIMITS.noise_fewest and flatness(quiet) <= LIMITS.rustles
+    return quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.rustles
 
 
 def _returns_with_a_jump(x: Array, end: int) -> bool:

@@ -17,14 +17,12 @@ than v is late.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.names import G
 from calib.base.noise import noise_of, second_differences
 from calib.car.lag import integral
 from calib.run.filters import block_mean
-
-Array = NDArray[np.float64]
 
 BLOCK = 0.05
 """Length of the means that are compared [s]."""
@@ -61,7 +59,7 @@ LIKELY, SURE = 0.3, 0.95
 STEP = 0.01
 """Step of the delays that are tried [s]: half of what is sharp."""
 
-SHARP = 0.02
+_SHARP = 0.02
 """One sigma [s] of a delay from which on v is not put in time but left out: at 0.5 g it makes an
 error of 0.1 m/s, a tenth of the slip."""
 
@@ -82,7 +80,7 @@ class SpeedDelay:
     @property
     def sharp(self) -> bool:
         """Whether v may be put in time."""
-        return self.sigma < SHARP and self.chance > SURE
+        return self.sigma < _SHARP and self.chance > SURE
 
 
 IN_TIME = SpeedDelay(0.0, USUAL, chance=0.0)
@@ -129,7 +127,7 @@ class _Seen:
     time: Array
     gained: Array
     v: Array
-    usable: NDArray[np.bool_]
+    usable: Mask
     size: int
     length: float
     noise: tuple[float, float]

@@ -7,7 +7,7 @@ from calib.base.warning import PlausibilityWarning, warning
 from calib.logs.log import Log
 from calib.run.limits import LIMITS
 from calib.run.observation import Observation
-from calib.run.swapped import causes_of_reversed_slip
+from calib.run.wheels import causes_of_reversed_slip
 
 NONE = (0.0, 0.0)
 

@@ -6,7 +6,7 @@ from calib.run.check import Findings, LogVerdict
 from calib.run.check import facts as contents
 from calib.show.facts import Facts, Row
 
-FOR = {
+_FOR = {
     "fit": "fit",
     "validate": "validate",
     "coast": "fit as a coast log",
@@ -29,7 +29,7 @@ def line(findings: Findings) -> str:
     parts = [why] if why else []
     if codes:
         parts.append(f"warning{'s' * (len(codes) > 1)}: {', '.join(codes)}")
-    told = [FOR[one.purpose] for one in findings.verdicts if one.usable]
+    told = [_FOR[one.purpose] for one in findings.verdicts if one.usable]
     verdict = f"usable for {', '.join(told)}" if told else "not usable"
     return "; ".join([f"{verdict}: {findings.source}", *parts])
 

@@ -12,20 +12,20 @@ from calib.diagnosis.runs.sides import USUAL
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, percent, spaced, span, with_unit
 
-NO_GAP, NAMED, REST, WORSE = "no_gap", "named", "rest", "worse"
-AMBIGUOUS, AMBIGUOUS_REST, UNKNOWN = "ambiguous", "ambiguous_rest", "unknown"
+NO_GAP, NAMED, REST, _WORSE = "no_gap", "named", "rest", "worse"
+_AMBIGUOUS, _AMBIGUOUS_REST, UNKNOWN = "ambiguous", "ambiguous_rest", "unknown"
 KINDS = {
     NO_GAP: ("No gap", PASSED),
     NAMED: ("Named", PASSED),
     REST: ("Named and something else", WARNING),
-    WORSE: ("Named, and the hold-outs are no better", FAILED),
-    AMBIGUOUS: ("Ambiguous", WARNING),
-    AMBIGUOUS_REST: ("Ambiguous and something else", WARNING),
+    _WORSE: ("Named, and the hold-outs are no better", FAILED),
+    _AMBIGUOUS: ("Ambiguous", WARNING),
+    _AMBIGUOUS_REST: ("Ambiguous and something else", WARNING),
     UNKNOWN: ("Unknown cause", FAILED),
 }
 """The outcomes, each in a few words and with its colour."""
 
-SEEN_IN = {
+_SEEN_IN = {
     "a_x": "the deceleration",
     "v": "the speed, as it drifts from the deceleration",
     "rim": "the mean slip of the wheels",
@@ -51,7 +51,7 @@ DRIVERS = {
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
 STATE = "Logs with other pads or on another road: a state of a log, no effect of the car."
-OF_LOGS = "What each log has of its own; what all have in common is in it."
+_OF_LOGS = "What each log has of its own; what all have in common is in it."
 UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
@@ -69,7 +69,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
     named = {effect.name for effect in found.effects}
     rows = (
         ("In the file", _known(found)),
-        ("Left over", something_else(found)),
+        ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
         *(
@@ -81,7 +81,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
     )
     return Facts(
         title,
-        headline=f"{verdict_of(found)} {closure(found)} {_not_excluded(found)}".rstrip(),
+        headline=f"{_verdict_of(found)} {_closure(found)} {_not_excluded(found)}".rstrip(),
         verdict=verdict,
         word=word,
         numbers=[*numbers, ("hold-out logs", str(len(found.measured)))],
@@ -97,22 +97,22 @@ def outcome(found: Diagnosis) -> str:
 
     "named" only if the gap of the hold-outs is smaller than before and nothing significant is left.
     """
-    if found.verdict not in (NAMED, AMBIGUOUS):
+    if found.verdict not in (NAMED, _AMBIGUOUS):
         return found.verdict
     if found.gap.closed <= 0.0:
-        return WORSE
+        return _WORSE
     left = found.unexplained is not None or found.left.significant
-    if found.verdict == AMBIGUOUS:
-        return AMBIGUOUS_REST if left else AMBIGUOUS
+    if found.verdict == _AMBIGUOUS:
+        return _AMBIGUOUS_REST if left else _AMBIGUOUS
     return REST if left else NAMED
 
 
-def verdict_of(found: Diagnosis) -> str:
+def _verdict_of(found: Diagnosis) -> str:
     """The verdict in one sentence."""
     names, left = [effect.name for effect in found.effects], found.unexplained
     if found.verdict == NO_GAP:
         return "These logs show nothing that is missing from the model."
-    if found.verdict in (NAMED, AMBIGUOUS):
+    if found.verdict in (NAMED, _AMBIGUOUS):
         more = ", and something else" if left is not None else ""
         of_file = [name for name in names if name in found.model_before.effects]
         missing = [name for name in names if name not in of_file]
@@ -135,7 +135,7 @@ def verdict_of(found: Diagnosis) -> str:
     return text
 
 
-def closure(found: Diagnosis) -> str:
+def _closure(found: Diagnosis) -> str:
     """How much of the gap of the hold-outs is closed, and what is left over the noise."""
     gap, noise = found.gap, "times the sensors' noise"
     before, after = f"{gap.before:.1f}", f"{gap.after:.1f}"
@@ -194,7 +194,7 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
         ("Equation", card.equation),
         ("In a log", card.looks_like),
         ("Source", card.source),
-        ("Acts", f"{AXLES[at.axle]}; strongest in {SEEN_IN[at.channel]}, at {', '.join(seen)}"),
+        ("Acts", f"{AXLES[at.axle]}; strongest in {_SEEN_IN[at.channel]}, at {', '.join(seen)}"),
         ("Evidence", evidence),
         ("Cannot be told from", rivals or "nothing else in the catalogue"),
     ]
@@ -204,7 +204,7 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     return Facts(spaced(effect.name).capitalize(), tables=[table], rows=rows)
 
 
-def something_else(found: Diagnosis) -> str:
+def _something_else(found: Diagnosis) -> str:
     """What is left beside the effects that are named, in two sentences; empty if nothing is."""
     if found.unexplained is None or not found.effects:
         return ""
@@ -341,7 +341,7 @@ def _of_logs(found: Diagnosis) -> Table:
         columns[head] = {log: f"{factor * x:+.{digits}f}" for log, x in values}
     logs = dict.fromkeys(log for column in columns.values() for log in column)
     rows = [(log, *(column.get(log, "") for column in columns.values())) for log in logs]
-    return Table(("log", *columns), rows, OF_LOGS)
+    return Table(("log", *columns), rows, _OF_LOGS)
 
 
 def _unseen(found: Diagnosis) -> Table:
@@ -375,6 +375,6 @@ def heading(found: Diagnosis) -> str:
     if found.unexplained is not None:
         rest = f"unknown, {spaced(found.unexplained.term.place)}"
         return f"{names}, and something else" if names else rest
-    if outcome(found) == WORSE:
+    if outcome(found) == _WORSE:
         return f"{names}, and the hold-outs are no better"
-    return f"{names} (ambiguous)" if found.verdict == AMBIGUOUS else names or found.verdict
+    return f"{names} (ambiguous)" if found.verdict == _AMBIGUOUS else names or found.verdict

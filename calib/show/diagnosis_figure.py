@@ -18,8 +18,6 @@ from calib.show.diagnosis import heading
 from calib.show.numbers import in_shown, spaced, unit_shown
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
-    BODY,
-    DOTTED,
     FRONT,
     REAR,
     SHADE,
@@ -40,12 +38,9 @@ CLOCK = 0.02
 PAUSE = 0.6
 """Space between two logs on one axis [s]."""
 
-DECADES = tuple(m * 10.0**k for k in range(-2, 6) for m in (1.0, 3.0))
-"""Ticks of a logarithmic axis over all gaps, two in each decade."""
-
 AXLES = {"omega_fl": 0.5, "omega_fr": 0.5, "omega_rl": -0.5, "omega_rr": -0.5}
-FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
-REAR_SIDES = {"omega_rl": 1.0, "omega_rr": -1.0}
+_FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
+_REAR_SIDES = {"omega_rl": 1.0, "omega_rr": -1.0}
 
 
 @dataclass(frozen=True)
@@ -77,23 +72,16 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     worst = max(logs, key=lambda log: found.gap.by_log[log.measured.name][0])
     weights, words = split_of(found)
     same = found.verdict == "no_gap"
+    speed, a_x = {"v": 1.0}, {"a_x": 1.0}
     panels = [
-        Panel("speed", "Speed, all hold-outs", speed, (logs, same)),
-        Panel(
-            "acceleration",
-            f"Acceleration, {worst.measured.name}",
-            lambda ax: one(ax, worst, {"a_x": 1.0}, "replay less measured $a_x$ [m/s$^2$]", same),
-        ),
-        Panel(
-            "split",
-            f"Wheel speeds, {words}, {worst.measured.name}",
-            lambda ax: one(ax, worst, weights, "replay less measured [rad/s]", same),
-        ),
-        Panel("gap", "Gap on the hold-outs", gap, (found,)),
+        Panel("speed", "Speed", errors, (logs, speed, "$v$ [m/s]", same)),
+        Panel("acceleration", "Acceleration", errors, ([worst], a_x, "$a_x$ [m/s$^2$]", same)),
+        Panel("split", f"Wheel speeds, {words}", errors, ([worst], weights, "[rad/s]", same)),
     ]
-    rows: list[tuple[str, ...]] = [("speed",) * 2, ("acceleration", "split"), ("gap",) * 2]
-    if found.unexplained is not None:
-        panels.append(_term_panel(found.unexplained))
+    rows: list[tuple[str, ...]] = [("speed",) * 2, ("acceleration", "split")]
+    if (left := found.unexplained) is not None:
+        title = f"Empirical term on the {spaced(left.term.place)} over {left.term.driver}"
+        panels.append(Panel("term", title, empirical, (left,)))
         rows.append(("term",) * 2)
     return Sheet(
         kind="diagnosis",
@@ -120,106 +108,41 @@ def split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
     """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
     channels = {effect.where.channel for effect in found.effects}
     if "front_sides" in channels:
-        return FRONT_SIDES, "front, left less right"
+        return _FRONT_SIDES, "front, left less right"
     if "rear_sides" in channels:
-        return REAR_SIDES, "rear, left less right"
+        return _REAR_SIDES, "rear, left less right"
     return AXLES, "front less rear"
 
 
-def speed(ax: Axes, logs: list[Replay], same: bool) -> None:
-    """Error of v of every hold-out, one after another."""
-    weights, start, shown = {"v": 1.0}, 0.0, []
+def errors(
+    ax: Axes, logs: list[Replay], weights: dict[str, float], ylabel: str, same: bool
+) -> None:
+    """Replay less measurement of a weighted sum of channels, one log after another.
+
+    ``same``: there is only one replay, as nothing was added.
+    """
+    start, shown = 0.0, []
     across = ax.get_xaxis_transform()
     for i, log in enumerate(logs):
         end = start + float(log.measured.time[-1] - log.measured.time[0])
         half = log.band(weights)
-        _band(ax, (start, end), half, first=i == 0)
-        shown += [*_draw(ax, log, weights, same, start, first=i == 0), np.array([-half, half])]
+        label = None if i else "noise, 95 %"
+        span: Stroke = {"color": SHADE, "linewidth": 0.0, "zorder": 0}
+        ax.fill_between((start, end), -half, half, label=label, **span)
+        shown.append(np.array([-half, half]))
+        for when, time, off in log.curves(weights):
+            if when == "after" or not same:
+                word = "replay" if same else when
+                stroke = BEFORE if when == "before" else AFTER
+                ax.plot(start + time, off, label=None if i else word, **stroke)
+                shown.append(off)
         ax.text(start, 0.02, log.measured.name, transform=across, fontsize=7.0, va="bottom")
-        if i:
-            ax.axvline(start - 0.5 * PAUSE, color="#AAAAAA", linewidth=0.7, linestyle=DOTTED)
         start = end + PAUSE
     zero(ax)
     view(ax, *shown, zero=True, margin=0.15)
     low, high = ax.get_ylim()
     ax.set_ylim(low - 0.12 * (high - low), high)  # room for the names of the logs
-    ax.set(xlabel="time, one log after another [s]", ylabel="replay less measured $v$ [m/s]")
-
-
-def one(ax: Axes, log: Replay, weights: dict[str, float], label: str, same: bool) -> None:
-    """Error of one channel or difference of channels in one log."""
-    half = log.band(weights)
-    _band(ax, (0.0, float(log.measured.time[-1] - log.measured.time[0])), half)
-    shown = _draw(ax, log, weights, same)
-    zero(ax)
-    view(ax, *shown, np.array([-half, half]))
-    ax.set(xlabel="time [s]", ylabel=label)
-
-
-def _band(ax: Axes, ends: tuple[float, float], half: float, first: bool = True) -> None:
-    label = "noise, 95 %" if first else None
-    ax.fill_between(ends, -half, half, color=SHADE, linewidth=0.0, zorder=0, label=label)
-
-
-def _draw(
-    ax: Axes,
-    log: Replay,
-    weights: dict[str, float],
-    same: bool,
-    start: float = 0.0,
-    first: bool = True,
-) -> list[Array]:
-    """Draw the replays before and after, or the only one; returns the drawn values."""
-    drawn = []
-    for when, time, off in log.curves(weights):
-        if same and when == "before":
-            continue
-        label = "replay" if same else when
-        stroke = BEFORE if when == "before" else AFTER
-        ax.plot(start + time, off, label=label if first else None, **stroke)
-        drawn.append(off)
-    return drawn
-
-
-def gap(ax: Axes, found: Diagnosis) -> None:
-    """Rms of replay less measurement by channel, over the noise of its sensor."""
-    channels = found.gap.by_channel
-    place = np.arange(len(channels), dtype=float)
-    same = found.verdict == "no_gap"
-    least = 0.03
-    for shift, when, stroke in ((-0.2, "before", BEFORE), (0.2, "after", AFTER)):
-        if same and when == "before":
-            continue
-        # a gap of zero is still drawn, as a line at the foot
-        height = [max(getattr(c, when) / c.noise, 1.15 * least) for c in channels.values()]
-        look = {"color": stroke["color"], "edgecolor": "white", "linewidth": 0.0}
-        look["hatch"] = "////" if when == "before" else None
-        at = place + (0.0 if same else shift)
-        ax.bar(at, height, width=0.38, label="replay" if same else when, **look)
-    ax.axhline(1.0, color=BODY["color"], linewidth=1.0, linestyle=DOTTED, label="noise")
-    ax.set_yscale("log")
-    highest = max(max(c.before, c.after) / c.noise for c in channels.values())
-    ax.set_ylim(least, 1.6 * max(highest, 2.0))
-    ax.set_xticks(place, [_symbol(name) for name in channels])
-    ax.grid(visible=False, axis="x")
-    low, high = ax.get_ylim()
-    ticks = [t for t in DECADES if low < t < high]
-    ax.set_yticks(ticks, [f"{t:g}" for t in ticks])
-    ax.minorticks_off()
-    ax.set(ylabel="rms gap over noise [1]")
-
-
-def _symbol(channel: str) -> str:
-    head, _, tail = channel.partition("_")
-    if head == "omega":
-        return rf"$\omega_{{{tail}}}$"
-    return f"${head}_{tail}$" if tail else f"${head}$"
-
-
-def _term_panel(found: UnexplainedTerm) -> Panel:
-    term = found.term
-    title = f"Empirical term on the {spaced(term.place)} over {term.driver}"
-    return Panel("term", title, empirical, (found,))
+    ax.set(xlabel="time, one log after another [s]", ylabel=f"replay less measured {ylabel}")
 
 
 def empirical(ax: Axes, found: UnexplainedTerm) -> None:

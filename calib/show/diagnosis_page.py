@@ -21,7 +21,7 @@ BASE = {
     "tyre_peak": "peak of the tyres, over load",
     "rolling_radius": "rolling radii, over those of the vehicle file",
 }
-LARGEST = "The log with the largest gap; and the gap of every channel over its sensor's noise."
+LARGEST = "Replay less measurement of the log with the largest gap; the band is the noise."
 MEASURED = (
     "The gap is that of the hold-outs alone, replayed from their pressures and first speed. An "
     "effect is named if it explains nearly all of the excess of the calibration logs over their "
@@ -159,7 +159,7 @@ def _gap(found: Diagnosis, sheet: Sheet, when: tuple[str, ...]) -> Facts:
             Table(heads, _by_log(found.gap, when), by_log),
         ],
         notes=early,
-        pictures=[Picture(LARGEST, sheet, ("acceleration", "split", "gap"))],
+        pictures=[Picture(LARGEST, sheet, ("acceleration", "split"))],
     )
 
 

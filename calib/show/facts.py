@@ -58,10 +58,11 @@ class Table:
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
         """
-        columns = ([row[i][:1] for row in self.rows if row[i]] for i in range(1, len(self.heads)))
+        columns = ([row[i][:2] for row in self.rows if row[i]] for i in range(1, len(self.heads)))
         return False, *(
-            any(sign.isdigit() for sign in signs) and all(x.isdigit() or x in "+-" for x in signs)
-            for signs in columns
+            any(x.lstrip("+-").isdigit() for x in begins)
+            and all(x[0].isdigit() or x[0] in "+-" for x in begins)
+            for begins in columns
         )
 
 

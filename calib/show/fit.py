@@ -16,7 +16,7 @@ from calib.store.figures import effect_figures
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, pads_budget
 
-MADE_OF = "What the interval of the pads is made of, as standard deviations; their squares add up."
+_MADE_OF = "What the interval of the pads is made of, as standard deviations; their squares add up."
 CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
 
 
@@ -52,7 +52,7 @@ def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrig
     panels = sheet(stored.table, stored.id, tuple(measure(stored.table, log) for log in ramps))
     of_ramps = [n for n in panels.names if n.startswith(("ramp", "pressure", "forces"))]
     pictures = [
-        Picture(MADE_OF, panels, ("budget",)),
+        Picture(_MADE_OF, panels, ("budget",)),
         Picture(CURVES, panels, ("f1-f2", "difference")),
         Picture("The tyre curve, and the torques.", panels, ("tyre", "torque-distribution")),
         *([Picture("The ramps of the fit.", panels, of_ramps)] if of_ramps else []),

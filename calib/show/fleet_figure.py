@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from calib.base.plain import plain
 from calib.line.fleet.control_chart import FEWEST, RULES
-from calib.line.fleet.edges import in_words
-from calib.line.fleet.summary import Look, Summary
+from calib.line.fleet.summary import Look, Summary, in_words
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BODY,
@@ -34,7 +33,7 @@ from calib.show.style import (
 
 EDGE: Stroke = {"color": REAR["color"], "linestyle": DOTTED, "linewidth": 1.4}
 
-DOTS = 2000
+_DOTS = 2000
 """Above this number of cars the points are drawn as a raster image, not as vectors."""
 
 LIMITS = "3 sigma of a steady line"
@@ -49,7 +48,7 @@ the second one where the limits beyond which a log is named are wider."""
 
 def sheet(found: Summary, look: Look) -> Sheet:
     """Return the sheet of one metric, in the unit that is shown."""
-    look = in_unit(look)
+    look = _in_unit(look)
     return Sheet(
         kind="fleet",
         name=look.metric.name,
@@ -90,7 +89,7 @@ def in_order(ax: Axes, found: Summary, look: Look) -> None:
     """Draw the individuals chart along the line."""
     low, high = window(look)
     x, y = look.rows + 1, np.clip(look.values, low, high)
-    many = x.size > DOTS
+    many = x.size > _DOTS
     ax.plot(x, y, ".", color=NOMINAL["color"], ms=2.0 if many else 4.0, alpha=0.5, rasterized=many)
     if look.chart is not None:
         ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8, label="median")
@@ -167,7 +166,7 @@ def _room(low: float, high: float) -> tuple[float, float]:
     return low - 0.06 * (high - low), high + 0.06 * (high - low)
 
 
-def in_unit(look: Look) -> Look:
+def _in_unit(look: Look) -> Look:
     """The metric with all numbers in the unit that is shown."""
     k, s, chart, c = plain(look.metric.name).factor, look.spread, look.chart, look.change
     if k == 1.0:

@@ -9,9 +9,8 @@ import numpy as np
 from calib.base.plain import METRICS, NBSP, counted, plain
 from calib.line.fleet import control_chart, outliers
 from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
-from calib.line.fleet.edges import in_words
 from calib.line.fleet.outliers import MetricSpread
-from calib.line.fleet.summary import DRIFT, Look, Outlier, Summary
+from calib.line.fleet.summary import DRIFT, Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
 

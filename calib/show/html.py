@@ -15,13 +15,13 @@ from calib.show.sheet import render
 if TYPE_CHECKING:
     from jinja2 import Template
 
-GENERATOR = "brake-cal"
+_GENERATOR = "brake-cal"
 """What every page says of the program that wrote it."""
 HEAD = 1000
 """Bytes at the begin of a page that hold its generator."""
 PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
-AGAINST = "What speaks against the result, although it is given."
+_AGAINST = "What speaks against the result, although it is given."
 
 
 @cache
@@ -47,7 +47,7 @@ def page_of(facts: Facts, again: int = 0) -> str:
     text = _template().render(
         facts=facts,
         again=again,
-        generator=GENERATOR,
+        generator=_GENERATOR,
         sources=_sources,
         warned=_warned,
         key=lambda: f"zoom-{next(number)}",
@@ -57,7 +57,7 @@ def page_of(facts: Facts, again: int = 0) -> str:
 
 def is_page(data: bytes) -> bool:
     """Whether the bytes of a file are those of a page as it is written here."""
-    return f'<meta name="generator" content="{GENERATOR}">'.encode() in data[:HEAD]
+    return f'<meta name="generator" content="{_GENERATOR}">'.encode() in data[:HEAD]
 
 
 def _sources(one: Picture) -> list[str]:
@@ -88,4 +88,4 @@ def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:
         causes = ", or ".join(w.causes)
         rows.append((f"{w.log}: {name}", f"{amount}; expected {expected}", causes, w.do))
     heads = ("warning", "measured", "likely", "what to do")
-    return Table(heads, rows, AGAINST, ["warning"] * len(rows))
+    return Table(heads, rows, _AGAINST, ["warning"] * len(rows))

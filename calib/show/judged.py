@@ -7,16 +7,16 @@ failed | warning |        passed        | warning | failed
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from calib.base.plain import counted, plain
+from calib.base.plain import counted, plain, plus_minus
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
 from calib.estimation.validate import CALIBRATION, Validation
 from calib.show.facts import Bar, Table
 
-ROOM = 0.3
+_ROOM = 0.3
 """Part of the bar beyond each limit, over the range within them."""
-WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
+_WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
 HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
 Ends = tuple[float | None, float | None]
 """Low and high, None for an open end."""
@@ -25,7 +25,7 @@ Ends = tuple[float | None, float | None]
 def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, list[str]]:
     """One row for each metric, judged once or stop by stop, and a note on what is not known."""
     rows, bars, unknown = [], [], []
-    for group in sorted(groups, key=lambda group: WORST_FIRST.index(_worst(group))):
+    for group in sorted(groups, key=lambda group: _WORST_FIRST.index(_worst(group))):
         first, shown = group[0], plain(group[0].figure)
         if _worst(group) == NOT_KNOWN:
             unknown.append(shown.name)
@@ -51,6 +51,12 @@ def word(r: Validation) -> str:
     return f"{r.verdict}, {counted(count, 'warning')}" if count else r.verdict
 
 
+def pads(figures: Mapping[str, float | None], axle: str) -> str | None:
+    """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval; None without any."""
+    mean, width = figures[f"pad_friction_{axle}"], figures[f"interval_{axle}"]
+    return None if mean is None or width is None else plus_minus(mean, mean * width)
+
+
 def broken(r: Validation) -> list[str]:
     """Name and value of each metric that breaks its limit, and the limit."""
     return [
@@ -62,7 +68,7 @@ def broken(r: Validation) -> list[str]:
 
 def _worst(group: Sequence[Judgement]) -> str:
     """The verdict on all of them; what is known of one stop hides that another has no value."""
-    return min((j.verdict for j in group), key=WORST_FIRST.index)
+    return min((j.verdict for j in group), key=_WORST_FIRST.index)
 
 
 def bar(values: Sequence[float | None], fail: Ends, warn: Ends, label: str) -> Bar | None:
@@ -88,9 +94,9 @@ def _axis(known: list[float], fail: Ends, warn: Ends) -> tuple[float, float]:
     highs = [x for x in (fail[1], warn[1]) if x is not None]
     if lows and highs:
         low, high = min(lows), max(highs)
-        room = ROOM * ((high - low) or 1.0)
+        room = _ROOM * ((high - low) or 1.0)
         return low - room, high + room
     if highs:
-        return min(0.0, *known), max(highs) * (1.0 + ROOM) if max(highs) > 0.0 else 1.0
+        return min(0.0, *known), max(highs) * (1.0 + _ROOM) if max(highs) > 0.0 else 1.0
     top = max(*lows, min(max(known), 2.0 * max(lows)))
     return min(0.0, *lows), top * 1.1 if top > 0.0 else 1.0

@@ -15,9 +15,18 @@ from calib.base.names import CHANNELS, WHEELS, G
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.logs.whole import TIME, WholeColumn, WholeLog
-from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord, brake_events, driving_record
-from calib.run.events import BITE, BRAKING, LEAD_IN, STANDSTILL, RunEvent
-from calib.run.rolling_radius import rolling_radius
+from calib.run.driving_record import (
+    BITES,
+    BRAKING,
+    LEAD_IN,
+    NOMINAL_RADIUS,
+    STANDSTILL,
+    DrivingRecord,
+    RunEvent,
+    brake_events,
+    driving_record,
+    rolling_radius,
+)
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (
     BAR,
@@ -26,7 +35,6 @@ from calib.show.style import (
     IDENTIFIED,
     REAR,
     WHEEL_STROKES,
-    WIDTH,
     Array,
     Axes,
     Figure,
@@ -34,14 +42,13 @@ from calib.show.style import (
     lines,
     noisy,
     smooth,
-    styled,
     view,
 )
 
 DRIVEN = 0.05
 """Acceleration above which the wheels count as driven [g]."""
-WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
-SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
+_WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
+_SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 SPANS: dict[str, Stroke] = {
     LEAD_IN: {"facecolor": "#EBF6F1"},
     BRAKING: {"facecolor": "#EFEFEF"},
@@ -53,16 +60,16 @@ MARK: Stroke = {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))}
 
 BINS = 2000
 """Parts of a long log; a page has some 1000 pixels."""
-PANEL = 1.05
-"""Height of a panel of all columns [in]."""
+PANEL = 0.62
+"""Height of a panel of all columns, over that of a usual panel."""
 MOST = 40
 """Panels of one picture; more are not readable."""
 
 
 def sheet(log: Log) -> Sheet:
     """Return the sheet of a log; the note names the channels that are missing and not drawn."""
-    panels = log_panels(log)
-    missing = [name for name in ("p_mc", "a_x", *SPINS, "v") if name not in log]
+    panels = _log_panels(log)
+    missing = [name for name in ("p_mc", "a_x", *_SPINS, "v") if name not in log]
     step = log.sample_time
     note = f"Digest {log.digest[:16]}, {log.time.size} samples, {1.0 / step:.0f}\u00a0Hz. "
     note += f"Not in this log: {', '.join(missing)}. " if missing else ""
@@ -77,27 +84,27 @@ def sheet(log: Log) -> Sheet:
     )
 
 
-def log_panels(log: Log) -> tuple[Panel, ...]:
+def _log_panels(log: Log) -> tuple[Panel, ...]:
     """The panels for which the log has the channels."""
-    wheels = any(name in log for name in SPINS)
-    pressures = any(name in log for name in ("p_mc", *WHEEL_PRESSURES))
+    wheels = any(name in log for name in _SPINS)
+    pressures = any(name in log for name in ("p_mc", *_WHEEL_PRESSURES))
     found = (
         (wheels or "v" in log, Panel("speeds", "Speeds", speeds, (log,), 7)),
         (pressures, Panel("pressure", "Brake pressure", pressure, (log,), 5)),
         ("a_x" in log, Panel("deceleration", "Deceleration", deceleration, (log,))),
-        (all(name in log for name in SPINS), Panel("eta", "Speed ratio, raw", eta, (log,))),
+        (all(name in log for name in _SPINS), Panel("eta", "Speed ratio, raw", eta, (log,))),
     )
     return tuple(panel for there, panel in found if there)
 
 
-def motion_of(log: Log) -> DrivingRecord | None:
+def _motion_of(log: Log) -> DrivingRecord | None:
     """Lead-in and braking of a log; None if it lacks the channels that show them."""
-    return driving_record(log) if all(name in log for name in ("a_x", *SPINS)) else None
+    return driving_record(log) if all(name in log for name in ("a_x", *_SPINS)) else None
 
 
 def _marks(log: Log) -> str:
     """What the shades mean, for the note."""
-    motion = motion_of(log)
+    motion = _motion_of(log)
     if motion is None:
         return ""
     count = len(brake_events(motion))
@@ -105,9 +112,9 @@ def _marks(log: Log) -> str:
     return f"Green: the lead-in, unbraked. {braked}" if motion.lead_in.any() else braked
 
 
-def radius_of(log: Log) -> tuple[float, str]:
+def _radius_of(log: Log) -> tuple[float, str]:
     """The radius [m] over which V is drawn, and where it is from."""
-    motion = motion_of(log)
+    motion = _motion_of(log)
     found = None if motion is None else rolling_radius(log, motion)
     usual = NOMINAL_RADIUS, "of a usual wheel"
     return usual if found is None else (found, "from the unbraked part")
@@ -115,7 +122,7 @@ def radius_of(log: Log) -> tuple[float, str]:
 
 def speeds(ax: Axes, log: Log) -> None:
     """Wheel speeds on the left, the reference speed on the right where there is one."""
-    radius, source = radius_of(log)
+    radius, source = _radius_of(log)
     if "v" in log:  # first, so that it is drawn below the wheels
         label = rf"$V/R$, $R$ = {radius:.4g} m {source}"
         ax.plot(log.time, log["v"] / radius, label=label, linewidth=0.8, **BODY)
@@ -169,7 +176,7 @@ def _frame(ax: Axes, log: Log, ylabel: str, named: bool = False) -> None:
     """Label an axis over time, and shade lead-in and braking, ``named`` in its legend."""
     ax.set(xlabel="time [s]", ylabel=ylabel)
     ax.set_xlim(log.time[0], log.time[-1])
-    motion = motion_of(log)
+    motion = _motion_of(log)
     if motion is None:
         return
     first = log.time[motion.lead_in]
@@ -200,33 +207,39 @@ def _kind(name: str) -> str:
 
 def figure(whole: WholeLog, events: tuple[RunEvent, ...] = ()) -> Figure:
     """Draw a log. Raises ValueError for one without columns or with more than `MOST` panels."""
-    from matplotlib.figure import Figure
-
-    panels = panels_of(whole)
-    if not 0 < len(panels) <= MOST:
-        raise ValueError(f"{len(panels)} panels, at most {MOST} can be drawn")
-    time = whole.time
-    with styled():
-        made = Figure(figsize=(WIDTH, PANEL * len(panels) + 1.1), layout="constrained")
-        axes = made.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-        for ax, (title, columns) in zip(axes, panels.items(), strict=True):
-            _draw(ax, time, title, columns)
-            _mark(ax, events)
-        axes[-1].set_xlabel("time [s]")
-        axes[-1].set_xlim(time[0], time[-1])
-        made.suptitle(f"Log {whole.name}", x=0.012, ha="left")
-        _legend(made, events)
-    return made
+    groups = panels_of(whole)
+    if not 0 < len(groups) <= MOST:
+        raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
+    panels = tuple(
+        Panel(title, title, _columns, (whole.time, columns, events, not i), 6)
+        for i, (title, columns) in enumerate(groups.items())
+    )
+    title, rows = f"Log {whole.name}", tuple((panel.name,) for panel in panels)
+    return Sheet("log", whole.name, title, "", panels, rows, (PANEL,) * len(panels)).overview()
 
 
-def _draw(ax: Axes, time: Array, title: str, columns: tuple[WholeColumn, ...]) -> None:
+def _columns(
+    ax: Axes,
+    time: Array,
+    columns: tuple[WholeColumn, ...],
+    events: tuple[RunEvent, ...],
+    named: bool,
+) -> None:
+    """Columns of one kind over time, with the events, ``named`` in the legend."""
     for column in columns:
         ax.plot(*envelope(time, column.values), label=column.name, **_stroke(column.name, columns))
-    ax.set_title(title, fontsize=8.0, pad=3.0)
-    if len(columns) > 1:
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(columns))
     if not any(np.isfinite(column.values).any() for column in columns):
         ax.text(0.5, 0.5, "no value", transform=ax.transAxes, ha="center", va="center")
+    told: set[str] = set()
+    for event in events:
+        label = event.kind if named and event.kind not in told else None
+        told.add(event.kind)
+        if event.kind == BITES:
+            ax.axvline(event.start, label=label, **MARK)
+        else:
+            span = SPANS[event.kind]
+            ax.axvspan(event.start, event.end, zorder=0, lw=0.0, label=label, **span)
+    ax.set(xlabel="time [s]", xlim=(time[0], time[-1]))
 
 
 def _stroke(name: str, columns: tuple[WholeColumn, ...]) -> Stroke:
@@ -245,24 +258,3 @@ def envelope(time: Array, values: Array) -> tuple[Array, Array]:
     ends = [np.minimum.reduceat(low, edges[:-1]), np.maximum.reduceat(high, edges[:-1])]
     drawn = np.ravel(ends, order="F")
     return at, np.where(np.isfinite(drawn), drawn, np.nan)
-
-
-def _mark(ax: Axes, events: tuple[RunEvent, ...]) -> None:
-    for event in events:
-        if event.kind == BITE:
-            ax.axvline(event.start, **MARK)
-        else:
-            ax.axvspan(event.start, event.end, zorder=0, lw=0.0, **SPANS[event.kind])
-
-
-def _legend(made: Figure, events: tuple[RunEvent, ...]) -> None:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    kinds = dict.fromkeys(event.kind for event in events)
-    marks = [
-        Line2D([], [], label=kind, **MARK) if kind == BITE else Patch(label=kind, **SPANS[kind])
-        for kind in kinds
-    ]
-    if marks:
-        made.legend(handles=marks, loc="upper right", ncols=len(marks), borderaxespad=0.9)

@@ -3,11 +3,11 @@
 from collections.abc import Iterable
 
 from calib.logs.whole import Inventory, WholeLog
-from calib.run.events import BITE, RunEvent
+from calib.run.driving_record import BITES, RunEvent
 from calib.show.facts import Facts, Picture, Table
 
 RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
-NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
+_NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
 
 
 def facts(
@@ -15,7 +15,7 @@ def facts(
 ) -> Facts:
     """What is in a log; ``drawn`` its picture as PNG, for a page."""
     time = log.time
-    rows = [event_cells(event) for event in events]
+    rows = [_event_cells(event) for event in events]
     heads = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
     return Facts(
         title=f"Log {log.name}",
@@ -28,7 +28,7 @@ def facts(
             Table(heads, [cells(column) for column in columns], "What is in each column."),
             Table(("event", "time", "length"), rows, "Events in order of time."),
         ],
-        notes=[*log.notes, *([] if rows else [NO_EVENTS])],
+        notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
         pictures=[Picture(RAW, drawn)] if drawn else [],
     )
 
@@ -48,8 +48,8 @@ def cells(column: Inventory) -> tuple[str, ...]:
     )
 
 
-def event_cells(event: RunEvent) -> tuple[str, str, str]:
+def _event_cells(event: RunEvent) -> tuple[str, str, str]:
     """Name, place and length of an event as text."""
-    if event.kind == BITE:
+    if event.kind == BITES:
         return event.kind, f"{event.start:.2f} s", ""
     return event.kind, f"{event.start:.2f} to {event.end:.2f} s", f"{event.end - event.start:.2f} s"

@@ -16,7 +16,7 @@ from calib.table.table import Table
 
 PACKAGES = ("numpy", "scipy", "matplotlib")
 """Packages that compute and draw."""
-DIGESTS = "Inputs, with the SHA-256 of their bytes."
+_DIGESTS = "Inputs, with the SHA-256 of their bytes."
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def origin(
             ("Program", PROGRAM),
             ("Runs on", f"Python {platform.python_version()}, " + ", ".join(_packages())),
         ],
-        tables=[Cells(("file", "role", "SHA-256"), inputs, DIGESTS)],
+        tables=[Cells(("file", "role", "SHA-256"), inputs, _DIGESTS)],
         parts=[Facts("The vehicle", rows=car, folded=True), settings(table)],
     )
 

@@ -20,7 +20,7 @@ from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes
 
-LABELS = {
+_LABELS = {
     REPEATABILITY: "repeatability",
     STATION: "station",
     INTERACTION: "car by station",
@@ -117,11 +117,11 @@ def _result(found: GaugeStudy) -> str:
     """Passed, or the metrics for which it failed."""
     if found.passed:
         return "Passed"
-    return f"Failed: {', '.join(title_of(r) for r in found.results if r.verdict in REFUSED)}"
+    return f"Failed: {', '.join(_title_of(r) for r in found.results if r.verdict in REFUSED)}"
 
 
 def _panels(found: GaugeStudy, result: GaugeResult) -> tuple[Panel, Panel]:
-    name, heading = result.name, title_of(result)
+    name, heading = result.name, _title_of(result)
     heading = heading if heading.startswith("$") else heading[0].upper() + heading[1:]
     return (
         Panel(f"{name}-values", f"{heading}: {_verdict(result)}", by_car, (found, result), 4),
@@ -161,7 +161,7 @@ def by_car(ax: Axes, found: GaugeStudy, result: GaugeResult) -> None:
         turn = 0.0 if max(map(len, cars)) * len(cars) < 60 else 35.0
         shown = [_plain(car) for car in cars]
         ax.set_xticks(range(len(cars)), shown, rotation=turn, ha="right" if turn else "center")
-    ax.set(ylabel=f"{title_of(result)} [1]", xlabel="" if names else "car, in order of its name")
+    ax.set(ylabel=f"{_title_of(result)} [1]", xlabel="" if names else "car, in order of its name")
     ax.set_xlim(-0.6, len(cars) - 0.4)
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)  # a factor would cover the legend
 
@@ -180,7 +180,7 @@ def components(ax: Axes, result: GaugeResult) -> None:
         return
     parts = result.gauge.components
     total = parts[TOTAL].sd
-    names = [name for name in LABELS if name in parts]
+    names = [name for name in _LABELS if name in parts]
     for low, high, colour in ((0.0, GOOD_GRR, "#DDEFE6"), (GOOD_GRR, 0.3, "#F6EBD0")):
         ax.axvspan(100.0 * low, 100.0 * high, color=colour, linewidth=0.0, zorder=0)
     top = 110.0
@@ -195,12 +195,12 @@ def components(ax: Axes, result: GaugeResult) -> None:
         ax.plot(min(high, top), i, mark, color=BODY["color"], ms=5.0, zorder=3, clip_on=False)
         if name in result.gauge.negative:
             ax.text(2.0, i - 0.1, "came out negative", va="bottom", fontsize=6.5, zorder=4)
-    ax.set_yticks(range(len(names)), [LABELS[name] for name in names])
+    ax.set_yticks(range(len(names)), [_LABELS[name] for name in names])
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
     ax.set(xlabel="of the total standard deviation [%]", xlim=(0.0, top))
 
 
-def title_of(result: GaugeResult) -> str:
+def _title_of(result: GaugeResult) -> str:
     """The metric in words."""
     return TITLES.get(result.name, result.name.replace("_", " "))

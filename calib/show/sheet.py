@@ -11,14 +11,15 @@ import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from string import ascii_letters
 from typing import Any
 
 from calib.base.write import write_whole
 from calib.show.style import WIDTH, Axes, Figure, styled
 
-POINTS = 72.0
+_POINTS = 72.0
 """Points to the inch."""
-LETTER = 0.086
+_LETTER = 0.086
 """Width of a letter of the title [in], with a little to spare."""
 
 
@@ -38,7 +39,7 @@ class Panel:
         if not ax.get_legend_handles_labels()[1]:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
-        return POINTS * legend.get_window_extent().height / legend.figure.dpi
+        return _POINTS * legend.get_window_extent().height / legend.figure.dpi
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ class Sheet:
             for i, (name, ax) in enumerate(places.items()):
                 # titles of one row are at one height
                 room = max(legends[n] for n in places if top[n] == top[name])
-                ax.set_title(f"({chr(ord('a') + i)}) {panels[name].title}", pad=4.0 + room)
+                ax.set_title(f"({ascii_letters[i]}) {panels[name].title}", pad=4.0 + room)
             _frame(figure, self, 150)
         return figure
 
@@ -103,7 +104,7 @@ class Sheet:
 
 def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
     """Title above and note below, both from the left edge."""
-    lines = (sheet.title, *textwrap.wrap(sheet.result, int(figure.get_figwidth() / LETTER)))
+    lines = (sheet.title, *textwrap.wrap(sheet.result, int(figure.get_figwidth() / _LETTER)))
     figure.suptitle("\n".join(lines), x=0.012, ha="left")
     if sheet.note:
         whole = sheet.note.replace(" %", "\u00a0%")  # no line break between a number and its unit
@@ -122,13 +123,13 @@ METADATA: dict[str, dict[str, Any]] = {
 ENDINGS = tuple(METADATA)
 
 
-BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
+_BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
 """First bytes of a file by each ending."""
 
 
 def is_picture(data: bytes) -> bool:
     """Whether the bytes of a file are those of a picture as it is written here."""
-    return data.startswith(BEGINS)
+    return data.startswith(_BEGINS)
 
 
 def render(figure: Figure, ending: str) -> bytes:
@@ -139,7 +140,7 @@ def render(figure: Figure, ending: str) -> bytes:
         return buffer.getvalue()
 
 
-def render_pages(figures: list[Figure], done: Callable[[], None] = lambda: None) -> bytes:
+def _render_pages(figures: list[Figure], done: Callable[[], None] = lambda: None) -> bytes:
     """Bytes of one PDF with a page for each figure; ``done`` is called after each."""
     from matplotlib.backends.backend_pdf import PdfPages
 
@@ -166,7 +167,7 @@ def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: Non
 def _content(path: Path, figures: list[Figure], done: Callable[[], None]) -> bytes:
     ending = path.suffix.lower()
     if ending == ".pdf":
-        return render_pages(figures, done)
+        return _render_pages(figures, done)
     (figure,) = figures
     content = render(figure, ending)
     done()

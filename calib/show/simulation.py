@@ -3,7 +3,7 @@
 import numpy as np
 
 from calib.show.sheet import Panel, Sheet
-from calib.show.stop import frame, held, note, pad_estimate, result_of, stop_panels
+from calib.show.stop import frame, note, pad, result_of, stop_panels
 from calib.show.style import (
     FRONT,
     LAW,
@@ -20,8 +20,9 @@ from calib.show.style import (
 )
 from calib.show.trace import AxleTrace, StopTrace
 
-BASELINE = "gradient_difference"
+_BASELINE = "gradient_difference"
 """The paper's law with D(eta) for its look-up."""
+METHODS = {_BASELINE: (r"gradient law on $D(\eta)$", LAW)}
 
 
 def sheet(trace: StopTrace) -> Sheet:
@@ -49,22 +50,10 @@ def _panels(
     name, of = word.capitalize(), (trace, axle, stroke)
     left = f"{name} left brake torque"
     return (
-        Panel(f"compensation-{word}", f"{name} pad friction (Fig. 9)", compensation, of, 2),
+        Panel(f"compensation-{word}", f"{name} pad friction (Fig. 9)", pad, (*of, METHODS), 2),
         Panel(f"torque-{word}-left", f"{left} (Fig. {number})", torque, of),
         Panel(f"error-{word}-left", f"{left}, error", error, of),
     )
-
-
-def compensation(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Fig. 9, one axle: truth, nominal, the estimate with its interval, and the gradient law."""
-    law = axle.baselines.get(BASELINE)
-    if law is not None:
-        ax.plot(trace.time, held(trace, law), label=r"gradient law on $D(\eta)$", **LAW)
-    pad_estimate(ax, trace, axle, stroke)
-    curves = [c for c in (axle.lower, axle.upper, law, axle.true_pad) if c is not None]
-    nominal = [] if axle.nominal is None else [np.array([axle.nominal])]
-    view(ax, *(values[trace.valid] for values in curves), *nominal)
-    frame(ax, trace, "pad friction [1]")
 
 
 def torque(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
@@ -79,7 +68,7 @@ def torque(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
 
 def error(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Error of the torques of the left wheel, at valid samples."""
-    true, law = axle.true_wheel_torque, axle.baselines.get(BASELINE)
+    true, law = axle.true_wheel_torque, axle.baselines.get(_BASELINE)
     if true is None:
         return
     nominal = None if axle.nominal_torque is None else 0.5 * axle.nominal_torque

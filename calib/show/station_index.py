@@ -22,7 +22,7 @@ from calib.show.html import page_of
 
 LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
-DRAWN = 200
+_DRAWN = 200
 """Runs in a trend, the last of them."""
 EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
@@ -73,7 +73,7 @@ def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
 
 def trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
     """The trend of a metric over the last runs; None with fewer than two values."""
-    trends = [run.trend or {} for run in reversed(runs[:DRAWN])]
+    trends = [run.trend or {} for run in reversed(runs[:_DRAWN])]
     known = [value for one in trends if (value := one.get(key)) is not None]
     if len(known) < 2:
         return None

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import plain
+from calib.base.plain import plain, plus_minus
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.validate import Validation
 from calib.line.station.identity import TITLES
@@ -13,7 +13,7 @@ from calib.line.station.limits_file import action
 from calib.line.station.station import StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
-from calib.show.judged import judged
+from calib.show.judged import judged, pads
 from calib.show.origin import PageOrigin, origin
 from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
@@ -24,11 +24,11 @@ from calib.store.version import Stored
 from calib.table.budget import advice_lines, pads_budget
 from calib.table.table import Table
 
-TAKEN = ("f1-f2", "difference", "budget")
+_TAKEN = ("f1-f2", "difference", "budget")
 """Panels of the table's own sheet."""
 CURVES = "The curves that the estimator looks up, with their 95 % bands."
 BY_STOP = "Pad friction of each stop with its 95 % interval; line and band: the table's."
-OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
+_OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
 
 
 def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
@@ -85,7 +85,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
         for key, text in meant.items()
     ]
     curves = [Picture(CURVES, pictures, ("f1-f2", "difference"))]
-    over_time = [Picture(OVER_TIME, pictures, stops)]
+    over_time = [Picture(_OVER_TIME, pictures, stops)]
     logs = [("ramp", log.name, log.digest) for log in found.ramps]
     logs += [("coast", log.name, log.digest) for log in found.coasts]
     logs += [(r.role, r.log, r.digest) for r in found.results]
@@ -105,17 +105,19 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 def _pads(found: StationOutcome, pictures: Sheet) -> Facts:
     """Pad friction from the ramp and by stop, and what its interval is made of."""
     cal, budgets = found.table.calibration, pads_budget(found.table)
-    front, rear = (
-        f"{pad.value:.3f} ({pad.ci95[0]:.3f} to {pad.ci95[1]:.3f})"
+    of_ramp = [
+        plus_minus(pad.value, pad.ci95[1] - pad.value)
         for pad in (cal.pad_friction_f, cal.pad_friction_r)
-    )
-    rows = [(f"{i}: {r.log}", *_pad(r, "f"), *_pad(r, "r")) for i, r in enumerate(found.results, 1)]
-    heads = ("stop", "front", "95 % interval", "rear", "95 % interval")
+    ]
+    rows = [("the ramp", *of_ramp)]
+    rows += [
+        (f"{i}: {r.log}", *(pads(r.figures, axle) or "not known" for axle in "fr"))
+        for i, r in enumerate(found.results, 1)
+    ]
     parts = "; ".join(f"{AXLE_NAMES[x]} {of.words}" for x, of in zip("fr", budgets, strict=True))
     return Facts(
         "Pads",
-        headline=f"Pad friction from the ramp: {front} front, {rear} rear.",
-        tables=[Cells(heads, rows, "Pad friction by stop.")],
+        tables=[Cells(("run", "front", "rear"), rows, "Pad friction, with 95 % intervals.")],
         notes=advice_lines(budgets),
         pictures=[
             Picture(BY_STOP, pictures, ("pads",)),
@@ -124,26 +126,18 @@ def _pads(found: StationOutcome, pictures: Sheet) -> Facts:
     )
 
 
-def _pad(result: Validation, axle: str) -> tuple[str, str]:
-    """Mean pad friction of a stop on ``axle`` f or r, and its 95 % interval."""
-    mu, width = result.figures[f"pad_friction_{axle}"], result.figures[f"interval_{axle}"]
-    if mu is None or width is None:
-        return "not known", ""
-    return f"{mu:.3f}", f"{mu - mu * width:.3f} to {mu + mu * width:.3f}"
-
-
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
     """Panels of the table, `pads`, and `stop-1`, `stop-2` ... for the hold-outs."""
-    curves = [panel for panel in table_sheet(table, "").panels if panel.name in TAKEN]
-    pads = Panel("pads", "Pads by stop", pads_by_stop, (table, results), 2)
+    curves = [panel for panel in table_sheet(table, "").panels if panel.name in _TAKEN]
+    by_stop = Panel("pads", "Pads by stop", _pads_by_stop, (table, results), 2)
     stops = [
         Panel(f"stop-{i}", _as_text(r.log), pads_over_time, (r,), 2)
         for i, r in enumerate(results, 1)
     ]
-    return Sheet("station", "station", "", "", (*curves, pads, *stops), ())
+    return Sheet("station", "station", "", "", (*curves, by_stop, *stops), ())
 
 
-def pads_by_stop(ax: Axes, table: Table, results: tuple[Validation, ...]) -> None:
+def _pads_by_stop(ax: Axes, table: Table, results: tuple[Validation, ...]) -> None:
     """Mean pad friction of each hold-out with its median 95 % interval, and the table's."""
     cal = table.calibration
     for axle, stroke, of_table, shift in (

@@ -1,5 +1,7 @@
 """A stop with its estimate: the panels of Figs. 13 to 16."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from calib.estimation.validate import Validation
@@ -35,11 +37,11 @@ from calib.show.trace import AxleTrace, StopTrace
 LAST = ("validity", "budget")
 """Panels of the last row."""
 WHY = "Where the estimate is valid, and why not"
-SHADED = "Grey: the sample is not valid, and no estimate is drawn."
+_SHADED = "Grey: the sample is not valid, and no estimate is drawn."
 CHANGED = "Dotted vertical line: a change of surface was detected."
-BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
+_BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
 RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
-SLIP_MEAN = 0.3
+_SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
     "mean_gain": ("one mean gain, [16]", LEVEL),
@@ -47,7 +49,7 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
-NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
+_NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
 LEAST = 0.02
 """Share of the log from which a reason for not being valid is drawn."""
 EVERY = 5
@@ -83,8 +85,8 @@ def result_of(trace: StopTrace) -> str:
 def note(trace: StopTrace) -> str:
     """Note of the page: source of the data and meaning of the marks."""
     changed = (CHANGED,) if trace.changes else ()
-    bumps = (BUMPS,) if trace.bumps else ()
-    return " ".join((*trace.notes, SHADED, *changed, *bumps, "Bands are 95 %."))
+    bumps = (_BUMPS,) if trace.bumps else ()
+    return " ".join((*trace.notes, _SHADED, *changed, *bumps, "Bands are 95 %."))
 
 
 def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
@@ -96,13 +98,13 @@ def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
         for word, pads in zip(("Front pad friction", "Rear pad friction"), trace.pads, strict=True)
     )
     found = (
-        (trace.wheels, Panel("wheel-speeds", "Wheel speeds", wheel_speeds, of, 5)),
+        (trace.wheels, Panel("wheel-speeds", "Wheel speeds", _wheel_speeds, of, 5)),
         (True, Panel("deceleration", "Deceleration", deceleration, of)),
         (True, Panel("normalised-forces", "Normalised forces", normalised_forces, of)),
         (True, Panel("slip", ratio, slip, of)),
         (True, Panel("pad-front", pad_f, pad, (trace, front, FRONT), 2)),
         (True, Panel("pad-rear", pad_r, pad, (trace, rear, REAR), 2)),
-        (True, Panel("axle-torques", "Axle brake torques", axle_torques, of, 2)),
+        (True, Panel("axle-torques", "Axle brake torques", _axle_torques, of, 2)),
         (trace.force_sum is not None, Panel("force-sum", "Sum of forces", force_sum, of)),
         (trace.refused, Panel("validity", WHY, validity, of)),
         (trace.budget, Panel("budget", BUDGET, bars, (trace.budget,))),
@@ -121,7 +123,7 @@ def frame(ax: Axes, trace: StopTrace, ylabel: str) -> None:
     ax.set_xlim(trace.time[0], trace.time[-1])
 
 
-def wheel_speeds(ax: Axes, trace: StopTrace) -> None:
+def _wheel_speeds(ax: Axes, trace: StopTrace) -> None:
     """Wheel speeds, panel (a)."""
     if trace.v_wheel is not None:  # first, so that it is drawn below the wheels
         ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
@@ -151,27 +153,38 @@ def slip(ax: Axes, trace: StopTrace) -> None:
         (slips[1], REAR, "rear slip"),
         (100.0 * (trace.eta - 1.0), RATIO, r"$\eta - 1$, zeroed"),
     ]
-    lines(ax, trace.time, rows, SLIP_MEAN, trace.valid)
+    lines(ax, trace.time, rows, _SLIP_MEAN, trace.valid)
     ratio = r"$\eta - 1$ [%]"
     frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
 
 
-def pad(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Panel (d), one axle: the estimate with its interval, truth, nominal, and other methods.
+def pad(
+    ax: Axes,
+    trace: StopTrace,
+    axle: AxleTrace,
+    stroke: Stroke,
+    methods: Mapping[str, tuple[str, Stroke]] = BASELINES,
+) -> None:
+    """Panel (d) and Fig. 9, one axle: the estimate with its interval, truth, nominal, others.
 
-    The valid samples set the range of y; other methods may leave it, but widen it up to a limit.
+    The valid samples set the range of y; other ``methods`` may leave it, but widen it to a limit.
     """
-    others = {name: axle.baselines[name] for name in BASELINES if name in axle.baselines}
-    for name, values in others.items():
-        label, thin = BASELINES[name]
-        ax.plot(trace.time, held(trace, values), label=label, **thin)
-    pad_estimate(ax, trace, axle, stroke)
-    valid = trace.valid
-    core = [axle.lower[valid], axle.upper[valid]] if valid.any() else [np.array([0.0, 1.0])]
-    core += [np.array([axle.nominal])] if axle.nominal is not None else []
-    core += [axle.true_pad[valid]] if axle.true_pad is not None else []
-    shown = [r[valid] for r in others.values() if np.isfinite(r[valid]).any()]
-    view(ax, *core, *(np.nanpercentile(values, [5, 95]) for values in shown))
+    shown = []
+    for name, (label, thin) in methods.items():
+        if (values := axle.baselines.get(name)) is not None:
+            ax.plot(trace.time, held(trace, values), label=label, **thin)
+            if np.isfinite(values[trace.valid]).any():
+                shown.append(np.nanpercentile(values[trace.valid], [5, 95]))
+    band(ax, trace.time, held(trace, axle.lower), held(trace, axle.upper), stroke)
+    label = r"estimate $\mu_{p,c}$, 95 %"
+    ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
+    if axle.nominal is not None:
+        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
+        shown.append(np.array([axle.nominal]))
+    if axle.true_pad is not None:
+        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
+        shown.append(axle.true_pad[trace.valid])
+    view(ax, axle.lower[trace.valid], axle.upper[trace.valid], *shown)
     frame(ax, trace, "pad friction [1]")
 
 
@@ -180,23 +193,12 @@ def held(trace: StopTrace, values: Array) -> Array:
     return np.where(trace.valid, values, np.nan)
 
 
-def pad_estimate(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Draw the estimate with its interval, the nominal pad and the truth, as far as known."""
-    band(ax, trace.time, held(trace, axle.lower), held(trace, axle.upper), stroke)
-    label = r"estimate $\mu_{p,c}$, 95 %"
-    ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
-    if axle.nominal is not None:
-        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
-    if axle.true_pad is not None:
-        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
-
-
-def axle_torques(ax: Axes, trace: StopTrace) -> None:
+def _axle_torques(ax: Axes, trace: StopTrace) -> None:
     """Panel (e): per axle, with nominal pads and compensated."""
     for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
         noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
         if axle.nominal_torque is not None:
-            thin = {"color": stroke["color"], "linestyle": NOMINALS[word], "linewidth": 0.9}
+            thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
             label = f"{word}, pads {trace.nominal_of}"
             noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, label)
     frame(ax, trace, "axle torque [kN m]")

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from calib.base.plain import counted
-from calib.exports.dataset import Returned
-from calib.exports.read import Difference as FromFile
+from calib.exports.compare import Difference as FromFile
+from calib.exports.read import Returned
 from calib.show.facts import FAILED, Facts, Row, Table
 from calib.store.answer import answer, verdict_lines
 from calib.store.figures import effect_figures, mean_figures
@@ -19,7 +19,7 @@ from calib.table.table import Value
 
 ROWS = 12
 """Rows of f1 and f2 that are printed; all of them are in the JSON."""
-PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
+_PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
 """Sections whose changed keys are printed; of the others only how many there are."""
 
 
@@ -127,13 +127,13 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
     values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in found.values]
     changes = [
         (section, change.key, _short(change.a), _short(change.b))
-        for section in PRINTED
+        for section in _PRINTED
         for change in found.changes.get(section, ())
     ]
     rest = [
         f"{len(changed)} of {section}"
         for section, changed in found.changes.items()
-        if section not in (*PRINTED, "calibration")
+        if section not in (*_PRINTED, "calibration")
     ]
     return Facts(
         headline=headline,

@@ -49,10 +49,10 @@ WHEEL_STROKES: dict[str, Stroke] = {
 }
 
 SHADE = "#E9E9E9"
-STRIPE = "#B0B0B0"
+_STRIPE = "#B0B0B0"
 RAW = 0.3
 """Opacity of a line without smoothing."""
-BAND = 0.18
+_BAND = 0.18
 """Opacity of a 95 % band."""
 MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
@@ -142,7 +142,7 @@ def lines(
 
 def band(ax: Axes, x: Array, lower: Array, upper: Array, stroke: Stroke) -> None:
     """Draw a 95 % band behind its line."""
-    ax.fill_between(x, lower, upper, color=stroke["color"], alpha=BAND, linewidth=0.0, zorder=1)
+    ax.fill_between(x, lower, upper, color=stroke["color"], alpha=_BAND, linewidth=0.0, zorder=1)
 
 
 def shade(ax: Axes, x: Array, where: Mask) -> None:
@@ -153,7 +153,7 @@ def shade(ax: Axes, x: Array, where: Mask) -> None:
 
 def stripe(ax: Axes, start: float, end: float) -> None:
     """Hatch the whole height of ``ax`` between two places."""
-    ax.axvspan(start, end, facecolor="none", edgecolor=STRIPE, hatch="////", lw=0.0)
+    ax.axvspan(start, end, facecolor="none", edgecolor=_STRIPE, hatch="////", lw=0.0)
 
 
 def beside(

@@ -41,12 +41,12 @@ FLAGS = {
 }
 """Word, line style and width of each flag of a cell."""
 
-FIG_2 = "Brake torque distribution (Fig. 2)"
+_FIG_2 = "Brake torque distribution (Fig. 2)"
 BUDGET = "What the pads' uncertainty is made of"
 ETA = r"$\eta - 1$ [%]"
-FREED = "drag taken out"
+_FREED = "drag taken out"
 """What was done to the measured points beside a curve over eta; the note says it in full."""
-MARKED = 0.1
+_MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
 
 
@@ -65,7 +65,7 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
         note=_note(table, ramps),
         result=_result(table),
         panels=(
-            Panel("torque-distribution", FIG_2, distribution, (table,), 2),
+            Panel("torque-distribution", _FIG_2, distribution, (table,), 2),
             Panel("tyre", "Common tyre curve (Fig. 3)", tyre, both, 2),
             Panel("f1-f2", "Normalised force curves (Fig. 6)", f1_f2, both, 2),
             Panel("difference", r"Difference $D = F_f - F_r$", difference, both, 2),
@@ -158,8 +158,8 @@ def f1_f2(ax: Axes, table: Table, ramps: Ramps = ()) -> None:
         band(ax, x, lower, upper, stroke)
         by_flag(ax, x, f, curve.flag, stroke, label)
     for i, ramp in enumerate(_over_both(ramps)):
-        _over_eta(ax, table, ramp, ramp.f1, FRONT, "" if i else f"$f_1$, ramps, {FREED}")
-        _over_eta(ax, table, ramp, ramp.f2, REAR, "" if i else f"$f_2$, ramps, {FREED}")
+        _over_eta(ax, table, ramp, ramp.f1, FRONT, "" if i else f"$f_1$, ramps, {_FREED}")
+        _over_eta(ax, table, ramp, ramp.f2, REAR, "" if i else f"$f_2$, ramps, {_FREED}")
     _usable(ax, table, below=True)
     ax.set(xlabel=ETA, ylabel="$f_1$, $f_2$ [1]")
 
@@ -171,7 +171,7 @@ def difference(ax: Axes, table: Table, ramps: Ramps = ()) -> None:
     band(ax, x, curve.lower, curve.upper, IDENTIFIED)
     by_flag(ax, x, curve.D, curve.flag, IDENTIFIED, "$D$")
     for i, ramp in enumerate(_over_both(ramps)):
-        _over_eta(ax, table, ramp, ramp.D, IDENTIFIED, "" if i else f"ramps, {FREED}")
+        _over_eta(ax, table, ramp, ramp.D, IDENTIFIED, "" if i else f"ramps, {_FREED}")
     _usable(ax, table)
     ax.set(xlabel=ETA, ylabel="$D$ [1]")
 
@@ -206,7 +206,7 @@ def _usable(ax: Axes, table: Table, below: bool = False) -> None:
     _reach(ax, x)
     ax.axvspan(end, ax.get_xlim()[1], color=SHADE, linewidth=0.0, zorder=0)
     order = np.argsort(z)
-    for mark in np.arange(MARKED, high, MARKED):
+    for mark in np.arange(_MARKED, high, _MARKED):
         if mark < low:
             continue
         at = float(np.interp(mark, z[order], x[order]))

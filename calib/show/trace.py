@@ -18,7 +18,7 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.plan import calibrated, known_resistance
 from calib.estimation.validate import Validation
 from calib.logs.log import Log
-from calib.show.judged import broken, word
+from calib.show.judged import broken, pads, word
 from calib.show.result import StoredResult
 from calib.show.style import Array, Mask
 from calib.table.budget import AxleBudget
@@ -49,7 +49,7 @@ class AxleTrace:
     true_wheel_torque: Array | None = None
 
 
-OF_TABLE, OF_VEHICLE = "of the table", "of the vehicle file"
+_OF_TABLE, _OF_VEHICLE = "of the table", "of the vehicle file"
 """Whose pads the nominal ones are."""
 
 
@@ -87,7 +87,7 @@ class StopTrace:
     refused: dict[str, Mask] = field(default_factory=dict)
     pads: tuple[str | None, str | None] = (None, None)
     verdict: str = ""
-    nominal_of: str = OF_VEHICLE
+    nominal_of: str = _OF_VEHICLE
 
     @property
     def has_truth(self) -> bool:
@@ -103,7 +103,6 @@ def from_validation(
     front = _axle(car.front, estimate.front, estimate, 0, log)
     rear = _axle(car.rear, estimate.rear, estimate, 1, log)
     e, known = estimate, known_resistance(table).effects
-    figures = result.figures
     body = force_balance(car, known, e.time, e.speed, e.z, e.pressure_f).body
     total = _force_sum(car, estimate.z, front, rear) + body
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
@@ -128,20 +127,15 @@ def from_validation(
             *estimate.notes,
             *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         ),
-        refused={NOT_BRAKED: ~estimate.braked, **estimate.refused},
-        pads=(_pads_of(figures, "f"), _pads_of(figures, "r")),
+        refused={_NOT_BRAKED: ~estimate.braked, **estimate.refused},
+        pads=(pads(result.figures, "f"), pads(result.figures, "r")),
         verdict="; ".join([word(result), *broken(result)]),
-        nominal_of=OF_TABLE if vehicle is None else OF_VEHICLE,
+        nominal_of=_OF_TABLE if vehicle is None else _OF_VEHICLE,
     )
 
 
-NOT_BRAKED = "the brakes are released"
+_NOT_BRAKED = "the brakes are released"
 """The reason beside those of the estimator."""
-
-
-def _pads_of(figures: dict[str, float | None], side: str) -> str | None:
-    mean, width = figures[f"pad_friction_{side}"], figures[f"interval_{side}"]
-    return None if mean is None or width is None else plus_minus(mean, mean * width)
 
 
 def from_result(result: StoredResult, vehicle: Vehicle | None = None) -> StopTrace:

@@ -8,7 +8,7 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import plain, plus_minus, signed_percent
+from calib.base.plain import plain, signed_percent
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.validate import (
@@ -20,7 +20,7 @@ from calib.estimation.validate import (
 )
 from calib.estimation.warnings import pads_apart
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Row, Table
-from calib.show.judged import broken, judged, word
+from calib.show.judged import broken, judged, pads, word
 from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
 from calib.show.sheet import Panel, Sheet
@@ -118,12 +118,9 @@ def _by_stop(stored: Stored, results: list[Validation]) -> Table:
     for r in results:
         cells = []
         for axle, ramp in (("f", cal.pad_friction_f), ("r", cal.pad_friction_r)):
-            mu, width = r.figures[f"pad_friction_{axle}"], r.figures[f"interval_{axle}"]
-            if mu is None or width is None:
-                cells += ["not known", ""]
-            else:
-                change = signed_percent(mu / ramp.value - 1.0)
-                cells += [plus_minus(mu, mu * width), change]
+            mu = r.figures[f"pad_friction_{axle}"]
+            cells.append(pads(r.figures, axle) or "not known")
+            cells.append("" if mu is None else signed_percent(mu / ramp.value - 1.0))
         cells += [plain(name).with_unit(r.figures[name]) for name in ("valid_share", *truth)]
         rows.append((r.log, *cells, word(r)))
     since = "change"
@@ -187,7 +184,7 @@ def _pads(e: Estimate) -> str:
     """The pads against those of the ramp."""
     if not e.valid.any():
         return "no sample of it is valid, so it says nothing of the pads"
-    front, rear = change_of(e.front, e.valid), change_of(e.rear, e.valid)
+    front, rear = _change_of(e.front, e.valid), _change_of(e.rear, e.valid)
     apart, sigma = pads_apart(e)
     if abs(apart) > Z95 * sigma:
         return f"front pads {_against(front)}, rear pads {_against(rear)} those of the ramp"
@@ -196,7 +193,7 @@ def _pads(e: Estimate) -> str:
     return f"pads {_against(both)} those of the ramp, {as_far}"
 
 
-def change_of(axle: AxleEstimate, valid: np.ndarray) -> Change:
+def _change_of(axle: AxleEstimate, valid: np.ndarray) -> Change:
     """Median change of the pads over the ``valid`` samples (n,), and its half width."""
     change = np.log(axle.change[valid])
     half = 0.5 * np.log(axle.change_upper[valid] / axle.change_lower[valid])
@@ -246,9 +243,9 @@ def _stop(r: Validation, trace: StopTrace) -> Facts:
     """One stop: judged metrics, the others, its picture."""
     name, given = r.log, {j.figure for j in r.judgements}
     table, unknown = judged(f"Limits of {name}, the worst first.", [[j] for j in r.judgements])
-    pads = Panel("pads", "Pad friction", pads_over_time, (r,), 2)
+    over_time = Panel("pads", "Pad friction", pads_over_time, (r,), 2)
     taken = [panel for panel in stop_sheet(trace).panels if panel.name in PANELS]
-    panels = Sheet("stop", name, "", "", (pads, *taken), ())
+    panels = Sheet("stop", name, "", "", (over_time, *taken), ())
     caption = f"{name}: pad friction with its 95 % band, deceleration, torques; grey: not valid."
     others = [
         (plain(key).name, plain(key).with_unit(value), key)

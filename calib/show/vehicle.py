@@ -37,7 +37,7 @@ DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
 P = 0.3
 """The deceleration of the paper's point P [g]."""
-KNM = 1e3
+_KNM = 1e3
 
 
 def facts(vehicle: Vehicle) -> Facts:
@@ -137,7 +137,7 @@ def distribution(ax: Axes, table: Table) -> None:
     nominal = _nominal_ratio(vehicle)
     found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
     top = beta_point(vehicle, min(nominal, found), DECELERATIONS[-1])[0] * 1.08
-    ends = np.array([0.0, top]) / KNM
+    ends = np.array([0.0, top]) / _KNM
     band(ax, ends, np.exp(-half) * found * ends, np.exp(half) * found * ends, IDENTIFIED)
     betas = {
         r"$\beta$, pads as identified": (found, IDENTIFIED),
@@ -145,7 +145,7 @@ def distribution(ax: Axes, table: Table) -> None:
     }
     _lines(ax, vehicle, betas, top, found)
     end = table.paper.usable[1]
-    front, rear = (torque / KNM for torque in beta_point(vehicle, found, end))
+    front, rear = (torque / _KNM for torque in beta_point(vehicle, found, end))
     mark = {"color": BODY["color"], "ms": 12.0, "mew": 1.4}
     ax.plot(front, rear, "|", label=f"usable up to {end:.2f} g", **mark)
     _biased(ax, vehicle, nominal, DECELERATIONS[-1], NOMINAL["color"])
@@ -155,24 +155,24 @@ def _lines(
     ax: Axes, vehicle: Vehicle, betas: dict[str, tuple[float, Stroke]], top: float, ratio: float
 ) -> None:
     """The I curve, each beta line up to ``top`` [N m], and the decelerations along ``ratio``."""
-    front, rear = (torque / KNM for torque in ideal(vehicle))
-    ax.plot(front, rear, label="I curve: both axles use the same friction", **BODY)
+    front, rear = (torque / _KNM for torque in ideal(vehicle))
+    ax.plot(front, rear, label="I curve: equal friction", **BODY)
     for label, (slope, stroke) in betas.items():
-        ax.plot([0.0, top / KNM], [0.0, slope * top / KNM], label=label, **stroke)
+        ax.plot([0.0, top / _KNM], [0.0, slope * top / _KNM], label=label, **stroke)
     for z in DECELERATIONS:
         _constant_deceleration(ax, vehicle, ratio, z)
     ax.plot([], [], "o", color=IDENTIFIED["color"], ms=3.2, label="deceleration [g]")
-    highest = max(float(rear.max()), *(slope * top / KNM for slope, _ in betas.values()))
-    ax.set(xlim=(0.0, top / KNM), ylim=(0.0, 1.15 * highest))
+    highest = max(float(rear.max()), *(slope * top / _KNM for slope, _ in betas.values()))
+    ax.set(xlim=(0.0, top / _KNM), ylim=(0.0, 1.15 * highest))
     ax.set(xlabel="front axle torque [kN m]", ylabel="rear axle torque [kN m]")
 
 
 def _constant_deceleration(ax: Axes, vehicle: Vehicle, ratio: float, z: float) -> None:
     """A thin line of constant z, its point on the beta line, and the number beside it."""
     radii = vehicle.front.rolling_radius, vehicle.rear.rolling_radius
-    front, rear = (vehicle.weight * z * radius / KNM for radius in radii)
+    front, rear = (vehicle.weight * z * radius / _KNM for radius in radii)
     ax.plot([front, 0.0], [0.0, rear], color=NOMINAL["color"], lw=0.5, alpha=0.6, zorder=1)
-    front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, z))
+    front, rear = (torque / _KNM for torque in beta_point(vehicle, ratio, z))
     named = z == P
     ax.plot(front, rear, "o", color=IDENTIFIED["color"], ms=6.0 if named else 3.2, zorder=3)
     text, weight = (f"P, {z:g} g", "bold") if named else (f"{z:g}", "normal")
@@ -183,7 +183,7 @@ def _biased(ax: Axes, vehicle: Vehicle, ratio: float, top: float, colour: str) -
     """Mark the deceleration up to which the front axle uses more friction, if it is in view."""
     biased = front_biased_up_to(vehicle)
     if 0.0 < biased <= top:
-        front, rear = (torque / KNM for torque in beta_point(vehicle, ratio, biased))
+        front, rear = (torque / _KNM for torque in beta_point(vehicle, ratio, biased))
         label = f"front locks first up to {biased:.2f} g"
         ax.plot(front, rear, "D", mfc="white", color=colour, label=label)
 

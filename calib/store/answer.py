@@ -39,7 +39,7 @@ def answer(stored: Stored) -> Answer:
     )
 
 
-USE = {DRAFT: "for trials and for a validation, not for an ECU", RELEASED: "for an ECU"}
+_USE = {DRAFT: "for trials and for a validation, not for an ECU", RELEASED: "for an ECU"}
 """What a version in a state is for; nothing in any other state."""
 
 
@@ -51,7 +51,7 @@ def verdict_lines(stored: Stored) -> list[str]:
 def verdict(stored: Stored) -> str:
     """For what a version is usable, up to how many g, what limits it, in one line."""
     word, cal = stored.state.word, stored.table.calibration
-    if word not in USE:
+    if word not in _USE:
         return f"usable for nothing: it is {word}"
     said = answer(stored)
     front, rear = (
@@ -60,7 +60,7 @@ def verdict(stored: Stored) -> str:
     )
     parts = dict.fromkeys(of.largest.replace("_", " ") for of in pads_budget(stored.table))
     return (
-        f"usable {USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
+        f"usable {_USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
         f"{front} front and {rear} rear, limited by {' and '.join(parts)}"
     )
 

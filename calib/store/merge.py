@@ -16,8 +16,7 @@ from calib.base.program import PROGRAM
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import NOT_OF_THE_CAR
-from calib.store.mean_curves import mean_curves
-from calib.store.mean_pads import inflated, mean_pads
+from calib.store.mean import inflated, mean_curves, mean_pads
 from calib.store.version import Stored
 from calib.table.compare import changes
 from calib.table.table import Array, FleetScatter, Provenance, Scatter, Table, TableReference

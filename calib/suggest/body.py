@@ -7,7 +7,7 @@ import numpy as np
 from calib.base.names import G
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Array
-from calib.run.computed_channels import factor_between, is_other_quantity
+from calib.run.copies import factor_between, is_other_quantity
 from calib.run.limits import LIMITS
 from calib.suggest.columns import ColumnClock, Series, correlation, follows, lead
 from calib.suggest.search import Search

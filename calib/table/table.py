@@ -24,8 +24,7 @@ from calib.car.tyre import PARAMETERS as TYRE
 from calib.car.tyre import Tyre
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.run.fingerprint import Fingerprint
-from calib.run.same_run import same_as
+from calib.run.same_run import Fingerprint, same_as
 
 Array = NDArray[np.float64]
 

@@ -52,16 +52,3 @@ def test_a_message_is_one_line_whatever_is_put_into_it():
 
 def test_more_mistakes_of_a_file_have_a_line_each():
     assert str(BrakeCalError("2 errors", lines=("a\nb", "c"))) == "2 errors\n  a b\n  c"
-
-
-@pytest.mark.parametrize(
-    ("given", "says"),
-    [
-        ({}, "broken"),
-        ({"where": 0}, "0: broken"),
-        ({"expected": "whole"}, "broken; expected whole"),
-        ({"do": "see the log"}, "broken; see the log"),
-    ],
-)
-def test_what_is_not_given_leaves_no_trace(given, says):
-    assert str(BrakeCalError("broken", **given)) == says

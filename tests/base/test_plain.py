@@ -4,12 +4,12 @@ import pytest
 
 from calib.base.plain import METRICS, NBSP, plain
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.line.fleet.rows import ColumnKind, Command, columns_of
+from calib.line.fleet.rows import Command, columns_of
 from calib.line.station.metrics import METRICS as OF_CAR
 
 
 def test_every_metric_has_a_plain_name():
-    of_fleet = {c.name for x in Command for c in columns_of(x) if c.kind is ColumnKind.NUMBER}
+    of_fleet = {c.name for x in Command for c in columns_of(x) if c.kind is float}
     assert {*OF_CAR, *OF_STOPS, *of_fleet} <= {*METRICS}
     assert not {*METRICS} & {shown.name for shown in METRICS.values()}
 

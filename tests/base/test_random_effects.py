@@ -73,40 +73,8 @@ def test_two_things_with_equal_errors_are_a_closed_form(apart, v, at):
     assert found.half_width[0] == pytest.approx(expected, rel=1e-6)
 
 
-def test_without_scatter_the_errors_alone_say_how_well_the_mean_is_known():
-    found = random_effects(np.full((4, 1), 3.0), np.full((4, 1), 0.04))
-    assert (found.mean[0], found.between[0]) == (3.0, 0.0)
-    assert found.half_width[0] == pytest.approx(1.96 * 0.2 / 2.0)
-
-
-def test_things_without_errors_have_the_plain_mean_and_scatter():
-    x = np.array([1.0, 2.0, 6.0])[:, None]
-    found = random_effects(x, np.zeros((3, 1)))
-    assert found.mean[0] == pytest.approx(3.0)
-    assert found.between[0] == pytest.approx(7.0)
-    assert found.sigma[0] == pytest.approx(math.sqrt(7.0 / 3.0))
-    assert found.one_more[0] == pytest.approx(math.sqrt(7.0 + 7.0 / 3.0))
-
-
 VALUES = arrays(float, (4, 2), elements=st.floats(-5.0, 5.0))
 VARIANCES = arrays(float, (4, 2), elements=st.floats(0.01, 5.0))
-
-
-@given(VALUES, VARIANCES, st.floats(0.1, 10.0), st.floats(-10.0, 10.0))
-def test_another_unit_and_another_zero_change_nothing_else(x, v, scale, zero):
-    a, b = random_effects(x, v), random_effects(scale * x + zero, scale**2 * v)
-    np.testing.assert_allclose(scale * a.mean + zero, b.mean, rtol=1e-6, atol=1e-6)
-    np.testing.assert_allclose(scale * a.sigma, b.sigma, rtol=1e-5, atol=1e-7)
-    np.testing.assert_allclose(scale**2 * a.between, b.between, rtol=1e-5, atol=1e-6)
-
-
-def test_given_weights_are_kept():
-    x, v = np.array([[0.0], [0.0], [4.0]]), np.ones((3, 1))
-    found = random_effects(x, v, np.array([2.0, 1.0, 1.0]))
-    assert found.weights[:, 0].tolist() == [0.5, 0.25, 0.25]
-    assert found.mean[0] == 1.0
-    # the three scatter by 16/3 about 4/3; so does each, and the weights' squares add up to 3/8
-    assert found.sigma[0] == pytest.approx(math.sqrt(16.0 / 3.0 * 3.0 / 8.0))
 
 
 def test_one_thing_has_no_scatter():

@@ -71,12 +71,6 @@ def test_every_key_is_read_and_paths_lead_from_the_file(written):
     )
 
 
-def test_in_the_working_folder_a_path_is_as_written(written):
-    path = written('schema = 1\nstore = "tables"\n', folder=".")
-    assert read_settings(path).store == Path("tables")
-    assert read_settings(path.absolute()).store == Path("tables")
-
-
 @pytest.mark.parametrize(
     ("golden", "means"),
     [

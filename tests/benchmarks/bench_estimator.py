@@ -24,7 +24,7 @@ from calib.fitting.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.run.axle_signals import signals  # noqa: E402
 from calib.run.blocks import blocks  # noqa: E402
-from calib.run.brake_balance import brake_balance  # noqa: E402
+from calib.run.brake_response import brake_balance  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402
 
 SAMPLES = ROOT / "sample_logs"

@@ -44,8 +44,3 @@ def test_an_axle_may_never_lock():
     low = replace(VEHICLE, cg_height=1.1, rear=replace(VEHICLE.rear, piston_area=0.2))
     assert front_share(low) < 0.1
     assert locks_at(low, 1.0)[0] == np.inf
-
-
-def test_a_lifted_axle_uses_infinite_friction():
-    lifted = VEHICLE.cg_to_front_axle / VEHICLE.cg_height
-    assert friction_used(VEHICLE, np.array([lifted + 0.1]))[1][0] == np.inf

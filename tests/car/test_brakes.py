@@ -7,7 +7,7 @@ import pytest
 
 from calib.car.brakes import brakes_of
 from calib.car.effects.effects import Effects
-from calib.car.history import at_rest
+from calib.car.history import constant_speed
 from calib.car.model import default_model
 from tests.support.effect_runs import SEDAN
 
@@ -16,7 +16,7 @@ PRESSURE = 30e5 * np.sin(2.0 * TIME)
 
 
 def brakes(effects, own=None, p=PRESSURE):
-    rest = at_rest(TIME, p, 20.0)
+    rest = constant_speed(TIME, p, 20.0)
     return brakes_of(replace(default_model(SEDAN), effects=Effects(effects)), rest, own or {}), rest
 
 
@@ -57,10 +57,3 @@ def test_only_the_axle_that_is_uneven_has_four_hands():
     torques = found.torques(rest)
     assert torques["fl"] == pytest.approx(1.5 * torques["fr"])
     assert found.twin("rr") == "rl"
-
-
-def test_pads_feel_the_pressure_of_their_own_side():
-    slope = {"pad_pressure_dependence": {"pressure_slope": 5e-8}}
-    found, rest = brakes(slope, {"fr": PRESSURE + 10e5})
-    left, right = found.pads(rest, "l")[0], found.pads(rest, "r")[0]
-    assert right - left == pytest.approx(0.38 * 5e-8 * 10e5)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from calib.car import forces
 from calib.car.effects.combined import total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects
-from calib.car.history import Motion, at_rest
+from calib.car.history import Motion, constant_speed
 from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.model.simulate import simulate
@@ -59,12 +59,6 @@ def test_tables_1_and_2_at_50_bar(faces, g):
 def test_pad_friction_undoes_the_torque(mu, pressure):
     torque = forces.brake_torque(VEHICLE.rear, mu, pressure)
     assert forces.pad_friction(VEHICLE.rear, torque, pressure) == pytest.approx(mu, rel=1e-12)
-
-
-def test_a_wheel_by_hand():
-    """1000 N m of brake, 5 N m of rolling, -20 rad/s^2 at 1.2 kg m^2 and 0.322 m."""
-    force = forces.tyre_force(VEHICLE.front, 1000.0, -20.0, 5.0)
-    assert force == pytest.approx((1000.0 + 5.0 - 24.0) / 0.322)
 
 
 @given(st.floats(0.0, 5e3), st.floats(-500.0, 500.0), st.floats(0.0, 100.0))
@@ -176,7 +170,7 @@ def test_forces_account_for_what_simulate_adds():
     log = simulate(default_model(replace(VEHICLE, effects=effects)), time, pressure, 33.0)
     z = forces.deceleration(log["a_x"])
     loads = forces.axle_loads(VEHICLE, z)
-    motion = Motion(log["v"], *loads, at_rest(log.time, log["p_mc"], 33.0))
+    motion = Motion(log["v"], *loads, constant_speed(log.time, log["p_mc"], 33.0))
     moments = total_axle_moment(VEHICLE, effects, motion)
     total = np.zeros_like(z)
     axles = (("fl", VEHICLE.front), ("rl", VEHICLE.rear))

@@ -1,6 +1,5 @@
 """The file that is written: every key, read back as the reference car."""
 
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -41,15 +40,6 @@ def test_an_optional_key_without_a_value_is_a_comment(tmp_path):
     text = vehicle_text(values)
     assert "# mass_tolerance = 0.03" in text
     assert read(text, tmp_path).mass_tolerance == Vehicle.mass_tolerance
-
-
-def test_a_text_is_quoted_and_a_number_is_not():
-    written = tomllib.loads(
-        vehicle_text(REFERENCE | {"name": "über-auto", "front.pad_friction": "38 %"})
-    )
-    assert written["name"] == "über-auto"
-    assert written["front"]["friction_faces"] == 2
-    assert written["front"]["pad_friction"] == "38 %"
 
 
 @pytest.mark.parametrize(

@@ -38,18 +38,3 @@ def test_pounds_written_as_kilograms_are_no_load_of_this_car(factor):
         weighed(CAR, factor * CAR.mass)
     with pytest.raises(VehicleError, match="check number and unit"):
         mass_used(CAR, factor * CAR.mass)
-
-
-@pytest.mark.parametrize(
-    ("tolerance", "mass", "says"),
-    [
-        (0.03, None, ("1744 kg", "3 %", "nobody wrote down the load")),
-        (0.01, None, ("1744 kg", "1 %", "by the vehicle file")),
-        (0.03, 2093.5, ("2093.5 kg", "0.5 %", "as stated")),
-    ],
-)
-def test_it_is_told_where_a_mass_comes_from(tolerance, mass, says):
-    used = mass_used(replace(CAR, mass_tolerance=tolerance), mass)
-    assert used.stated is (mass is not None)
-    for text in says:
-        assert text in str(used)

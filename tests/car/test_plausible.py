@@ -100,11 +100,6 @@ def test_a_mistake_is_told_with_its_causes(name):
     assert all(w.causes and w.do and w.log == vehicle.name for w in found.values())
 
 
-def test_a_value_is_told_in_the_unit_of_the_key():
-    found = {w.code: w for w in plausible(both(effective_radius=2.0))}
-    assert "effective_radius_f is 262 mm, expected 80 to 190" in found["effective_radius_f"].text
-
-
 def test_what_only_some_cars_have_is_for_a_person_to_confirm():
     """A compact car with EBD, its distances swapped by hand: 41 % of the load in front."""
     compact = CARS["compact with EBD"]

@@ -31,13 +31,6 @@ def test_parameters_are_the_first_fields():
     assert Tyre(**dict(zip(PARAMETERS, (1.0, 2.0, 3.0, 4.0), strict=True))) == Tyre(1, 2, 3, 4)
 
 
-def test_by_hand():
-    """0.04 of compliance, half the force: 0.04 x 0.5 x (1 + 0.2 x 0.5 + 0.4 x 0.25) = 0.024."""
-    tyre = Tyre(np.log(0.04), 0.2, 0.4, 0.5)
-    assert tyre.slip(np.asarray(0.5), 1.0) == pytest.approx(0.024)
-    assert tyre.slip(np.asarray(0.5), 1.44) == pytest.approx(0.024 * 1.2)
-
-
 @given(tyres(), forces, loads)
 def test_inverse_found_by_bisection_gives_the_force_back(tyre, force, load):
     slip = float(tyre.slip(np.asarray(force), load))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Axle
-from calib.car.wheel import RisingTyre, Travel, WheelDemand, next_slip, spin_rate, tyre_force
+from calib.car.wheel import RisingTyre, Travel, WheelDemand, next_slip, tyre_force
 
 TYRE = MagicFormula(25.0, 0.9, load_exponent=0.1)
 TIME = np.arange(200) / 200.0
@@ -32,7 +32,7 @@ def test_without_inertia_the_slip_is_the_closed_inverse(share, load):
     demand = WheelDemand(0.322 * force * 4000.0, 0.0 * TIME, carried)
     travel = Travel(TIME, np.full(TIME.size, 20.0), 0.0 * TIME)
     slip = settled(axle(0.0), tyre, demand, travel)
-    assert slip == pytest.approx(TYRE.slip(force, load), rel=1e-9, abs=1e-12)
+    assert slip == pytest.approx(TYRE.rising(force, load)[0], rel=1e-9, abs=1e-12)
 
 
 def test_a_step_reaches_the_tyre_with_the_time_constant_of_wheel_and_tyre():
@@ -66,12 +66,6 @@ def test_equation_1_holds_once_settled():
     )
 
 
-def test_spin_rate_of_a_wheel_at_constant_slip():
-    travel = Travel(TIME, 30.0 - 5.0 * TIME, np.full(TIME.size, 5.0 / 9.80665))
-    rate = spin_rate(axle(1.2), travel, np.full(TIME.size, 0.02))
-    assert rate == pytest.approx(-5.0 * 0.98 / 0.322)
-
-
 def test_beyond_the_edge_the_force_goes_on_rising_without_a_step():
     tyre = RisingTyre(TYRE, np.ones(1))
     edge = float(tyre.edge[0])
@@ -82,16 +76,3 @@ def test_beyond_the_edge_the_force_goes_on_rising_without_a_step():
     assert np.all(np.diff(far) > 0.0)
     assert tyre.used(np.array([1.01 * edge]))[0] > 1.0
     assert TYRE.peak - TYRE.force(np.array([edge]))[0] < 2e-6 * TYRE.peak
-
-
-def test_nothing_carries_a_wheel_without_inertia_and_load():
-    zero = np.zeros(TIME.size)
-    travel = Travel(TIME, np.full(TIME.size, 20.0), zero)
-    with pytest.raises(ArithmeticError, match="no slip solves"):
-        next_slip(
-            axle(0.0),
-            RisingTyre(TYRE, np.ones(TIME.size)),
-            WheelDemand(zero + 1.0, zero, zero),
-            travel,
-            zero,
-        )

@@ -6,10 +6,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from cli.schema import SCHEMAS
 
 from calib.car.effects.catalogue import CATALOGUE
 from calib.help.documents import documents
-from cli.schema import SCHEMAS
 from tests.test_layers import HEAVY
 
 ROOT = Path(__file__).parents[2]

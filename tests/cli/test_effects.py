@@ -4,9 +4,9 @@ import json
 import shlex
 
 import pytest
+from cli.effects import EPILOG
 
 from calib.car.effects.catalogue import CATALOGUE
-from cli.effects import EPILOG
 
 
 def test_every_effect_has_its_line_in_the_order_of_the_catalogue(brake_cal):

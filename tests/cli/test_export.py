@@ -60,7 +60,7 @@ def test_the_ending_names_the_format_and_folders_are_made(tables, tmp_path):
         (("--format", "xyz", "--out", "a"), "inca-csv"),
         (("--format", "dcm", "--out", "tables/journal.jsonl/a"), "is a file, not a directory"),
         (("--format", "dcm", "--out", "."), "is a directory"),
-        (("--format", "dcm", "--out", "a", "--fixed-point", "16"), "only with c-header"),
+        (("--format", "dcm", "--out", "a", "--fixed-point", "16"), "only with a2l, c-header"),
         (("--format", "c-header", "--out", "a", "--fixed-point", "12"), "one of 8, 16, 32"),
         (("--format", "a2l", "--out", "a", "--fixed-point", "12"), "one of 8, 16, 32"),
         (("--format", "c-header", "--out", "a", "--elf", "ecu.elf"), "only with a2l"),

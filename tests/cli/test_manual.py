@@ -3,11 +3,11 @@
 import json
 from io import StringIO
 
+from cli.laid_out import LaidOut
 from rich.console import Console
 
 from calib.help.page import contents
 from cli.group import GONE, PAGES
-from cli.laid_out import LaidOut
 
 
 def test_without_a_name_it_lists_the_pages(brake_cal):

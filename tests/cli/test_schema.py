@@ -5,10 +5,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from cli.schema import SCHEMAS
 from jsonschema import Draft202012Validator
 
 from calib.help.documents import documents
-from cli.schema import SCHEMAS
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "sample_logs"

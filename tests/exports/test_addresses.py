@@ -9,10 +9,9 @@ from dataclasses import replace
 import pytest
 
 from calib.base.errors import ProgramError
-from calib.exports.a2l import write_a2l
 from calib.exports.addresses import LARGEST_FILE, find_addresses
-from calib.exports.build import build
-from calib.exports.c_header import write_c_header
+from calib.exports.dataset import build
+from calib.exports.write import FORMATS
 from tests.support.a2l import decoded, read_a2l
 from tests.support.programs import linked, made_elf, needs_gcc
 from tests.support.refusals import refusal
@@ -26,9 +25,7 @@ def data(stored):
 
 def held(data, order):
     """Bytes of each object in double, in one byte order."""
-    arrays = {one.label: one.values for one in (*data.axes, *data.curves)}
-    arrays |= {s.label: [s.value] for s in data.scalars}
-    return {name: struct.pack(f"{order}{len(v)}d", *v) for name, v in arrays.items()}
+    return {o.label: struct.pack(f"{order}{len(o.values)}d", *o.values) for o in data.objects}
 
 
 @pytest.fixture
@@ -51,10 +48,10 @@ def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
     if readelf := shutil.which("readelf"):
         run = subprocess.run([readelf, "-Ws", program(elf)], capture_output=True, text=True)
         assert (run.stderr, data.scalars[0].label in run.stdout) == ("", True)
-    addresses = find_addresses(program(elf), data, None)
+    addresses = find_addresses(program(elf), data)
     assert (addresses.big_endian, addresses.remarks) == (order == ">", ())
     memory, at = b"".join(objects.values()), 0x8000_0000
-    module = read_a2l(write_a2l(data, None, addresses)).one("MODULE")
+    module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=addresses))).one("MODULE")
     found = decoded(module, lambda a, size: memory[a - at : a - at + size])
     assert found["sedan_f1"] == data.curves[0].values.tolist()
     assert found["sedan_mass"] == [1744.0]
@@ -62,46 +59,45 @@ def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
 
 @needs_gcc
 def test_an_object_file_a_stripped_program_and_a_moving_one(data, tmp_path):
-    elf = linked(tmp_path, write_c_header(data), data.prefix, "-c")
-    assert "expected the linked program" in refusal(find_addresses, elf, data, None, names=elf)
-    elf = linked(tmp_path, write_c_header(data), data.prefix)
+    elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, "-c")
+    assert "expected the linked program" in refusal(find_addresses, elf, data, names=elf)
+    elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
     subprocess.run(["strip", elf], check=True)
-    assert "before `strip`" in refusal(find_addresses, elf, data, None, names=elf)
+    assert "before `strip`" in refusal(find_addresses, elf, data, names=elf)
     options = ("-pie", "-fPIE", "-nostdlib", "-Wl,-e,main")
-    elf = linked(tmp_path, write_c_header(data), data.prefix, *options)
-    assert "from where it is loaded" in find_addresses(elf, data, None).remarks[0]
+    elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, *options)
+    assert "from where it is loaded" in find_addresses(elf, data).remarks[0]
 
 
 def test_a_program_of_other_numbers_is_refused(stored, data, program):
     elf = program(made_elf(held(data, "<"), "<", True))
-    says = refusal(find_addresses, elf, data, 16, kind=ProgramError, names="sedan_eta has 40 bytes")
+    fixed = build(stored, 5, bits=16)
+    says = refusal(find_addresses, elf, fixed, kind=ProgramError, names="sedan_eta has 40 bytes")
     assert "expected 10; give the --points and --fixed-point" in says
     other = build(replace(stored, table=made_table(28.0)), 5)
-    says = refusal(find_addresses, elf, other, None, kind=ProgramError, names="other numbers in")
+    says = refusal(find_addresses, elf, other, kind=ProgramError, names="other numbers in")
     assert "those of sedan@1" in says
 
 
 def test_missing_symbols_are_named(data, program):
     objects = held(data, "<")
     del objects["sedan_f2"]
-    says = refusal(
-        find_addresses, program(made_elf(objects, "<", False)), data, None, names="sedan_f2"
-    )
+    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data, names="sedan_f2")
     assert "SEDAN_DEFINE" in says
     del objects["sedan_D"]
-    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data, None)
+    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data)
     assert "no symbol sedan_f2 and 1 more" in says
 
 
 def test_an_address_of_more_than_32_bits_is_refused(data, program):
     elf = made_elf(held(data, "<"), "<", True, base=0x1_0000_0000)
-    assert "32 bits" in refusal(find_addresses, program(elf), data, None, names="0x100000000")
+    assert "32 bits" in refusal(find_addresses, program(elf), data, names="0x100000000")
 
 
 @pytest.mark.parametrize("home", [0x0FF8, 0x1008])
 def test_a_symbol_outside_its_section_is_refused(data, program, home):
     elf = program(made_elf(held(data, "<"), "<", True, base=0x1000, home=home))
-    assert "outside its section" in refusal(find_addresses, elf, data, None, kind=ProgramError)
+    refusal(find_addresses, elf, data, kind=ProgramError)
 
 
 @pytest.mark.parametrize(
@@ -114,16 +110,16 @@ def test_a_symbol_outside_its_section_is_refused(data, program, home):
     ],
 )
 def test_files_of_another_kind(data, program, content, says):
-    assert says in refusal(find_addresses, program(content), data, None, kind=ProgramError)
+    assert says in refusal(find_addresses, program(content), data, kind=ProgramError)
 
 
 def test_no_file_a_folder_and_a_file_too_large(data, tmp_path):
-    assert "No such file" in refusal(find_addresses, tmp_path / "none", data, None)
-    assert "not a regular file" in refusal(find_addresses, tmp_path, data, None)
+    assert "No such file" in refusal(find_addresses, tmp_path / "none", data)
+    assert "not a regular file" in refusal(find_addresses, tmp_path, data)
     large = tmp_path / "large"
     with large.open("wb") as file:
         file.truncate(LARGEST_FILE + 1)
-    assert "strip --strip-debug" in refusal(find_addresses, large, data, None)
+    assert "strip --strip-debug" in refusal(find_addresses, large, data)
 
 
 @pytest.mark.parametrize("wide", [False, True])
@@ -131,15 +127,15 @@ def test_no_file_a_folder_and_a_file_too_large(data, tmp_path):
 def test_a_damaged_program_is_read_rightly_or_refused(data, program, order, wide):
     """Many cuts, and 300 changes of one byte of the header, symbols and sections."""
     whole = made_elf(held(data, order), order, wide)
-    right = find_addresses(program(whole), data, None).by_label
+    right = find_addresses(program(whole), data).by_label
     for end in range(4, len(whole), 41):
-        refusal(find_addresses, program(whole[:end]), data, None, kind=ProgramError)
+        refusal(find_addresses, program(whole[:end]), data, kind=ProgramError)
     draw, refused = random.Random(1), 0
     for _ in range(300):
         at = draw.choice([*range(4, 64), *range(len(whole) - 1500, len(whole))])
         broken = whole[:at] + bytes([draw.randrange(256)]) + whole[at + 1 :]
         try:
-            found = find_addresses(program(broken), data, None).by_label
+            found = find_addresses(program(broken), data).by_label
         except ProgramError:
             refused += 1
         else:

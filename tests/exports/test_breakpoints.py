@@ -99,11 +99,6 @@ def test_fewer_points_where_one_more_would_do_harm():
     assert kept.tolist() == [0, 2, 3, 4, 6]
 
 
-def test_one_point_is_no_axis():
-    with pytest.raises(ValueError, match="2 or more"):
-        place(np.arange(3.0), np.zeros((1, 3)), 1)
-
-
 def test_an_axis_that_moved_is_seen():
     x, y = np.array([0.0, 1.0, 2.0]), np.array([[0.0, 1.0, 2.0]])
     assert misfit(x, y, x + 0.25, y).worst == pytest.approx(0.25)

@@ -1,29 +1,31 @@
-"""Labels that are valid in every format."""
+"""Labels that are valid in every format, the rows that are kept, and numbers in fixed point."""
 
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
-from calib.exports.dataset import LONGEST, LONGEST_PREFIX, label, prefix, printable
+from calib.base.errors import ExchangeError
+from calib.estimation.lookup import difference, paper
+from calib.exports.dataset import LONGEST, LONGEST_PREFIX, build, label, prefix
+from calib.exports.fixed_point import BITS, fixed_axis, to_fixed
+from calib.exports.write import printable
 
 # C99, 6.4.2.1, without the names that C and C++ keep for themselves.
 IDENTIFIER = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
 
 
-@given(st.text())
-def test_any_name_gives_an_identifier(name):
-    word = prefix(name)
-    assert IDENTIFIER.fullmatch(word)
-    assert len(word) <= LONGEST_PREFIX
-
-
-@given(st.text(min_size=1), st.from_regex(r"[a-z](_?[a-z0-9]){0,60}", fullmatch=True))
-def test_labels_are_identifiers_of_at_most_31_characters(name, part):
+@given(st.text(), st.from_regex(r"[a-z](_?[a-z0-9]){0,60}", fullmatch=True))
+def test_any_name_gives_identifiers(name, part):
     word = label(prefix(name), part)
+    assert IDENTIFIER.fullmatch(prefix(name))
     assert IDENTIFIER.fullmatch(word)
-    assert len(word) <= LONGEST
+    assert (len(prefix(name)) <= LONGEST_PREFIX, len(word) <= LONGEST) == (True, True)
+    assert len(printable(name).splitlines()) <= 1
 
 
 @pytest.mark.parametrize("pair", [("Müller", "Muller"), ("車", "车"), ("x" * 40, "x" * 41)])
@@ -31,11 +33,75 @@ def test_what_is_lost_shows_in_the_label(pair):
     assert prefix(pair[0]) != prefix(pair[1])
 
 
-def test_long_labels_that_begin_alike_stay_apart():
-    first, second = (label("sedan", "pad_pressure_dependence", p) for p in ("exponent", "excess"))
-    assert first != second
+def test_ends_are_clamped_as_the_look_up_does(stored):
+    """What every file says of the ends is what `calib.estimation.lookup` does."""
+    z, eta = np.full(2, 0.1), np.array([0.9, 1.1])
+    curves = {c.label: c.values for c in build(stored).curves}
+    read = paper(stored.table, z, eta, z)
+    assert (read.F_f - z).tolist() == pytest.approx(curves["sedan_f1"][[0, -1]].tolist())
+    assert (read.F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())
+    D = difference(stored.table, z, eta, z)
+    assert (D.F_f - D.F_r).tolist() == pytest.approx(curves["sedan_D"][[0, -1]].tolist())
 
 
-@given(st.text())
-def test_text_stays_on_one_line(text):
-    assert len(printable(text).splitlines()) <= 1
+def test_18_holds_on_the_breakpoints_too(real):
+    """F_zf f1 + F_zr f2 = 0 at each row's own z, from the wheelbase."""
+    data, car, p = build(real, 12), real.table.vehicle, real.table.paper
+    f1, f2 = data.curves[:2]
+    z = np.array([p.z[np.flatnonzero(p.eta == x)[0]] for x in f1.axis.values])
+    front = car.cg_to_rear_axle + z * car.cg_height
+    rear = car.cg_to_front_axle - z * car.cg_height
+    assert np.abs(front * f1.values + rear * f2.values).max() < 1e-9
+
+
+@pytest.mark.parametrize("points", [-1, 1, 22])
+def test_points_that_cannot_be_had_are_refused(stored, points):
+    with pytest.raises(ExchangeError, match=f"{points} breakpoints; expected 2 to 21"):
+        build(stored, points)
+
+
+def test_the_checksum_sees_the_last_bit(stored):
+    content = build(stored).content()
+    mass = content.scalars["sedan_mass"]
+    other = replace(content, scalars={**content.scalars, "sedan_mass": np.nextafter(mass, 0)})
+    assert other.checksum != content.checksum
+
+
+numbers = arrays(np.float64, st.integers(1, 30), elements=st.floats(-1e6, 1e6))
+
+
+@given(numbers, st.sampled_from(BITS))
+def test_integers_fit_lie_within_half_a_step_and_are_the_finest(values, bits):
+    fixed = to_fixed(values, bits)
+    assert np.all(np.abs(fixed.raw) < 2 ** (bits - 1))
+    back = np.array([int(r) * 2.0**-fixed.shift for r in fixed.raw])
+    assert np.abs(back - values).max() == fixed.error
+    assert fixed.error <= 2.0 ** -(fixed.shift + 1) * (1 + 1e-12)
+    largest = np.abs(values).max()
+    finest = largest * 2.0 ** (fixed.shift + 1) > 2 ** (bits - 1) - 1
+    assert finest or fixed.shift == 52 or largest == 0.0
+
+
+@given(st.lists(st.floats(1e-5, 1e-2), min_size=2, max_size=60), st.sampled_from(BITS))
+def test_an_axis_increases_or_is_refused(steps, bits):
+    eta = 1.0 + np.concatenate([[0.0], np.cumsum(steps)])
+    rounded = np.rint((eta - 1.0) * 2.0 ** to_fixed(eta, bits, 1.0).shift)
+    if np.all(np.diff(rounded) > 0):
+        assert np.all(np.diff(fixed_axis("eta", eta, bits, 1.0).values) > 0)
+    else:
+        with pytest.raises(ExchangeError, match="become equal"):
+            fixed_axis("eta", eta, bits, 1.0)
+
+
+def test_the_reading_error_is_found_on_a_grid_too(real):
+    for curve in build(real, 16, bits=16).curves:
+        axis, worst = curve.axis, curve.fixed_misfit
+        grid = np.linspace(axis.values[0], axis.values[-1], 4001)
+        rounded = np.interp(grid, axis.fixed.values, curve.fixed.values)
+        gap = np.abs(rounded - np.interp(grid, axis.values, curve.values)).max()
+        assert 0.9 * worst <= gap <= worst * (1 + 1e-9)
+
+
+def test_other_widths_are_refused(stored):
+    with pytest.raises(ExchangeError, match="12 bits"):
+        build(stored, bits=12)

@@ -12,7 +12,7 @@ from calib.base.units import QUANTITIES, Unit
 from calib.car import forces
 from calib.car.vehicle import Axle
 from calib.estimation import adaptive, validate
-from calib.exports import export
+from calib.exports.write import FORMATS
 from calib.help import checks, qualify
 from calib.help.checks import SUITE
 from calib.help.samples import sample_logs
@@ -39,42 +39,7 @@ def test_the_hidden_size_is_that_of_the_answer():
     assert answer["settings"]["cda"] == checks.DRAG
 
 
-def test_a_wrong_torque_gain_is_seen_in_the_formula_and_in_the_pads(monkeypatch):
-    right = Axle.torque_gain.fget
-    monkeypatch.setattr(Axle, "torque_gain", property(lambda axle: 1.05 * right(axle)))
-    assert failed("brake_torque", "fit_pads_f", "axle_load") == {"brake_torque", "fit_pads_f"}
-
-
-def test_a_wrong_load_transfer_is_seen(monkeypatch):
-    right = forces.axle_loads
-    monkeypatch.setattr(forces, "axle_loads", lambda vehicle, z: right(vehicle, -z))
-    assert failed("axle_load", "constraint", "adaptive_law") == {"axle_load", "constraint"}
-
-
-def test_a_wrong_adaptive_law_is_seen(monkeypatch):
-    right = adaptive.gradient
-    monkeypatch.setattr(adaptive, "gradient", lambda y, u, g, dt: right(y, u, g, 1.001 * dt))
-    assert failed("adaptive_law", "brake_torque") == {"adaptive_law"}
-
-
-def test_a_wrong_spread_is_seen(monkeypatch):
-    right = random_effects.between_variance
-    monkeypatch.setattr(random_effects, "between_variance", lambda x, v: right(x, v) * 3 / 4)
-    assert failed("spread_of_cars", "axle_load") == {"spread_of_cars"}
-
-
-def test_a_wrong_unit_is_seen_by_itself_and_in_a_log(monkeypatch):
-    monkeypatch.setitem(QUANTITIES["Pa"][1], "psi", Unit(6894.76))
-    of_units = {"unit_psi", "read_units", "read_dialect"}
-    assert failed(*of_units, "broken_logs") == of_units
-
-
-def test_a_reader_that_takes_everything_is_seen(monkeypatch):
-    monkeypatch.setattr(checks, "read_log", lambda path: path)
-    assert failed("broken_logs") == {"broken_logs"}
-
-
-def wrong_front(monkeypatch, change):
+def wrong_estimate(monkeypatch, change):
     """Let the estimate of every stop have another front axle."""
     right = validate.estimate
 
@@ -85,45 +50,87 @@ def wrong_front(monkeypatch, change):
     monkeypatch.setattr(validate, "estimate", wrong)
 
 
-def test_pads_that_are_estimated_wrong_are_seen(monkeypatch):
-    wrong_front(monkeypatch, lambda axle: replace(axle, pad_friction=1.1 * axle.pad_friction))
-    names = ("stop_mu25_mu33_f", "stop_mu25_mu33_r", "fit_body_pads_f")
-    assert failed(*names) == {"stop_mu25_mu33_f"}
+def wrong_gain(monkeypatch):
+    right = Axle.torque_gain.fget
+    monkeypatch.setattr(Axle, "torque_gain", property(lambda axle: 1.05 * right(axle)))
 
 
-def test_an_interval_that_is_too_narrow_is_seen(monkeypatch):
-    wrong_front(
+def wrong_loads(monkeypatch):
+    right = forces.axle_loads
+    monkeypatch.setattr(forces, "axle_loads", lambda vehicle, z: right(vehicle, -z))
+
+
+def wrong_law(monkeypatch):
+    right = adaptive.gradient
+    monkeypatch.setattr(adaptive, "gradient", lambda y, u, g, dt: right(y, u, g, 1.001 * dt))
+
+
+def wrong_spread(monkeypatch):
+    right = random_effects.between_variance
+    monkeypatch.setattr(random_effects, "between_variance", lambda x, v: right(x, v) * 3 / 4)
+
+
+def wrong_unit(monkeypatch):
+    monkeypatch.setitem(QUANTITIES["Pa"][1], "psi", Unit(6894.76))
+
+
+def reader_that_takes_everything(monkeypatch):
+    monkeypatch.setattr(checks, "read_log", lambda path: path)
+
+
+def wrong_pads(monkeypatch):
+    wrong_estimate(monkeypatch, lambda axle: replace(axle, pad_friction=1.1 * axle.pad_friction))
+
+
+def narrow_interval(monkeypatch):
+    wrong_estimate(
         monkeypatch,
         lambda axle: replace(
             axle, lower=axle.pad_friction * 0.9999, upper=axle.pad_friction * 1.0001
         ),
     )
-    assert failed("stop_interval", "stop_mu25_mu33_f") == {"stop_interval"}
 
 
-def test_a_verdict_that_is_always_good_is_seen(monkeypatch):
+def verdict_that_is_always_good(monkeypatch):
     monkeypatch.setattr(validate.Validation, "passed", property(lambda self: True))
-    assert failed("verdict") == {"verdict"}
 
 
-def test_an_export_of_a_rounded_curve_is_seen(monkeypatch):
-    right = export.FORMATS["dcm"]
+def rounded_export(monkeypatch):
+    right = FORMATS["dcm"]
 
-    def wrong(order):
-        curves = tuple(replace(c, values=np.round(c.values, 4)) for c in order.data.curves)
-        return right(replace(order, data=replace(order.data, curves=curves)))
+    def wrong(data):
+        curves = tuple(replace(c, values=np.round(c.values, 4)) for c in data.curves)
+        return right.write(replace(data, curves=curves))
 
-    monkeypatch.setitem(export.FORMATS, "dcm", wrong)
-    assert failed("export_dcm") == {"export_dcm"}
+    monkeypatch.setitem(FORMATS, "dcm", replace(right, write=wrong))
 
 
-def test_a_store_that_verifies_nothing_is_seen(monkeypatch):
+def store_that_verifies_nothing(monkeypatch):
     monkeypatch.setattr(store.Store, "load", lambda self, name: None)
-    assert failed("damaged_tables", "export_dcm") == {"damaged_tables"}
 
 
-def test_a_diagnosis_without_a_name_is_seen(monkeypatch):
+def diagnosis_without_a_name(monkeypatch):
     nothing = SimpleNamespace(verdict="unknown", effects=())
     monkeypatch.setattr(qualify, "diagnose", lambda *logs: nothing)
-    names = ("drag_named", "drag_size", "no_cause")
-    assert failed(*names) == set(names)
+
+
+@pytest.mark.parametrize(
+    ("break_it", "fails", "holds"),
+    [
+        (wrong_gain, "brake_torque fit_pads_f", "axle_load"),
+        (wrong_loads, "axle_load constraint", "adaptive_law"),
+        (wrong_law, "adaptive_law", "brake_torque"),
+        (wrong_spread, "spread_of_cars", "axle_load"),
+        (wrong_unit, "unit_psi read_units read_dialect", "broken_logs"),
+        (reader_that_takes_everything, "broken_logs", ""),
+        (wrong_pads, "stop_mu25_mu33_f", "stop_mu25_mu33_r fit_body_pads_f"),
+        (narrow_interval, "stop_interval", "stop_mu25_mu33_f"),
+        (verdict_that_is_always_good, "verdict", ""),
+        (rounded_export, "export_dcm", ""),
+        (store_that_verifies_nothing, "damaged_tables", "export_dcm"),
+        (diagnosis_without_a_name, "drag_named drag_size no_cause", ""),
+    ],
+)
+def test_a_break_is_seen_by_the_checks_that_are_meant_for_it(monkeypatch, break_it, fails, holds):
+    break_it(monkeypatch)
+    assert failed(*fails.split(), *holds.split()) == set(fails.split())

@@ -8,7 +8,7 @@ import pytest
 from calib.base.errors import ModelError
 from calib.car.brakes import brakes_of
 from calib.car.effects.effects import Effects
-from calib.car.history import at_rest
+from calib.car.history import constant_speed
 from calib.car.magic_formula import MagicFormula
 from calib.car.model import default_model
 from calib.model.solver import ITERATIONS, Drive, end_of, history_of, solve
@@ -21,7 +21,7 @@ DRAG = {"aerodynamic_drag": {"drag_area": 0.66}}
 
 def run_with(effects, pressure=25e5, **own):
     model = replace(default_model(SEDAN), effects=Effects(effects))
-    rest = at_rest(TIME, np.full(TIME.size, pressure), 30.0)
+    rest = constant_speed(TIME, np.full(TIME.size, pressure), 30.0)
     return Drive(brakes_of(model, rest, own), rest, 30.0, 1.0, NO_DRIVE)
 
 
@@ -69,7 +69,7 @@ def test_an_axle_lifts_when_its_load_has_left_and_not_before():
         model = replace(
             default_model(tall), effects=Effects(effects), tyre=grip, pad_friction_r=0.0
         )
-        rest = at_rest(TIME, np.clip(TIME - 0.5, 0.0, None) * 60e5, 40.0)
+        rest = constant_speed(TIME, np.clip(TIME - 0.5, 0.0, None) * 60e5, 40.0)
         run = Drive(brakes_of(model, rest, {}), rest, 40.0, 1.0, NO_DRIVE)
         state = solve(run)
         end, why = end_of(run, state)

@@ -1,17 +1,19 @@
-"""Blocks against numpy, and causality by changing the future."""
+"""Blocks against numpy, causality by changing the future, and the axle that brakes alone."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
+from calib.run.blocks import blocks, braked_alone, braked_alone_in
 from tests.support.made_runs import changed, made_run
+from tests.support.one_axle import one_axle
+from tests.support.reference_car import IDEAL, noisy, ramp, without
 from tests.support.tables import VEHICLE
 
-DT = 0.005
-floats = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
 RUN = made_run()
 
 
@@ -42,6 +44,34 @@ def test_a_block_knows_nothing_of_the_future(cut, seed):
         if name != "time"
     }
     before, after = (blocks(signals(log, VEHICLE)) for log in (RUN, changed(RUN, **other)))
+    assume(after.v is not None)  # v is used or not by the whole run
     known = cut // before.samples
     for name in ("end", "p_f", "z", "omega_f", "omega_r", "v", "speed", "spin_f", "spin_r"):
         assert np.array_equal(getattr(before, name)[:known], getattr(after, name)[:known])
+
+
+RISING = np.linspace(0.0, 40e5, 50)
+
+
+def test_an_axle_below_the_bite_is_released():
+    below, above = np.full(50, 1.4e5), np.full(50, 1.6e5)
+    assert braked_alone(RISING, below) == "f"
+    assert braked_alone(below, RISING) == "r"
+    assert braked_alone(RISING, above) is None
+    assert braked_alone(RISING, RISING) is None
+    assert braked_alone(below, below) is None
+
+
+@pytest.mark.parametrize("axle", ["f", "r"])
+def test_a_log_tells_by_its_wheel_pressures(axle):
+    log = noisy(one_axle(IDEAL, axle, held=0.5e5), 0)
+    assert braked_alone_in(log) == axle
+    renamed = replace(log, name="ramp with both axles", source="both.csv")
+    assert braked_alone_in(renamed) == axle
+    other = [f"p_{a}{s}" for a in "fr" for s in "lr"]
+    assert braked_alone_in(without(log, *other)) is None
+    assert braked_alone_in(without(log, "p_mc")) is None
+
+
+def test_a_ramp_of_both_axles_has_none():
+    assert braked_alone_in(noisy(ramp(IDEAL), 0)) is None

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from calib.car.lag import first_order
 from calib.run.axle_signals import Signals
-from calib.run.brake_balance import BrakeBalance
-from calib.run.brake_response import brake_response
+from calib.run.brake_response import BrakeBalance, brake_response
 from tests.support.forces import made_balance
 
 TIME = np.arange(0.0, 8.0, 0.005)

@@ -1,19 +1,23 @@
-"""Noise of sensors against its theory."""
+"""Noise of sensors, and of a zero that ages, against their theory."""
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
-from calib.run.noise import NOISE_FLOOR, lead_in_noise, long_run_density, sensor_noise
+from calib.run.noise import (
+    NOISE_FLOOR,
+    WALK,
+    aged,
+    lead_in_noise,
+    long_run_density,
+    sensor_noise,
+)
 from tests.support.made_runs import RADIUS, changed, made_run, stop
 from tests.support.tables import VEHICLE
 
 DT = 0.005
-floats = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
-RUN = made_run()
 
 
 def coloured(rng, n, share, tau=0.1):
@@ -33,7 +37,7 @@ def theory(share, tau=0.1):
     ("share", "window", "reads"),
     [(0.0, 4.0, 1.0), (0.45, 4.0, 0.9), (1.0, 4.0, 0.9), (0.0, 2.0, 0.95), (0.45, 2.0, 0.7)],
 )
-@pytest.mark.parametrize("seconds", [8, 60])
+@pytest.mark.parametrize("seconds", [8])
 def test_density_is_that_of_theory_as_far_as_it_says(share, window, reads, seconds):
     """Mean of 60 runs; a slow drift and a companion are in the way and are taken out."""
     rng = np.random.default_rng(seconds)
@@ -89,3 +93,42 @@ def test_lead_in_noise_is_the_white_part_with_a_usual_colour_and_nothing_later()
     assert noise.v == pytest.approx(0.02 * np.sqrt(DT), rel=0.1)
     rough = changed(log, omega_fl=np.where(log.time > 4.0, 1.1, 1.0) * log["omega_fl"])
     assert lead_in_noise(rough, signals(rough, VEHICLE)) == noise
+
+
+STEP = 0.05
+
+
+def weights(density, duration):
+    time = STEP * np.arange(round(duration / STEP))
+    factor = aged(time, np.ones(time.size, bool), np.full(time.size, density))
+    return factor**-2.0
+
+
+def variance(w, density):
+    """Of the weighed mean about the last value, from white noise and the walk since each sample."""
+    share = w / w.sum()
+    noise = density**2 / STEP * share @ share
+    older = np.cumsum(share)[:-1]  # what each step of the walk misses
+    return noise + WALK**2 * STEP * older @ older
+
+
+@pytest.mark.parametrize("duration", [40.0, 300.0])
+def test_the_variance_is_that_of_the_steady_kalman_filter(duration):
+    density = 5e-5
+    w = weights(density, duration)
+    claimed = density**2 / STEP / w.sum()
+    assert variance(w, density) == pytest.approx(density * WALK, rel=0.05)
+    assert claimed == pytest.approx(density * WALK, rel=0.05)
+    assert variance(w, density) < variance(np.ones(w.size), density)
+
+
+def test_a_lead_in_much_shorter_than_it_lasts_is_a_plain_mean():
+    w = weights(1e-3, 1.0)  # tau is 80 s
+    assert w.min() > 0.9
+
+
+def test_what_does_not_roll_keeps_its_sigma():
+    time, rolling = np.arange(4.0), np.array([True, True, False, False])
+    factor = aged(time, rolling, np.full(4, WALK))
+    assert factor == pytest.approx([np.exp(0.5), 1.0, 1.0, 1.0])
+    assert aged(time, np.zeros(4, bool), np.full(4, WALK)) == pytest.approx(np.ones(4))

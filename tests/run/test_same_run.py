@@ -1,15 +1,18 @@
-"""A copy of a run is known whatever was done to it; two runs of one drive are two."""
+"""A copy of a run is known whatever was done to it, also by its fingerprint; two runs are two."""
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter, ValidationError
 
-from calib.run.same_run import same_run
+from calib.run.same_run import Fingerprint, fingerprint_of, same_as, same_run
 from tests.support.hidden.cases import draw
-from tests.support.made_runs import made_run, ramp, stop
+from tests.support.made_runs import changed, made_run, ramp, stop
 
 RUN = made_run(stop(level=20.0))
+KEPT = fingerprint_of(RUN)
 STEPS = {"p_mc": 2e4, "a_x": 0.1, "v": 0.05}
 
 
@@ -57,6 +60,7 @@ def test_a_copy_is_known(done):
     copy = COPIES[done]()
     assert same_run(RUN, copy)
     assert same_run(copy, RUN)
+    assert same_as(KEPT, copy)
 
 
 @pytest.mark.parametrize(
@@ -74,6 +78,7 @@ def test_two_runs_are_two(other):
     other = replace(other, digest="")
     assert not same_run(with_noise(2), other)
     assert not same_run(other, with_noise(2))
+    assert not same_as(fingerprint_of(with_noise(2)), other)
 
 
 def test_two_stops_at_one_pressure_from_unlike_speeds_are_two_runs():
@@ -81,3 +86,48 @@ def test_two_stops_at_one_pressure_from_unlike_speeds_are_two_runs():
     logs = {log.name: log for log in draw("varied", 96).calibration}
     assert not same_run(logs["hot:3"], logs["step_high:2"])
     assert not same_run(logs["step_high:2"], logs["hot:3"])
+
+
+def test_it_holds_the_means_to_a_quarter_of_their_noise():
+    """Means of ten samples of white noise of 0.02 rad/s have a noise of 0.02/sqrt(10)."""
+    x = RUN["omega_fl"]
+    between = 0.5 * (x[1:] + x[:-1])
+    means = between[: between.size // 10 * 10].reshape(-1, 10).mean(axis=1)
+    unit = next(c.unit for c in KEPT.channels if c.name == "omega_fl")
+    assert np.max(np.abs(KEPT.view["omega_fl"] - means)) < 0.51 * unit
+    assert 0.02 / np.sqrt(10.0) / 8.0 * 0.7 < unit < 0.02 / np.sqrt(10.0) / 4.0 * 1.3
+
+
+def test_it_is_small_and_comes_back_from_json():
+    text = json.dumps(asdict(KEPT))
+    assert len(text) < 600.0 * RUN.time[-1] + 1000.0
+    assert TypeAdapter(Fingerprint).validate_json(text) == KEPT
+
+
+def test_channels_without_noise_have_one_too():
+    still = made_run(stop(level=20.0), noise=0.0)
+    kept = fingerprint_of(changed(still, v=None))
+    assert kept.view["p_mc"].size == kept.view["a_x"].size
+    assert "v" not in kept.view
+
+
+BROKEN = {
+    "version": {"version": 2},
+    "step": {"step": 0.0},
+    "no wheels": {"channels": KEPT.channels[:3]},
+    "foreign channel": {"channels": (*KEPT.channels, replace(KEPT.channels[0], name="x"))},
+    "unit": {"channels": (replace(KEPT.channels[0], unit=-1.0), *KEPT.channels[1:])},
+    "length": {"channels": (replace(KEPT.channels[0], differences="1 2"), *KEPT.channels[1:])},
+    "no numbers": {"channels": (replace(KEPT.channels[0], differences="a"), *KEPT.channels[1:])},
+    "too large": {"channels": (replace(KEPT.channels[0], differences="9" * 30),
+                               *KEPT.channels[1:])},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("change", BROKEN)
+def test_what_is_no_fingerprint_is_refused(change):
+    data = json.dumps(asdict(KEPT) | {
+        k: [asdict(c) for c in v] if k == "channels" else v for k, v in BROKEN[change].items()
+    })  # fmt: skip
+    with pytest.raises(ValidationError):
+        TypeAdapter(Fingerprint).validate_json(data)

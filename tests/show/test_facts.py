@@ -4,14 +4,13 @@ import io
 from html.parser import HTMLParser
 
 import pytest
-from cli.terminal import SafeConsole
 from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Bar, Facts, Picture, Table
 from calib.show.html import is_page, page_of
-from calib.show.terminal import drawn
+from cli.console import emit
 
 SVG = b"<svg/>"
 
@@ -78,9 +77,7 @@ def test_a_part_without_content_is_not_shown_and_a_live_page_loads_itself_again(
 
 def test_a_terminal_prints_the_verdict_last_and_obeys_nothing():
     out = io.StringIO()
-    console = SafeConsole(file=out, width=200, highlight=False, markup=False, emoji=False)
-    for one in drawn(full("\x1b[31m[b]x")):
-        console.print(one)
+    emit(full("\x1b[31m[b]x"), out)
     text = out.getvalue()
     assert "\x1b" not in text
     assert text.count("[b]x") == 19

@@ -8,7 +8,7 @@ from matplotlib.colors import to_hex
 
 from calib.logs.read import read_log
 from calib.logs.whole import WholeColumn, WholeLog
-from calib.run.events import BITE, BRAKING, LEAD_IN, RunEvent
+from calib.run.driving_record import BITES, BRAKING, LEAD_IN, RunEvent
 from calib.show import log_figure as figures
 from calib.show.log_figure import BINS, MOST, envelope, figure
 from tests.show.conftest import SEDAN
@@ -103,13 +103,13 @@ LOG = WholeLog("run", "here", "", COLUMNS)
 
 
 def test_events_are_marked_in_every_panel():
-    drawn = figure(LOG, (RunEvent(BITE, 0.5, 0.5), RunEvent(BRAKING, 0.5, 1.5)))
+    drawn = figure(LOG, (RunEvent(BITES, 0.5, 0.5), RunEvent(BRAKING, 0.5, 1.5)))
     assert len(drawn.axes) == 3
     for ax in drawn.axes:
         assert any(np.allclose(line.get_xdata(), 0.5) for line in ax.lines)
         assert ax.patches[0].get_x() == pytest.approx(0.5)
         assert ax.get_xlim() == (TIME[0], TIME[-1])
-    assert [text.get_text() for text in drawn.legends[0].get_texts()] == [BITE, BRAKING]
+    assert {BITES, BRAKING} <= {*labels(drawn.axes[0])}
 
 
 def test_no_peak_of_a_long_log_is_lost():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from calib.show import simulation
+from calib.show import simulation, stop
 from calib.show.style import FRONT, REAR
 from tests.support.plot_lines import axes, line
 
@@ -21,7 +21,7 @@ def test_the_page_has_figures_9_to_11_and_the_stop_by_name(simulated):
 
 def test_compensation_shows_truth_nominal_law_and_estimate(simulated):
     ax = axes()
-    simulation.compensation(ax, simulated, simulated.rear, REAR)
+    stop.pad(ax, simulated, simulated.rear, REAR, simulation.METHODS)
     law = line(ax, r"gradient law on $D(\eta)$")[1]
     valid = simulated.valid
     assert np.array_equal(law[valid], simulated.rear.baselines["gradient_difference"][valid])

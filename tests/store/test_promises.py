@@ -1,7 +1,6 @@
 """Each promise of the page `tables` by a test of its name; more in two other files."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -330,21 +329,6 @@ def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypat
     assert entered or files_under(three.folder) == before
     assert all(verdict.sound for verdict in three.verify())
     assert three.save(made_table(31.0)).version == (5 if entered else 4)
-
-
-def test_a_version_on_its_way_to_its_place_is_read_and_moved_by_the_next_writer(three, monkeypatch):
-    def stopped(*_):
-        raise OSError(5, "Input/output error")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "rename", stopped)
-        assert three.save(made_table(30.0)).version == 4
-    assert three.load("sedan").version == 4
-    assert [path.name for path in three.unfinished()] == [".new-v0004"]
-    assert all(verdict.sound for verdict in three.verify())
-    assert three.save(made_table(31.0)).version == 5
-    assert three.unfinished() == ()
-    assert three.load("sedan@4").path.name == "v0004"
 
 
 WRITER = """

@@ -155,16 +155,6 @@ def test_a_directory_or_a_file_that_is_no_version(stored, store, tmp_path):
 # Damage: see `test_version` and `test_promises`
 
 
-def test_versions_that_changed_places_are_found(store):
-    for stiffness in (27.0, 28.0):
-        store.save(made_table(stiffness))
-    home = store.folder / "sedan"
-    (home / "v0001").rename(home / "aside")
-    (home / "v0002").rename(home / "v0001")
-    (home / "aside").rename(home / "v0002")
-    assert [v.sound for v in store.verify()] == [False, False]
-
-
 def test_what_a_killed_writer_left_is_not_seen_and_cleared_by_the_next(stored, store):
     left = store.folder / "sedan" / ".new-v0002"
     left.mkdir()

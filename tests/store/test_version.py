@@ -114,14 +114,3 @@ def test_damage_is_found(path, store, kind):
     assert not verdict.sound
     assert store.list()[0].flaw  # a listing goes on
     assert store.save(made_table()).version == 2  # and it is not in the way of the next
-
-
-def test_any_changed_byte_of_a_curve_is_found(path, store):
-    curve = path / "difference.parquet"
-    sound = curve.read_bytes()
-    for offset in np.random.default_rng(3).integers(0, len(sound), 20):
-        flip(curve, int(offset))
-        with pytest.raises(DamagedTable):
-            store.load("sedan")
-        curve.write_bytes(sound)
-    assert store.load("sedan").version == 1

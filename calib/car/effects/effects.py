@@ -5,7 +5,7 @@ and those of several effects together in `combined`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 ByParameter = Mapping[str, Mapping[str, float]]
@@ -103,13 +103,13 @@ class Effects:
 
     def only(self, *names: str) -> Self:
         """The named effects of these names, without the terms."""
-        return type(self)(_chosen(self.parameters, names), (), _chosen(self.sigma, names), self.own)
+        parameters, sigma = (
+            {name: own for name, own in values.items() if name in names}
+            for values in (self.parameters, self.sigma)
+        )
+        return type(self)(parameters, (), sigma, self.own)
 
     def without(self, *names: str) -> Self:
         """All but the named effects of these names; the terms stay."""
         kept = self.only(*(name for name in self.parameters if name not in names))
-        return type(self)(kept.parameters, self.terms, kept.sigma, self.own)
-
-
-def _chosen(values: ByParameter, names: tuple[str, ...]) -> ByParameter:
-    return {name: own for name, own in values.items() if name in names}
+        return replace(kept, terms=self.terms)

@@ -17,7 +17,7 @@ from calib.base.errors import ModelError
 from calib.base.names import WHEELS, Array, G
 from calib.car.effects.effect import Effect
 from calib.car.forces import axle_loads
-from calib.car.history import Motion, RunHistory
+from calib.car.history import Motion, RunHistory, constant_speed
 from calib.car.vehicle import Axle, Vehicle
 
 _ARRAYS = {
@@ -182,18 +182,15 @@ def _history() -> RunHistory:
     angle = _fixed(np.cumsum(v) * 0.01 / _CAR.front.rolling_radius)
     held = np.clip(time - 0.5, 0.0, 1.0) - np.clip(4.0 * (time - 3.0), 0.0, 1.0)
     pressed = _fixed(40e5 * held + 1e3 * np.sin(50.0 * time))  # noise: below zero at first
-    return RunHistory(
-        time=time,
+    discs = {"f": _fixed(150.0 + 60.0 * time), "r": _fixed(90.0 + 30.0 * time)}
+    return replace(
+        constant_speed(time, pressed, 30.0, discs, "trial"),
         v=v,
         z=_fixed(0.018e-5 * pressed),
-        p_mc=pressed,
-        temperature_f=_fixed(150.0 + 60.0 * time),
-        temperature_r=_fixed(90.0 + 30.0 * time),
         angle_f=angle,
         angle_r=angle,
         energy_f=_fixed(60e3 * time),
         energy_r=_fixed(20e3 * time),
-        source="trial",
     )
 
 

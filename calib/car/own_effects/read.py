@@ -3,7 +3,6 @@
 The file is executed, with all that this process may do. See `brake-cal manual vehicle_file`.
 """
 
-import ast
 import math
 import re
 import sys
@@ -16,7 +15,7 @@ from typing import Any
 
 from calib.base.bounded import EFFECT, bytes_of
 from calib.base.errors import ModelError
-from calib.base.units import UnknownUnit, to_si
+from calib.base.units import QUANTITIES
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effect import Card, Effect, Parameter
 from calib.car.own_effects.hooks import at, changes, checked, hooks_of, line_of, raised, trial
@@ -37,9 +36,9 @@ def read_own_effect(path: Path) -> OwnEffect:
     The hooks are called once for each end of each parameter, on a made run whose arrays cannot
     be changed in place.
 
-    Raises ModelError, with file and line, for a file that is missing or not Python, raises, has no
-    ``EFFECT`` or a card that is not complete; for a name of the catalogue; for a hook that raises,
-    returns another shape or what is not finite, or does something at the neutral strength.
+    Raises ModelError, with its line where it has one, for a file that is missing or not Python,
+    raises, has no ``EFFECT`` or a card that is not complete; for a name of the catalogue; for a
+    hook that raises, returns another shape or what is not finite, or does something at nothing.
     """
     path = Path(path)
     source = bytes_of(path, EFFECT, ModelError, "a Python file")
@@ -52,7 +51,7 @@ def read_own_effect(path: Path) -> OwnEffect:
             do="see `brake-cal manual vehicle_file`",
         )
     for what, expected in _mistakes(effect):
-        raise ModelError(what, where=at(str(path), _line_of_card(source)), expected=expected)
+        raise ModelError(what, where=path, expected=expected)
     guarded = checked(effect, str(path))
     _try(guarded, str(path))
     return OwnEffect(file=path.name, sha256=sha256(source).hexdigest(), effect=guarded)
@@ -76,13 +75,6 @@ def _executed(source: bytes, path: str) -> ModuleType:
     except (Exception, SystemExit) as cause:
         raise raised(cause, path) from cause
     return module
-
-
-def _line_of_card(source: bytes) -> int | None:
-    """The first line where ``Card(`` is called."""
-    calls = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
-    lines = [c.lineno for c in calls if isinstance(c.func, ast.Name) and c.func.id == "Card"]
-    return min(lines, default=None)
 
 
 def _mistakes(effect: Effect) -> Iterator[tuple[str, str]]:
@@ -122,7 +114,7 @@ def _mistakes(effect: Effect) -> Iterator[tuple[str, str]]:
 def _mistakes_of(p: Parameter) -> Iterator[tuple[str, str]]:
     if not _is_name(p.name):
         yield f"parameter {p.name!r}", "lower case letters, digits, _"
-    if not _is_si(p.unit):
+    if not (isinstance(p.unit, str) and p.unit in QUANTITIES):
         yield f"unit {p.unit!r} of {p.name}", 'an SI unit, such as "N*m"'
     numbers = all(map(_is_number, (p.low, p.high, p.typical, p.spread)))
     if not (numbers and p.low <= p.typical <= p.high and 0.0 < p.spread < p.high - p.low):
@@ -138,13 +130,6 @@ def _is_name(name: object) -> bool:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and math.isfinite(value)
-
-
-def _is_si(unit: str) -> bool:
-    try:
-        return to_si(1.0, unit, unit) == 1.0
-    except (UnknownUnit, TypeError, AttributeError):
-        return False
 
 
 def _try(effect: Effect, path: str) -> None:

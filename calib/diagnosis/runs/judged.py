@@ -11,8 +11,7 @@ from calib.model.resistance import Resistance
 from calib.model.resistance import identify as identify_resistance
 from calib.run.axle_signals import Signals, signals
 from calib.run.blocks import Blocks, blocks
-from calib.run.brake_balance import brake_balance
-from calib.run.brake_response import BrakeResponse, brake_response
+from calib.run.brake_response import BrakeResponse, brake_balance, brake_response
 from calib.run.driving_record import brake_events, driving_record
 from calib.run.noise import SensorNoise, sensor_noise
 

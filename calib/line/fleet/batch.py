@@ -18,7 +18,7 @@ from pathlib import Path
 from calib.base.errors import BrakeCalError
 from calib.base.printable import printable
 from calib.line.fleet.find import find_logs
-from calib.line.fleet.journal import BatchJournal, open_journal
+from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import write_results
 from calib.line.fleet.rows import Command, Row, Status
 from calib.line.fleet.work import Job, WorkItem
@@ -109,7 +109,7 @@ def run_batch(
     logs = {printable(path): path for path in find_logs(arguments, job.command, out)}
     out.mkdir(parents=True, exist_ok=True)
     settings = job.settings()
-    with closing(open_journal(out, settings, fresh)) as journal:
+    with closing(BatchJournal(out, settings, fresh)) as journal:
         sweep = Sweep(job, journal, executor, len(logs), report)
         sweep.work(logs.items())
         path = write_results(journal.rows(sorted(logs)), settings, out)

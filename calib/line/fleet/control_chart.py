@@ -1,31 +1,26 @@
 """Drift of the production line: individuals chart with run rules, and a test for a change of level.
 
 The chart (Shewhart; Western Electric, Statistical Quality Control Handbook, 1956) shows where to
-look. A steady line causes false alarms: with known limits one in 370 cars by rule 1, and one in 92
-by all four rules (Champ and Woodall, Technometrics 29, 1987). So in a large fleet an alarm is not
-significant. With limits from a short line the rates differ: for 50 cars rule 1 alarms twice as
-often, rule 4 less than half as often. The decision is made by one test over the whole order, that
-of Pettitt (Applied Statistics 28, 1979). It uses ranks, so it is robust against outliers and any
-distribution.
+look. A steady line breaks its rules, too: with known limits one car in 92 (Champ and Woodall,
+Technometrics 29, 1987). The decision is made by one test over the whole order, that of Pettitt
+(Applied Statistics 28, 1979), by ranks, so for any distribution.
 
     K = max_k |S_k|,   S_k = sum of (rank - mean rank) up to car k
 
-Neighbours may be alike without a drift: logs of one car, one after the other. Then K is larger by
-chance. It is divided by sqrt((1 + r)/(1 - r)), the effective number of independent values (Bayley
-and Hammersley, Supplement to the J. of the Royal Statistical Society 8, 1946), r the correlation of
-neighbours after the drift itself is taken out (Serinaldi and Kilsby, Stochastic Environmental
-Research and Risk Assessment 30, 2016). This holds for up to about four logs a car and ten cars.
-
-The limits and run rules of the chart assume cars that are independent of each other.
+Neighbours may be alike without a drift: logs of one car, one after the other. K is divided by
+sqrt((1 + r)/(1 - r)), for the effective number of independent values (Bayley and Hammersley,
+Supplement to the J. of the Royal Statistical Society 8, 1946), r the correlation of neighbours
+after the drift itself is taken out (Serinaldi and Kilsby, Stochastic Environmental Research and
+Risk Assessment 30, 2016). This holds for up to about four logs a car and ten cars. The chart
+assumes cars that are independent of each other.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from calib.line.fleet.outliers import Mask
+from calib.logs.log import Array
 
 RULES = {
     1: "one car beyond 3 sigma",
@@ -98,18 +93,8 @@ def chart(values: Array) -> Chart | None:
 
 def alarms(z: Array) -> dict[int, Mask]:
     """Masks (n,) of run rules 1 to 4 on standardised ``z`` (n,), true where a pattern completes."""
-    return {
-        1: np.asarray(np.abs(z) > 3.0),
-        2: _either_side(z, 2.0, 2, 3),
-        3: _either_side(z, 1.0, 4, 5),
-        4: _either_side(z, 0.0, 8, 8),
-    }
-
-
-def _either_side(z: Array, level: float, wanted: int, window: int) -> Mask:
-    return np.asarray(
-        _enough(z > level, wanted, window) | _enough(z < -level, wanted, window), dtype=np.bool_
-    )
+    rules = {1: (3.0, 1, 1), 2: (2.0, 2, 3), 3: (1.0, 4, 5), 4: (0.0, 8, 8)}
+    return {n: _enough(z > x, *of) | _enough(z < -x, *of) for n, (x, *of) in rules.items()}
 
 
 def _enough(hit: Mask, wanted: int, window: int) -> Mask:
@@ -140,9 +125,8 @@ def change(values: Array) -> LevelChange | None:
     k = int(np.argmax(np.abs(S)))
     r = likeness(about, k + 1)
     p = float(kolmogorov(abs(float(S[k])) / scale * np.sqrt((1.0 - r) / (1.0 + r))))
-    return LevelChange(
-        k + 1, float(np.median(values[: k + 1])), float(np.median(values[k + 1 :])), p
-    )
+    before, after = (float(np.median(part)) for part in np.split(values, [k + 1]))
+    return LevelChange(k + 1, before, after, p)
 
 
 def likeness(ranks: Array, first: int) -> float:
@@ -153,9 +137,7 @@ def likeness(ranks: Array, first: int) -> float:
     Letters 86, 2005), which is taken out.
     """
     n = ranks.size
-    step = ranks.copy()
-    step[:first] -= step[:first].mean()
-    step[first:] -= step[first:].mean()
+    step = np.concatenate([part - part.mean() for part in np.split(ranks, [first])])
     along = np.arange(n) - 0.5 * (n - 1)
     line = ranks - along * float(along @ ranks) / float(along @ along)
     rest = min(step, line, key=lambda x: float(x @ x))

@@ -11,7 +11,6 @@ exclusive lock, held while the journal is open, excludes a second run; it ends w
 import errno
 import json
 import os
-import re
 import sqlite3
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -35,13 +34,32 @@ DELETE FROM rows;
 
 
 class BatchJournal:
-    """The journal of a folder, open for one run at a time.
+    """The journal of ``folder``, which is made if there is none, open for one run at a time.
 
-    Its methods raise OSError when the disk is full or fails, BatchError when the file is damaged.
+    ``fresh`` deletes its content. Raises BatchError when it was written with other settings, is no
+    journal of this version, is damaged or in use, OSError when the disk is full or fails; so do
+    its methods.
     """
 
-    def __init__(self, db: sqlite3.Connection, path: Path):
-        self._db, self._path = db, path
+    def __init__(self, folder: Path, settings: dict[str, str], fresh: bool = False):
+        self._path, ours = folder / NAME, {"schema": SCHEMA, **settings}
+        try:
+            self._db, stored = _locked(self._path)
+        except _Unusable:
+            if not fresh:
+                raise
+            for rest in (self._path, Path(f"{self._path}-wal")):
+                rest.unlink(missing_ok=True)
+            self._db, stored = _locked(self._path)
+        differ = {key for key, _ in stored.items() ^ ours.items()}
+        if stored and differ and not fresh:
+            self.close()
+            what = f"holds results of other settings: {', '.join(sorted(differ))}"
+            raise BatchError(what, where=folder, do=ANEW)
+        if fresh or not stored:
+            with _explained(self._path), self._db:
+                self._db.executescript(f"BEGIN; {TABLES}")
+                self._db.executemany("INSERT INTO settings VALUES (?, ?)", ours.items())
 
     def add(self, rows: Iterable[Row]) -> None:
         """Store rows, all or none; each replaces an earlier row of its log."""
@@ -84,35 +102,6 @@ class BatchJournal:
         self._db.close()
 
 
-def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) -> BatchJournal:
-    """Open the journal of ``folder``, or make one; ``fresh`` deletes its content.
-
-    Raises BatchError when it was written with other settings, is no journal of this version, is
-    damaged or in use, and OSError when it cannot be written.
-    """
-    path, ours = folder / NAME, {"schema": SCHEMA, **settings}
-    try:
-        db, stored = _locked(path)
-    except _Unusable:
-        if not fresh:
-            raise
-        for rest in (path, Path(f"{path}-wal")):
-            rest.unlink(missing_ok=True)
-        db, stored = _locked(path)
-    try:
-        if stored and not fresh:
-            _require_same(stored, ours, folder)
-        else:
-            with _explained(path):
-                db.executescript(f"BEGIN; {TABLES}")
-                with db:
-                    db.executemany("INSERT INTO settings VALUES (?, ?)", ours.items())
-    except BaseException:
-        db.close()
-        raise
-    return BatchJournal(db, path)
-
-
 def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
     """Lock the file and check it; return its settings, none if it is new.
 
@@ -126,29 +115,13 @@ def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
             if db.execute("SELECT * FROM sqlite_master").fetchone():
                 stored = dict(db.execute("SELECT name, value FROM settings"))
                 if db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
-                    raise _Unusable("the journal is damaged", where=path, do=ANEW)
+                    raise sqlite3.DatabaseError("damaged")
             db.execute("PRAGMA journal_mode = WAL")
             db.execute("PRAGMA synchronous = FULL")
         except BaseException:
             db.close()
             raise
     return db, stored
-
-
-def _require_same(found: dict[str, str], settings: dict[str, str], folder: Path) -> None:
-    changes = ", ".join(
-        f"{key} {_short(found.get(key))} for {_short(settings.get(key))}"
-        for key in {**settings, **found}
-        if found.get(key) != settings.get(key)
-    )
-    if changes:
-        raise BatchError(f"holds results of other settings: {changes}", where=folder, do=ANEW)
-
-
-def _short(value: str | None) -> str:
-    """A digest by its first digits, anything else as it is."""
-    text = "none" if value is None else value
-    return text[:12] if re.fullmatch("[0-9a-f]{64}", text) else text
 
 
 class _Unusable(BatchError):
@@ -161,10 +134,10 @@ def _explained(path: Path) -> Iterator[None]:
     try:
         yield
     except sqlite3.DatabaseError as cause:
-        code = getattr(cause, "sqlite_errorcode", 0) & 0xFF  # without the details in higher bits
+        code = getattr(cause, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # no details
         if code == sqlite3.SQLITE_BUSY:
-            what, do = "another run uses this folder", "wait for it, or name another --out"
-            raise BatchError(what, where=path.parent, do=do) from cause
+            do = "wait for it, or name another --out"
+            raise BatchError("another run uses this folder", where=path.parent, do=do) from cause
         if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT):
             what = "damaged, or not the journal of a batch of this version"
             raise _Unusable(what, where=path, do=ANEW) from cause

@@ -22,13 +22,14 @@ often a fleet of good cars names one, and how often a bad car is found.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.line.fleet.shapes import TAIL_PRIOR, Bulk, evidence, log_likelihood, two_sided
+from calib.line.fleet.shapes import QUARTILE, TAIL_PRIOR, Bulk
+from calib.logs.log import Array
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 SHARE = 0.03
@@ -104,12 +105,12 @@ def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
     """
     m, n = values.shape
     started = [_start(x, at) for x, at in zip(values, least or [0.0] * m, strict=True)]
-    metrics = {i: metric for i, metric in enumerate(started) if metric is not None}
-    together = effective(values[list(metrics)])
+    known = [i for i, metric in enumerate(started) if metric is not None]
+    together = effective(values[known])
+    metrics, priors = _grown([x for x in started if x is not None], together, _share(n) / n)
     p = np.full((m, n), np.nan)
-    tails = dict(zip(metrics, _tails(list(metrics.values()), together, n), strict=True))
-    for i, metric in metrics.items():
-        p[i, metric.rows] = tails[i].p(metric.distance)
+    for i, metric, prior in zip(known, metrics, priors, strict=True):
+        p[i, metric.rows] = metric.bulk.two_sided(prior, metric.distance)
     car = np.full(n, np.nan)
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
@@ -117,10 +118,8 @@ def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
     limit = max(REASON, float(car[cars].max())) if cars.any() else 0.0
     # what the rule asks of the last car that it names, or of the first one
     edge = _share(n) * max(int(cars.sum()), 1) / max(int(some.sum()), 1) / max(together, 1.0)
-    spreads = tuple(
-        _spread(x, row, _edges(metrics[i], tails[i], edge) if i in metrics else None)
-        for i, (x, row) in enumerate(zip(values, p, strict=True))
-    )
+    edges = {i: m.edges(prior, edge) for i, m, prior in zip(known, metrics, priors, strict=True)}
+    spreads = tuple(_spread(values[i], p[i], edges.get(i)) for i in range(m))
     return Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car, together)
 
 
@@ -163,7 +162,7 @@ def effective(values: Array) -> float:
     return float(np.sum(np.sqrt(strength)) ** 2 / np.sum(strength))
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Metric:
     """A metric while it is judged.
 
@@ -176,23 +175,54 @@ class _Metric:
     scale: float
     inside: Mask
 
+    @cached_property
     def bulk(self) -> Bulk:
         x = self.distance[self.inside]
         out = self.distance[~self.inside]
         low, high = float(x.min()), float(x.max())
         return Bulk(np.sort(x), self.scale, low, high, int(np.sum(out < 0)), int(np.sum(out > 0)))
 
-    def join(self, tail: "_Tail", limit: float) -> bool:
-        """Take the likelier half of the cars outside into the bulk, if they belong to it.
+    def grown(self, prior: Array, limit: float) -> "_Metric":
+        """With the likelier half of the cars outside in the bulk, if they belong to it.
 
-        So the farthest car is judged by all others. Returns whether any has joined.
+        So the farthest car is judged by all others.
         """
         out = np.flatnonzero(~self.inside)
-        p = tail.p(self.distance[out])
+        p = self.bulk.two_sided(prior, self.distance[out])
         likelier = np.argsort(-p, kind="stable")[: (out.size + 1) // 2]
         belongs = out[likelier[p[likelier] >= limit]]
-        self.inside[belongs] = True
-        return bool(belongs.size)
+        if not belongs.size:
+            return self
+        inside = self.inside.copy()
+        inside[belongs] = True
+        return replace(self, inside=inside)
+
+    def edges(self, prior: Array, limit: float) -> tuple[float, float]:
+        """Values at which p is ``limit`` for a car that is not in the bulk.
+
+        Infinite past `REACH` scales.
+        """
+        far = self.scale * np.geomspace(0.3, REACH, 600)
+        below = replace(self.bulk, below=max(self.bulk.below, 1))
+        above = replace(self.bulk, above=max(self.bulk.above, 1))
+        ends = []
+        for side, bulk in ((-1.0, below), (1.0, above)):
+            rare = np.flatnonzero(bulk.two_sided(prior, side * far) <= limit)
+            ends.append(self.centre + side * float(far[rare[0]]) if rare.size else side * np.inf)
+        return ends[0], ends[1]
+
+
+def _grown(
+    metrics: list[_Metric], together: float, share: float
+) -> tuple[list[_Metric], list[Array]]:
+    """The metrics with all cars in the bulk that belong to it, and the priors of their tails."""
+    while True:
+        priors = _priors([metric.bulk.evidence for metric in metrics], together)
+        limit = share / max(together, 1.0)
+        grown = [m.grown(prior, limit) for m, prior in zip(metrics, priors, strict=True)]
+        if all(a is b for a, b in zip(grown, metrics, strict=True)):
+            return metrics, priors
+        metrics = grown
 
 
 def _start(values: Array, least: float) -> _Metric | None:
@@ -219,7 +249,7 @@ def _start(values: Array, least: float) -> _Metric | None:
     x = values[rows] - centre
     quarter = np.quantile(np.abs(x) if spiked else x, [0.25, 0.5, 0.75])
     half = quarter[1] if spiked else 0.5 * (quarter[2] - quarter[0])
-    scale = max(float(half) / 0.67449, least, 1e-12 * abs(float(np.median(values[rows]))))
+    scale = max(float(half) / QUARTILE, least, 1e-12 * abs(float(np.median(values[rows]))))
     if scale <= 1e-12 * abs(float(np.median(values[rows]))):
         return None
     outside = max(1, int(np.ceil(OUTSIDE * x.size)))
@@ -237,52 +267,6 @@ def _narrowest_half(x: Array) -> tuple[float, float]:
     width = ordered[k - 1 :] - ordered[: x.size - k + 1]
     i = int(np.argmin(width))
     return float(ordered[i]), float(ordered[i + k - 1])
-
-
-@dataclass(frozen=True)
-class _Tail:
-    """What is known of the tails of one metric: its bulk, their likelihood, and the prior of h."""
-
-    bulk: Bulk
-    likelihood: Array
-    prior: Array
-
-    def p(self, distance: Array) -> Array:
-        return two_sided(self.bulk, self.likelihood, self.prior, distance)
-
-
-def _tails(metrics: list[_Metric], together: float, n: int) -> list[_Tail]:
-    """The tails of each metric: cars join the bulk until those outside do not belong to it."""
-    limit = _share(n) / (n * max(together, 1.0))
-    bulks = [metric.bulk() for metric in metrics]
-    likelihoods = [log_likelihood(bulk) for bulk in bulks]
-    while True:
-        priors = _priors([evidence(x) for x in likelihoods], together)
-        tails = [_Tail(*known) for known in zip(bulks, likelihoods, priors, strict=True)]
-        joined = [m.join(tail, limit) for m, tail in zip(metrics, tails, strict=True)]
-        if not any(joined):
-            return tails
-        for i in np.flatnonzero(joined):
-            bulks[i] = metrics[i].bulk()
-            likelihoods[i] = log_likelihood(bulks[i])
-
-
-def _edges(metric: _Metric, tail: _Tail, limit: float) -> tuple[float, float]:
-    """Values of ``metric`` at which p is ``limit`` for a car that is not in the bulk.
-
-    Infinite past `REACH` scales.
-    """
-    far = metric.scale * np.geomspace(0.3, REACH, 600)
-    bulk, ends = tail.bulk, []
-    for side in (-1.0, 1.0):
-        if side < 0.0:
-            without = replace(bulk, below=max(bulk.below, 1))
-        else:
-            without = replace(bulk, above=max(bulk.above, 1))
-        p = _Tail(without, log_likelihood(without), tail.prior).p(side * far)
-        rare = np.flatnonzero(p <= limit)
-        ends.append(metric.centre + side * float(far[rare[0]]) if rare.size else side * np.inf)
-    return ends[0], ends[1]
 
 
 def _priors(evidences: list[Array], together: float) -> list[Array]:

@@ -18,7 +18,7 @@ from calib.base.bounded import RESULT, open_bounded
 from calib.base.errors import InputError
 from calib.base.toml import did_you_mean
 from calib.base.write import sync
-from calib.line.fleet.rows import HEAD, ColumnKind, Command, ResultColumn, Row, Status, columns_of
+from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
 from calib.logs.log import Array
 
 NAME = "results.parquet"
@@ -50,14 +50,10 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     return path
 
 
-def _schema_of(columns: tuple[ResultColumn, ...], settings: dict[str, str]) -> Any:
+def _schema_of(columns: tuple[Column, ...], settings: dict[str, str]) -> Any:
     import pyarrow as pa
 
-    types = {
-        ColumnKind.NUMBER: pa.float64(),
-        ColumnKind.YES_NO: pa.bool_(),
-        ColumnKind.TEXT: pa.string(),
-    }
+    types = {float: pa.float64(), bool: pa.bool_(), str: pa.string()}
     fields = [
         pa.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
         for c in columns
@@ -77,31 +73,16 @@ def _table(rows: list[Row], schema: Any) -> Any:
 
 @dataclass(frozen=True)
 class FleetFile:
-    """A results file in the order of the line, which ``ordered_by`` names.
+    """Results in the order of the line, which ``ordered_by`` names.
 
-    ``logs`` (n,); ``columns`` names of all; ``metrics`` those after the first ones; ``table`` a
-    table of pyarrow.
+    ``logs`` (n,) names; ``metrics`` the columns after the first ones.
     """
 
     path: Path
-    table: Any
+    logs: tuple[str, ...]
+    metrics: tuple[Column, ...]
     ordered_by: str
-
-    @property
-    def logs(self) -> tuple[str, ...]:
-        """Names of the logs."""
-        return tuple(map(str, self.values("log")))
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of all columns."""
-        return tuple(self.table.column_names)
-
-    @property
-    def metrics(self) -> tuple[ResultColumn, ...]:
-        """All columns but the first ones."""
-        head = {column.name for column in HEAD}
-        return tuple(_column_of(field) for field in self.table.schema if field.name not in head)
+    table: Any
 
     def numbers(self, name: str) -> Array:
         """A column of numbers, (n,); NaN if a log has none."""
@@ -109,8 +90,9 @@ class FleetFile:
         return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
 
     def values(self, name: str) -> tuple[str | bool | None, ...]:
-        """A column of text or of yes and no."""
-        return tuple(self.table.column(name).to_pylist())
+        """A column of text or of yes and no; () if there is none."""
+        known = name in self.table.column_names
+        return tuple(self.table.column(name).to_pylist()) if known else ()
 
 
 def open_fleet(path: Path, order: str | None = None) -> FleetFile:
@@ -120,28 +102,31 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
 
     Raises InputError for another file, an unknown status, or an unknown column.
     """
-    table = _read(path)
-    for name in ("log", "status", "error"):
+    table, order = _read(path), order or "log"
+    for name in ("log", "status", "error", order):
         if name not in table.column_names:
-            raise InputError(f"no column {name!r}", where=path, expected=EXPECTED)
-    if not table.num_rows:
-        raise InputError("the file has no rows", where=path, expected="one row for each log")
+            raise InputError(
+                f"no column {name!r}",
+                where=path,
+                expected=EXPECTED if name != order else f"one of {', '.join(table.column_names)}",
+                do=did_you_mean(name, table.column_names),
+            )
     odd = sorted(set(map(str, table.column("status").to_pylist())) - {*Status})
-    if odd:
-        raise InputError(f"status {odd[0]!r}", where=path, expected=", ".join(Status))
-    order = order or "log"
-    if order not in table.column_names:
-        raise InputError(
-            f"no column {order!r}",
-            where=path,
-            expected=f"one of {', '.join(table.column_names)}",
-            do=did_you_mean(order, table.column_names),
-        )
+    if odd or not table.num_rows:
+        what = f"status {odd[0]!r}" if odd else "no rows"
+        raise InputError(what, where=path, expected=f"rows with {', '.join(Status)}")
     values = table.column(order).to_pylist()
     unknown = sum(map(_is_unknown, values))
     rest = f" ({unknown} rows without it at the end)" if unknown else ""
-    ordered_by = "the logs' names" if order == "log" else order + rest
-    return FleetFile(path, table.take(line_order(values)), ordered_by)
+    table = table.take(line_order(values))
+    head = {column.name for column in HEAD}
+    return FleetFile(
+        path,
+        tuple(map(str, table.column("log").to_pylist())),
+        tuple(_column_of(field) for field in table.schema if field.name not in head),
+        "the logs' names" if order == "log" else order + rest,
+        table,
+    )
 
 
 def line_order(values: Sequence[object]) -> list[int]:
@@ -174,11 +159,7 @@ def _read(path: Path) -> Any:
     try:
         opened = open_bounded(path, RESULT)
     except OSError as cause:
-        what = (
-            "no such file"
-            if isinstance(cause, FileNotFoundError)
-            else f"cannot be read ({cause.strerror})"
-        )
+        what = f"cannot be read ({cause.strerror})"
         raise InputError(what, where=path, expected=EXPECTED) from cause
     try:
         # pyarrow cannot open paths that are not UTF-8
@@ -189,12 +170,11 @@ def _read(path: Path) -> Any:
         raise InputError("not a Parquet file, or cut off", where=path) from cause
 
 
-def _column_of(field: Any) -> ResultColumn:
+def _column_of(field: Any) -> Column:
     """A column from the file's schema; integers are numbers, and unknown types are text."""
     import pyarrow.types as types
 
     metadata = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
     number = types.is_floating(field.type) or types.is_integer(field.type)
-    other = ColumnKind.YES_NO if types.is_boolean(field.type) else ColumnKind.TEXT
-    kind = ColumnKind.NUMBER if number else other
-    return ResultColumn(field.name, kind, metadata.get("unit", "1"), metadata.get("meaning", ""))
+    kind = float if number else bool if types.is_boolean(field.type) else str
+    return Column(field.name, metadata.get("unit", "1"), metadata.get("meaning", ""), kind)

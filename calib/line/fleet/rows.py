@@ -25,22 +25,14 @@ class Status(StrEnum):
     ERROR = "error"
 
 
-class ColumnKind(StrEnum):
-    """Type of a column: 64-bit floats, booleans, or text."""
-
-    NUMBER = "number"
-    YES_NO = "yes/no"
-    TEXT = "text"
-
-
 @dataclass(frozen=True)
-class ResultColumn:
-    """One column; ``meaning`` is empty if the file does not give it."""
+class Column:
+    """One column; ``kind`` float, bool or str; ``meaning`` empty if the file does not give it."""
 
     name: str
-    kind: ColumnKind
     unit: str = "1"
     meaning: str = ""
+    kind: type = float
 
 
 @dataclass(frozen=True)
@@ -64,12 +56,8 @@ def finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _number(name: str, unit: str, meaning: str) -> ResultColumn:
-    return ResultColumn(name, ColumnKind.NUMBER, unit, meaning)
-
-
-def _text(name: str, meaning: str) -> ResultColumn:
-    return ResultColumn(name, ColumnKind.TEXT, "1", meaning)
+def _text(name: str, meaning: str) -> Column:
+    return Column(name, "1", meaning, str)
 
 
 HEAD = (
@@ -83,64 +71,64 @@ HEAD = (
 _WARNED = _text("warned", "codes of the warnings; null without any")
 
 FIT = (
-    _number("pad_friction_f", "1", "pad friction, front"),
-    _number("pad_friction_r", "1", "pad friction, rear"),
-    _number("pad_scale", "1", "common factor on the nominal pad friction"),
-    _number("pad_friction_f_sigma", "1", "one sigma of it"),
-    _number("pad_friction_r_sigma", "1", "one sigma of it"),
-    _number("pad_scale_sigma", "1", "one sigma of it"),
-    _number("deceleration_max", "1", "deceleration that the ramp reached, z"),
-    _number("front_biased_up_to", "1", "z up to which the front axle brakes more for its load"),
-    _number("eta_peak", "1", "largest eta on the ramp"),
-    _number("eta_peak_deceleration", "1", "z at the largest eta"),
-    _number("eta_peak_is_real", "1", "1 if eta falls again within the ramp, else 0"),
-    _number("residual_eta_rms_sigma", "1", "rms residual of eta in the fit, over its sigma"),
-    _number("residual_slip_rms_sigma", "1", "the same for the slip; 0 without v"),
-    _number("outliers", "1", "blocks of eta past four sigma"),
-    _number("pad_ratio_nominal_weight", "1", "weight of the pad ratio of the vehicle file"),
+    Column("pad_friction_f", "1", "pad friction, front"),
+    Column("pad_friction_r", "1", "pad friction, rear"),
+    Column("pad_scale", "1", "common factor on the nominal pad friction"),
+    Column("pad_friction_f_sigma", "1", "one sigma of it"),
+    Column("pad_friction_r_sigma", "1", "one sigma of it"),
+    Column("pad_scale_sigma", "1", "one sigma of it"),
+    Column("deceleration_max", "1", "deceleration that the ramp reached, z"),
+    Column("front_biased_up_to", "1", "z up to which the front axle brakes more for its load"),
+    Column("eta_peak", "1", "largest eta on the ramp"),
+    Column("eta_peak_deceleration", "1", "z at the largest eta"),
+    Column("eta_peak_is_real", "1", "1 if eta falls again within the ramp, else 0"),
+    Column("residual_eta_rms_sigma", "1", "rms residual of eta in the fit, over its sigma"),
+    Column("residual_slip_rms_sigma", "1", "the same for the slip; 0 without v"),
+    Column("outliers", "1", "blocks of eta past four sigma"),
+    Column("pad_ratio_nominal_weight", "1", "weight of the pad ratio of the vehicle file"),
     _WARNED,
     _text("table_digest", "digest of the table"),
 )
 
 _CHECK = (
-    ResultColumn("usable_fit", ColumnKind.YES_NO, "1", "usable for fit"),
-    ResultColumn("usable_validate", ColumnKind.YES_NO, "1", "usable for validate"),
-    ResultColumn("usable_coast", ColumnKind.YES_NO, "1", "usable for a fit, as a coast log"),
-    ResultColumn("usable_diagnose", ColumnKind.YES_NO, "1", "usable for diagnose"),
-    _number("samples", "1", "samples"),
-    _number("duration", "s", "duration"),
-    _number("rate", "Hz", "rate of the median step"),
-    _number("jitter", "s", "rms deviation of the steps from the median"),
-    _number("gaps", "1", "number of gaps in the clock"),
-    _number("brakings", "1", "applications of the brake"),
-    _number("lead_in", "s", "steady rolling before the first braking"),
-    _number("coasting", "s", "all steady rolling without braking"),
-    _number("speed_max", "m/s", "highest speed"),
-    _number("deceleration_max", "1", "highest deceleration, z"),
-    _number("pressure_max", "Pa", "highest p_mc"),
-    _number("eta_zero", "1", "eta - 1 without braking"),
+    Column("usable_fit", "1", "usable for fit", bool),
+    Column("usable_validate", "1", "usable for validate", bool),
+    Column("usable_coast", "1", "usable for a fit, as a coast log", bool),
+    Column("usable_diagnose", "1", "usable for diagnose", bool),
+    Column("samples", "1", "samples"),
+    Column("duration", "s", "duration"),
+    Column("rate", "Hz", "rate of the median step"),
+    Column("jitter", "s", "rms deviation of the steps from the median"),
+    Column("gaps", "1", "number of gaps in the clock"),
+    Column("brakings", "1", "applications of the brake"),
+    Column("lead_in", "s", "steady rolling before the first braking"),
+    Column("coasting", "s", "all steady rolling without braking"),
+    Column("speed_max", "m/s", "highest speed"),
+    Column("deceleration_max", "1", "highest deceleration, z"),
+    Column("pressure_max", "Pa", "highest p_mc"),
+    Column("eta_zero", "1", "eta - 1 without braking"),
     _WARNED,
 )
 
 _DIAGNOSE = (
     _text("verdict", "no_gap, named, ambiguous or unknown"),
     _text("effects", "named effects, joined by +"),
-    _number("gap_before", "1", "gap on the hold-outs, no effect added"),
-    _number("gap_after", "1", "gap on the hold-outs, with the named effects"),
-    _number("gap_closed", "1", "share of the gap that is closed"),
+    Column("gap_before", "1", "gap on the hold-outs, no effect added"),
+    Column("gap_after", "1", "gap on the hold-outs, with the named effects"),
+    Column("gap_closed", "1", "share of the gap that is closed"),
 )
 
 _COLUMNS = {Command.FIT: FIT, Command.CHECK: _CHECK, Command.DIAGNOSE: _DIAGNOSE}
 
 
-def columns_of(command: Command) -> tuple[ResultColumn, ...]:
+def columns_of(command: Command) -> tuple[Column, ...]:
     """The columns after `HEAD`."""
     if command != Command.VALIDATE:
         return _COLUMNS[command]
     from calib.estimation.metrics import METRICS
 
     return (
-        *(_number(name, "1", meaning) for name, meaning in METRICS.items()),
+        *(Column(name, "1", meaning) for name, meaning in METRICS.items()),
         _text("not_held", "metrics that break a limit; null if none does"),
         _WARNED,
     )

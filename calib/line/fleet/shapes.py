@@ -11,12 +11,11 @@ only as a number on their side, so that outliers do not lengthen the tails by wh
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from calib.logs.log import Array
 
 SKEW = np.array([-0.9, -0.7, -0.5, -0.35, -0.2, 0.0, 0.2, 0.35, 0.5, 0.7, 0.9])
 SKEW_PRIOR = np.array([0.5, 0.5, 1.0, 1.5, 2.5, 988.0, 2.5, 1.5, 1.0, 0.5, 0.5]) / 1000.0
@@ -57,6 +56,53 @@ class Bulk:
         """All cars, with those outside."""
         return self.distance.size + self.below + self.above
 
+    @property
+    def _scales(self) -> Array:
+        """Scales B of the grid: log B from quartiles has a standard deviation of 1.17/sqrt(n)."""
+        reach = 3.0 * 1.17 / np.sqrt(self.count)
+        return np.asarray(self.scale * np.exp(np.linspace(-reach, reach, SCALES)))
+
+    @cached_property
+    def log_likelihood(self) -> Array:
+        """Log likelihood by g, h and B, (11, 4, `SCALES`), up to a constant."""
+        from scipy.special import log_ndtr
+
+        z, density = _tables()
+        B = self._scales[:, None]
+        x, weight = self.distance, 1.0
+        if x.size > MOST:
+            weight = x.size / MOST
+            x = np.quantile(x, (np.arange(MOST) + 0.5) / MOST)
+        inside = weight * np.sum(_at(density, x / B) - np.log(B), axis=2)
+        ends = _at(z, np.array([self.low, self.high]) / B)
+        outside = self.below * log_ndtr(ends[:, :, 0]) + self.above * log_ndtr(-ends[:, :, 1])
+        return np.asarray((inside + outside).reshape(SKEW.size, TAIL.size, SCALES))
+
+    @property
+    def evidence(self) -> Array:
+        """Log evidence of each h, (4,), over g and B, the largest zero."""
+        from scipy.special import logsumexp
+
+        out = logsumexp(self.log_likelihood + np.log(SKEW_PRIOR)[:, None, None], axis=(0, 2))
+        return np.asarray(out - out.max())
+
+    def two_sided(self, tail_prior: Array, distance: Array) -> Array:
+        """Two-sided p (n,) of cars at a ``distance`` (n,) from the median, over all shapes.
+
+        ``tail_prior`` (4,): weight of each h.
+        """
+        from scipy.special import ndtr, softmax
+
+        prior = np.log(SKEW_PRIOR)[:, None, None] + np.log(tail_prior)[None, :, None]
+        weight = softmax(self.log_likelihood + prior).reshape(-1, SCALES)
+        used = weight.sum(axis=1) > 1e-9
+        # the median is uncertain too: its variance is pi/2n of that of one car
+        B = self._scales[:, None] * np.sqrt(1.0 + 0.5 * np.pi / self.count)
+        z = _at(_tables()[0][used], distance / B)
+        lower = np.einsum("sb,sbn->n", weight[used], ndtr(z))
+        upper = np.einsum("sb,sbn->n", weight[used], ndtr(-z))
+        return np.asarray(np.minimum(2.0 * np.minimum(lower, upper), 1.0))
+
 
 @cache
 def _tables() -> tuple[Array, Array]:
@@ -84,51 +130,5 @@ def _at(tables: Array, u: Array) -> Array:
     """Values of all ``tables`` (s, k) at x/B = ``u``, shape (s, *u.shape)."""
     at = np.clip((np.arcsinh(u) + _REACH) / _STEP, 0.0, tables.shape[1] - 1.001)
     i = at.astype(np.intp)
-    part = at - i
     low, high = tables.take(i, axis=1), tables.take(i + 1, axis=1)
-    return np.asarray(low + (high - low) * part)
-
-
-def _scales(bulk: Bulk) -> Array:
-    """Scales B of the grid: log B from quartiles has a standard deviation of 1.17/sqrt(n)."""
-    reach = 3.0 * 1.17 / np.sqrt(bulk.count)
-    return np.asarray(bulk.scale * np.exp(np.linspace(-reach, reach, SCALES)))
-
-
-def log_likelihood(bulk: Bulk) -> Array:
-    """Log likelihood of the bulk by g, h and B, (11, 4, `SCALES`), up to a constant."""
-    from scipy.special import log_ndtr
-
-    z, density = _tables()
-    B = _scales(bulk)[:, None]
-    x, weight = bulk.distance, 1.0
-    if x.size > MOST:
-        weight = x.size / MOST
-        x = np.quantile(x, (np.arange(MOST) + 0.5) / MOST)
-    inside = weight * np.sum(_at(density, x / B) - np.log(B), axis=2)
-    ends = _at(z, np.array([bulk.low, bulk.high]) / B)
-    outside = bulk.below * log_ndtr(ends[:, :, 0]) + bulk.above * log_ndtr(-ends[:, :, 1])
-    return np.asarray((inside + outside).reshape(SKEW.size, TAIL.size, SCALES))
-
-
-def evidence(likelihood: Array) -> Array:
-    """Log evidence of each h, (4,), over g and B, the largest zero."""
-    from scipy.special import logsumexp
-
-    out = logsumexp(likelihood + np.log(SKEW_PRIOR)[:, None, None], axis=(0, 2))
-    return np.asarray(out - out.max())
-
-
-def two_sided(bulk: Bulk, likelihood: Array, tail_prior: Array, distance: Array) -> Array:
-    """Two-sided p (n,) of cars at a ``distance`` (n,) from the median, over all shapes."""
-    from scipy.special import ndtr, softmax
-
-    prior = np.log(SKEW_PRIOR)[:, None, None] + np.log(tail_prior)[None, :, None]
-    weight = softmax(likelihood + prior).reshape(-1, SCALES)
-    used = weight.sum(axis=1) > 1e-9
-    # the median is uncertain too: its variance is pi/2n of that of one car
-    B = _scales(bulk)[:, None] * np.sqrt(1.0 + 0.5 * np.pi / bulk.count)
-    z = _at(_tables()[0][used], distance / B)
-    lower = np.einsum("sb,sbn->n", weight[used], ndtr(z))
-    upper = np.einsum("sb,sbn->n", weight[used], ndtr(-z))
-    return np.asarray(np.minimum(2.0 * np.minimum(lower, upper), 1.0))
+    return np.asarray(low + (high - low) * (at - i))

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,12 +12,10 @@ from calib.base.errors import InputError
 from calib.base.plain import plain
 from calib.base.toml import did_you_mean
 from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, least_p
-from calib.line.fleet.edges import possible, within
 from calib.line.fleet.outliers import MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
-from calib.line.fleet.rows import ColumnKind, ResultColumn, Status
-
-Array = NDArray[np.float64]
+from calib.line.fleet.rows import Column, Status
+from calib.logs.log import Array
 
 DRIFT = 0.01
 """Expected share of false ones among the metrics with a drift [1]."""
@@ -58,7 +56,7 @@ class Look:
     ``drifts`` whether the change is significant among all metrics.
     """
 
-    metric: ResultColumn
+    metric: Column
     rows: NDArray[np.int64]
     values: Array
     spread: MetricSpread
@@ -91,7 +89,7 @@ class Failure:
 class Shares:
     """A metric of text or yes/no: number of each value, the most frequent first."""
 
-    metric: ResultColumn
+    metric: Column
     counts: tuple[tuple[str, int], ...]
 
 
@@ -123,30 +121,28 @@ class Summary:
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
     metrics = _chosen(fleet, wanted)
-    numbers = [m for m in metrics if m.kind == ColumnKind.NUMBER]
-    values = {m.name: fleet.numbers(m.name) for m in numbers}
-    every = np.array(list(values.values())).reshape(len(numbers), len(fleet.logs))
-    judged = judge(every, [plain(name).step for name in values])
-    spreads = {name: _real(name, x) for name, x in zip(values, judged.spreads, strict=True)}
-    hits = dict(zip(values, judged.named, strict=True))
-    known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
+    numbers = [m for m in metrics if m.kind is float]
+    every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(
+        len(numbers), len(fleet.logs)
+    )
+    judged = judge(every, [plain(m.name).step for m in numbers])
+    rows = [np.flatnonzero(np.isfinite(x)) for x in every]
+    values = [x[known] for x, known in zip(every, rows, strict=True)]
     # the column that orders the line always increases along it
-    along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
-    tested, significant = drifting(list(along.values()))
-    changes = dict(zip(along, tested, strict=True))
-    drifts = dict(zip(along, significant, strict=True))
+    along = [i for i, m in enumerate(numbers) if m.name != fleet.ordered_by]
+    drifts = zip(*drifting([values[i] for i in along]), strict=True)
+    changes = dict(zip(along, drifts, strict=True))
     looks = tuple(
         Look(
             m,
-            known[m.name],
-            values[m.name][known[m.name]],
-            spreads[m.name],
-            chart(along[m.name]) if m.name in along else None,
-            changes.get(m.name),
-            bool(drifts.get(m.name, False)),
-            hits[m.name][known[m.name]],
+            rows[i],
+            values[i],
+            _real(m.name, judged.spreads[i]),
+            chart(values[i]) if i in changes else None,
+            *changes.get(i, (None, False)),
+            judged.named[i][rows[i]],
         )
-        for m in numbers
+        for i, m in enumerate(numbers)
     )
     status = Counter(fleet.values("status"))
     return Summary(
@@ -154,11 +150,11 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
         looks,
-        tuple(_shares(fleet, m) for m in metrics if _is_class(fleet, m)),
+        tuple(_shares(fleet, metrics)),
         _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
         judged.together,
-        copies(fleet.logs, fleet.values("digest")) if "digest" in fleet.columns else (),
+        copies(fleet.logs, fleet.values("digest")),
     )
 
 
@@ -166,7 +162,20 @@ def _real(name: str, spread: MetricSpread) -> MetricSpread:
     """The spread of the metric ``name`` without edges that no value of it can pass."""
     if spread.edges is None:
         return spread
-    return replace(spread, edges=within(spread.edges, possible(name)))
+    (low, high), one = spread.edges, plain(name)
+    low = -np.inf if one.least is not None and low <= one.least else low
+    high = np.inf if one.most is not None and high >= one.most else high
+    return replace(spread, edges=(low, high))
+
+
+def in_words(edges: tuple[float, float], shown: Callable[[float], str]) -> str:
+    """Edges as `below 0.31 or above 0.45`; empty if none is finite.
+
+    >>> in_words((-np.inf, 8.0), str)
+    'above 8.0'
+    """
+    sides = zip(("below", "above"), edges, strict=True)
+    return " or ".join(f"{side} {shown(edge)}" for side, edge in sides if np.isfinite(edge))
 
 
 def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:
@@ -183,7 +192,7 @@ def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[boo
     return tested, named(p, DRIFT).tolist()
 
 
-def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[ResultColumn, ...]:
+def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
     known = {metric.name: metric for metric in fleet.metrics}
     for name in wanted:
         if name not in known:
@@ -200,15 +209,12 @@ MANY = 20
 """A text column with more different values than this is not a class: names, digests."""
 
 
-def _is_class(fleet: FleetFile, metric: ResultColumn) -> bool:
-    few = metric.kind == ColumnKind.TEXT and len({*fleet.values(metric.name)}) <= MANY
-    return few or metric.kind == ColumnKind.YES_NO
-
-
-def _shares(fleet: FleetFile, metric: ResultColumn) -> Shares:
-    words = {True: "yes", False: "no", None: "none"}
-    texts = [v if isinstance(v, str) else words[v] for v in fleet.values(metric.name)]
-    return Shares(metric, tuple(Counter(texts).most_common()))
+def _shares(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[Shares]:
+    words: dict[object, str] = {True: "yes", False: "no", None: "none"}
+    for metric in (m for m in metrics if m.kind is not float):
+        counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
+        if metric.kind is bool or len(counts) <= MANY:
+            yield Shares(metric, tuple(counts.most_common()))
 
 
 def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, ...]:
@@ -247,7 +253,7 @@ def copies(logs: tuple[str, ...], digests: Sequence[object]) -> tuple[tuple[str,
     (('a', 'c'),)
     """
     groups: dict[str, list[str]] = {}
-    for log, digest in zip(logs, digests, strict=True):
+    for log, digest in zip(logs, digests, strict=False):
         if isinstance(digest, str):
             groups.setdefault(digest, []).append(log)
     return tuple(tuple(group) for group in groups.values() if len(group) > 1)

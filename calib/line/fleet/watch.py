@@ -18,7 +18,7 @@ from threading import Event
 from calib.base.printable import printable
 from calib.line.fleet.batch import Sweep
 from calib.line.fleet.find import logs_below
-from calib.line.fleet.journal import open_journal
+from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import NAME as RESULTS
 from calib.line.fleet.results import write_results
 from calib.line.fleet.rows import Command, Row, Status
@@ -124,7 +124,7 @@ def watch(
             settled.give(path)
             yield name, path
 
-    with closing(open_journal(out, settings, fresh)) as journal:
+    with closing(BatchJournal(out, settings, fresh)) as journal:
         while not stop.is_set():
             errors: list[OSError] = []
             paths = logs_below(str(folder), job.command, out, errors.append)

@@ -185,7 +185,7 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
 
 def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.run.check import check
-    from calib.run.figures import figures
+    from calib.run.observation import figures
 
     found = check(_log(job, item, files, require=()))
     usable = tuple(verdict.usable for verdict in found.verdicts)

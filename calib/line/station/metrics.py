@@ -17,7 +17,7 @@ from calib.line.station.golden import distance, ratios_to
 from calib.line.station.sides import side_difference
 from calib.logs.log import Log
 from calib.run.driving_record import driving_record
-from calib.run.wheel_checks import axles_of
+from calib.run.wheels import axles_of, slips_of
 from calib.store.listing import band_width
 from calib.table.table import MEASURED, Table
 
@@ -74,7 +74,8 @@ def metrics_of(car: Car) -> dict[str, float | None]:
 
 
 def _eta_zero(vehicle: Vehicle, log: Log) -> float | None:
-    found = axles_of(log, driving_record(log)).front_rear
+    driving = driving_record(log)
+    found = axles_of(log, driving, slips_of(log, driving)).front_rear
     return None if found is None else vehicle.radius_mismatch(found.value)
 
 

@@ -15,7 +15,7 @@ from calib.logs.log import Log
 from calib.run.driving_record import DrivingRecord, driving_record
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
-from calib.run.wheel_checks import IntervalEstimate
+from calib.run.wheels import IntervalEstimate
 from calib.table.table import Table, TyreCurve
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from calib.car.effects.caliper import Play, clamp, clamped
-from tests.support.effect_runs import SEDAN, driven, made_history, pressures
+from tests.support.effect_runs import made_history, pressures
 
 PRESSURES = arrays(float, st.integers(1, 300), elements=st.floats(-1e5, 100e5))
 WIDTH = st.floats(0.0, 0.5)
@@ -81,18 +81,6 @@ def test_the_width_is_told_at_20_bar(share):
     front, _ = pressures("caliper_hysteresis", history, width=0.1, fixed_share=share)
     up, down = front[200], front[-201]
     assert down - up == pytest.approx(0.1 * share * 20e5 + 20e5 * (1 / (1 - 0.1 * (1 - share)) - 1))
-
-
-def test_the_axles_have_it_each_for_itself():
-    both = {
-        "caliper_hysteresis": {"width": 0.1},
-        "rear_proportioning": {"knee_slope": 0.0, "knee": 20e5},
-    }
-    log = driven(both, lambda t: 30e5 - 2.5e5 * t)  # the rear is held at the knee up to 4 s
-    rear = log.truth["true_Tb_rl"] / (SEDAN.rear.pad_friction * SEDAN.rear.torque_gain)
-    front = log.truth["true_Tb_fl"] / (SEDAN.front.pad_friction * SEDAN.front.torque_gain)
-    assert rear == pytest.approx(20e5)
-    assert front == pytest.approx(np.minimum(30e5, log["p_mc"] / 0.9))
 
 
 @given(

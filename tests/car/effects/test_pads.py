@@ -85,16 +85,6 @@ def test_a_bend_keeps_one_at_20_bar_and_the_mean_slope_to_40_bar(slope, bend):
     assert factor[2] - factor[0] == pytest.approx(slope * 40e5, abs=1e-9)
 
 
-def test_a_bend_follows_a_lining_that_goes_with_a_power_of_pressure():
-    """mu over p^-0.1, scaled to 20 bar: the straight line of the same two ends errs by 8 %."""
-    p = np.linspace(3e5, 60e5, 100)
-    power = (p / 20e5) ** -0.1
-    bent, _ = PRESSURE.friction({"pressure_slope": -7.4e-8, "pressure_bend": 5.7e-7}, None, p, p)
-    assert bent == pytest.approx(power, rel=0.035)
-    slope = (power[-1] - power[0]) / (p[-1] - p[0])
-    assert np.max(np.abs(power[0] + slope * (p - p[0]) - power)) > 0.08
-
-
 @given(st.floats(0.0, 0.95), st.floats(1e3, 1e6), st.floats(0.2, 2.0), st.floats(0.0, 1e6))
 def test_wet_pads_dry_each_by_its_own_heat(loss, dry, share, energy):
     heat = np.array([0.0, energy])

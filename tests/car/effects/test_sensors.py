@@ -11,7 +11,6 @@ from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
 from calib.car.lag import delayed
 from calib.model.known_effects import remove_known_effects
-from calib.model.replay import first_speed
 from tests.support.effect_runs import SEDAN, driven, made_motion, wave
 
 RUNOUT = {"runout": 0.002, "runout_phase": 0.3, "runout_side": 1.0}
@@ -56,12 +55,6 @@ def test_a_delayed_reading_is_that_of_an_earlier_time(name):
 def test_before_the_first_sample_the_line_of_the_first_two_goes_on():
     time = np.array([1.0, 1.5, 2.5])
     assert delayed(time, np.array([4.0, 3.0, 0.0]), 0.75) == pytest.approx([5.5, 4.5, 2.25])
-
-
-def test_the_first_speed_is_that_of_the_car_not_of_the_reading():
-    log = driven({"speed_delay": {"v_delay": 0.1}}, lambda t: 30e5, v0=30.0)
-    assert log["v"][0] > 30.1
-    assert first_speed(log, SEDAN, 0.1) == pytest.approx(30.0, abs=0.02)
 
 
 def test_a_bend_of_one_half_is_the_filter_of_butterworth():

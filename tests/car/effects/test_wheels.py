@@ -89,20 +89,6 @@ def test_a_motor_that_lags():
     assert front[430] == pytest.approx(225.0 * np.exp(-1.0), rel=0.03)
 
 
-@pytest.mark.parametrize("share", [0.0, 1.0])
-def test_braking_with_the_motor(share):
-    """Below base speed: a constant force at the road beside that of the pads."""
-    motor = {**MOTOR, "regen_power": 50e3, "regen_rear_share": share}
-    car = without_inertia(SEDAN)
-    log = driven({"regenerative_torque": motor}, lambda t: 10e5, 20.0, car=car)
-    bare = driven({}, lambda t: 10e5, 20.0, car=car)
-    force, own, other = 300.0 / 0.322, "fr"[round(share)], "rf"[round(share)]
-    assert log["a_x"] == pytest.approx(bare["a_x"] - force / SEDAN.mass)
-    with_it, without = log.truth, bare.truth
-    assert with_it[f"true_Fx_{own}l"] == pytest.approx(without[f"true_Fx_{own}l"] + 0.5 * force)
-    assert with_it[f"true_Fx_{other}l"] == pytest.approx(without[f"true_Fx_{other}l"])
-
-
 def test_speed_follows_from_the_power():
     """At full power m v dv/dt = -P - F v: the energy lost is the work of pads and motor."""
     motor = {**MOTOR, "regen_torque": 3000.0, "regen_rear_share": 0.0}

@@ -6,8 +6,8 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.effects.combined import caliper_pressure, total_axle_moment, total_body_force
-from calib.car.effects.effects import DefinedIn, Effects
+from calib.car.effects.combined import caliper_pressure, total_axle_moment
+from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
 from calib.car.own_effects.own_effect import definition, every_effect, with_own
@@ -36,17 +36,6 @@ def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
         definition(SEDAN.effects, "air_brake_flap")
 
 
-def test_it_adds_to_those_of_the_catalogue():
-    drag = {"aerodynamic_drag": {"drag_area": 0.5}}
-    motion = made_motion([30.0, 20.0])
-    force = [
-        total_body_force(SEDAN, Effects(parts, own=WITH.effects.own), motion)
-        for parts in (drag, ACTS, {**drag, **ACTS})
-    ]
-    assert force[2] == pytest.approx(force[0] + force[1])
-    assert force[1].all()
-
-
 def test_two_files_with_one_name_are_refused(tmp_path):
     one, other = own_of(tmp_path, retarder(), "a.py"), own_of(tmp_path, retarder(), "b.py")
     with pytest.raises(ModelError, match=r"b\.py: .*'rear_retarder' is also defined in a\.py"):
@@ -65,18 +54,6 @@ def test_a_pressure_of_ones_own_comes_after_those_of_the_catalogue(tmp_path):
     )
     assert front == pytest.approx(18e5, rel=1e-3)
     assert rear == pytest.approx(18e5, rel=1e-3)
-
-
-def test_effects_keep_their_definitions_when_they_are_chosen_and_joined():
-    effects = MODEL.effects
-    for kept in (
-        effects.only("air_brake_flap"),
-        Effects().with_(effects),
-        effects.with_(Effects()),
-    ):
-        assert definition(kept, "air_brake_flap") is FLAP.effect
-    assert effects.defined_in == {"air_brake_flap": DefinedIn(FLAP.file, FLAP.sha256)}
-    assert effects.without("air_brake_flap").defined_in == {}
 
 
 # A model file ------------------------------------------------------------------------------------
@@ -108,12 +85,6 @@ def test_a_model_whose_file_has_changed_is_refused_unless_it_says_any(model_file
     kept = [line for line in model_file.read_text().splitlines() if "sha256" not in line]
     model_file.write_text("\n".join(kept))
     assert read_model(model_file, car).effects.parameters == ACTS
-
-
-def test_a_wrong_parameter_of_an_own_effect_is_told_as_that_of_any(model_file):
-    model_file.write_text(model_file.read_text().replace("0.5 m^2", "5 m^2"))
-    with pytest.raises(ModelError, match=r"flap_area: 5 m\^2 is not believable; expected 0 to 1.5"):
-        read_model(model_file, WITH)
 
 
 # A table -----------------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 """A Python file of the user: what is right is read, what is wrong is one error with its line."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.own_effects.hooks import RESULTS, changes, checked, hooks_of, trial
+from calib.car.own_effects.hooks import changes, checked, hooks_of, trial
 from calib.car.own_effects.read import read_own_effect
 from tests.support.effect_runs import made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
@@ -46,23 +45,12 @@ def test_what_a_file_prints_is_not_on_stdout(tmp_path, capsys):
     assert capsys.readouterr() == ("", "hello\n")
 
 
-def test_nothing_of_a_file_stays_behind_in_the_program(tmp_path):
-    path = tmp_path / "a.py"
-    path.write_text(retarder())
-    before, modules = dict(CATALOGUE), set(sys.modules)
-    read_own_effect(path)
-    assert before == CATALOGUE
-    assert set(sys.modules) == modules
-
-
 @pytest.mark.parametrize(
     ("body", "said"),
     [
         ("return 1.0 / 0", "axle_moment raises ZeroDivisionError"),
         ("return parameters['torqe'], 0.0", "axle_moment raises KeyError: 'torqe'"),
-        ("motion.v *= 2.0", "axle_moment raises"),
         ("motion.v[0] = 2.0", "axle_moment raises ValueError: assignment destination is read-only"),
-        ("raise SystemError('no')", "axle_moment raises SystemError: no"),
     ],
 )
 def test_a_function_that_raises_is_told_with_its_line(tmp_path, body, said):
@@ -74,14 +62,11 @@ def test_a_function_that_raises_is_told_with_its_line(tmp_path, body, said):
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ("return motion.v", "returns a ndarray"),
         ("return None", "returns a NoneType"),
         ("return parameters['torque'], 0.0", r"returns shape ()"),
         ("return motion.v[1:], motion.v[1:]", "returns shape (399,)"),
         ("return motion.v, motion.v, motion.v", "returns a tuple of 3"),
         ("return motion.v * np.nan, motion.v", "returns values that are not finite"),
-        ("return np.log(motion.v - 50.0), motion.v", "returns values that are not finite"),
-        ("return motion.v.astype(str), motion.v", "returns a ndarray"),
     ],
 )
 def test_a_function_of_the_wrong_shape_is_told_with_its_line(tmp_path, body, said):
@@ -100,18 +85,12 @@ def test_what_acts_at_the_neutral_strength_is_refused(tmp_path):
     ("old", "new", "said"),
     [
         ("EFFECT = ", "EFFECT = ((", "mine.py:7: not Python: '(' was never closed"),
-        ("EFFECT = ", "OTHER = ", "mine.py: no EFFECT; expected EFFECT = Effect(card=Card("),
         ("EFFECT = Effect(", "EFFECT = 7\nMINE = Effect(", "mine.py: EFFECT is a int; expected"),
-        ("import numpy as np", "import numpi as np", "mine.py:1: ModuleNotFoundError"),
         ("import numpy as np", "raise SystemExit(0)", "mine.py:1: SystemExit: 0"),
         ('name="rear_retarder"', 'name="hydraulic_lag"', "the catalogue has an effect 'hydraulic"),
-        ('name="rear_retarder"', 'name="Rear retarder"', "name 'Rear retarder'; expected lower"),
         ('cause="a coil"', 'cause=" "', "cause ' '; expected a sentence"),
-        ('cause="a coil", ', "", "missing 1 required positional argument: 'cause'"),
-        ('"N*m"', '"Nm/s"', "unit 'Nm/s' of torque; expected an SI unit"),
         ('"N*m"', '"bar"', "unit 'bar' of torque; expected an SI unit"),
         ("900.0, 400.0", "9000.0, 400.0", "torque: low 0.0, high 2000.0, typical 9000.0"),
-        ("900.0, 400.0", "900.0, 0.0", "expected low <= typical <= high and 0 < spread"),
         ("900.0, 400.0", "0.0, 400.0", "typical 0 of torque is the neutral strength"),
         ("parameters=(", "neutral=-1.0, parameters=(", "neutral -1.0; expected a strength from 0"),
         ("axle_moment=axle_moment,", "", "the effect has no function; expected one hook"),
@@ -136,11 +115,6 @@ def test_a_hook_that_goes_wrong_later_says_so_too(tmp_path):
     line = line_with(text, "assert")
     with pytest.raises(ModelError, match=rf"mine\.py:{line}: axle_moment raises AssertionError"):
         effect.axle_moment(CAR, {"torque": 1.0}, made_motion([60.0]))
-
-
-def test_every_hook_of_an_effect_can_be_tried_and_checked():
-    hooks = {name for effect in CATALOGUE.values() for name in hooks_of(effect)}
-    assert hooks == set(RESULTS)
 
 
 @pytest.mark.parametrize("name", sorted(CATALOGUE))

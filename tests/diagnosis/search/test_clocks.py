@@ -6,7 +6,7 @@ import pytest
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.proof.gap import CHANNELS, noises_of
 from calib.diagnosis.search.clocks import DELAYS
-from calib.run.held import without_holds
+from calib.run.copies import without_holds
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.measuring_chain import Message, chained
 

@@ -1,6 +1,7 @@
 import pytest
 
-from tests.support.fleet_logs import many
+from calib.line.fleet.batch import run_batch
+from tests.support.fleet_logs import Here, many, validating
 from tests.support.reference_car import WET, cut, noisy, stop
 
 
@@ -12,8 +13,16 @@ def stops():
 
 
 @pytest.fixture(scope="session")
-def sixty(tmp_path_factory, stops):
-    return many(tmp_path_factory.mktemp("sixty") / "logs", stops, 60)
+def fleet(tmp_path_factory, stops):
+    """A folder of 24 logs, 8 of which will not do."""
+    return many(tmp_path_factory.mktemp("fleet") / "logs", stops, 24)
+
+
+@pytest.fixture(scope="session")
+def undisturbed(fitted, fleet, tmp_path_factory):
+    """results.parquet of the fleet, made without processes."""
+    out = tmp_path_factory.mktemp("whole")
+    return run_batch(validating(fitted), [str(fleet)], out, Here()).results.read_bytes()
 
 
 @pytest.fixture

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.stats import binom, norm
 
 from calib.line.fleet.control_chart import (
@@ -17,7 +15,7 @@ from calib.line.fleet.control_chart import (
 )
 
 
-def run_lengths(rules, lines=1500, cars=2500, seed=1):
+def run_lengths(rules, lines=500, cars=2500, seed=1):
     """Cars up to the first alarm on steady lines; the few lines without one count as their end."""
     rng = np.random.default_rng(seed)
     found = []
@@ -31,7 +29,7 @@ def run_lengths(rules, lines=1500, cars=2500, seed=1):
 @pytest.mark.parametrize(
     ("rules", "published"),
     # Champ and Woodall (1987), table 1: exact, by Markov chains
-    [((1,), 370.4), ((1, 2), 225.44), ((1, 3), 166.05), ((1, 4), 152.73), ((1, 2, 3, 4), 91.75)],
+    [((1, 2), 225.44), ((1, 3), 166.05), ((1, 4), 152.73), ((1, 2, 3, 4), 91.75)],
 )
 def test_run_lengths_are_the_published_ones(rules, published):
     found = run_lengths(rules)
@@ -50,22 +48,16 @@ def test_shares_by_chance_are_those_of_the_closed_form():
     assert pytest.approx(shares, abs=5e-6) == BY_CHANCE
 
 
-def test_shares_by_chance_are_those_of_a_simulation():
-    z = np.random.default_rng(2).normal(size=1_000_000)
-    for rule, broken in alarms(z).items():
-        assert broken.mean() == pytest.approx(BY_CHANCE[rule], rel=0.06)
-
-
 def test_shares_by_chance_hold_for_limits_from_the_same_cars_where_they_are_told():
-    def broken(rule, cars, lines):
+    def broken(cars, lines):
         rng = np.random.default_rng(cars)
-        shares = [chart(rng.normal(size=cars)).alarms[rule].mean() for _ in range(lines)]
-        return np.mean(shares) / BY_CHANCE[rule]
+        found = [chart(rng.normal(size=cars)).alarms for _ in range(lines)]
+        return {n: np.mean([a[n] for a in found]) / share for n, share in BY_CHANCE.items()}
 
-    for rule in BY_CHANCE:
-        assert broken(rule, FEWEST_BY_CHANCE, 2000) == pytest.approx(1.0, abs=0.3)
-    assert broken(1, 50, 2000) > 1.5
-    assert broken(4, 50, 2000) < 0.7
+    assert list(broken(FEWEST_BY_CHANCE, 2000).values()) == pytest.approx([1.0] * 4, abs=0.3)
+    few = broken(50, 1000)
+    assert few[1] > 1.5
+    assert few[4] < 0.7
 
 
 def test_patterns_by_hand():
@@ -78,13 +70,6 @@ def test_patterns_by_hand():
     assert at(3, 1.1, 1.1, 0.0, 1.1, 1.1, 0.0) == [4]
     assert at(4, *[0.1] * 9) == [7, 8]
     assert at(4, *[0.1] * 7, -0.1, 0.1) == []
-
-
-@given(st.lists(st.floats(-5.0, 5.0), min_size=10, max_size=40))
-def test_sides_are_alike(values):
-    z = np.array(values)
-    for rule, broken in alarms(z).items():
-        assert np.array_equal(broken, alarms(-z)[rule])
 
 
 def test_the_chart_finds_the_scatter_and_is_not_widened_by_a_drift():
@@ -102,11 +87,7 @@ def test_no_chart_without_scatter_or_with_few():
     assert chart(np.arange(9.0)) is None
     assert change(np.full(50, 0.38)) is None
     assert change(np.arange(9.0)) is None
-
-
-def test_a_coarse_figure_has_a_chart():
-    coarse = np.where(np.arange(100) % 5 == 0, 0.1, 0.0)
-    assert chart(coarse).sigma > 0.0
+    assert chart(np.where(np.arange(100) % 5 == 0, 0.1, 0.0)).sigma > 0.0  # a coarse metric
 
 
 @pytest.mark.parametrize("cars", [10, 17, 30])
@@ -114,7 +95,7 @@ def test_no_line_shows_a_change_plainer_than_a_step(cars):
     rng = np.random.default_rng(cars)
     line = np.arange(cars)
     assert change(line).p == pytest.approx(least_p(cars))
-    for _ in range(200):
+    for _ in range(50):
         line = np.where(rng.random(cars) < 0.3, rng.permutation(cars), np.arange(cars))
         assert change(line + 1e-3 * rng.random(cars)).p >= least_p(cars) - 1e-12
 
@@ -137,16 +118,8 @@ def test_a_change_is_found_where_it_is(size):
 def test_a_steady_line_changes_as_rarely_as_said_whatever_its_law():
     rng = np.random.default_rng(5)
     for draw in (rng.normal, rng.standard_cauchy, rng.exponential):
-        p = np.array([change(draw(size=200)).p for _ in range(1000)])
+        p = np.array([change(draw(size=200)).p for _ in range(500)])
         assert 0.02 < np.mean(p < 0.05) < 0.08
-
-
-def test_one_wild_car_is_no_change():
-    y = np.random.default_rng(6).normal(size=100)
-    p = change(y).p
-    y[50] += 1e6
-    assert change(y).p == pytest.approx(p, abs=0.3)
-    assert change(y).p > 0.05
 
 
 @pytest.mark.parametrize("drift", ["none", "step", "line"])

@@ -5,6 +5,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import BatchError
-from calib.line.fleet.journal import NAME, open_journal
+from calib.line.fleet.journal import NAME, BatchJournal
 from calib.line.fleet.rows import Row, Status
 
 ROOT = Path(__file__).parents[3]
@@ -31,35 +32,44 @@ rows = st.builds(
 )
 
 
-def row(log, status=Status.DONE, cells=(0.1,), **more):
-    return Row(log, "d" * 64, status, None, cells, **more)
+def opened(folder, fresh=False, **settings):
+    return closing(BatchJournal(folder, SETTINGS | settings, fresh))
+
+
+def row(log, cells=(0.1,)):
+    return Row(log, "d" * 64, Status.DONE, None, cells)
 
 
 @given(st.lists(rows, unique_by=lambda row: row.log))
 def test_rows_come_back_to_the_last_bit(tmp_path_factory, rows):
     folder = tmp_path_factory.mktemp("rows")
-    journal = open_journal(folder, SETTINGS)
-    journal.add(rows)
-    journal.close()
-    again = open_journal(folder, SETTINGS)
-    back = list(again.rows(row.log for row in rows))
-    assert back == rows
-    assert [list(map(repr, row.cells)) for row in back] == [list(map(repr, r.cells)) for r in rows]
-    assert again.logs() == sorted(row.log for row in rows)
-    assert again.counts().total() == len(rows)
-    again.close()
+    with opened(folder) as journal:
+        journal.add(rows)
+    with opened(folder) as again:
+        back = list(again.rows(row.log for row in rows))
+        assert list(map(repr, back)) == list(map(repr, rows))
+        assert again.logs() == sorted(row.log for row in rows)
+        assert again.counts().total() == len(rows)
+
+
+def test_the_later_row_of_a_log_counts(tmp_path):
+    with opened(tmp_path) as journal:
+        journal.add([row("a", (1.0,)), row("b"), row("a", (2.0,))])
+    with opened(tmp_path) as again:
+        assert again.row("a").cells == (2.0,)
+        assert again.row("c") is None
+        with pytest.raises(KeyError):
+            next(again.rows(["c"]))
 
 
 @pytest.fixture(scope="module")
 def killed(tmp_path_factory):
     """What kill -9 leaves on the disk after five transactions: the file and its unfinished log."""
     home = tmp_path_factory.mktemp("killed")
-    journal = open_journal(home, SETTINGS)
-    for i in range(5):
-        journal.add([row(f"log {i}", cells=(i / 3.0,))])
-    found = {path.name: path.read_bytes() for path in home.iterdir()}
-    journal.close()
-    return found
+    with opened(home) as journal:
+        for i in range(5):
+            journal.add([row(f"log {i}", (i / 3.0,))])
+        return {path.name: path.read_bytes() for path in home.iterdir()}
 
 
 @given(st.data())
@@ -70,122 +80,84 @@ def test_cut_anywhere_it_holds_the_transactions_that_are_whole(tmp_path_factory,
     pending = folder / f"{NAME}-wal"
     kept = data.draw(st.integers(0, len(killed[pending.name])))
     pending.write_bytes(killed[pending.name][:kept] + data.draw(st.binary(max_size=50)))
-    again = open_journal(folder, SETTINGS)
-    whole = len(again.logs())
-    assert again.logs() == [f"log {i}" for i in range(whole)]
-    assert [r.cells for r in again.rows(again.logs())] == [(i / 3.0,) for i in range(whole)]
-    assert kept < len(killed[pending.name]) or whole == 5
-    again.add([row("one more")])
-    again.close()
-    last = open_journal(folder, SETTINGS)
-    assert len(last.logs()) == whole + 1
-    last.close()
+    with opened(folder) as again:
+        whole = len(again.logs())
+        assert again.logs() == [f"log {i}" for i in range(whole)]
+        assert [r.cells for r in again.rows(again.logs())] == [(i / 3.0,) for i in range(whole)]
+        assert kept < len(killed[pending.name]) or whole == 5
+        again.add([row("one more")])
+    with opened(folder) as last:
+        assert len(last.logs()) == whole + 1
 
 
-def test_the_later_row_of_a_log_counts(tmp_path):
-    journal = open_journal(tmp_path, SETTINGS)
-    journal.add([row("a", cells=(1.0,)), row("b"), row("a", cells=(2.0,))])
-    assert journal.row("a").cells == (2.0,)
-    journal.close()
-    again = open_journal(tmp_path, SETTINGS)
-    assert again.row("a").cells == (2.0,)
-    assert again.row("c") is None
-    with pytest.raises(KeyError):
-        next(again.rows(["c"]))
-    again.close()
-
-
-def test_damage_is_told_and_makes_way_when_asked(tmp_path):
-    journal = open_journal(tmp_path, SETTINGS)
-    journal.add([row(f"log {i}") for i in range(200)])
-    journal.close()
-    path = tmp_path / NAME
-    content = bytearray(path.read_bytes())
-    content[-4096:] = b"rubbish!" * 512
-    path.write_bytes(content)
-    with pytest.raises(BatchError, match=r"damaged.*--fresh"):
-        open_journal(tmp_path, SETTINGS)
-    journal = open_journal(tmp_path, SETTINGS, fresh=True)
-    assert journal.logs() == []
-    journal.close()
+def damaged(path):
+    with opened(path.parent) as journal:
+        journal.add([row(f"log {i}") for i in range(200)])
+    path.write_bytes(path.read_bytes()[:-4096] + b"rubbish!" * 512)
 
 
 def other_database(path):
-    db = sqlite3.connect(path)
-    db.execute("CREATE TABLE rows (log TEXT)")
-    db.commit()
-    db.close()
+    with closing(sqlite3.connect(path)) as db:
+        db.execute("CREATE TABLE rows (log TEXT)")
 
 
 @pytest.mark.parametrize(
-    ("name", "make"),
-    [
-        (NAME, lambda path: path.write_bytes(b"hello\n" * 1000)),
-        (NAME, other_database),
-    ],
+    "make", [damaged, other_database, lambda path: path.write_bytes(b"hello\n" * 1000)]
 )
-def test_what_is_no_journal_is_not_touched_and_makes_way_when_asked(tmp_path, name, make):
-    path = tmp_path / name
+def test_what_is_no_journal_is_not_touched_and_makes_way_when_asked(tmp_path, make):
+    path = tmp_path / NAME
     make(path)
     content = path.read_bytes()
-    with pytest.raises(BatchError, match=r"not the journal.*--fresh"):
-        open_journal(tmp_path, SETTINGS)
+    with pytest.raises(BatchError):
+        BatchJournal(tmp_path, SETTINGS)
     assert path.read_bytes() == content
-    journal = open_journal(tmp_path, SETTINGS, fresh=True)
-    journal.add([row("a")])
-    journal.close()
+    with opened(tmp_path, fresh=True) as journal:
+        assert journal.logs() == []
+        journal.add([row("a")])
     assert [path.name for path in tmp_path.iterdir()] == [NAME]
 
 
-def test_fresh_holds_the_new_settings_and_no_row(tmp_path):
-    journal = open_journal(tmp_path, SETTINGS)
-    journal.add([row("a")])
-    journal.close()
-    other = {**SETTINGS, "table": "t"}
-    open_journal(tmp_path, other, fresh=True).close()
-    with pytest.raises(BatchError, match="table t for none"):
-        open_journal(tmp_path, SETTINGS)
-    journal = open_journal(tmp_path, other)
-    assert journal.logs() == []
-    journal.close()
+def test_other_settings_are_refused_and_fresh_holds_the_new_ones(tmp_path):
+    with opened(tmp_path) as journal:
+        journal.add([row("a")])
+    for other in ({"table": "t"}, {"folder": "/bench"}):
+        with pytest.raises(BatchError):
+            BatchJournal(tmp_path, SETTINGS | other)
+    BatchJournal(tmp_path, SETTINGS | {"table": "t"}, fresh=True).close()
+    with pytest.raises(BatchError):
+        BatchJournal(tmp_path, SETTINGS)
+    with opened(tmp_path, table="t") as journal:
+        assert journal.logs() == []
 
 
 @pytest.mark.parametrize("fresh", [False, True])
 def test_two_runs_do_not_write_at_once(tmp_path, fresh):
-    journal = open_journal(tmp_path, SETTINGS)
-    journal.add([row("a")])
-    with pytest.raises(BatchError, match="another run"):
-        open_journal(tmp_path, SETTINGS, fresh)
     code = (
-        "import sys; from pathlib import Path; from calib.line.fleet.journal import open_journal; "
-        f"open_journal(Path(sys.argv[1]), {SETTINGS}, {fresh})"
+        "import sys; from pathlib import Path; from calib.line.fleet.journal import BatchJournal; "
+        f"BatchJournal(Path(sys.argv[1]), {SETTINGS}, {fresh})"
     )
-    ran = subprocess.run(
-        [sys.executable, "-c", code, tmp_path], cwd=ROOT, capture_output=True, text=True
-    )
-    assert "another run uses this folder" in ran.stderr
-    assert journal.logs() == ["a"]
-    journal.close()
-    open_journal(tmp_path, SETTINGS).close()
-
-
-def test_a_journal_of_another_folder_that_tells_more_is_refused(tmp_path):
-    open_journal(tmp_path, {**SETTINGS, "folder": "/bench"}).close()
-    with pytest.raises(BatchError, match="folder /bench for none"):
-        open_journal(tmp_path, SETTINGS)
+    with opened(tmp_path) as journal:
+        journal.add([row("a")])
+        with pytest.raises(BatchError):
+            BatchJournal(tmp_path, SETTINGS, fresh)
+        ran = subprocess.run(
+            [sys.executable, "-c", code, tmp_path], cwd=ROOT, capture_output=True, text=True
+        )
+        assert "BatchError" in ran.stderr
+        assert journal.logs() == ["a"]
+    BatchJournal(tmp_path, SETTINGS).close()
 
 
 # No file of this process may grow beyond 200 kB, as on a disk that is nearly full.
 NEARLY_FULL = """
 import json, resource, signal, sys
 from pathlib import Path
-from calib.line.fleet.journal import open_journal
-from calib.line.fleet.rows import Row
-from calib.line.fleet.rows import Status
+from calib.line.fleet.journal import BatchJournal
+from calib.line.fleet.rows import Row, Status
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
-journal = open_journal(Path(sys.argv[1]), json.loads(sys.argv[2]))
+journal = BatchJournal(Path(sys.argv[1]), json.loads(sys.argv[2]))
 kept = 0
 try:
     while True:
@@ -198,21 +170,16 @@ except OSError as error:
 
 @pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="no limit of file sizes")
 def test_a_disk_that_is_full_is_told_and_loses_no_row_that_was_kept(tmp_path):
-    ran = subprocess.run(
-        [sys.executable, "-c", NEARLY_FULL, tmp_path, json.dumps(SETTINGS)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
+    code = [sys.executable, "-c", NEARLY_FULL, tmp_path, json.dumps(SETTINGS)]
+    ran = subprocess.run(code, cwd=ROOT, capture_output=True, text=True)
     kept, _, why = ran.stdout.partition(" ")
     assert int(kept) > 10, ran.stderr
     assert why.strip()
-    journal = open_journal(tmp_path, SETTINGS)
-    assert journal.logs() == [f"log {i:05d}" for i in range(int(kept))]
-    journal.close()
+    with opened(tmp_path) as journal:
+        assert journal.logs() == [f"log {i:05d}" for i in range(int(kept))]
 
 
 def test_a_folder_that_cannot_be_written_is_told_as_such(tmp_path):
     (tmp_path / NAME).mkdir()
     with pytest.raises(OSError, match="Is a directory"):
-        open_journal(tmp_path, SETTINGS)
+        BatchJournal(tmp_path, SETTINGS)

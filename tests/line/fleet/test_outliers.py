@@ -1,11 +1,14 @@
+"""Cars that stand apart: the rule of naming, good fleets, and what a bulk says of its tails."""
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.stats import binom
+from scipy.stats import binom, norm
 
 from calib.line.fleet import control_chart, outliers
 from calib.line.fleet.outliers import SHARE, effective, judge, named
+from calib.line.fleet.shapes import SKEW, TAIL, TAIL_PRIOR, Bulk
 from calib.line.fleet.summary import drifting
 
 
@@ -37,7 +40,7 @@ def test_what_is_not_known_is_never_named():
     assert named(np.array([np.nan])).tolist() == [False]
 
 
-FLEETS = 50
+FLEETS = 25
 
 
 def normal(rng, m, n):
@@ -87,13 +90,12 @@ def test_a_page_of_good_cars_seldom_names_a_car_or_a_drift(draw, metrics, cars):
     assert wrong(draw, metrics, cars) <= MOST
 
 
-@pytest.mark.parametrize("draw", [long_tails, skewed])
-def test_a_rule_that_takes_every_metric_for_normal_names_too_many(monkeypatch, draw):
+def test_a_rule_that_takes_every_metric_for_normal_names_too_many(monkeypatch):
     """So the test above can fail."""
     monkeypatch.setattr(outliers, "TAIL_PRIOR", np.array([1.0, 1e-9, 1e-9, 1e-9]))
     odds = np.where(np.arange(11) == 5, 1.0, 1e-9)
     monkeypatch.setattr("calib.line.fleet.shapes.SKEW_PRIOR", odds)
-    assert wrong(draw, 1, 60) > MOST
+    assert wrong(skewed, 1, 60) > MOST
 
 
 def test_a_rule_that_takes_all_logs_for_independent_sees_drifts(monkeypatch):
@@ -159,3 +161,45 @@ def test_gaps_few_cars_and_figures_without_scale():
     for values in (np.arange(3.0), np.r_[np.zeros(50), 1.0], np.full(4, np.nan)):
         assert not np.isfinite(spread(values).z).any()
         assert cars_named(values) == []
+
+
+def bulk(x, scale=1.0):
+    return Bulk(np.sort(x), scale, float(x.min()), float(x.max()), 0, 0)
+
+
+def normal(n, sigma=1.0):
+    """Quantiles of a normal metric: a sample without chance."""
+    return sigma * norm.ppf((np.arange(n) + 0.5) / n)
+
+
+def test_a_large_normal_metric_gives_the_normal_p():
+    one = bulk(normal(2000, 0.02), 0.02)
+    p = one.two_sided(TAIL_PRIOR, 0.02 * np.array([-3.0, 0.0, 2.0, 4.0]))
+    assert p == pytest.approx(2.0 * norm.sf([3.0, 0.0, 2.0, 4.0]), rel=0.1)
+
+
+def test_the_shape_of_a_lognormal_metric_is_found():
+    x = np.exp(0.5 * normal(2000)) - 1.0  # g = 0.5
+    at = np.unravel_index(np.argmax(bulk(x, 0.5).log_likelihood), (SKEW.size, TAIL.size, 9))
+    assert SKEW[at[0]] == 0.5
+    assert TAIL[at[1]] == 0.0
+
+
+def test_long_tails_are_evident_in_many_cars_and_not_in_few():
+    rng = np.random.default_rng(1)
+    many, few = (bulk(rng.standard_t(4, n)).evidence for n in (2000, 12))
+    assert np.argmax(many) > 0
+    assert many[0] < -20.0
+    assert few.min() > -3.0
+
+
+def test_cars_outside_count_by_their_number_and_not_by_their_distance():
+    x = normal(60)
+    near = Bulk(x[3:-3], 1.0, x[3], x[-4], 3, 3)
+    assert np.argmax(near.evidence) == 0
+
+
+def test_few_cars_make_a_distance_less_rare():
+    few, many = (bulk(normal(n)) for n in (10, 1000))
+    p = [b.two_sided(TAIL_PRIOR, np.array([5.0]))[0] for b in (few, many)]
+    assert p[0] > 30.0 * p[1]

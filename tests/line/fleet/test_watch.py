@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.base.errors import BatchError
 from calib.line.fleet.batch import run_batch
 from calib.line.fleet.journal import NAME
 from calib.line.fleet.watch import Settled, watch
@@ -124,13 +123,6 @@ def test_a_log_that_changes_is_done_again_and_one_taken_away_keeps_its_row(seen,
     assert row["digest"] == told[1].digest
 
 
-def test_a_touched_log_is_looked_at_and_not_told_again(seen, six):
-    data = Path(six, "car_00000.csv").read_bytes()
-    touch = partial(os.utime, "in/a.csv", ns=(1, 1))
-    told, done, _, _ = seen(dropped("a.csv", data), *[idle] * 4, touch, *[idle] * 4)
-    assert (len(told), len(done)) == (1, 2)
-
-
 def test_a_folder_that_is_away_for_a_while_is_told_once(seen, six):
     data = Path(six, "car_00000.csv").read_bytes()
     away, back = partial(os.rename, "in", "gone"), partial(os.rename, "gone", "in")
@@ -150,19 +142,6 @@ def test_results_may_lie_in_the_folder_and_are_no_logs(fitted, six, tmp_path, mo
     ended = watch(job, folder, folder / "out", Here(), bench, told.append, clock=lambda: bench.time)
     assert len(told) == 6
     assert ended.results == folder / "out" / "results.parquet"
-
-
-def test_no_log_no_results(seen):
-    told, _, _, ended = seen(idle)
-    assert (told, ended.results, ended.counts) == ([], None, {})
-
-
-def test_two_watches_of_one_place_are_refused(seen, fitted):
-    def second():
-        with pytest.raises(BatchError, match="another run uses this folder"):
-            watch(validating(fitted), Path("in"), Path("out"), Here(), Event())
-
-    seen(second)
 
 
 def test_diagnose_is_refused(seen):

@@ -15,7 +15,7 @@ from calib.line.gauge.study import (
     refuse_repeated,
     study,
 )
-from calib.run.fingerprint import fingerprint_of
+from calib.run.same_run import fingerprint_of
 from calib.table.table import LogReference
 from tests.support.made_runs import made_run, stop
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads

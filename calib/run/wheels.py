@@ -1,18 +1,30 @@
-"""Compare the four wheels: radii, swapped axles, sign of a_x, ABS, locked wheels."""
+"""The four wheels compared: radii, exchanged axles and sides, sign of a_x, ABS, locked wheels.
 
+What braking changes of the four slips s is split into three parts, each 0 but for the first on a
+car that brakes alike left and right:
+
+    E = (fl + fr - rl - rr)/2      front against rear: the front wheels slip more
+    L = (fl - fr + rl - rr)/2      left against right: a bend, unlike brakes, unlike tyres
+    X = (fl - fr - rl + rr)/2      one diagonal against the other
+
+Columns that change places change the parts: fl with rl makes X = -E and E = 0, fr with rr X = E,
+fl with rr L = -E, fr with rl L = E. One wheel that brakes more or less moves |X| and |L| alike, so
+X alone is no brake and no tyre, and no bend.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.names import WHEELS, G
 from calib.car.braking import MOVING
 from calib.logs.log import Log
-from calib.run.driving_record import NOMINAL_RADIUS, BrakeEvent, DrivingRecord, Mask
+from calib.run.driving_record import NOMINAL_RADIUS, BrakeEvent, DrivingRecord
 from calib.run.filters import block_mean, centred_mean, runs, without_single
 from calib.run.limits import LIMITS
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -77,8 +89,11 @@ class Axles:
     eta_most: IntervalEstimate | None
 
 
-def axles_of(log: Log, driving: DrivingRecord) -> Axles:
-    """Compare the wheels. The log must have ``a_x`` and the four wheel speeds."""
+def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
+    """Compare the wheels. The log must have ``a_x`` and the four wheel speeds.
+
+    ``slips`` of the wheels, as `slips_of` has them.
+    """
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
@@ -93,7 +108,7 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
         left_right_f=mismatch(fl, fr, free, driving.step),
         left_right_r=mismatch(rl, rr, free, driving.step),
         radius=_rolling_radius(log, driving),
-        slope=_against_wheels(driving, _all_roll(log, driving)),
+        slope=_against_wheels(driving, _all_roll(slips, driving)),
         eta_braked=braked if zero is not None else None,
         eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
     )
@@ -144,13 +159,13 @@ def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
     return float(np.cov(a, spin)[0, 1] / np.var(spin, ddof=1))
 
 
-def _all_roll(log: Log, driving: DrivingRecord) -> Mask:
+def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
     """Mask (n,): no wheel slips deeply against the unbraked part, within `near_lock`.
 
     A locked wheel says nothing of the speed, and one on its way to it slows faster than the car.
     """
     deep = np.zeros(driving.time.size, bool)
-    for slip in _slips(log, driving).values():
+    for slip in slips.values():
         free = float(np.median(slip[driving.unbraked])) if driving.unbraked.any() else 0.0
         deep |= slip - free > LIMITS.deep
     width = max(1, round(2.0 * LIMITS.near_lock / driving.step)) | 1
@@ -165,13 +180,14 @@ class Slipping:
     locked: tuple[str, ...]
 
 
-def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -> Slipping:
+def slipping(
+    slips: Mapping[str, Array], driving: DrivingRecord, events: tuple[BrakeEvent, ...]
+) -> Slipping:
     """Find ABS cycles and locked wheels within the brake events.
 
-    Slip is relative to the reference speed; without one, to the fastest wheel. Then it is not
+    ``slips`` are relative to the reference speed; without one, to the fastest wheel. Then it is not
     detected when all four wheels slip at the same time.
     """
-    slips = _slips(log, driving)
     inside = np.zeros(driving.time.size, bool)
     for event in events:
         inside[event.first : event.last + 1] = True
@@ -192,7 +208,7 @@ def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -
     return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
 
 
-def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
+def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     """Slip of each wheel [1], without single wild samples, smoothed over 30 ms.
 
     Zero on the unbraked part if there is one.
@@ -209,3 +225,144 @@ def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
         scale = dict.fromkeys(WHEELS, 1.0)
     floor = np.maximum(v, 1e-6)
     return {w: 1.0 - scale[w] * omega[w] / floor for w in WHEELS}
+
+
+PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
+"""E, L and X, each over fl, fr, rl, rr."""
+
+LOW, HIGH = 0.1, 0.5
+"""Range of deceleration [1] in which the wheels are compared."""
+
+
+CORRECT = "compare the columns with the car, and correct them with a channel map"
+"""What to do about columns that have changed places."""
+
+
+@dataclass(frozen=True)
+class WheelParts:
+    """E, L and X while braking less those of the rolling car [1]; ``z`` mean deceleration [1]."""
+
+    axles: IntervalEstimate
+    sides: IntervalEstimate
+    diagonals: IntervalEstimate
+    z: float
+
+
+class Crossed(NamedTuple):
+    """A front and a rear wheel whose columns have changed places, and the part that tells it [1].
+
+    ``others`` the two wheels that slip less or more than the rest, in words.
+    """
+
+    wheels: tuple[str, str]
+    part: float
+    others: str
+
+    def __str__(self) -> str:
+        front, rear = self.wheels
+        return (
+            f"omega_{front} and omega_{rear} have changed places: while braking {self.others} slip "
+            f"{100 * abs(self.part):.2f} % more than the other two, and front and rear alike"
+        )
+
+
+def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
+    """Compare the wheels; None with fewer than three blocks of 0.2 s that roll, or that brake.
+
+    The interval takes the noise of the rolling car for that of the braking.
+    """
+    braking = driving.braked & (driving.wheel_z > LOW) & (driving.wheel_z < HIGH)
+    braking &= driving.speed > 5.0
+    free, braked = (_parts(log, driving, mask) for mask in (driving.unbraked, braking))
+    if min(free.shape[1], braked.shape[1]) < 3:
+        return None
+    from scipy.special import stdtrit
+
+    count = free.shape[1]
+    share = np.sqrt(1.0 / count + 1.0 / braked.shape[1])
+    half = stdtrit(count - 1, 0.975) * np.std(free, axis=1, ddof=1) * share
+    change = np.mean(braked, axis=1) - np.mean(free, axis=1)
+    axles, sides, diagonals = (
+        IntervalEstimate(float(x), float(h)) for x, h in zip(change, half, strict=True)
+    )
+    return WheelParts(axles, sides, diagonals, float(np.mean(driving.wheel_z[braking])))
+
+
+def _parts(log: Log, driving: DrivingRecord, mask: Mask) -> Array:
+    """E, L and X of means over `wheel_block` where ``mask`` holds [1], (3, k)."""
+    n = max(1, round(LIMITS.wheel_block / driving.step))
+    if mask.sum() < n:
+        return np.empty((3, 0))
+    wheels = np.array([block_mean(log[f"omega_{w}"][mask], n) for w in WHEELS])
+    return np.asarray(PARTS @ (1.0 - wheels / wheels.mean(axis=0)))
+
+
+def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed | None:
+    """Front and rear wheel of one side that are exchanged; None where that is not sure.
+
+    ``alone`` is the axle that brakes alone, "f" or "r", or None.
+    """
+    if parts is None:
+        return None
+    x = parts.diagonals
+    others = max(abs(parts.axles.value), abs(parts.sides.value))
+    if abs(x.value) - x.half < max(LIMITS.crossed_alone * others, LIMITS.crossed_least * parts.z):
+        return None
+    left = (x.value < 0.0) is (alone != "r")
+    wheels = ("fl", "rl") if left else ("fr", "rr")
+    return Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
+
+
+def crossed_diagonal(parts: WheelParts | None, expected: float) -> Crossed | None:
+    """Front and rear wheel of a diagonal that are exchanged; None where that is not likely.
+
+    ``expected`` is E [1] as the table of the car has it. A bend moves L too, and leaves E.
+    """
+    if parts is None:
+        return None
+    part, e, x = parts.sides, abs(parts.axles.value), abs(parts.diagonals.value)
+    low, high = abs(expected) / LIMITS.crossed_alone, LIMITS.crossed_alone * abs(expected)
+    alone = abs(part.value) - part.half > max(
+        LIMITS.crossed_alone * max(e, x), LIMITS.crossed_least * parts.z
+    )
+    if not (alone and low < abs(part.value) < high and e < low):
+        return None
+    left = (part.value < 0.0) is (expected > 0.0)
+    wheels = ("fl", "rr") if left else ("fr", "rl")
+    return Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")
+
+
+_SWAPPED = "front and rear wheel speeds that are swapped"
+_OTHER = {"front": "rear", "rear": "front"}
+
+
+def causes_of_reversed_slip(less: str) -> tuple[str, ...]:
+    """The causes if the wheels of the axle that should slip less slip more.
+
+    ``less`` is that axle, ``front`` or ``rear``.
+    """
+    return (
+        _SWAPPED,
+        f"{_OTHER[less]} pads that are weak: wet, hot, glazed or new",
+        f"a motor or engine that brakes the {less} wheels and is not logged: regeneration",
+        "an all-wheel drive that couples the axles",
+        f"{less} wheels that brake more",
+    )
+
+
+def what_to_check(less: str, *, mirrored: bool = True) -> str:
+    """Advice for a refusal.
+
+    A swap mirrors the difference of the axles: if it is clearly larger or smaller than expected,
+    not ``mirrored``, a torque of the drive is likelier.
+    """
+    swap = "are the axles swapped? correct them with a channel map"
+    drive = (
+        f"does a motor or the engine brake the {less} wheels? log T_drive_{less[0]}, or switch "
+        "regeneration off; does an all-wheel drive couple the axles? open it"
+    )
+    pads = (
+        f"are the {_OTHER[less]} pads weak (wet, hot, glazed or new), or does ABS work on the "
+        f"{less} wheels?"
+    )
+    return "; ".join((swap, drive, pads) if mirrored else (drive, swap, pads))

@@ -1,13 +1,34 @@
-"""The pressure of a run goes with its deceleration, that of another run does not."""
+"""Clocks that are known, and pressures that go with the deceleration or do not."""
 
 import numpy as np
 import pytest
 
+from calib.line.fleet.rows import Command, columns_of
 from calib.run.check import check, problems_for
-from calib.run.observation import observe
+from calib.run.observation import clock_of, figures, observe
 from tests.support.made_runs import changed, made_run, ramp, stop
 
 RUN = made_run(stop())
+
+
+def test_rate_jitter_and_gaps_of_a_clock():
+    even = clock_of(np.arange(500) / 100.0)
+    assert (even.rate, even.duration) == (pytest.approx(100.0), pytest.approx(4.99))
+    assert (even.jitter, even.gaps) == (pytest.approx(0.0, abs=1e-12), ())
+    steps = np.tile([0.004, 0.005, 0.006], 200)
+    uneven = clock_of(np.concatenate([[0.0], np.cumsum(steps)]))
+    assert uneven.jitter == pytest.approx(0.001 * np.sqrt(2 / 3))
+    time = np.arange(500) / 200
+    assert clock_of(np.delete(time, 300)).gaps == ()  # one lost sample
+    time[300:] += 0.5
+    clock = clock_of(time)
+    assert clock.jitter == pytest.approx(0.0, abs=1e-12)
+    assert clock.gaps == ((pytest.approx(299 / 200), pytest.approx(0.505)),)
+
+
+def test_the_figures_are_the_columns_of_a_batch():
+    columns = [c.name for c in columns_of(Command.CHECK) if c.kind is float]
+    assert list(figures(check(RUN).seen)) == columns
 
 
 def share(log):
@@ -22,9 +43,11 @@ def test_the_pressure_of_the_run_explains_it(pressure):
 def test_pads_that_lose_a_third_and_lines_that_lag_are_no_mistake():
     t, p = RUN.time, RUN["p_mc"]
     faded = RUN["a_x"] * (1.0 - 0.33 * t / t[-1])
-    late = np.interp(t - 0.25, t, faded)
-    assert share(changed(RUN, a_x=late)) > 0.95
+    assert share(changed(RUN, a_x=np.interp(t - 0.25, t, faded))) > 0.95
     assert share(changed(RUN, p_mc=np.maximum(p - 2e5, 0.0))) > 0.95
+    glitch = RUN["a_x"].copy()
+    glitch[700:703] = -80.0
+    assert share(changed(RUN, a_x=glitch)) > 0.98
 
 
 @pytest.mark.parametrize(
@@ -44,16 +67,10 @@ def test_a_motor_whose_torque_is_logged_brakes_without_pressure():
     assert share(motor) is None
 
 
-def test_a_glitch_of_a_x_does_not_count():
-    a_x = RUN["a_x"].copy()
-    a_x[700:703] = -80.0
-    assert share(changed(RUN, a_x=a_x)) > 0.98
-
-
 def test_a_speed_made_of_wheels_is_none_for_a_diagnosis():
     wheels = [RUN[f"omega_{w}"] for w in ("fl", "fr", "rl", "rr")]
     for made in (0.32 * wheels[2], 0.08 * sum(wheels)):
         run = changed(RUN, v=made)
-        assert any("made of the wheel speeds" in text for text in problems_for(run, "diagnose"))
+        assert observe(run, noise=False).v_of_wheels
+        assert problems_for(run, "diagnose")
     assert problems_for(RUN, "diagnose") == []
-    assert check(RUN).seen.v_of_wheels is False

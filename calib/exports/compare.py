@@ -1,0 +1,203 @@
+"""A DCM or CDF file that was read back, compared with the table that it names."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+
+from calib.base.errors import DamagedTable, ExchangeError, TableNotFound
+from calib.exports.dataset import Content, build, prefix
+from calib.exports.read import Returned
+from calib.store.folders import names_in
+from calib.store.store import Store
+from calib.store.version import Stored
+
+FEW = 0.1
+"""Share of the numbers that may have more digits than the tool writes: those that were changed.
+Of numbers written to a digit one in ten ends with a zero, which is not counted, so most have it."""
+
+COARSEST = 3
+"""Significant digits below which a number is not called rounded."""
+
+_SLACK = 1.0 + 1e-6
+"""Of half a unit of the last digit: the sums here round, too."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A number as found in a file, with what the table has there; ``where`` its label and place."""
+
+    where: str
+    found: float
+    true: float
+
+
+def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
+    """The way in which the found numbers were rounded, and those that it does not explain.
+
+    The way is empty where the numbers are those of the table to the last bit.
+
+    >>> _best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
+    ('to 6 significant digits', [])
+    >>> _best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
+    ('', [Pair(where='b', found=0.4, true=0.38)])
+    """
+    ways = _ways([pair.found for pair in pairs])
+    told = [(way, [pair for pair in pairs if not holds(pair)]) for way, holds in ways]
+    return min(told, key=lambda one: len(one[1]))
+
+
+def _ways(found: Sequence[float]) -> Iterator[tuple[str, Callable[[Pair], bool]]]:
+    yield "", lambda pair: pair.found.hex() == pair.true.hex()
+    yield "to single precision", _is_single
+    written = [Decimal(repr(x)).normalize() for x in found if x]
+    digits = _usual([len(x.as_tuple().digits) for x in written])
+    decimals = _usual([-int(x.as_tuple().exponent) for x in written])
+    if digits >= COARSEST:
+        yield (
+            f"to {digits} significant digits",
+            lambda pair: _within(pair, _half_unit(pair.true, digits)),
+        )
+        yield f"to {decimals} decimals", lambda pair: _within(pair, 0.5 * 10.0**-decimals)
+
+
+def _usual(counts: Sequence[int]) -> int:
+    """What a tenth of the numbers reaches or passes; 0 without numbers."""
+    return sorted(counts)[-1 - int(FEW * (len(counts) - 1))] if counts else 0
+
+
+def _is_single(pair: Pair) -> bool:
+    """Whether a number is that of the table in single precision, as short as it may be written."""
+    single = float(np.float32(pair.true))
+    own = len(Decimal(repr(pair.found)).normalize().as_tuple().digits)
+    same = np.float32(pair.found) == np.float32(pair.true)
+    return bool(same) and abs(pair.found - single) <= _half_unit(single, own) * _SLACK
+
+
+def _within(pair: Pair, half: float) -> bool:
+    """Whether a number lies within ``half`` of the table's, or of that in single precision."""
+    near = min(abs(pair.found - x) for x in (pair.true, float(np.float32(pair.true))))
+    return near <= half * _SLACK
+
+
+def _half_unit(x: float, digits: int) -> float:
+    """Half a unit of the last of so many significant digits of ``x``."""
+    return 0.5 * 10.0 ** (math.floor(math.log10(abs(x))) + 1 - digits) if x else 0.0
+
+
+_EDITED = "the numbers do not agree with its checksum"
+
+
+def parent(found: Returned, store: Store) -> Stored | None:
+    """The version that the file names, None where the store does not have it.
+
+    Without a head the labels name it: they begin with the name of the table, as `prefix` has it.
+    Raises DamagedTable where that version is damaged, ExchangeError where the names of several
+    tables begin labels alike.
+    """
+    name, _, version = found.table.partition("@")
+    if "table" not in found.facts:
+        alike = [one for one in names_in(store.folder) if prefix(one) == name]
+        if len(alike) > 1:
+            raise ExchangeError(
+                f"its labels begin with {name}_, as those of {' and '.join(alike)} do",
+                where=store.folder,
+                do="export the table again, and keep the head of the file",
+            )
+        name = alike[0] if alike else name
+    try:
+        return store.load(f"{name}@{version}")
+    except TableNotFound:
+        return None
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What is wrong in a file, in words, and how its numbers were ``rounded``, "" if not at all."""
+
+    wrong: list[str]
+    rounded: str = ""
+
+
+def difference(found: Returned, stored: Stored | None) -> Difference:
+    """Contradictions in a file: to the table of the store, or to its own checksum without one.
+
+    Numbers that a tool has rounded agree, see `_best_rounding`. A file on fewer breakpoints
+    agrees when each of its rows is a row of the table. Raises ExchangeError where there is neither.
+    """
+    edited = [_EDITED] if found.unchanged is False else []
+    if stored is None:
+        if found.unchanged is None:
+            raise ExchangeError(
+                f"{found.table} is not in this store, and the file has no checksum to hold it to",
+                do="give the store of that table with --store",
+            )
+        rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
+        return Difference([f"{_EDITED}; {rounds}"] if edited else [])
+    content = build(stored).content()
+    rounded, changed = _best_rounding(list(_pairs(found.content, content)))
+    wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
+    wrong = [*([] if rounded else edited), *wrong, *_gaps(found, content)]
+    claimed = found.facts.get("digest", stored.digest)
+    if claimed != stored.digest:
+        wrong.insert(0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}")
+    return Difference(wrong, rounded)
+
+
+def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
+    """Every number of the labels that both have, with that of the nearest row of the table."""
+    for name in sorted(found.scalars.keys() & whole.scalars.keys()):
+        yield Pair(name, found.scalars[name], whole.scalars[name])
+    for name in sorted(found.axes.keys() & whole.axes.keys()):
+        yield from _rows(name, found.axes[name], whole.axes[name])
+    for name in sorted(found.curves.keys() & whole.curves.keys()):
+        (x, y), (rows, values) = found.curves[name], whole.curves[name]
+        yield from _rows(f"{name}, axis", x, rows)
+        table = dict(zip(rows, values, strict=True))
+        for at, value, row in zip(x, y, _nearest(x, rows), strict=True):
+            yield Pair(f"{name} at {at!r}", value, table[row])
+
+
+def _rows(name: str, found: Sequence[float], rows: Sequence[float]) -> Iterator[Pair]:
+    for x, row in zip(found, _nearest(found, rows), strict=True):
+        yield Pair(name, x, row)
+
+
+def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
+    """The row of the table that each point is; rounded points of eta may be alike."""
+    if len(found) == len(rows):
+        return rows
+    return [min(rows, key=lambda row: abs(row - x)) for x in found]
+
+
+def _gaps(found: Returned, whole: Content) -> list[str]:
+    """Labels that one of both lacks, and curves that end before the table does.
+
+    A tool may save other objects of an ECU along; labels of this table begin with its name.
+    """
+    ours = {name for name in _labels(found.content) if name.startswith(f"{found.prefix}_")}
+    gaps = [f"{name}: only in the file" for name in ours - _labels(whole)]
+    gaps += [f"{name}: only in the table" for name in _labels(whole) - ours]
+    for name in found.content.curves.keys() & whole.curves.keys():
+        x, rows = found.content.curves[name][0], whole.curves[name][0]
+        row = _nearest(x, rows)
+        if (row[0], row[-1]) != (rows[0], rows[-1]):
+            gaps.append(f"{name}: does not reach both ends of the table")
+        elif len(set(row)) != len(row):
+            gaps.append(f"{name}: two of its points are one row of the table")
+    return sorted(gaps)
+
+
+def _labels(content: Content) -> set[str]:
+    return {*content.axes, *content.curves, *content.scalars}
+
+
+def refuse(path: Path, wrong: list[str]) -> DamagedTable:
+    """The error for a file that contradicts its checksum or its table."""
+    more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
+    return DamagedTable(
+        f"{wrong[0]}{more}", where=path, do="it was edited or damaged: export the table again"
+    )

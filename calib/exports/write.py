@@ -1,0 +1,323 @@
+"""A data set as the bytes of each format: JSON, CSV and Parquet here, the others from templates.
+
+    json csv parquet   for programs that know no calibration; a missing value is an empty cell
+    dcm       conservation format 2.0 of ETAS, with German keywords; no range, digest or end mark:
+              they are comments, and the number of objects betrays a file that was cut off
+    cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
+    inca-csv  the CSV of INCA
+    c-header  constants in C99 by MISRA C:2012: declared for every file (8.4, 8.11), defined only
+              where <NAME>_DEFINE is defined before it (8.6)
+    a2l       ASAM MCD-2 MC 1.7.1: what the objects of the C header are, where, and how to read
+              them; without values and interface, to be merged into the A2L of the ECU
+
+Every number is written so that it reads back to the last bit.
+"""
+
+import csv
+import io
+import json
+import math
+import re
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from calib.base.errors import ExchangeError
+from calib.exports.dataset import BY_A_PERSON, UNIT, Axis, Curve, Dataset, Object, Scalar, label
+
+FUNCTION = "brake_torque"
+"""Name of the function that the objects belong to."""
+
+BARE = "-"
+"""The unit of a bare number in CSV, where readers that guess types would take 1 for an integer."""
+
+COLUMNS = (
+    "label", "axis", "x", "value", "unit", "lower", "upper", "count", "flag", "meaning",
+)  # fmt: skip
+"""``value`` [unit] of ``label`` at ``x`` on ``axis``; ``lower``, ``upper`` 95 % band; None where
+there is none."""
+
+TEXTS = ("label", "axis", "unit", "meaning")
+"""Columns of text; all others are float64 in the row's unit."""
+
+LONGEST_TEXT = 255
+"""Most characters of a text of A2L."""
+
+_BOM = b"\xef\xbb\xbf"
+"""Mark of UTF-8, which A2L demands where a file is not ASCII."""
+
+TYPES = {None: "FLOAT64_IEEE", 8: "SBYTE", 16: "SWORD", 32: "SLONG"}
+"""Data type of A2L by width of the fixed point; None is double."""
+
+_DIGITS = 7
+"""Significant digits that a tool shows of the largest number of an object in double."""
+
+_MOST_DECIMALS = 15
+
+
+def _write_json(data: Dataset) -> bytes:
+    record, _ = data.stored.table.content()
+    arrays = ("values", "lower", "upper", "count", "flag")
+    of_axis = ("label", "meaning", "unit", "values", "shared", "origin", "rows", "misfit")
+    document = {
+        "schema": 1,
+        **data.facts(),
+        "version": data.stored.version,
+        "axes": [{key: getattr(axis, key) for key in of_axis} for axis in data.axes],
+        "curves": [
+            {"label": c.label, "axis": c.axis.label, "meaning": c.meaning, "unit": c.unit}
+            | {key: getattr(c, key) for key in arrays}
+            for c in data.curves
+        ],
+        "scalars": [
+            {"label": s.label, "meaning": s.meaning, "unit": s.unit}
+            | {"value": s.numbers[0], "sigma": s.sigma}
+            for s in data.scalars
+        ],
+        "record": record,
+    }
+    return (json.dumps(document, indent=1, allow_nan=False, default=_plain) + "\n").encode()
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else vars(value)
+
+
+Row = tuple[str | float | None, ...]
+"""Cells of the `COLUMNS`."""
+
+
+def _rows(data: Dataset) -> Iterator[Row]:
+    for c in data.curves:
+        arrays = (c.axis.values, c.values, c.lower, c.upper, c.count, c.flag)
+        for x, value, *rest in np.column_stack(arrays).tolist():
+            yield (c.label, c.axis.label, x, value, c.unit, *rest, c.meaning)
+    for s in data.scalars:
+        band = (None, None) if s.sigma is None else s.band.tolist()
+        yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning)
+
+
+def _write_csv(data: Dataset) -> bytes:
+    text = io.StringIO()
+    text.writelines(f"# {key}: {printable(fact)}\n" for key, fact in data.facts().items())
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(COLUMNS)
+    table.writerows([BARE if cell == UNIT else cell for cell in row] for row in _rows(data))
+    return text.getvalue().encode()
+
+
+def _write_parquet(data: Dataset) -> bytes:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    kinds = {name: pa.string() if name in TEXTS else pa.float64() for name in COLUMNS}
+    table = pa.table(
+        [
+            pa.array(column, type=kind)
+            for column, kind in zip(zip(*_rows(data), strict=True), kinds.values(), strict=True)
+        ],
+        schema=pa.schema(list(kinds.items()), metadata=data.facts()),
+    )
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink, compression="none")
+    return bytes(sink.getvalue().to_pybytes())
+
+
+def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
+    """The template of a format; ``text`` makes a text fit for it."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("calib.exports"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    filters: dict[str, Callable[..., object]] = {
+        "text": text,
+        "printable": printable,
+        "comment": _commented,
+        "label": lambda parts: label(*parts),
+        "made": _made,
+        "limits": _limits,
+        "type_limits": _type_limits,
+        "display_format": _display_format,
+        "constants": _constants,
+    }
+    made.filters |= filters
+    stored = data.stored
+    return (
+        made.get_template(f"{name}.j2")
+        .render(
+            data=data,
+            facts=list(data.facts().items()),
+            function=f"{data.prefix}_{FUNCTION}",
+            version=stored.version,
+            digest=stored.digest,
+            program=stored.table.provenance.program,
+            vehicle=stored.table.vehicle.name,
+            type=TYPES[data.bits],
+        )
+        .encode()
+    )
+
+
+def printable(text: str) -> str:
+    """``text`` on one line, without control characters."""
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
+def _quoted(text: str) -> str:
+    """A quoted text of DCM, which has no escapes."""
+    plain = printable(text).replace('"', "'").replace("\\", "/")
+    return f'"{plain}"'
+
+
+def _commented(text: str) -> str:
+    """``text`` on one line without marks of a comment: simple readers see them in texts, too."""
+    plain = printable(text).replace("\\", "/")
+    return re.sub(r"/(?=[/*])|\*(?=/)", r"\g<0> ", plain)
+
+
+def _short(text: str) -> str:
+    """A quoted text of A2L. Raises ExchangeError where the standard has no room for it."""
+    plain = _commented(text).replace('"', "'")
+    if len(plain) > LONGEST_TEXT:
+        raise ExchangeError(
+            f"{plain[:24]}... has {len(plain)} characters",
+            expected=f"at most {LONGEST_TEXT} in a text of A2L",
+            do="give the table a shorter name",
+        )
+    return f'"{plain}"'
+
+
+def _ascii(text: str) -> str:
+    """``text`` for a comment of C: without a begin or end of a comment and without trigraphs."""
+    plain = "".join(c if " " <= c <= "~" and c not in "?\\" else "_" for c in text)
+    return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
+
+
+def _made(one: Object) -> str:
+    """How an object came about, for its history in CDF."""
+    by_hand = one.meaning.endswith(BY_A_PERSON)
+    if isinstance(one, Scalar):
+        known = "" if one.sigma is None else f"; one standard deviation {one.sigma!r}"
+        return (BY_A_PERSON if by_hand else "fitted") + known
+    axis = one.axis if isinstance(one, Curve) else one
+    assert isinstance(axis, Axis)
+    made = "fitted" + f", then {BY_A_PERSON} in part" * by_hand
+    return f"{made}; {one.span}; {axis.placed}"
+
+
+def _type_limits(one: Object) -> tuple[float, float]:
+    """Range of the type in C [unit]."""
+    if one.fixed is None:
+        return -sys.float_info.max, sys.float_info.max
+    half = one.fixed.step * 2.0 ** (one.fixed.bits - 1)
+    return one.fixed.origin - half, one.fixed.origin + half - one.fixed.step
+
+
+def _limits(one: Object) -> tuple[float, float]:
+    """Range of the numbers and their 95 % band, within that of the type [unit]."""
+    values = one.values if one.fixed is None else one.fixed.values
+    band = np.concatenate((values, one.band[np.isfinite(one.band)]))
+    low, high = _type_limits(one)
+    return max(float(band.min()), low), min(float(band.max()), high)
+
+
+def _display_format(one: Object) -> str:
+    """Format of A2L: the sign, the digits before the point, and decimals that show one step."""
+    largest = float(np.abs(one.values).max())
+    finest = largest * 10.0**-_DIGITS if one.fixed is None else one.fixed.step
+    decimals = math.ceil(-math.log10(finest)) if finest > 0.0 else 1
+    decimals = min(max(decimals, 0), _MOST_DECIMALS)
+    return f"%{len(str(int(largest))) + decimals + 2}.{decimals}"
+
+
+@dataclass(frozen=True)
+class _Constant:
+    """A constant of the C header, as it is declared; ``array`` if it has several values."""
+
+    declared: str
+    values: list[str]
+    remarks: tuple[str, ...] = ()
+    array: bool = False
+
+
+def _constants(data: Dataset) -> Iterator[_Constant]:
+    for name, text in (("id", data.id), ("digest", data.stored.digest)):
+        held = text.encode()
+        escaped = "".join(map(_escaped, held))
+        declared = f"char {data.prefix}_{name}[{len(held) + 1}]"
+        yield _Constant(declared, [f'"{escaped}"'], (name,))
+    for one in data.objects:
+        says = f"{one.meaning} [{one.unit}]"
+        axis = one.axis if isinstance(one, Curve) else one
+        if isinstance(one, Axis):
+            says += ", strictly increasing"
+        elif isinstance(one, Curve):
+            says += f" over {axis.label}, clamped at its ends"
+            if one.fixed:
+                worst = one.fixed_misfit
+                says += f"; read over the rounded axis at most {worst:.3g} off"
+        array = not isinstance(one, Scalar)
+        name = one.label + (f"[{axis.label.upper()}_SIZE]" if array else "")
+        if one.fixed is None:
+            yield _Constant(f"double {name}", [*map(repr, one.numbers)], (says,), array)
+            continue
+        fixed = one.fixed
+        how = f"origin {fixed.origin!r}, step 2^{-fixed.shift}"
+        how += f", rounding error at most {fixed.error:.3g}"
+        raw = [f"{v}{'L' * (fixed.bits == 32)}" for v in fixed.raw.tolist()]
+        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), array)
+        for part, value in (("origin", fixed.origin), ("step", fixed.step)):
+            yield _Constant(f"double {label(one.label, part)}", [repr(value)])
+
+
+def _escaped(byte: int) -> str:
+    """A byte within a string constant: octal of three digits where it is not plain."""
+    plain = byte < 128 and (chr(byte).isalnum() or chr(byte) in "@-_. ")
+    return chr(byte) if plain else f"\\{byte:03o}"
+
+
+def _write_inca_csv(data: Dataset) -> bytes:
+    return _filled("inca.csv", printable, data).replace(b"\n", b"\r\n")
+
+
+def _write_a2l(data: Dataset) -> bytes:
+    text = _filled("a2l", _short, data)
+    return text if text.isascii() else _BOM + text
+
+
+@dataclass(frozen=True)
+class Format:
+    """``ending`` of the file name; ``write`` makes the whole file, ``names`` it has besides.
+
+    ``fixed``: can be in fixed point; ``addressed``: holds addresses of the ECU's memory.
+    ``write`` raises ExchangeError where the format cannot hold the data.
+    """
+
+    ending: str
+    write: Callable[[Dataset], bytes]
+    names: tuple[str, ...] = ()
+    fixed: bool = False
+    addressed: bool = False
+
+
+FORMATS = {
+    "json": Format("json", _write_json),
+    "csv": Format("csv", _write_csv),
+    "parquet": Format("parquet", _write_parquet),
+    "dcm": Format("dcm", partial(_filled, "dcm", _quoted)),
+    "cdfx": Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x))), ("cdf",)),
+    "a2l": Format("a2l", _write_a2l, ("asap2",), fixed=True, addressed=True),
+    "c-header": Format("h", partial(_filled, "h", _ascii), ("c", "h"), fixed=True),
+    "inca-csv": Format("inca.csv", _write_inca_csv, ("inca",)),
+}
+"""A new one is a template and a line here."""

@@ -1,0 +1,280 @@
+"""Every format as readers of others see it: the table to the last bit, and which table it is."""
+
+import csv
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from lxml import etree
+
+from calib.exports.dataset import build
+from calib.exports.write import FORMATS, TEXTS
+from calib.store.evidence import UNPROVED, Quality
+
+DATE = "2026-05-04"
+TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
+CDF_SCHEMA = os.environ.get("BRAKE_CAL_CDF_SCHEMA")
+"""A copy of the standard's schema (.dtd or .xsd), which is not ours to hand on."""
+
+DCM_READER = """
+import json, logging, sys
+from dcmReader.dcm_reader import DcmReader
+logging.disable(logging.NOTSET)
+d = DcmReader()
+d.read(sys.argv[1])
+curves = [*d.get_group_characteristic_lines(), *d.get_characteristic_lines()]
+print(json.dumps({
+    "curves": {c.name: [list(map(float, c.values)), list(map(float, c.values.values()))]
+               for c in curves},
+    "scalars": {p.name: [float(p.value), p.unit] for p in d.get_parameters()},
+    "axes": {c.name: c.x_mapping for c in d.get_group_characteristic_lines()},
+    "functions": [[f.name, f.version, f.description] for f in d.get_functions()],
+}))
+"""
+
+
+def dcm_reader(content, folder):
+    """DcmReader loops on a missing END: it gets a process and a limit."""
+    (folder / "table.dcm").write_bytes(content)
+    run = subprocess.run(
+        [sys.executable, "-c", DCM_READER, folder / "table.dcm"],
+        capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    assert run.stderr == ""
+    return json.loads(run.stdout)
+
+
+def from_dcm(data, folder):
+    seen = dcm_reader(FORMATS["dcm"].write(data), folder)
+    return seen["curves"], seen["scalars"]
+
+
+def from_json(data, folder):
+    document = json.loads(FORMATS["json"].write(data))
+    axes = {a["label"]: a["values"] for a in document["axes"]}
+    curves = {c["label"]: (axes[c["axis"]], c["values"]) for c in document["curves"]}
+    return curves, {s["label"]: [s["value"], s["unit"]] for s in document["scalars"]}
+
+
+NUMBERS = ("x", "value", "lower", "upper", "count", "flag")
+
+
+def frame_of(data):
+    # As text first: pandas 2 reads some numbers one bit off, and pandas 3 has no option for it.
+    content = io.BytesIO(FORMATS["csv"].write(data))
+    text = pd.read_csv(content, comment="#", dtype=dict.fromkeys(NUMBERS, str))
+    return text.astype(dict.fromkeys(NUMBERS, float))
+
+
+def parquet_of(data):
+    return pq.read_table(pa.BufferReader(FORMATS["parquet"].write(data)), use_threads=False)
+
+
+def by_label(frame):
+    curves = {
+        label: (part["x"].tolist(), part["value"].tolist())
+        for label, part in frame[frame["axis"].notna()].groupby("label")
+    }
+    scalars = frame[frame["axis"].isna()]
+    pairs = zip(scalars["value"], scalars["unit"], strict=True)
+    return curves, dict(zip(scalars["label"], map(list, pairs), strict=True))
+
+
+def cdf_of(data):
+    root = etree.fromstring(FORMATS["cdfx"].write(replace(data, date=DATE)))
+    return root, {i.findtext("SHORT-NAME"): i for i in root.findall(f"{TREE}/SW-INSTANCE")}
+
+
+def from_cdf(data, folder):
+    _, found = cdf_of(data)
+    numbers = {
+        name: [float(v.text) for v in i.findall("SW-VALUE-CONT/SW-VALUES-PHYS/V")]
+        for name, i in found.items()
+    }
+    curves = {}
+    for name, one in found.items():
+        axis = one.find("SW-AXIS-CONTS/SW-AXIS-CONT")
+        if axis is not None:
+            own = [float(v.text) for v in axis.findall("SW-VALUES-PHYS/V")]
+            curves[name] = own or numbers[axis.findtext("SW-INSTANCE-REF")], numbers[name]
+    unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
+    return curves, {
+        name: [numbers[name][0], found[name].findtext(unit)]
+        for name in found
+        if found[name].findtext("CATEGORY") == "VALUE"
+    }
+
+
+def from_inca(data, folder):
+    curves, scalars = {}, {}
+    for part in FORMATS["inca-csv"].write(data).decode().split("\r\n\r\n"):
+        lines = [line for line in part.split("\r\n") if line and not line.startswith("*")]
+        head, *rows = [*csv.reader(lines, delimiter=";"), []]
+        name = head[-1] if head else ""
+        if rows and rows[0] and rows[0][0] == "CURVE":
+            curves[name] = [float(v) for v in rows[1][2:]], [float(v) for v in rows[2][2:]]
+        elif rows and rows[0] and rows[0][0] == "VALUE":
+            scalars[name] = [float(rows[0][2]), rows[0][1].strip("[]")]
+    return curves, scalars
+
+
+READERS = {
+    "json": from_json,
+    "csv": lambda data, folder: by_label(frame_of(data)),
+    "parquet": lambda data, folder: by_label(parquet_of(data).to_pandas()),
+    "dcm": from_dcm,
+    "cdfx": from_cdf,
+    "inca-csv": from_inca,
+}
+
+
+def bits(curve):
+    return [[float(v).hex() for v in values] for values in curve]
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("form", READERS)
+@pytest.mark.parametrize("points", [None, 16])
+def test_another_reader_sees_the_table_to_the_last_bit(real, tmp_path, form, points):
+    t, data = real.table, build(real, points)
+    curves, scalars = READERS[form](data, tmp_path)
+    truth = {
+        "f1": (t.paper.eta, t.paper.f1),
+        "f2": (t.paper.eta, t.paper.f2),
+        "D": (t.difference.eta, t.difference.D),
+        "g": (t.tyre.slip, t.tyre.force),
+    }
+    assert curves.keys() == {f"{data.prefix}_{name}" for name in truth}
+    for name, (x, y) in truth.items():
+        seen = curves[f"{data.prefix}_{name}"]
+        kept = np.isin(x, seen[0])
+        assert kept.sum() == (points or len(x))
+        assert bits(seen) == bits((x[kept], y[kept]))
+    car, gain = t.vehicle, 2 * t.vehicle.front.piston_area * t.vehicle.front.effective_radius
+    assert scalars[f"{data.prefix}_mass"] == [car.mass, "kg"]
+    assert scalars[f"{data.prefix}_C_f"] == [pytest.approx(gain), "m^3"]
+    drag = t.effects.parameters["aerodynamic_drag"]["drag_area"]
+    assert scalars[f"{data.prefix}_drag_area"] == [drag, "m^2"]
+
+
+@pytest.mark.parametrize("form", sorted(FORMATS.keys() - {"parquet"}))
+def test_the_head_says_which_table_it_is_and_what_holds_at_the_ends(stored, form):
+    data = build(stored, 5)
+    text = FORMATS[form].write(data).decode()
+    for part in ("sedan@1", stored.digest, "clamped", "5 of 21 rows", data.content().checksum):
+        assert part in text
+
+
+def test_json_has_the_record_of_the_table(stored):
+    assert json.loads(FORMATS["json"].write(build(stored)))["record"] == stored.table.content()[0]
+
+
+def test_rows_have_their_bands_counts_and_flags(stored):
+    frame, paper = frame_of(build(stored)), stored.table.paper
+    part = frame[frame["label"] == "sedan_f2"]
+    for column, name in (("lower", "f2_lower"), ("upper", "f2_upper"), ("count", "count")):
+        assert part[column].tolist() == getattr(paper, name).tolist()
+    assert part["flag"].tolist() == paper.flag.tolist()
+    scale = frame.set_index("label").loc["sedan_mu_f"]
+    assert scale["upper"] - scale["value"] == pytest.approx(1.96 * 0.01)
+
+
+def test_no_text_of_a_csv_can_be_taken_for_a_number(stored):
+    """Readers that guess types from the first rows would fail at a later one."""
+    body = [
+        line for line in FORMATS["csv"].write(build(stored)).decode().splitlines() if line[0] != "#"
+    ]
+    for row in csv.DictReader(body):
+        assert row["unit"]
+        for name in TEXTS:
+            assert re.fullmatch(r"[-+0-9.eE]*[0-9][-+0-9.eE]*", row[name]) is None
+
+
+PAGE = Path(__file__).parents[2] / "calib" / "manual" / "tables.md"
+
+
+@pytest.mark.parametrize(
+    ("module", "option"), [("pandas", "comment"), ("polars", "comment_prefix")]
+)
+def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, option):
+    library = pytest.importorskip(module)
+    line = f'{module}.read_csv("car.csv", {option}="#")'
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "car.csv").write_bytes(FORMATS["csv"].write(build(stored)))
+    assert f"`{line}`" in PAGE.read_text()
+    frame = eval(line, {module: library})
+    units = dict(zip(frame["label"], frame["unit"], strict=True))
+    assert (units["sedan_f1"], units["sedan_mass"]) == ("-", "kg")
+
+
+def test_facts_of_a_parquet_file_are_metadata(stored):
+    facts = {k.decode(): v.decode() for k, v in parquet_of(build(stored)).schema.metadata.items()}
+    assert facts == build(stored).facts()
+
+
+def test_an_axis_of_its_own_for_D_where_the_rows_differ(stored, tmp_path):
+    d = stored.table.difference
+    half = replace(d, **{k: v[::2] for k, v in vars(d).items()})
+    other = replace(stored, table=replace(stored.table, difference=half))
+    seen = dcm_reader(FORMATS["dcm"].write(build(other)), tmp_path)
+    assert seen["axes"]["sedan_D"] == "sedan_eta_D"
+    assert bits(seen["curves"]["sedan_D"]) == bits((half.eta, half.D))
+    assert seen["functions"] == [["sedan_brake_torque", "1", "sedan@1"]]
+
+
+ORDER = {
+    "MSRSW": ["SHORT-NAME", "CATEGORY", "SW-SYSTEMS", "SDGS"],
+    "SW-INSTANCE": [
+        "SHORT-NAME", "LONG-NAME", "CATEGORY", "SW-VALUE-CONT", "SW-AXIS-CONTS", "SW-CS-HISTORY",
+    ],
+    "SW-VALUE-CONT": ["UNIT-DISPLAY-NAME", "SW-VALUES-PHYS"],
+    "SW-AXIS-CONT": ["CATEGORY", "UNIT-DISPLAY-NAME", "SW-INSTANCE-REF", "SW-VALUES-PHYS"],
+    "CS-ENTRY": ["STATE", "DATE", "CSUS", "CSPR", "CSDI", "REMARK", "SD"],
+}  # fmt: skip
+"""Children that we use, in the order of the standard."""
+
+
+def test_elements_of_a_cdf_stand_in_the_order_of_the_standard(stored):
+    root, found = cdf_of(build(stored))
+    for element in root.iter(*ORDER):
+        places = [ORDER[element.tag].index(child.tag) for child in element]
+        assert places == sorted(places), element.tag
+    kinds = {name: i.findtext("CATEGORY") for name, i in found.items()}
+    assert [kinds[f"sedan_{n}"] for n in ("eta", "D", "g", "mass")] == [
+        "COM_AXIS", "CURVE", "CURVE", "VALUE",
+    ]  # fmt: skip
+    over = "SW-AXIS-CONTS/SW-AXIS-CONT/CATEGORY"
+    assert [found[f"sedan_{n}"].findtext(over) for n in "Dg"] == ["COM_AXIS", "STD_AXIS"]
+
+
+@pytest.mark.parametrize(
+    ("quality", "states"),
+    [
+        (UNPROVED, ["calibrated"]),
+        (Quality("prelimCalibrated", "failed", "failed"), ["calibrated", "prelimCalibrated"]),
+    ],
+)
+def test_every_object_of_a_cdf_has_its_history(stored, quality, states):
+    for instance in cdf_of(build(stored, None, quality))[1].values():
+        entries = instance.findall("SW-CS-HISTORY/CS-ENTRY")
+        assert [e.findtext("STATE") for e in entries] == states
+        assert {e.findtext("DATE") for e in entries} == {DATE}
+        assert {e.findtext("SD[@GID='digest']") for e in entries} == {stored.digest}
+
+
+@pytest.mark.skipif(CDF_SCHEMA is None, reason="BRAKE_CAL_CDF_SCHEMA names no copy of it")
+def test_the_standard_takes_a_cdf(real):
+    quality = Quality("checked", "passed on 1 hold-out", "passed")
+    is_dtd = Path(CDF_SCHEMA).suffix == ".dtd"
+    schema = etree.DTD(CDF_SCHEMA) if is_dtd else etree.XMLSchema(file=CDF_SCHEMA)
+    assert schema.validate(cdf_of(build(real, 8, quality))[0]), schema.error_log

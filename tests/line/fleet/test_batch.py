@@ -1,0 +1,277 @@
+"""A batch: rows, what is done again and what is not, and who is guilty; then in real processes."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
+from multiprocessing import active_children
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from calib.base.errors import BatchError, LogError
+from calib.estimation.limits import Limit
+from calib.estimation.metrics import METRICS
+from calib.estimation.validate import validate_one
+from calib.line.fleet.batch import AHEAD, run_batch
+from calib.line.fleet.journal import NAME, BatchJournal
+from calib.line.fleet.work import Job, run_items
+from calib.line.fleet.workers import Pool
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
+from calib.logs.read import read_log
+from calib.logs.text.dialect import TextFormat
+from calib.store.store import Store
+from tests.support.fleet_logs import Here, many, validating
+from tests.support.fleet_results import journalled
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def job(fitted):
+    return validating(fitted)
+
+
+@pytest.fixture
+def run(job):
+    """Run the job of the test, or another one, on some logs."""
+
+    def run(*arguments, executor=None, job=job, **more):
+        return run_batch(job, arguments, Path("out"), executor or Here(), **more)
+
+    return run
+
+
+def rows_of(done):
+    return pq.read_table(done.results).to_pylist()
+
+
+def test_rows_are_those_of_validate_to_the_last_bit(job, run, six):
+    done = run(six)
+    assert done.counts == {"error": 2, "passed": 4}
+    rows = rows_of(done)
+    assert [row["log"] for row in rows] == [f"logs/car_{i:05d}.csv" for i in range(6)]
+    for row in rows:
+        log = read_log(Path(row["log"]))
+        assert row["digest"] == log.digest
+        if row["status"] == "passed":
+            alone = validate_one(job.table, log, None, job.limits).figures
+            assert {name: row[name] for name in METRICS} == alone
+        else:
+            assert row["error"].startswith(row["log"])
+            assert all(row[name] is None for name in METRICS)
+
+
+def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, six):
+    first = run(six, "logs/*.csv", "logs/car_00000.csv", "logs/missing.csv")
+    assert (first.counts.total(), first.pace.done, first.pace.total) == (7, 7, 7)
+    files = (first.results, Path("out", NAME))
+    before = [file.read_bytes() for file in files]
+    again = run(six, "logs/missing.csv")
+    assert (again.pace.fresh, again.counts) == (1, first.counts)
+    assert [file.read_bytes() for file in files] == before
+
+    Path("logs/car_00002.csv").write_bytes(Path("logs/car_00000.csv").read_bytes())
+    Path("logs/new.csv").write_bytes(Path("logs/car_00001.csv").read_bytes())
+    Path("logs/car_00005.csv").unlink()
+    os.mkfifo("logs/missing.csv")
+    done = run(six, "logs/missing.csv")
+    rows = {row["log"]: row for row in rows_of(done)}
+    assert done.pace.fresh == 3
+    assert rows["logs/car_00002.csv"]["status"] == rows["logs/new.csv"]["status"] == "passed"
+    assert "logs/car_00005.csv" not in rows
+    assert rows["logs/missing.csv"]["digest"] is None
+    assert "pipe" in rows["logs/missing.csv"]["error"]  # why it cannot be read now
+
+
+def test_other_settings_are_refused_and_begin_anew_when_asked(run, fitted, six):
+    before = run(six).results.read_bytes()
+    strict = Job("validate", table=fitted, limits=(Limit("interval_f", None, 1e-6),))
+    with pytest.raises(BatchError):
+        run(six, job=strict)
+    assert Path("out/results.parquet").read_bytes() == before
+    done = run(six, job=strict, fresh=True)
+    assert done.counts == {"error": 2, "failed": 4}
+    assert done.pace.fresh == 6
+
+
+def test_a_log_that_kills_its_worker_is_a_row_and_is_tried_again(run, six):
+    executor = Here(lambda name: name.endswith("3.csv"))
+    rows = rows_of(run(six, executor=executor))
+    assert executor.renewed == 2
+    bad = rows.pop(3)
+    assert (bad["status"], bad["digest"]) == ("error", None)
+    again = run(six)
+    assert again.pace.fresh == 1
+    assert again.counts == {"error": 2, "passed": 4}
+    whole = rows_of(again)
+    del whole[3]
+    assert rows == whole
+
+
+def test_a_log_for_which_memory_is_short_is_tried_again(run, six, monkeypatch):
+    def short(*arguments, **told):
+        raise MemoryError
+
+    with monkeypatch.context() as patched:
+        patched.setattr("calib.line.fleet.work.log_of", short)
+        assert run("logs/car_00000.csv").counts == {"error": 1}
+    again = run("logs/car_00000.csv")
+    assert (again.pace.fresh, again.counts) == (1, {"passed": 1})
+
+
+def test_few_logs_are_under_way_at_a_time(job, fleet, tmp_path):
+    class Counting(ThreadPoolExecutor):
+        workers, most = 2, 0
+
+        def submit(self, packed, items):
+            future = super().submit(run_items, packed, items)
+            under_way.add(future)
+            future.add_done_callback(under_way.discard)
+            type(self).most = max(self.most, len(under_way))
+            return future
+
+    under_way = set()
+    with Counting(2) as executor:
+        run_batch(job, [str(fleet)], tmp_path / "out", executor)
+    assert Counting.most <= AHEAD * Counting.workers
+
+
+def test_nothing_is_left_where_no_log_is_found(job, tmp_path):
+    with pytest.raises(LogError):
+        run_batch(job, [str(tmp_path)], tmp_path / "out", Here())
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_worker_of_another_version_ends_the_run(run, six, fitted):
+    with pytest.raises(BatchError):
+        run(six, job=Job("validate", table=fitted, version="0.0.0"))
+
+
+def test_a_name_that_is_not_utf8_is_a_row(job, tmp_path, stops):
+    many(tmp_path / "logs", stops, 1)
+    name = os.fsdecode(b"r\xfcck.csv")
+    os.rename(tmp_path / "logs/car_00000.csv", tmp_path / "logs" / name)
+    done = run_batch(job, [str(tmp_path / "logs")], tmp_path / "out", Here())
+    assert done.counts == {"passed": 1}
+    assert rows_of(done)[0]["log"].endswith("r\\udcfcck.csv")
+
+
+def test_a_full_disk_is_told_and_no_log_is_done_twice(run, six, monkeypatch):
+    executor = Here()
+
+    def full(self, rows):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(BatchJournal, "add", full)
+    with pytest.raises(OSError, match="No space"):
+        run(six, executor=executor)
+    assert executor.renewed == 0
+    assert len(set(executor.done)) == len(executor.done)
+
+
+MAPS = (
+    {"channels": {"p_mc": Mapping("p")}},
+    {"channels": {"p_mc": Mapping("p", unit="bar")}},
+    {"text": TextFormat(decimal=",")},
+    {"ignore": ("v",)},
+    {"j1939": ()},
+    {"buses": ("a.dbc",)},
+    {"dbc": "chassis"},
+    {"dbc": None},
+)
+
+
+def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
+    bus = tmp_path / "a.dbc"
+    bus.write_text("VERSION 1")
+
+    def settings(**told):
+        told = {"channels": {}, **told}
+        if "dbc" in told:
+            told["dbc"] = (DatabaseFile(bus, told["dbc"]),)
+        if "buses" in told:
+            told["buses"] = (("1", (DatabaseFile(bus),)),)
+        return Job("check", channel_map=ChannelMap("m.toml", **told)).settings()["map"]
+
+    found = [settings(), *(settings(**told) for told in MAPS)]
+    bus.write_text("VERSION 2")
+    found.append(settings(**MAPS[-1]))
+    assert len(set(found)) == len(found) == 10
+
+
+def test_a_killed_worker_costs_no_row(job, fleet, undisturbed, tmp_path):
+    pool, killed = Pool(2), []
+
+    def report(pace):
+        if pace.done >= 8 and not killed:
+            killed.append(active_children()[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    try:
+        done = run_batch(job, [str(fleet)], tmp_path, pool, report)
+    finally:
+        pool.close()
+    assert killed
+    assert done.results.read_bytes() == undisturbed
+
+
+def test_a_pool_that_breaks_while_logs_are_handed_over_costs_no_row(
+    job, fleet, undisturbed, tmp_path
+):
+    class Breaks(Here):
+        broken = False
+
+        def submit(self, packed, items):
+            if len(self.done) >= 8 and not self.broken:
+                self.broken = True
+                raise BrokenExecutor("broke a moment ago")
+            return super().submit(packed, items)
+
+    assert run_batch(job, [str(fleet)], tmp_path, Breaks()).results.read_bytes() == undisturbed
+
+
+# A batch that says how far it is.
+BATCH = """
+import pickle, sys
+from pathlib import Path
+from calib.line.fleet.batch import run_batch
+from calib.line.fleet.workers import Pool
+
+if __name__ == "__main__":
+    job, logs, out = pickle.loads(sys.stdin.buffer.read())
+    run_batch(job, [logs], Path(out), Pool(1), lambda pace: print(pace.done, flush=True))
+"""
+
+
+def test_kill_9_in_the_middle_and_again(fitted, fleet, undisturbed, tmp_path):
+    psutil = pytest.importorskip("psutil")
+    out, script = tmp_path / "out", tmp_path / "batch.py"
+    script.write_text(BATCH)
+    process = subprocess.Popen(
+        [sys.executable, script],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+    process.stdin.write(pickle.dumps((validating(fitted), str(fleet), str(out))))
+    process.stdin.close()
+    said = next(int(line) for line in process.stdout if int(line) >= 4)
+    workers = psutil.Process(process.pid).children(recursive=True)
+    process.kill()
+    process.wait()
+    process.stdout.close()
+    assert said <= len(journalled(out)) < 24
+    assert not (out / "results.parquet").exists()
+    assert psutil.wait_procs(workers, timeout=20)[1] == [], "workers outlive their parent"
+
+    Store(tmp_path / "tables").save(fitted)
+    command = [sys.executable, "-m", "cli.main", "batch", "validate", fleet, "--workers", "3"]
+    command += ["--table", fitted.name, "--store", tmp_path / "tables", "--out", out]
+    again = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert again.returncode == 0, again.stderr
+    assert len(journalled(out)) == 24
+    assert (out / "results.parquet").read_bytes() == undisturbed

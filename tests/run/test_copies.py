@@ -1,0 +1,124 @@
+"""Channels that are sent seldom, and pressures that were computed from something else."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.logs.log import Log
+from calib.logs.source import Column, ColumnSource
+from calib.run.check import check
+from calib.run.copies import (
+    came_at,
+    computed_channels,
+    factor_between,
+    period_of,
+    twice,
+    without_holds,
+)
+from tests.support.made_runs import changed, made_run, stop
+from tests.support.measuring_chain import Message, chained
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import IDEAL
+
+RUN = made_run(stop())
+
+
+def straight(x, longest=50.0):
+    came = came_at(x, longest)
+    return x if came is None else np.interp(np.arange(x.size), came, x[came])
+
+
+def held(x, period):
+    return np.repeat(x[::period], period)[: x.size]
+
+
+@given(st.integers(2, 20), st.integers(0, 19), st.integers(0, 2**32 - 1))
+def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed):
+    noise = np.random.default_rng(seed).normal(size=2000)
+    x = held(noise, period)[phase:]
+    found = straight(x)
+    came = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
+    assert period_of(x) == period
+    np.testing.assert_allclose(found[came], x[came])
+    middle = (came[1:-1] + came[2:]) / 2.0
+    np.testing.assert_allclose(
+        np.interp(middle, np.arange(x.size), found), (x[came[1:-1]] + x[came[2:]]) / 2.0
+    )
+
+
+@pytest.mark.parametrize("period", [2, 33])
+def test_a_parabola_that_is_held_is_wrong_by_its_bend_alone(period):
+    t = np.arange(1000.0)
+    true = 30.0 - 1e-2 * t - 5e-6 * t**2
+    x = held(true, period)
+    last = 1000 - period - 1000 % period
+    assert np.max(np.abs(straight(x) - true)[:last]) <= 5e-6 * period**2 / 4 + 1e-12
+    assert np.max(np.abs(x - true)) > 1e-2 * (period - 1)
+
+
+def test_a_value_that_stays_for_long_came_again_with_each_period():
+    x = held(np.concatenate([np.arange(300.0), np.full(200, 300.0), np.arange(300.0, 0.0, -1)]), 10)
+    assert np.all(straight(x)[310:480] == 300.0)
+
+
+@pytest.mark.parametrize("period", [1, 60, 500])
+def test_what_changes_with_its_clock_or_is_kept_for_too_long_is_not_changed(period):
+    x = held(np.random.default_rng(1).normal(size=5000), period)
+    assert straight(x) is x
+
+
+def test_messages_that_do_not_fall_on_the_samples_are_told():
+    log = as_log(drive(IDEAL, lambda t: 30e5 * min(max(t - 1, 0), 1), 30.0, rate=200.0), "stop")
+    sent = chained(log, {"v": Message(30.0)}, np.random.default_rng(3))
+    assert period_of(sent["v"]) == pytest.approx(200.0 / 30.0, rel=0.02)
+    found = without_holds(sent)
+    n = found.time.size
+    assert log.time.size - n < 200.0 / 30.0 + 1.0  # nothing is known after the last value
+    assert found.interpolated == ("v",)
+    moving = log["v"][:n] > 3.0
+    error, held_error = found["v"] - log["v"][:n], sent["v"][:n] - log["v"][:n]
+    assert np.std(error[moving]) < 0.2 * np.std(held_error[moving])
+
+
+def test_one_signal_under_two_names_is_found_also_where_both_are_held():
+    names = ["omega_fl", "omega_fr", "v"]
+    assert list(twice(RUN, names)) == []
+    same = changed(RUN, omega_fr=1.001 * RUN["omega_fl"])
+    assert [pair for *pair, _ in twice(same, names)] == [["omega_fl", "omega_fr"]]
+    seldom = changed(same, **{name: held(same[name], 5) for name in names})
+    assert [pair for *pair, _ in twice(seldom, names)] == [["omega_fl", "omega_fr"]]
+
+
+def log_with(unit, values):
+    log = Log("run", "run.csv", "", RUN.channels, ignored=("other",))
+    return log, ColumnSource((Column("other", unit),), lambda indices: [values])
+
+
+def test_a_pressure_made_of_a_torque_is_found_and_refused():
+    log, source = log_with("Nm", np.round(RUN["p_mc"] / 1e5 * 75, 1))
+    (copy,) = computed_channels(log, source)
+    assert (copy.channel, copy.source, copy.unit) == ("p_mc", "other", "N*m")
+    assert copy.factor == pytest.approx(1 / 75, rel=1e-3)
+    assert not check(log, (copy,)).usable
+
+
+@pytest.mark.parametrize(
+    ("unit", "values"),
+    [
+        ("kPa", RUN["p_mc"] / 1e3),  # the same pressure again
+        ("furlong", RUN["p_mc"]),
+        (None, RUN["p_mc"]),
+        ("N*m", RUN["p_mc"] + np.random.default_rng(1).normal(0, 0.1e5, RUN.time.size)),
+        ("N*m", np.zeros(RUN.time.size)),
+    ],
+)
+def test_what_is_no_copy(unit, values):
+    assert computed_channels(*log_with(unit, values)) == ()
+
+
+@pytest.mark.parametrize("factor", [0.01, -3.0, 1e6])
+def test_factor(factor):
+    x = np.random.default_rng(2).normal(size=50)
+    assert factor_between(factor * x, x) == pytest.approx(factor)
+    assert factor_between(factor * (x + 0.1), x) is None
