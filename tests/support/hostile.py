@@ -47,11 +47,11 @@ COMMANDS = {
     "effect": f"fit {RAMP} --store new --vehicle {CAR} --effect",
     "plan": f"repeatability --vehicle {CAR} --plan",
     "key": f"tables verify --store {ROOT / 'tables'} --key",
-    "import": "tables import",
+    "import": "tables compare",
     "validation": f"tables export {TABLE} --format dcm --out o.dcm --store {ROOT / 'tables'} "
     "--unreleased --validation",
     "log": "check",
-    "map": "map suggest",
+    "map": "map",
 }
 """Commands by the kind of file that is their last word."""
 

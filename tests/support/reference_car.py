@@ -76,18 +76,6 @@ def swapped(log: Log) -> Log:
     return replace(log, channels={**log.channels, **other})
 
 
-def parked(log: Log, duration: float = 2.0) -> Log:
-    """The log with the car at a standstill after it: wheels and v are exactly nought."""
-    count = round(duration / log.sample_time)
-    held = {"p_mc": log["p_mc"][-1], "time": 0.0}
-    channels = {
-        name: np.concatenate([x, np.full(count, held.get(name, 0.0))])
-        for name, x in log.channels.items()
-    }
-    channels["time"][-count:] = log.time[-1] + log.sample_time * np.arange(1, count + 1)
-    return replace(log, channels=channels, truth={})
-
-
 def rolled(log: Log, duration: float, drift: float) -> Log:
     """The log after ``duration`` [s] of rolling as at its begin, in which the rear wheels come to
     turn faster by ``drift`` [1], evenly, as when the front tyres warm."""

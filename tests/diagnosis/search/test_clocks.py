@@ -11,12 +11,6 @@ from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.measuring_chain import Message, chained
 
 V = CHANNELS.index("v")
-SELDOM = {
-    "p_mc": Message(100.0, step=0.1e5),
-    "a_x": Message(50.0, step=0.02),
-    "omega": Message(100.0, step=0.02),
-    "v": Message(20.0, step=0.01),
-}
 LATE = {
     "p_mc": Message(100.0, 0.005),
     "a_x": Message(50.0, 0.02, corner=15.0),
