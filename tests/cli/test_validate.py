@@ -8,12 +8,12 @@ from dataclasses import replace
 import pyarrow.parquet as pq
 import pytest
 
-from calib.car.vehicle_file import write_vehicle
 from calib.estimation.metrics import METRICS
 from calib.logs.write import write_csv, write_parquet
 from calib.store.store import Store
 from cli.validate import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, with_pads
+from tests.support.vehicle_files import write_vehicle
 
 LOGS = ("wet.csv", "harder.parquet", "bad.csv")
 

@@ -12,8 +12,7 @@ from calib.car.effects.effects import Effects
 from calib.car.magic_formula import MagicFormula
 from calib.car.model import Model, default_model
 from calib.car.vehicle_file import read_vehicle
-from calib.model.clock import STEP, fine_clock
-from calib.model.simulate import simulate
+from calib.model.simulate import STEP, fine_clock, simulate
 from tests.support.plant import Plant, drive, magic
 
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")

@@ -9,10 +9,19 @@ from calib.run.driving_record import driving_record
 from calib.run.sensors import noise_of, resolution_of, saturation, sensors_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 
+STOP = made_run(stop())
+
+
+def sensors(log):
+    return sensors_of(log, driving_record(log))
+
+
+def sensor(log, channel):
+    return next(s for s in sensors(log) if s.channel == channel)
+
 
 def stuck(log):
-    found = sensors_of(log, driving_record(log))
-    return {s.channel: s.stuck for s in found if s.stuck}
+    return {s.channel: s.stuck for s in sensors(log) if s.stuck}
 
 
 @pytest.mark.parametrize("step", [0.005, 0.1, 6103.5])
@@ -21,12 +30,15 @@ def test_resolution_of_rounded_values(step):
     assert resolution_of(np.round(x / step) * step) == pytest.approx(step, rel=1e-6)
 
 
-def test_no_resolution_in_smooth_values():
+def test_no_resolution_in_smooth_values_and_in_a_channel_that_was_interpolated():
     assert resolution_of(np.random.default_rng(1).normal(size=500)) == 0.0
     assert resolution_of(np.zeros(100)) == 0.0
+    coarse = changed(STOP, p_mc=np.round(STOP["p_mc"] / 1e5) * 1e5)
+    assert sensor(coarse, "p_mc").resolution == pytest.approx(1e5)
+    assert sensor(replace(coarse, interpolated=("p_mc",)), "p_mc").resolution == 0.0
 
 
-@pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
+@pytest.mark.parametrize("rate", [40.0, 1000.0])
 def test_white_noise_is_measured(rate):
     x = 0.3 * np.random.default_rng(2).normal(size=4000)
     noise, white, colour = noise_of(x, np.ones(x.size, bool), 1 / rate)
@@ -52,13 +64,9 @@ def test_slow_motion_and_a_spike_are_not_noise():
     assert noise == pytest.approx(0.1, rel=0.1)
 
 
-def test_too_little_to_see_noise():
+def test_no_noise_and_too_little_to_see_it():
     assert np.isnan(noise_of(np.ones(100), np.arange(100) < 19, 0.005)).all()
-
-
-def test_no_noise():
-    x = np.full(400, 101.3)
-    assert noise_of(x, np.ones(400, bool), 0.005) == (0.0, 0.0, 0.0)
+    assert noise_of(np.full(400, 101.3), np.ones(400, bool), 0.005) == (0.0, 0.0, 0.0)
 
 
 def test_saturated_value_is_held_as_no_other_is():
@@ -70,7 +78,7 @@ def test_saturated_value_is_held_as_no_other_is():
 
 def test_held_pedal_without_noise_is_not_saturation():
     log = made_run(stop(), noise=0.0)
-    assert all(s.saturated == 0.0 for s in sensors_of(log, driving_record(log)))
+    assert all(s.saturated == 0.0 for s in sensors(log))
 
 
 @pytest.mark.parametrize("noise", [0.0, 1.0])
@@ -79,7 +87,7 @@ def test_sound_runs_have_no_stuck_sensor(noise, pressure):
     assert stuck(made_run(pressure, noise=noise)) == {}
 
 
-@pytest.mark.parametrize("channel", ["omega_fl", "omega_rr", "v", "a_x"])
+@pytest.mark.parametrize("channel", ["omega_rr", "v", "a_x"])
 def test_constant_sensor(channel):
     log = made_run(stop(end=5.0))
     found = stuck(changed(log, **{channel: np.full(log.time.size, log[channel][0])}))
@@ -122,8 +130,7 @@ def test_a_motor_back_at_rest_is_not_saturation():
     torque = np.minimum(regenerating, 0.0)
     assert saturation(torque, log.sample_time) > 1.0
     log = changed(log, T_drive_r=torque)
-    found = {s.channel: s.saturated for s in sensors_of(log, driving_record(log))}
-    assert found["T_drive_r"] == 0.0
+    assert sensor(log, "T_drive_r").saturated == 0.0
 
 
 def held_on_changing_road(noise):
@@ -145,15 +152,13 @@ def test_a_pressure_that_is_held_is_not_at_the_end_of_its_range():
     log = made_run(lambda t: np.clip(40.0 * (t - 0.3), 0.0, 40.0), duration=6.0)
     held = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
     assert saturation(held["p_mc"], 0.005) > 1.0  # by its values alone it could be
-    found = {s.channel: s.saturated for s in sensors_of(held, driving_record(held))}
-    assert found["p_mc"] == 0.0
+    assert sensor(held, "p_mc").saturated == 0.0
 
 
 def test_a_pressure_beyond_its_range_is_at_its_end():
     log = made_run(ramp(start=0.5, rate=10.0, top=60.0))
     beyond = changed(log, p_mc=np.minimum(log["p_mc"], 30e5))
-    found = {s.channel: s.saturated for s in sensors_of(beyond, driving_record(beyond))}
-    assert found["p_mc"] > 1.0
+    assert sensor(beyond, "p_mc").saturated > 1.0
 
 
 @pytest.mark.parametrize("value", [30e5, 55e5])
@@ -173,13 +178,3 @@ def test_a_pressure_without_its_noise_is_stuck(rate):
     ((start, end),) = stuck(changed(log, p_mc=hanging))["p_mc"]
     assert start == pytest.approx(2.0, abs=0.05)
     assert end == pytest.approx(log.time[-1])
-
-
-def test_a_channel_that_was_interpolated_has_no_step():
-    log = made_run()
-    coarse = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
-    (found,) = [s for s in sensors_of(coarse, None) if s.channel == "p_mc"]
-    assert found.resolution == pytest.approx(1e5)
-    moved = replace(coarse, interpolated=("p_mc",))
-    (found,) = [s for s in sensors_of(moved, None) if s.channel == "p_mc"]
-    assert found.resolution == 0.0

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from calib.run.fingerprint import fingerprint_of
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calib.run.same_run import fingerprint_of
 from calib.table.compare import TOLERANCE, diff, inputs, same
 from tests.support.made_runs import made_run
 from tests.support.tables import made_table
