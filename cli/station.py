@@ -33,7 +33,7 @@ from cli.signed import check_signed, key_of
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
-    from calib.line.station.identity import Identity
+    from calib.line.station.station import Identity
     from calib.store.version import Stored
 
     CarLimits = tuple[Limit, ...]
@@ -122,10 +122,9 @@ def station(
     from calib.base.plain import counted
     from calib.base.publish import workshop
     from calib.estimation.validate import require_same_vehicle
-    from calib.line.station.folder import FIXED, REFUSED, export_name, publish_run
-    from calib.line.station.identity import Identity
+    from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
     from calib.line.station.metrics import Car as MeasuredCar
-    from calib.line.station.station import outcome, table_of, validated
+    from calib.line.station.station import Identity, outcome, table_of, validated
     from calib.run.gates import refuse_copies
     from calib.show.station_files import store_and_write
     from calib.show.station_page import facts
@@ -205,8 +204,7 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
     Not of a mistake in what was typed, nor of a store that is damaged: they say nothing of a car.
     """
     from calib.base.errors import InputError
-    from calib.line.station.folder import REFUSED
-    from calib.line.station.refused import write_refusal
+    from calib.line.station.files import REFUSED, write_refusal
 
     try:
         yield
@@ -221,7 +219,7 @@ def _tell_exports(stored: "Stored", forms: list[str]) -> None:
     """Say why there are none, or that they have no addresses: no linked program is known here."""
     from calib.exports.dataset import NOWHERE
     from calib.exports.export import ADDRESSED
-    from calib.line.station.folder import export_name
+    from calib.line.station.files import export_name
 
     if forms and not stored.state.released:
         say("no exports: only a released table may reach an ECU")

@@ -7,7 +7,7 @@
         pads: PadsSection
 
 All mistakes of a file are one message, and its JSON Schema follows from the same models. `section`
-makes a table of rows, `written_quantities` writes one.
+makes a table of rows.
 
 This module loads pydantic: only what reads or writes a file imports it.
 """
@@ -17,7 +17,7 @@ import re
 from collections.abc import ItemsView, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -37,7 +37,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from calib.base.errors import BrakeCalError, InputError
 from calib.base.record_errors import one_error, shown, wrong
-from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity, written_quantity
+from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity
 from calib.base.units import behind, spellings, to_si
 
 S = TypeVar("S", bound="Section")
@@ -180,25 +180,6 @@ class QuantityMark:
         if self.si in ("1", None):
             return {"anyOf": [number, text]} | bounded
         return text | bounded | {"examples": [f"1.5 {self.si}"]}
-
-
-def written_quantities(values: object, section: type[Section]) -> dict[str, Any]:
-    """The attributes of an object as the quantities of a table that a file has of it."""
-    return {
-        name: written_quantity(getattr(values, name), mark.si or "1")
-        for name, mark in quantities(section).items()
-    }
-
-
-def quantities(section: type[Section]) -> dict[str, QuantityMark]:
-    """Return SI unit and bounds of each field of a section that holds a quantity."""
-    return {
-        name: mark
-        for name, field in section.model_fields.items()
-        for kind in (field, *get_args(field.annotation))  # a mark | None is a kind of its own
-        for mark in getattr(kind, "metadata", getattr(kind, "__metadata__", ()))
-        if isinstance(mark, QuantityMark)
-    }
 
 
 def quantity_pattern(*si: str | None) -> str:

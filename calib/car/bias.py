@@ -75,12 +75,11 @@ def ideal_front_share(vehicle: Vehicle, z: Array) -> Array:
 def friction_used(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
     """Friction that the front and the rear axle use at z [1] (n,) each; infinite when lifted."""
     share = front_share(vehicle)
-    load_f, load_r = axle_loads(vehicle, z)
-    used = []
-    for part, load in ((share, load_f), (1.0 - share, load_r)):
-        force, held = part * z * vehicle.weight, load > 0.0
-        used.append(np.where(held, force / np.where(held, load, 1.0), math.inf))
-    return used[0], used[1]
+    front, rear = (
+        np.where(load > 0.0, part * z * vehicle.weight / np.where(load > 0.0, load, 1.0), math.inf)
+        for part, load in zip((share, 1.0 - share), axle_loads(vehicle, z), strict=True)
+    )
+    return front, rear
 
 
 def locks_at(vehicle: Vehicle, friction: float) -> tuple[float, float]:

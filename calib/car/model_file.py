@@ -33,7 +33,6 @@ from calib.base.record import (
     quantity_pattern,
     section,
     validated,
-    written_quantities,
 )
 from calib.base.record_errors import wrong
 from calib.base.toml import load_toml, quantity, toml_bytes, written_quantity
@@ -238,7 +237,10 @@ def write_model(model: Model, path: Path) -> None:
     document: dict[str, Any] = {
         "schema": 1,
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
-        "tyre": written_quantities(model.tyre, TyreSection),
+        "tyre": {
+            name: written_quantity(float(value), "m" if name == "relaxation" else "1")
+            for name, value in asdict(model.tyre).items()
+        },
         "effects": {
             name: _written(definition(effects, name).card, values)
             for name, values in effects.parameters.items()

@@ -17,12 +17,10 @@ from calib.base.record import (
     read_toml,
     section,
     validated,
-    written_quantities,
 )
 from calib.base.record_errors import wrong
-from calib.base.toml import NUMBER, toml_bytes
+from calib.base.toml import NUMBER
 from calib.base.units import si_of
-from calib.base.write import write_whole
 from calib.car.effects.effects import Effects
 from calib.car.keys import CHASSIS, FRONT, KEYS, VehicleKey
 from calib.car.vehicle import Axle, Vehicle
@@ -143,33 +141,3 @@ def answered(key: VehicleKey, typed: str) -> str:
         do = f"usual: {key.usual}" if key.unit else ""
         raise VehicleError(error.what, expected=expected, do=do) from error
     return value
-
-
-def write_vehicle(vehicle: Vehicle, path: Path) -> None:
-    """Write a vehicle file that `read_vehicle` reads back exactly. All values are in SI.
-
-    Raises VehicleError for a value that is not believable and for an empirical term, which such a
-    file cannot hold; OSError if ``path`` cannot be written.
-    """
-    import tomlkit
-
-    if vehicle.effects.terms:
-        raise VehicleError(
-            "a vehicle file cannot hold an empirical term",
-            where=vehicle.name,
-            do="write a model file",
-        )
-    document: dict[str, Any] = {
-        "schema": 1,
-        "name": vehicle.name,
-        "chassis": written_quantities(vehicle, ChassisSection),
-        "front": written_quantities(vehicle.front, AxleSection),
-        "rear": written_quantities(vehicle.rear, AxleSection),
-    }
-    for name, values in vehicle.effects.parameters.items():
-        table = tomlkit.table()
-        table.comment("SI")
-        table.update(values)
-        document.setdefault("effects", {})[name] = table
-    validated(document, VehicleFile, vehicle.name, VehicleError)
-    write_whole(Path(path), toml_bytes(document))

@@ -4,7 +4,7 @@ Two sensors have noise of their own. A bus sends each message at a rate of its o
 receiver of satellites, 50 or 100 Hz for a_x and the wheels, and a logger with a faster clock
 repeats the last value: steps that no noise of the unbraked parts shows, late by half a step on the
 mean. Between the values such a channel is a straight line; where they came, they are true. How late
-a value comes cannot be known here: that is a delay (`calib.car.effects.speed_delay`).
+a value comes cannot be known here: that is a delay (`speed_delay`).
 """
 
 from collections.abc import Iterator, Sequence

@@ -10,9 +10,15 @@ from calib.base.write import write_whole
 from calib.estimation.results import SUMMARY, fill
 from calib.estimation.validate import to_dict as validation_dict
 from calib.exports.export import export
-from calib.line.station.document import to_dict, to_text
-from calib.line.station.folder import DOCUMENT, JUNIT, REPORT, export_name
-from calib.line.station.junit import junit_xml
+from calib.line.station.files import (
+    DOCUMENT,
+    JUNIT,
+    REPORT,
+    export_name,
+    junit_xml,
+    to_dict,
+    to_text,
+)
 from calib.line.station.station import StationOutcome
 from calib.show.html import page_of
 from calib.show.station_page import report

@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 from calib.base.plain import plain
 from calib.base.write import write_whole
-from calib.line.station.folder import REPORT
+from calib.line.station.files import REPORT
 from calib.line.station.index import (
     INDEX,
     LIVE,

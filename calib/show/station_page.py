@@ -8,9 +8,8 @@ from calib.base.names import AXLE_NAMES
 from calib.base.plain import plain, plus_minus
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.validate import Validation
-from calib.line.station.identity import TITLES
 from calib.line.station.limits_file import action
-from calib.line.station.station import StationOutcome
+from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.judged import judged, pads

@@ -16,7 +16,6 @@ from calib.base.record import (
     Section,
     by_name,
     json_schema,
-    quantities,
     quantity_pattern,
     validated,
 )
@@ -55,7 +54,6 @@ def refusal(**changes):
 
 def test_quantities_come_in_si():
     assert validated(WHOLE, CarFile, "car", LimitsError).wheels[0].radius == 0.3
-    assert quantities(Wheel) == {"radius": QuantityMark("m", 0.1, 1.0)}
 
 
 def test_a_table_by_name_keeps_the_order_of_the_file():

@@ -26,7 +26,7 @@ from pathlib import Path
 
 from calib.base.publish import settle, workshop
 from calib.base.write import write_whole
-from calib.line.station.folder import DOCUMENT, publish_run
+from calib.line.station.files import DOCUMENT, publish_run
 
 LONGEST = 0.02
 """Most time [s] between the first file of a process and its kill: a few runs."""

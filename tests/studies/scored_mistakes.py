@@ -19,13 +19,13 @@ from typer.testing import CliRunner
 
 from calib.base.errors import BrakeCalError
 from calib.car.vehicle import Vehicle
-from calib.car.vehicle_file import write_vehicle
 from calib.logs.log import Log
 from calib.logs.write import write_parquet
 from calib.store.store import Store
 from cli.main import app
 from tests.studies.made_lines import RUNS, STOPS, line, recorded
 from tests.studies.made_mistakes import KINDS
+from tests.support.vehicle_files import write_vehicle
 
 Pads = tuple[float, float]
 

@@ -5,10 +5,9 @@ from functools import cache
 from pathlib import Path
 
 from calib.car.vehicle_file import read_vehicle
-from calib.line.station.identity import Identity
 from calib.line.station.limits_file import LIMITS
 from calib.line.station.metrics import Car
-from calib.line.station.station import StationOutcome, outcome, table_of, validated
+from calib.line.station.station import Identity, StationOutcome, outcome, table_of, validated
 from calib.logs.read import read_log
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"

@@ -22,8 +22,6 @@ Residual torque: pads that do not come back after the first release.
           +-'------------------------> t
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from calib.base.intervals import QUARTILE
@@ -62,14 +60,6 @@ def _less(p: Array, threshold: float) -> Array:
     return np.asarray(p - np.clip(p, -threshold, threshold))
 
 
-@dataclass(frozen=True)
-class Play:
-    """The lines of the loop: ``relative`` u [1] below 1, ``half`` r of the fixed width [Pa]."""
-
-    relative: float
-    half: float = 0.0
-
-
 def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure that would give the same clamping without hysteresis; begins on the loading line.
 
@@ -78,31 +68,32 @@ def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
     seals pull the pads back by themselves: it keeps no torque at zero pressure.
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
-    play = Play((1.0 - share) * width, 0.5 * share * width * REFERENCE)
-    front = held(p_f, play)
-    return front, front if p_r is p_f else held(p_r, play)
+    play = ((1.0 - share) * width, 0.5 * share * width * REFERENCE)
+    front = _held(p_f, *play)
+    return front, front if p_r is p_f else _held(p_r, *play)
 
 
-def held(p: Array, play: Play) -> Array:
-    """Clamping pressure [Pa] (n,) at a measured line pressure ``p`` [Pa] (n,).
-
-    Sensor noise must not raise the clamp step by step while the pressure is held: the loop is
+def _held(p: Array, relative: float, half: float) -> Array:
+    """Sensor noise must not raise the clamp step by step while the pressure is held: the loop is
     computed from the pressure less a band of its noise. Without noise it is exact; with noise the
     clamp is low by at most twice that band while it moves from one line to the other.
     """
     rough = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
     wobble = min(3.0 * float(rough), WOBBLE)
-    foot = between(p - wobble, p + wobble, p[0])
-    return np.asarray(p + (clamp(foot, play) - foot))
+    foot = _between(p - wobble, p + wobble, p[0])
+    return np.asarray(p + (clamp(foot, relative, half) - foot))
 
 
-def clamp(p: Array, play: Play) -> Array:
-    """Clamping pressure [Pa] (n,) at line pressure ``p`` [Pa] (n,)."""
-    loading = p - np.clip(p, 0.0, play.half)
-    return between(loading, p / (1.0 - play.relative) + play.half, loading[0])
+def clamp(p: Array, relative: float, half: float = 0.0) -> Array:
+    """Clamping pressure [Pa] (n,) at line pressure ``p`` [Pa] (n,).
+
+    ``relative`` u [1] below 1; ``half`` r of the fixed width [Pa].
+    """
+    loading = p - np.clip(p, 0.0, half)
+    return _between(loading, p / (1.0 - relative) + half, loading[0])
 
 
-def between(lowest: Array, highest: Array, first: float) -> Array:
+def _between(lowest: Array, highest: Array, first: float) -> Array:
     """c[k] = max(lowest[k], min(highest[k], c[k-1])) (n,), from ``first`` on.
 
     Two limits [L, U] in a row are one limit, so all samples are computed in log2(n) passes, each of

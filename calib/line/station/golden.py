@@ -1,43 +1,74 @@
-"""Distance of a car's table from the golden table of its model: D(eta), pads, tyres.
+"""How far a car's table is from the golden table of its model: D(eta), pads, tyres.
 
 D is compared where both are measured. D = C (eta - 1) depends on the road, so the golden table has
 to be one of the same track; so does the stiffness of the tyres, while that of the pads does not.
+
+Against a golden table that is the mean of several cars, also in sigma of their fleet:
+
+    t = (car - mean)/sqrt(between^2 + error of the mean^2 + own error of the car^2)
+
+With few cars the scatter between them is hardly known, so t is of Student's distribution with one
+degree of freedom less than the golden table has cars. It is turned into the number of sigma that is
+as rare in a normal distribution: 3 sigma are one good car in 370, whatever the number of cars.
+
+What the car and the cars of the golden table share (vehicle file, track, method) is in both and
+cancels. It does not where they were measured in other ways, as with and without v.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.table.table import Table
-
-Array = NDArray[np.float64]
+from calib.base.intervals import Z95
+from calib.base.random_effects import as_sigma
+from calib.logs.log import Array
+from calib.store.own_errors import (
+    COMPLIANCE,
+    RATIO,
+    own_level,
+    own_share,
+    own_variance,
+    stiffness,
+)
+from calib.table.budget import pad_levels
+from calib.table.table import FleetScatter, Scatter, Table
 
 OVERLAP = 0.5
 """Share of the golden table's range of eta that must be common for a distance to mean anything."""
 
+Metrics = dict[str, float]
 
-@dataclass(frozen=True)
-class Distance:
-    """``relative``: largest departure of D over the golden peak [1]; ``bands``: the same over the
-    combined 95 % half widths at its eta ``at`` [1]; above 1 the difference is significant.
 
-    ``bands`` is infinite where neither table has a band. Near eta = 1 both widths go to zero, so
-    the ratio to them has no meaning there.
+def golden_metrics(table: Table, golden: Table) -> Metrics:
+    """The metrics of the car with `golden` in their names, as far as both tables give them.
+
+    Those of D need half of the golden range of eta; sigma needs a golden table of several cars.
     """
+    ours, theirs = table.calibration, golden.calibration
+    compliance = [t.posterior.value("log_compliance") for t in (table, golden)]
+    found = {
+        "golden_pads_f": ours.pad_friction_f.value / theirs.pad_friction_f.value - 1.0,
+        "golden_pads_r": ours.pad_friction_r.value / theirs.pad_friction_r.value - 1.0,
+        "golden_stiffness": math.exp(compliance[1] - compliance[0]) - 1.0,
+    }
+    golden_end = float(golden.difference.eta[-1])
+    end = min(float(table.difference.eta[-1]), golden_end)
+    common = end - 1.0 >= OVERLAP * (golden_end - 1.0)
+    if common:
+        found |= _distance(table, golden, end)
+    if golden.spread is not None:
+        found |= _sigma_of_pads(table, golden, golden.spread)
+        if common:
+            found["golden_sigma_d"] = _sigma_of_D(table, golden, golden.spread, end)
+    return found
 
-    relative: float
-    bands: float
-    at: float
 
+def _distance(table: Table, golden: Table, end: float) -> Metrics:
+    """Largest departure of D up to ``end``: over the golden peak, and over the 95 % half widths.
 
-def distance(table: Table, golden: Table) -> Distance | None:
-    """Largest departure of D(eta); None where less than half of the golden range is common."""
+    The latter at the same eta, since near 1 both widths go to zero; infinite without any band.
+    """
     ours, theirs = table.difference, golden.difference
-    end = common_end(table, golden)
-    if end is None:
-        return None
     # both are linear between their rows, so the largest departure is at a row of one of them
     rows = np.union1d(ours.eta, theirs.eta)
     eta = rows[(rows > 1.0) & (rows <= end)]
@@ -46,35 +77,40 @@ def distance(table: Table, golden: Table) -> Distance | None:
     apart: Array = np.abs(a - b)
     worst = int(np.argmax(apart))
     largest, width = float(apart[worst]), float(np.hypot(*widths)[worst])
-    return Distance(
-        relative=largest / abs(theirs.peak[1]),
-        bands=largest / width if width > 0.0 else np.inf if largest > 0.0 else 0.0,
-        at=float(eta[worst]),
-    )
+    return {
+        "golden_distance": largest / abs(theirs.peak[1]),
+        "golden_bands": largest / width if width > 0.0 else math.inf if largest > 0.0 else 0.0,
+    }
 
 
-def common_end(table: Table, golden: Table) -> float | None:
-    """Eta [1] up to which both have D; None where less than half of the golden range is common."""
-    golden_end = float(golden.difference.eta[-1])
-    end = min(float(table.difference.eta[-1]), golden_end)
-    return None if end - 1.0 < OVERLAP * (golden_end - 1.0) else end
+def _sigma_of_pads(table: Table, golden: Table, spread: FleetScatter) -> Metrics:
+    ours = pad_levels(table.vehicle, table.calibration)
+    theirs = pad_levels(golden.vehicle, golden.calibration)
+    parts = {
+        "level": (ours.level - theirs.level, spread.pad_level, own_level(table)),
+        "ratio": (ours.ratio - theirs.ratio, spread.pad_ratio, own_variance(table, RATIO)),
+        "stiffness": (
+            stiffness(table) - stiffness(golden),
+            spread.stiffness,
+            own_variance(table, COMPLIANCE),
+        ),
+    }
+    return {f"golden_sigma_{k}": _sigma(*part, spread.freedom) for k, part in parts.items()}
 
 
-@dataclass(frozen=True)
-class Ratios:
-    """Pad friction of the axles and slip stiffness of the tyres over the golden table's [1]."""
+def _sigma_of_D(table: Table, golden: Table, spread: FleetScatter, end: float) -> float:
+    """At the row of the golden table with the largest D that both reach."""
+    d, theirs = table.difference, golden.difference
+    row = int(np.argmax(np.where(theirs.eta <= end, np.abs(theirs.D), -1.0)))
+    eta = theirs.eta[row : row + 1]
+    sigma = np.interp(eta, d.eta, d.upper - d.lower) / (2.0 * Z95)
+    own = float((sigma**2 * own_share(table, eta))[0])
+    apart = float((np.interp(eta, d.eta, d.D) - theirs.D[row])[0])
+    return _sigma(apart, spread.D[row], own, spread.freedom)
 
-    front: float
-    rear: float
-    stiffness: float
 
-
-def ratios_to(table: Table, golden: Table) -> Ratios:
-    """Pads and tyres of a table over those of the golden one: a D that agrees may hide both."""
-    ours, theirs = table.calibration, golden.calibration
-    compliance = [t.posterior.value("log_compliance") for t in (table, golden)]
-    return Ratios(
-        front=ours.pad_friction_f.value / theirs.pad_friction_f.value,
-        rear=ours.pad_friction_r.value / theirs.pad_friction_r.value,
-        stiffness=math.exp(compliance[1] - compliance[0]),
-    )
+def _sigma(apart: float, of: Scatter, own: float, freedom: int) -> float:
+    predicted = math.sqrt(of.between**2 + of.of_mean**2 + own)
+    if predicted == 0.0:
+        return as_sigma(math.copysign(math.inf, apart), freedom) if apart else 0.0
+    return as_sigma(apart / predicted, freedom)

@@ -19,7 +19,7 @@ from typing import Any
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.printable import printable
 from calib.base.write import write_whole
-from calib.line.station.folder import DOCUMENT, REFUSED
+from calib.line.station.files import DOCUMENT, REFUSED
 
 INDEX, LIVE, KNOWN = "index.html", "live.html", ".index.json"
 SCHEMA = 1

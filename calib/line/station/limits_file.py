@@ -5,13 +5,9 @@ Every limit has its reason and a next step, so that the operator knows what to d
 
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING
 
 from calib.base.plain import METRICS, plain
 from calib.estimation.limits import DEFAULTS, Limit
-
-if TYPE_CHECKING:
-    from tomlkit.items import InlineTable
 
 
 @dataclass(frozen=True)
@@ -57,39 +53,21 @@ A metric without a line is not judged. `validate` judges the metrics of the stop
 
 def limits_file() -> str:
     """The text: every metric that is judged by default, then the other ones, as comments."""
-    import tomlkit
-
-    limits = tomlkit.table()
-    for row in ADVICE:
-        figure = row.limit.figure
-        one = METRICS[figure]
-        limits.add(tomlkit.comment("each stop: " * (one.of == "stop") + one.meaning))
-        limits.add(tomlkit.comment(f"why: {row.reason}"))
-        limits.add(figure, _entry(row))
-        limits.add(tomlkit.nl())
-    limits.add(tomlkit.comment(f"Not judged unless a line is added, such as `{EXAMPLE}`:"))
-    for figure, one in METRICS.items():
-        if one.of == "stop" and not one.judged:
-            limits.add(tomlkit.comment(f"{figure}: {one.meaning}"))
-    document = tomlkit.document()
-    for line in HEAD.splitlines():
-        document.add(tomlkit.comment(line) if line else tomlkit.comment(""))
-    document.add("schema", 1)
-    document.add("limits", limits)
-    return tomlkit.dumps(document)
+    lines = [f"# {line}".rstrip() for line in HEAD.splitlines()] + ["schema = 1", "", "[limits]"]
+    for limit, one in ((row.limit, METRICS[row.limit.figure]) for row in ADVICE):
+        fail, warn = _range(limit.low, limit.high), _range(limit.warn_low, limit.warn_high)
+        required = ", required = true" * limit.required
+        lines += [
+            f"# {'each stop: ' * (one.of == 'stop')}{one.meaning}",
+            f"# why: {one.reason}",
+            f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}",
+            "",
+        ]
+    lines.append(f"# Not judged unless a line is added, such as `{EXAMPLE}`:")
+    others = ((figure, one) for figure, one in METRICS.items() if not one.judged)
+    lines += [f"# {figure}: {one.meaning}" for figure, one in others if one.of == "stop"]
+    return "\n".join(lines) + "\n"
 
 
-def _entry(row: Advice) -> "InlineTable":
-    import tomlkit
-
-    limit = row.limit
-    entry = tomlkit.inline_table()
-    entry.add("fail", [_end(limit.low, -inf), _end(limit.high, inf)])
-    entry.add("warn", [_end(limit.warn_low, -inf), _end(limit.warn_high, inf)])
-    if limit.required:
-        entry.add("required", True)
-    return entry
-
-
-def _end(value: float | None, without: float) -> float:
-    return without if value is None else value
+def _range(low: float | None, high: float | None) -> str:
+    return f"[{-inf if low is None else low}, {inf if high is None else high}]"

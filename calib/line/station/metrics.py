@@ -12,8 +12,7 @@ from calib.base.plain import bound, meanings
 from calib.car.forces import front_biased_up_to
 from calib.car.vehicle import Vehicle
 from calib.estimation.validate import Validation, agreement
-from calib.line.station.fleet_sigma import fleet_sigma
-from calib.line.station.golden import distance, ratios_to
+from calib.line.station.golden import golden_metrics
 from calib.line.station.sides import side_difference
 from calib.logs.log import Log
 from calib.run.driving_record import driving_record
@@ -58,19 +57,8 @@ def metrics_of(car: Car) -> dict[str, float | None]:
     together = agreement(list(car.results))
     out["repeatability_f"] = together.spread_f if together else None
     out["repeatability_r"] = together.spread_r if together else None
-    far = distance(table, car.golden) if car.golden else None
-    out["golden_distance"] = far.relative if far else None
-    out["golden_bands"] = far.bands if far else None
-    ratios = ratios_to(table, car.golden) if car.golden else None
-    out["golden_pads_f"] = ratios.front - 1.0 if ratios else None
-    out["golden_pads_r"] = ratios.rear - 1.0 if ratios else None
-    out["golden_stiffness"] = ratios.stiffness - 1.0 if ratios else None
-    fleet = fleet_sigma(table, car.golden) if car.golden else None
-    out["golden_sigma_d"] = fleet.D if fleet else None
-    out["golden_sigma_level"] = fleet.pad_level if fleet else None
-    out["golden_sigma_ratio"] = fleet.pad_ratio if fleet else None
-    out["golden_sigma_stiffness"] = fleet.stiffness if fleet else None
-    return {name: out[name] for name in METRICS}
+    golden = golden_metrics(table, car.golden) if car.golden else {}
+    return {name: (out | golden).get(name) for name in METRICS}
 
 
 def _eta_zero(vehicle: Vehicle, log: Log) -> float | None:

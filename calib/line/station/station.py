@@ -3,8 +3,9 @@
 ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or failed
 """
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from calib.base.errors import LogError
 from calib.base.plain import counted, plain
@@ -14,13 +15,70 @@ from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgemen
 from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.estimation.validate import CALIBRATION, Validation, validate_one
 from calib.fitting.fit import fit
-from calib.line.station.identity import Identity
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import Car, metrics_of
 from calib.line.station.warnings import car_warnings, log_warnings
 from calib.logs.log import Log
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.table.table import Table
+
+LONGEST = 64
+"""Largest number of characters of an identifier."""
+
+VIN = "[A-HJ-NPR-Z0-9]{17}"
+"""A vehicle identification number, ISO 3779."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Identifiers of a run at the line, each None where none was given.
+
+    ``serial`` of the car or brake control unit; ``vin``; ``station`` where it ran; ``rxswin`` the
+    software identification of UN R156.
+    """
+
+    serial: str | None = None
+    vin: str | None = None
+    station: str | None = None
+    rxswin: str | None = None
+
+    def given(self) -> dict[str, str]:
+        """The identifiers that were given, by name.
+
+        >>> Identity(vin="WVWZZZ1JZXW000001").given()
+        {'vin': 'WVWZZZ1JZXW000001'}
+        """
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+    def doubt(self) -> str:
+        """What is unusual of the VIN; "" if nothing is. Cars before series have such ones."""
+        if self.vin is None or re.fullmatch(VIN, self.vin):
+            return ""
+        return (
+            f"vin {self.vin!r} is not of the form of ISO 3779, which has 17 letters and digits "
+            "without I, O and Q; it is taken as it is"
+        )
+
+    def flaw(self) -> tuple[str, str] | None:
+        """Name of the first identifier that is not valid, and why; None if all are valid."""
+        for name, value in self.given().items():
+            if not value.strip():
+                return name, "is empty"
+            if len(value) > LONGEST:
+                return name, f"has {len(value)} characters, at most {LONGEST} are taken"
+            if not value.isprintable():
+                return name, "holds characters that cannot be printed"
+        return None
+
+
+TITLES = {
+    "serial": "Serial number",
+    "vin": "VIN",
+    "station": "Station",
+    "rxswin": "RXSWIN",
+}
+"""Names of the identifiers in a report."""
 
 CAR = "car"
 """Scope of a check of the car as a whole."""

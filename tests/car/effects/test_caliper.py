@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from calib.car.effects.caliper import Play, clamp, clamped
+from calib.car.effects.caliper import clamp, clamped
 from tests.support.effect_runs import made_history, pressures
 
 PRESSURES = arrays(float, st.integers(1, 300), elements=st.floats(-1e5, 100e5))
@@ -50,27 +50,27 @@ def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half)
     c = [loading[0]]
     for low, now in zip(loading[1:], p[1:], strict=True):
         c.append(max(low, min(now / (1.0 - relative) + half, c[-1])))
-    assert np.array_equal(clamp(p, Play(relative, half)), c)
+    assert np.array_equal(clamp(p, relative, half), c)
     assert np.array_equal(p, before)
 
 
 @pytest.mark.parametrize(
     ("play", "p", "c"),
     [
-        (Play(0.1),
+        ((0.1,),
          [0, 20, 40, 38, 36, 18, 9, 9.5, 10, 20, 0], [0, 20, 40, 40, 40, 20, 10, 10, 10, 20, 0]),
-        (Play(0.0, 2e5),
+        ((0.0, 2e5),
          [0, 1, 3, 20, 18, 16, 10, 12, 14, 20, 1, 0], [0, 0, 1, 18, 18, 18, 12, 12, 12, 18, 3, 2]),
     ],
 )  # fmt: skip
 def test_a_loop_by_hand(play, p, c):
     """Up, held, down on the upper line, held again, up on the lower [bar]."""
-    assert clamp(np.array(p) * 1e5, play) == pytest.approx(np.array(c) * 1e5)
+    assert clamp(np.array(p) * 1e5, *play) == pytest.approx(np.array(c) * 1e5)
 
 
 @given(PRESSURES, WIDTH, st.integers(2, 4))
 def test_the_rate_is_of_no_matter(p, width, slower):
-    assert np.array_equal(clamp(np.repeat(p, slower), Play(width))[::slower], clamp(p, Play(width)))
+    assert np.array_equal(clamp(np.repeat(p, slower), width)[::slower], clamp(p, width))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])

@@ -1,27 +1,29 @@
-"""The distance of two tables that are a closed form: D = C (eta - 1)."""
+"""A car against golden tables that are closed forms: D = C (eta - 1), pads, tyres, their fleets."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import norm, t
 
-from calib.line.station.golden import distance, ratios_to
+from calib.line.station.golden import golden_metrics
+from calib.store.merge import merge
+from tests.support.cars_of_a_line import car_table, cars, version
 from tests.support.tables import made_table
 
 
-def test_a_table_lies_on_itself():
-    found = distance(made_table(), made_table())
-    assert (found.relative, found.bands) == (0.0, 0.0)
+def shortened(table):
+    d = table.difference
+    return replace(table, difference=replace(d, **{n: getattr(d, n)[:8] for n in vars(d)}))
 
 
-@pytest.mark.parametrize("stiffness", [20.0, 30.0])
+@pytest.mark.parametrize("stiffness", [20.0, 27.0, 30.0])
 def test_the_distance_is_that_of_the_stiffnesses(stiffness):
-    found = distance(made_table(stiffness), made_table(27.0))
-    assert found.relative == pytest.approx(abs(stiffness / 27.0 - 1.0))
+    found = golden_metrics(made_table(stiffness), made_table(27.0))
+    assert found["golden_distance"] == pytest.approx(abs(stiffness / 27.0 - 1.0))
     # both bands are 2 (eta - 1) to either side
-    assert found.bands == pytest.approx(abs(stiffness - 27.0) / (2.0 * 2.0**0.5))
-    assert found.at == pytest.approx(1.005)
+    assert found["golden_bands"] == pytest.approx(abs(stiffness - 27.0) / (2.0 * 2.0**0.5))
 
 
 def test_the_bands_are_those_where_the_tables_are_farthest_apart():
@@ -33,20 +35,17 @@ def test_the_bands_are_those_where_the_tables_are_farthest_apart():
 
     half = np.full(21, 1e-6)
     half[-1] = 0.03
-    found = distance(with_width(30.0, half), with_width(27.0, half))
-    assert found.at == pytest.approx(1.005)
-    assert found.bands == pytest.approx(3.0 * 0.005 / (0.03 * 2.0**0.5))
+    found = golden_metrics(with_width(30.0, half), with_width(27.0, half))
+    assert found["golden_bands"] == pytest.approx(3.0 * 0.005 / (0.03 * 2.0**0.5))
     bare = [with_width(stiffness, np.zeros(21)) for stiffness in (30.0, 27.0)]
-    assert distance(*bare).bands == np.inf
-    assert distance(bare[0], bare[0]).bands == 0.0
+    assert golden_metrics(*bare)["golden_bands"] == np.inf
+    assert golden_metrics(bare[0], bare[0])["golden_bands"] == 0.0
 
 
 def test_a_short_table_has_no_distance():
     golden = made_table()
-    d = golden.difference
-    short = replace(d, **{name: getattr(d, name)[:8] for name in vars(d)})
-    assert distance(replace(golden, difference=short), golden) is None
-    assert distance(golden, replace(golden, difference=short)) is not None
+    assert "golden_distance" not in golden_metrics(shortened(golden), golden)
+    assert "golden_distance" in golden_metrics(golden, shortened(golden))
 
 
 def test_pads_and_tyres_are_compared_where_D_is_the_same():
@@ -60,8 +59,70 @@ def test_pads_and_tyres_are_compared_where_D_is_the_same():
         calibration=replace(cal, pad_friction_f=front),
         posterior=replace(posterior, mean=softer),
     )
-    found = ratios_to(table, golden)
-    assert distance(table, golden).relative == 0.0
-    assert found.front == pytest.approx(0.8)
-    assert found.rear == pytest.approx(1.0)
-    assert found.stiffness == pytest.approx(1.0 / 1.25)
+    assert golden_metrics(table, golden) == {
+        "golden_distance": 0.0,
+        "golden_bands": 0.0,
+        "golden_pads_f": pytest.approx(-0.2),
+        "golden_pads_r": pytest.approx(0.0),
+        "golden_stiffness": pytest.approx(1.0 / 1.25 - 1.0),
+    }
+
+
+def as_rare(value, freedom):
+    return math.copysign(norm.isf(t.sf(abs(value), freedom)), value)
+
+
+def sigma(table, golden, of="d"):
+    return golden_metrics(table, golden)[f"golden_sigma_{of}"]
+
+
+GOLDEN = merge(cars(25.0, 27.0, 29.0), "golden")
+"""D = 27 (eta - 1), S = 2 (eta - 1), three cars; no car has errors of its own."""
+
+
+def test_D_of_a_car_over_scatter_and_error_of_the_mean():
+    away = as_rare(6.0 / (2.0 * math.sqrt(4.0 / 3.0)), 2)
+    for stiffness, expected in ((33.0, away), (21.0, -away), (27.0, 0.0)):
+        found = sigma(car_table(9, stiffness), GOLDEN)
+        assert found == pytest.approx(expected, rel=1e-6, abs=1e-6)
+
+
+def test_sigma_of_pads_and_tyres_where_D_is_the_same():
+    made = [car_table(n, 27.0, 0.02 * n, -0.03 * n) for n in range(4)]
+    golden = merge([version(table, n) for n, table in enumerate(made, 1)], "golden")
+    S = np.std(range(4), ddof=1)
+    car = car_table(9, 27.0, 0.02 * 6.0, -0.03 * 6.0)
+    away = as_rare((6.0 - 1.5) / (S * math.sqrt(1.25)), 3)
+    assert sigma(car, golden) == pytest.approx(0.0, abs=1e-6)
+    assert sigma(car, golden, "ratio") == pytest.approx(-away, rel=1e-6)
+    assert sigma(car, golden, "level") == pytest.approx(away, rel=0.02)  # the shares move a little
+    assert sigma(car, golden, "stiffness") == 0.0
+
+
+def test_the_own_error_of_the_car_counts(fitted):
+    """A car measured by itself is nearer, in sigma, than one that is known exactly."""
+    two = replace(fitted, provenance=replace(fitted.provenance, logs=()))
+    stiffer = tuple(
+        m - 0.05 * (n == "log_compliance")
+        for n, m in zip(fitted.posterior.names, fitted.posterior.mean, strict=True)
+    )
+    other = replace(two, posterior=replace(two.posterior, mean=stiffer))
+    golden = merge([version(fitted, 1), version(other, 2)], "golden")
+    exact = replace(fitted, budget=None)
+    assert abs(sigma(fitted, golden, "stiffness")) < abs(sigma(exact, golden, "stiffness"))
+
+
+def test_a_car_with_a_short_table_has_no_sigma_of_D_but_of_its_pads():
+    found = golden_metrics(shortened(car_table(9)), GOLDEN)
+    assert "golden_sigma_d" not in found
+    assert found["golden_sigma_stiffness"] == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_car_of_the_fleet_is_within_its_sigma_as_often_as_it_should():
+    """100 golden tables of three cars, four more cars each: 95 % within 1.96."""
+    rng = np.random.default_rng(3)
+    found = []
+    for _ in range(100):
+        golden = merge(cars(*rng.normal(27.0, 1.0, 3).tolist()), "golden")
+        found += [abs(sigma(car_table(99, float(x)), golden)) for x in rng.normal(27.0, 1.0, 4)]
+    assert 0.92 < np.mean(np.array(found) < 1.96) < 0.98

@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 from xml.etree import ElementTree
 
-from calib.line.station.junit import junit_xml
+from calib.line.station.files import junit_xml
 from tests.support.station_run import MARKUP
 
 ALLOWED = {

@@ -10,12 +10,11 @@ from calib.base.errors import LogError
 from calib.car.vehicle_file import read_vehicle
 from calib.estimation.limits import Limit
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.line.station.document import to_dict
-from calib.line.station.identity import Identity
+from calib.line.station.files import to_dict
 from calib.line.station.limits_file import ADVICE, LIMITS
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import Car
-from calib.line.station.station import outcome, table_of, validated
+from calib.line.station.station import Identity, outcome, table_of, validated
 from calib.logs.read import read_log
 from calib.store.merge import merge
 from calib.store.version import Stored
@@ -150,13 +149,6 @@ def test_sigma_of_the_fleet_can_be_limited(fleet):
     }
 
 
-def test_a_golden_table_of_one_car_has_no_sigma(good):
-    found = run(with_pads(0.38, 0.38), golden=good.table)
-    assert {c.figure for c in found.with_verdict("not known")} == SIGMA | REPEATABILITY
-    stored = Stored(found.table, "sedan", 1, found.table.digest, Path())
-    assert "golden_cars" not in to_dict(found, stored, [])
-
-
 def test_a_required_figure_that_is_not_known_fails():
     limits = (Limit("golden_distance", None, 0.2, required=True),)
     found = run(with_pads(0.38, 0.38), limits)
@@ -188,3 +180,18 @@ def test_without_a_rear_brake_no_front_bias_is_told_as_measured(good):
     limits = (Limit("front_biased_up_to", None, 1.0),)
     found = outcome(Car(replace(good.table, calibration=bare), [], [], []), [], limits, Identity())
     assert "9.99\xa0g or more; limit: at most 1" in found.checks[0].text
+
+
+@pytest.mark.parametrize("value", ["", "  ", "a\nb", "a\x00", "x" * 65])
+def test_what_is_no_identifier(value):
+    assert Identity(vin=value).flaw()[0] == "vin"
+    assert Identity(serial="<Ä \"'&>", rxswin="R79 4711").flaw() is None
+
+
+@pytest.mark.parametrize(
+    ("vin", "usual"), [("WVWZZZ1JZXW000001", True), ("WVWZZZ1JZXW00000O", False), (None, True)]
+)
+def test_a_vin_of_another_form_than_iso_3779_is_told_and_taken(vin, usual):
+    identity = Identity(vin=vin)
+    assert (identity.doubt() == "") == usual
+    assert identity.flaw() is None

@@ -6,7 +6,7 @@ import os
 import pytest
 
 from calib.line.station import index
-from calib.line.station.document import to_dict, to_text
+from calib.line.station.files import to_dict, to_text
 from calib.line.station.index import runs_below
 from calib.show.station_index import facts, worst_first, write_index
 

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.car.vehicle import Axle, Vehicle
-from calib.car.vehicle_file import write_vehicle
 from calib.logs.log import Log
 from calib.model.sensor_noise import NoiseLevel, add_noise
 from tests.support.hidden.hydraulics import lines
@@ -25,6 +24,7 @@ from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
 from tests.support.hidden.variety import Ground, Variety, grouped, offset, unlike, varied
 from tests.support.plant import Tyre, brush, magic
+from tests.support.vehicle_files import write_vehicle
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,191 @@
+"""The files of a run at the station: all of them, or none.
+
+DIR/station.json  junit.xml  report.html  summary.json  <stop>.parquet  exports
+DIR/refused.json  instead, where the car could not be judged: who it was and why
+
+The verdict is moved into place last: without a station.json the run is not complete. `station.json`
+holds no time and no path: the same logs, limits and identifiers give the same bytes. The JUnit XML
+is valid by the schema junit-10 of Jenkins' xUnit plugin.
+"""
+
+import json
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from calib.base.bounded import VALIDATION, read_bounded
+from calib.base.errors import BrakeCalError
+from calib.base.printable import printable
+from calib.base.program import PROGRAM
+from calib.base.publish import publish, workshop
+from calib.base.warning import to_dict as warning_dict
+from calib.base.write import write_whole
+from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
+from calib.estimation.validate import to_dict as validation_dict
+from calib.exports.export import ENDINGS
+from calib.line.station.limits_file import action
+from calib.line.station.station import Identity, StationCheck, StationOutcome
+from calib.store.version import Stored
+
+DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
+REFUSED = "refused.json"
+SCHEMA = 1
+FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
+
+
+def export_name(form: str) -> str:
+    """File name of an export of the format ``form``."""
+    return f"table.{ENDINGS[form]}"
+
+
+EXPORTS = frozenset(map(export_name, ENDINGS))
+"""Every file that can be an export of a run."""
+
+
+def publish_run(work: Path, out: Path) -> list[Path]:
+    """Move everything from ``work`` into ``out``, the verdict last; return the paths.
+
+    Every export, every file that an earlier verdict lists, and the refusal of an earlier run are
+    removed if this run did not make them again: an export must not stay when the car fails now.
+    Other files in ``out`` stay. Raises OSError, see `calib.base.publish.publish`.
+    """
+    return publish(work, out, DOCUMENT, _stale)
+
+
+def _stale(out: Path) -> set[str]:
+    return _listed(out) | EXPORTS | {REFUSED}
+
+
+def _listed(out: Path) -> set[str]:
+    """File names that the verdict in ``out`` lists; none where it cannot be read."""
+    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
+        names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
+        return {n for n in names if isinstance(n, str) and n == Path(n).name and n not in FIXED}
+    return set()
+
+
+def write_refusal(
+    error: BrakeCalError, identity: Identity, logs: Sequence[Path], out: Path
+) -> None:
+    """Write `REFUSED` into the folder ``out``, whole or not at all. Raises OSError.
+
+    It holds no verdict and no number, so nobody takes it for a result. The files of an earlier run
+    stay; the next run that ends with a verdict removes it.
+    """
+    document = {
+        "schema": SCHEMA,
+        "identity": identity.given(),
+        "logs": [printable(log.name) for log in logs],
+        "program": PROGRAM,
+        "error": error.to_dict(),
+    }
+    with workshop(out) as work:
+        write_whole(work / REFUSED, (json.dumps(document, indent=2) + "\n").encode())
+        publish(work, out, REFUSED)
+
+
+def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
+    """The document as plain data; ``files`` are the other files in its folder."""
+    return {
+        "schema": SCHEMA,
+        "verdict": found.verdict,
+        "identity": found.identity.given(),
+        "vehicle": found.table.vehicle.name,
+        "table": {"id": stored.id, "digest": stored.digest, "state": stored.state.word},
+        "accepted_warnings": found.accepted or None,
+        "golden": found.golden or None,
+        **({"golden_cars": found.golden_cars} if found.golden_cars else {}),
+        "program": PROGRAM,
+        "counts": found.counts(),
+        "warnings": [warning_dict(warning) for warning in found.warnings],
+        "checks": [_check(check) for check in found.checks],
+        "figures": {name: _finite(value) for name, value in found.figures.items()},
+        "logs": [
+            {"log": log.name, "digest": log.digest, "role": role}
+            for role, logs in (("ramp", found.ramps), ("coast", found.coasts))
+            for log in logs
+        ]
+        + [{"log": r.log, "digest": r.digest, "role": r.role} for r in found.results],
+        "validation": validation_dict(stored, list(found.results)),
+        "remarks": list(found.table.remarks),
+        "caveats": [warning_dict(warning) for warning in found.caveats],
+        "files": files,
+    }
+
+
+def to_text(document: dict[str, Any]) -> str:
+    """The text of `station.json`."""
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def _check(check: StationCheck) -> dict[str, Any]:
+    j = check.judgement
+    bad = check.verdict in ("failed", "warning")
+    return {
+        "scope": check.scope,
+        "figure": check.figure,
+        "meaning": check.meaning,
+        "value": _finite(j.value),
+        "fail": [j.low, j.high],
+        "warn": [j.warn_low, j.warn_high],
+        "verdict": check.verdict,
+        "action": action(check.figure) if bad else None,
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
+    """The document. All times are zero, so that the same car gives the same bytes."""
+    n = found.counts()
+    totals = {
+        "tests": str(len(found.checks)),
+        "failures": str(n[FAILED]),
+        "errors": "0",
+        "skipped": str(n[NOT_KNOWN]),
+        "time": "0",
+    }
+    known = {name: total for name, total in totals.items() if name != "skipped"}
+    root = ElementTree.Element("testsuites", known)  # Jenkins allows `skipped` on a suite only
+    suite = ElementTree.SubElement(root, "testsuite", {"name": "brake-cal station", **totals})
+    properties = ElementTree.SubElement(suite, "properties")
+    stated = {
+        "verdict": found.verdict,
+        "table": stored.id,
+        "digest": stored.digest,
+        "state": stored.state.word,
+        **found.identity.given(),
+    }
+    for name, value in stated.items():
+        ElementTree.SubElement(properties, "property", {"name": name, "value": _clean(value)})
+    for check in found.checks:
+        _case(suite, check)
+    if found.warnings:
+        output = ElementTree.SubElement(suite, "system-out")
+        output.text = "\n".join(f"warning: {_clean(str(one))}" for one in found.warnings)
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _case(suite: ElementTree.Element, check: StationCheck) -> None:
+    names = {"classname": _clean(check.scope), "name": check.figure, "time": "0"}
+    case = ElementTree.SubElement(suite, "testcase", names)
+    if check.verdict == FAILED:
+        failure = ElementTree.SubElement(case, "failure", {"message": _clean(check.text)})
+        failure.text = action(check.figure)
+    elif check.verdict == NOT_KNOWN:
+        ElementTree.SubElement(case, "skipped", {"message": "the logs cannot give this metric"})
+    elif check.verdict == WARNING:
+        output = ElementTree.SubElement(case, "system-out")
+        output.text = f"warning: {_clean(check.text)}. {action(check.figure)}"
+
+
+def _clean(text: str) -> str:
+    """``text`` without characters that XML 1.0 cannot hold; a log's name may have any bytes."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
