@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.plain import plain
 from calib.line.fleet.control_chart import FEWEST, RULES
@@ -28,6 +27,7 @@ from calib.show.style import (
     REAR,
     SHADE,
     Axes,
+    Mask,
     Stroke,
 )
 
@@ -117,9 +117,7 @@ def in_order(ax: Axes, found: Summary, look: Look) -> None:
     ax.set(xlabel=f"log, ordered by {ordered_by}", ylabel=textwrap.fill(_axis(look), LINE))
 
 
-def _outliers(
-    look: Look, low: float, high: float, arrows: str
-) -> Iterator[tuple[NDArray[np.bool_], str, str]]:
+def _outliers(look: Look, low: float, high: float, arrows: str) -> Iterator[tuple[Mask, str, str]]:
     """Outliers within the axes, then those below and above: mask, mark and label of each group."""
     below, above = look.values < low, look.values > high
     groups = (

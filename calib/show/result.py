@@ -6,13 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
 from calib.base.errors import InputError
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 COLUMNS = (
     "time",

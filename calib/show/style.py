@@ -10,8 +10,9 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array as Array
+from calib.base.arrays import Mask as Mask
 from calib.logs.clock import step_of
 from calib.run.filters import centred_mean
 
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 else:
     Axes = Figure = "of matplotlib, which is imported when something is drawn"
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Stroke = dict[str, Any]
 
 WIDTH = 8.27

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import shlex
 from dataclasses import replace
 
 import pytest
@@ -11,7 +10,6 @@ from calib.help.samples import sample_logs
 from calib.logs.write import write_csv
 from calib.store.store import Store
 from calib.table.budget import pads_budget, summary
-from cli.fit import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
 
 VEHICLE = SEDAN / "vehicle.toml"
@@ -30,17 +28,6 @@ def log(tmp_path_factory):
     path = tmp_path_factory.mktemp("logs") / "ramp.csv"
     write_csv(noisy(ramp(with_pads(REAL, 0.36, 0.36)), 1), path)
     return path
-
-
-def test_the_examples_of_the_help_work_as_printed(brake_cal, tmp_path, monkeypatch):
-    (tmp_path / "sample_logs").symlink_to(SEDAN.parent)
-    monkeypatch.chdir(tmp_path)
-    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
-    assert commands
-    for words in commands:
-        ran = brake_cal(*shlex.split(" ".join(words[1:])))
-        assert ran.code == 0, ran.err
-    assert (tmp_path / "tables/sedan-2up/v0001/record.json").is_file()
 
 
 def test_a_table_is_stored_and_told(brake_cal, log, store):

@@ -70,20 +70,6 @@ def test_units_convert_at_the_door(tmp_path, version, name, unit, si):
     np.testing.assert_allclose(read_log(path)[name], si * np.linspace(1, 2, TIME.size), rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "unit", "words"),
-    [
-        ("a_x", "Nm", "a unit of torque, not of acceleration"),
-        ("p_mc", "g", "a unit of acceleration, not of pressure"),
-        ("p_mc", "", "the unit is missing"),
-    ],
-)
-def test_units_are_strict(tmp_path, name, unit, words):
-    path = write(tmp_path / "run.mf4", [*others(name), signal(name, unit)])
-    with pytest.raises(LogError, match=words):
-        read_log(path)
-
-
 def test_conversions_are_applied(tmp_path):
     codes = np.arange(TIME.size, dtype=np.uint16)
     p = signal("p_mc", samples=codes, conversion={"a": 0.1, "b": -2.0})
@@ -147,14 +133,6 @@ def test_a_name_in_two_groups_must_be_chosen(tmp_path):
     assert read_log(path, chart)["p_mc"][0] == 9e5
 
 
-def test_the_clock_cannot_be_mapped(tmp_path):
-    path = write(tmp_path / "run.mf4", [*others(), signal("Zeit", "s")])
-    chart = tmp_path / "map.toml"
-    chart.write_text('schema = 1\n[channels.time]\nsource = "Zeit"\n')
-    with pytest.raises(ChannelMapError, match="time is mapped to 'Zeit'"):
-        read_log(path, chart)
-
-
 def test_text_is_no_channel(tmp_path):
     text = signal("v", "m/s", np.asarray([b"fast"] * TIME.size), encoding="utf-8")
     with pytest.raises(LogError, match="v: holds"):
@@ -168,12 +146,6 @@ def test_an_array_in_each_sample_is_no_channel_and_costs_no_other(tmp_path):
     chart = ChannelMap("map.toml", {"v": Mapping("raw", "m/s")})
     with pytest.raises(LogError, match=r"raw: holds uint8, shape \(8,\); expected a numeric"):
         read_log(path, chart)
-
-
-def test_nothing_that_is_known(tmp_path):
-    path = write(tmp_path / "run.mf4", [signal("Druck", "bar")])
-    with pytest.raises(LogError, match="it has 'Druck'"):
-        read_log(path, require=())
 
 
 def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):

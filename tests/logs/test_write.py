@@ -130,15 +130,6 @@ def test_a_table_is_read_back_to_the_last_bit(tmp_path_factory, ending, log):
         assert bits(ours.values) == bits(theirs.values)
 
 
-@pytest.mark.parametrize("ending", [".csv", ".parquet"])
-@pytest.mark.parametrize("name", ["x[]", "a [b]", "gear_deg", "v_m_s"])
-def test_a_name_that_looks_like_one_with_a_unit_stays_whole(tmp_path, name, ending):
-    time = np.array([1.0, 2.0, 3.0])
-    columns = (WholeColumn("time", "s", time), WholeColumn(name, None, time))
-    write_log(WholeLog("run", "here", "", columns), tmp_path / f"run{ending}")
-    assert read_whole(tmp_path / f"run{ending}").columns[1].name == name
-
-
 def test_every_format_is_the_same_log_in_si(tmp_path):
     chart = read_channel_map(write_map(tmp_path))
     source = write_mdf(tmp_path / "bench.mf4")

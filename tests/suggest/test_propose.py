@@ -200,14 +200,6 @@ def test_telling_what_cannot_be(told):
         suggestion(foreign(), told=told)
 
 
-@pytest.mark.parametrize("style", ["WS{}", "WhlSpd{}", "{} wheel", "Wheel_{}_speed"])
-def test_wheels_under_many_names(style):
-    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
-    for wheel in WHEELS:
-        columns[(style.format(wheel.upper()), "rad/s")] = RUN[f"omega_{wheel}"]
-    assert found(columns)["omega_rl"].mapping.source == style.format("RL")
-
-
 def test_speeds_at_the_rim_need_a_radius():
     columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
     for wheel in WHEELS:
@@ -238,12 +230,6 @@ def test_a_clock_without_a_unit_is_told_by_its_rate(scale, unit):
     columns = {("timestamp", None): scale * RUN.time, **without(foreign(), "Zeit")}
     clock = found(columns)["time"]
     assert (clock.mapping.unit, clock.sure) == (unit, "likely")
-
-
-def test_a_counter_is_no_clock():
-    columns = {("Sample", None): np.arange(N) * 1.0, **without(foreign(), "Zeit")}
-    (doubt,) = suggestion(columns).doubts
-    assert (doubt.channel, doubt.candidates) == ("time", ("Sample",))
 
 
 def test_a_coast_is_only_likely():

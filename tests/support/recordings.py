@@ -113,6 +113,7 @@ def write_map(folder: Path) -> Path:
     return chart
 
 
+@cache
 def messages(offset: float = 0.0) -> list["object"]:
     """The frames of the run in the order of their times, for the writers of python-can."""
     import can
@@ -157,15 +158,11 @@ def write_bus(path: Path, offset: float = 0.0) -> Path:
     return path
 
 
-def write_mdf(path: Path, version: str = "4.10", compression: int = 0, mixed: bool = True) -> Path:
-    """A measurement by asammdf: one group for each raster, or all at 200 Hz if not ``mixed``."""
+def write_mdf(path: Path, version: str = "4.10", compression: int = 0) -> Path:
+    """A measurement by asammdf: one group for each raster."""
     from asammdf import MDF, Signal
 
     at, values = times(), written()
-    if not mixed:
-        log = ramp()
-        at = dict.fromkeys(at, log.time)
-        values = {n: from_si(log[c], UNITS[n], SI[UNITS[n]]) for c, n in CHANNELS.items()}
     groups = (["WhlFL", "WhlFR", "WhlRL", "WhlRR"], ["PMc"], ["VRef"], ["Ax"])
     with MDF(version=version) as mdf:
         for names in groups:

@@ -110,39 +110,33 @@ def read_by_message(
     if len(parts) > MOST:
         raise ValueError(f"it has {len(parts)} messages, at most {MOST} are read")
     messages = _once([_read(cantools, part, common, where) for part in parts], where)
-    unmarked = [part.name for part in parts if part.unmarked]
     flawed = [f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)]
-    notes = [
-        _told("message(s) that cannot be read", flawed),
-        _told("statement(s) on what the file does not have", unused),
-        _told("identifier(s) past 11 bits, not marked as of 29 bits but read so", unmarked),
-    ]
-    return messages, [note for note in notes if note]
+    unmarked = [part.name for part in parts if part.unmarked]
+    notes = {
+        "message(s) that cannot be read": flawed,
+        "statement(s) on what the file does not have": unused,
+        "identifier(s) past 11 bits, not marked as of 29 bits but read so": unmarked,
+    }
+    return messages, [_told(what, names) for what, names in notes.items() if names]
 
 
 def _once(messages: "list[Message | Flawed]", where: str) -> "list[Message | Flawed]":
+    """Of messages with one identifier none can be read."""
     found: dict[tuple[int, bool], Message | Flawed] = {}
     for message in messages:
         key = (message.frame_id, message.is_extended_frame)
-        found[key] = _twice(found[key], message, where) if key in found else message
+        if (first := found.get(key)) is not None:
+            signals = (*first.signals, *message.signals)
+            name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
+            every = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in signals)
+            message = Flawed(name, *key, why, every, where)
+        found[key] = message
     return list(found.values())
-
-
-def _twice(one: "Message | Flawed", other: "Message | Flawed", where: str) -> Flawed:
-    signals = (*one.signals, *other.signals)
-    return Flawed(
-        f"{one.name} and {other.name}",
-        one.frame_id,
-        one.is_extended_frame,
-        f"both have the identifier {one.frame_id:#x}",
-        tuple(FlawedSignal(signal.name, signal.unit or "") for signal in signals),
-        where,
-    )
 
 
 def _told(what: str, names: list[str]) -> str:
     more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-    return f"{len(names)} {what}: {', '.join(names[:SHOWN])}{more}" if names else ""
+    return f"{len(names)} {what}: {', '.join(names[:SHOWN])}{more}"
 
 
 def _read(cantools: Any, part: _Part, common: str, where: str) -> "Message | Flawed":

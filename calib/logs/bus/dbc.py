@@ -36,7 +36,7 @@ LONGEST_TEXT = 1_000_000
 
 @dataclass(frozen=True)
 class Dbc:
-    """Describeds of one or more files; ``notes`` name the files.
+    """Messages of one or more files; ``notes`` name the files.
 
     ``messages`` by identifier on every bus, ``buses`` by bus and identifier; a bus of its own comes
     first. ``sources`` as in `calib.logs.channel_map.Databases`.
@@ -81,7 +81,7 @@ class Dbc:
 
 
 def _by_group(messages: "dict[Key, Described]") -> "dict[int, Described]":
-    """Describeds with an extended identifier by parameter group; groups of several are left out."""
+    """Messages with an extended identifier by parameter group; groups of several are left out."""
     found: dict[int, list[Described]] = {}
     for (identifier, extended), message in messages.items():
         if extended:
@@ -133,39 +133,33 @@ def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
 
 def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]]":
     """The bytes of a file, its messages, and its flaws. Raises ChannelMapError if it has none."""
-    kind = path.suffix[1:].lower() if path.suffix[1:].lower() in FORMATS else "dbc"
+    kind = path.suffix[1:].lower()
+    kind = kind if kind in FORMATS else "dbc"
     name = kind.upper()
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
     text = _text(content)
     if kind in ("dbc", "sym"):  # the others are XML, whose parser takes no more than their size
         _refuse_long_text(text, path)
     try:
-        messages, flaws = _messages(cantools, text, kind, str(path))
+        if kind == "dbc":
+            messages, flaws = read_by_message(cantools, text, str(path))
+        else:
+            found = cantools.database.load_string(text, database_format=kind, strict=True)
+            messages, flaws = found.messages, []
     except Exception as cause:  # cantools raises many kinds, some of its parser's
         raise ChannelMapError(
             f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
         ) from cause
-    if not messages:
+    if all(isinstance(message, Flawed) for message in messages):
+        why = [f"{m.name}: {m.why}" for m in messages[:1] if isinstance(m, Flawed)]
         raise ChannelMapError(
-            "the file has no messages", where=path, expected="the messages of a bus"
-        )
-    flawed = [message for message in messages if isinstance(message, Flawed)]
-    if len(flawed) == len(messages):
-        raise ChannelMapError(
-            f"not a valid {name}: none of its messages can be read; {flawed[0].name}: "
-            f"{flawed[0].why}",
+            f"not a valid {name}: none of its messages can be read; {why[0]}"
+            if why
+            else "the file has no messages",
             where=path,
-            expected=f"the format {name}",
+            expected="the messages of a bus",
         )
     return content, messages, flaws
-
-
-def _messages(
-    cantools: Any, text: str, kind: str, where: str
-) -> "tuple[list[Described], list[str]]":
-    if kind == "dbc":
-        return read_by_message(cantools, text, where)
-    return cantools.database.load_string(text, database_format=kind, strict=True).messages, []
 
 
 def _text(content: bytes) -> str:

@@ -6,7 +6,7 @@ priority  page     PDU format    destination or extension  source address
 
 from array import array
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,11 +34,7 @@ def group_of(identifier: int) -> int:
 
 
 def source_of(identifier: int) -> int:
-    """Source address of an extended identifier.
-
-    >>> source_of(0x18FEBF0B)
-    11
-    """
+    """Source address of an extended identifier."""
     return identifier & 0xFF
 
 
@@ -65,6 +61,11 @@ class Frames:
     length: NDArray[np.uint16]
     order: NDArray[np.int64]
 
+    def at(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> "Frames":
+        """Some of the frames."""
+        time, data, length = self.time[rows], self.data[rows], self.length[rows]
+        return Frames(self.bus, self.key, time, data, length, self.order[rows])
+
 
 @dataclass
 class Gathered:
@@ -89,15 +90,11 @@ class Gathered:
                 continue
             origin = (str(message.channel), (message.arbitration_id, message.is_extended_id))
             if origin not in self.seen:
-                self._meet(origin)
+                self.seen[origin] = self.known(*origin)
+                self._place[origin], self._data[origin] = array("L"), []
             if self.seen[origin] and not message.is_remote_frame:
                 self._place[origin].append(number)
                 self._data[origin].append(bytes(message.data))
-
-    def _meet(self, origin: tuple[str, Key]) -> None:
-        self.seen[origin] = self.known(*origin)
-        if self.seen[origin]:
-            self._place[origin], self._data[origin] = array("L"), []
 
     @property
     def buses(self) -> list[str]:
@@ -106,11 +103,10 @@ class Gathered:
 
     def result(self, time: Array) -> list[Frames]:
         """Frames by bus and identifier; ``time`` [s] replaces `times`, shape (n,)."""
-        places = {origin: np.asarray(place, np.int64) for origin, place in self._place.items()}
         return [
-            frames_of(*origin, time[places[origin]], self._data[origin], places[origin])
-            for origin in sorted(places)
-            if self._data[origin]
+            frames_of(*origin, time[place], self._data[origin], place)
+            for origin in sorted(self._place)
+            if (place := np.asarray(self._place[origin], np.int64)).size
         ]
 
 
@@ -144,31 +140,21 @@ def once(frames: list[Frames]) -> tuple[list[Frames], list[str]]:
         "before them and follow it at once; they were left out. Was one bus recorded twice, or a "
         "frame both when sent and when received?"
     )
-    return [_only(item, ~mask) for item, mask in zip(frames, doubled, strict=True)], [note]
+    return [item.at(~mask) for item, mask in zip(frames, doubled, strict=True)], [note]
 
 
 def _doubles(frames: Frames) -> NDArray[np.bool_]:
-    """Mask of the frames that are doubles, shape (n,); none if they are not `MANY`."""
     at = np.lexsort((frames.order, frames.time))
-    time, data, length = frames.time[at], frames.data[at], frames.length[at]
-    none = np.zeros(time.size, bool)
+    ordered = frames.at(at)
+    time, data, length = ordered.time, ordered.data, ordered.length
+    mask = np.zeros(time.size, bool)
     if time.size < 4:
-        return none
+        return mask
     same = (data[1:] == data[:-1]).all(axis=1) & (length[1:] == length[:-1])
     found = same & (np.diff(time) < AT_ONCE * float(np.median(time[2:] - time[:-2])))
-    mask = none.copy()
-    mask[at[1:][found]] = True
-    return mask if np.count_nonzero(found) > MANY * time.size else none
-
-
-def _only(frames: Frames, kept: NDArray[np.bool_]) -> Frames:
-    return replace(
-        frames,
-        time=frames.time[kept],
-        data=frames.data[kept],
-        length=frames.length[kept],
-        order=frames.order[kept],
-    )
+    if np.count_nonzero(found) > MANY * time.size:
+        mask[at[1:][found]] = True
+    return mask
 
 
 def joined(frames: Iterable[Frames], same: Callable[[Frames], Hashable]) -> list[Frames]:
@@ -183,12 +169,14 @@ def joined(frames: Iterable[Frames], same: Callable[[Frames], Hashable]) -> list
 
 
 def _one(items: list[Frames]) -> Frames:
-    time = np.concatenate([item.time for item in items])
     width = max(item.data.shape[1] for item in items)
-    data = np.concatenate(
-        [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
+    data = [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
+    every = Frames(
+        items[0].bus,
+        items[0].key,
+        np.concatenate([item.time for item in items]),
+        np.concatenate(data),
+        np.concatenate([item.length for item in items]),
+        np.concatenate([item.order for item in items]),
     )
-    length = np.concatenate([item.length for item in items])
-    number = np.concatenate([item.order for item in items])
-    at = np.lexsort((number, time))
-    return Frames(items[0].bus, items[0].key, time[at], data[at], length[at], number[at])
+    return every.at(np.lexsort((every.order, every.time)))

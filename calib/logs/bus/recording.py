@@ -71,6 +71,8 @@ def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathere
     found = Gathered(dbc.knows)
     try:
         found.take(messages)
+    except LogError:
+        raise
     except Exception as cause:  # a damaged file makes python-can raise almost anything
         raise damaged(
             where,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.base.errors import ChannelMapError, LogError
+from calib.base.errors import ChannelMapError
 from calib.logs.bus.text_logs import open_candump
 from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log
@@ -67,12 +67,6 @@ def test_a_bus_without_a_database_is_left_out(folder):
     found = opened(folder, buses)
     assert [c.full for c in found.columns[1:]] == ["WHEELS.WhlFL", "WHEELS.WhlFR"]
     assert "no frames on bus can7, which the map names; the log has bus can0, can1" in found.notes
-
-
-def test_no_bus_of_the_log_has_a_database(folder):
-    buses = {"1": ["wheels.kcd"]}
-    with pytest.raises(LogError, match=r"no frame of the log \(its buses are can0, can1\)"):
-        opened(folder, buses)
 
 
 def test_two_files_of_one_bus_may_not_describe_one_frame(folder):

@@ -136,18 +136,6 @@ def test_a_flaw_costs_its_message(tmp_path, flaw):
         trace(*places[0])
 
 
-@pytest.mark.parametrize("lost", ['VAL_ 77 X 0 "a";', 'VAL_ 1 X 0 "a";', 'CM_ BO_ 1 "no end;'])
-def test_a_statement_on_nothing_costs_no_message(tmp_path, lost):
-    dbc = known(tmp_path, f"{lost}\n{MUX}{lost}\n")
-    assert decoded(dbc, "Deep", [bytes([0x60, 0, 0, 0, 0, 0, 0, 0])]).values.size == 1
-
-
-def test_the_line_of_a_flaw_is_that_of_the_file(tmp_path):
-    text = MUX + 'CM_ BO_ 1 "two\nlines";\nBO_ 9 4WD: 2 A\n'
-    line = text[: text.index("4WD")].count("\n") + 1
-    assert f"line {line}," in known(tmp_path, text).notes[1]
-
-
 def test_an_identifier_past_11_bits_is_of_29(tmp_path):
     text = MUX.replace(" 1 ", " 419360256 ")
     (key,) = known(tmp_path, text).messages
@@ -186,13 +174,6 @@ def test_every_format_that_describes_a_bus(tmp_path, kind):
     np.testing.assert_allclose(right, 5.0 * np.arange(60))
 
 
-@pytest.mark.parametrize("kind", DATABASES)
-def test_a_file_of_another_format_than_its_ending(tmp_path, kind):
-    other = DATABASES["kcd" if kind == "dbc" else "dbc"]
-    with pytest.raises(ChannelMapError, match=f"not a valid {kind.upper()}: .*expected the format"):
-        known(tmp_path, other, f"a.{kind}")
-
-
 def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):
     text = 'VERSION ""\nNS_ :\nBS_:\nBU_: A\nBO_ 1 M: 16 A\n'
     text += ' SG_ Text : 0|80@1+ (1,0) [0|0] "" A\n SG_ Speed : 80|8@1+ (1,0) [0|0] "km/h" A\n'
@@ -206,7 +187,3 @@ def test_a_text_without_end_is_refused_before_it_costs_memory(tmp_path, part):
     text = DBC + f'CM_ "{part * 400_000}";\n'
     with pytest.raises(ChannelMapError, match=r"a text in quotes has \d+ characters.*1000000"):
         known(tmp_path, text)
-
-
-def test_a_comment_of_a_usual_length_is_read(tmp_path):
-    assert known(tmp_path, DBC + f'CM_ "{"a" * 10_000}";\n').messages

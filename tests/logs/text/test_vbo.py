@@ -175,10 +175,3 @@ def test_units_of_the_module_channels_only():
     units, (note,) = with_units(header, ["bar", "kPa"])
     assert units == [None, None, None, "bar", "kPa"]
     assert note.endswith("2 lines for 5 channels: they were taken for the last, p_front, p_rear")
-
-
-def test_units_that_contradict_a_name_are_not_taken():
-    header = ["Kalman status", "p_front", "Satellite mode", "yaw rate deg/s"]
-    units, (note,) = with_units(header, ["bar"])
-    assert units == [None, None, None, "deg/s"]
-    assert note.endswith("1 lines for 4 channels: no unit was used")
