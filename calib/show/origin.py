@@ -55,7 +55,7 @@ def origin(
 
 def settings(table: Table) -> Facts:
     """The settings of the fit of ``table``, shown on demand."""
-    rows = [(name, f"{value:g}") for name, value in table.provenance.settings.items()]
+    rows = [(name, f"{value:g}") for name, value in sorted(table.provenance.settings.items())]
     return Facts("Settings, in SI", tables=[Cells(("setting", "value"), rows)], folded=True)
 
 
