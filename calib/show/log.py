@@ -124,7 +124,7 @@ def sheet(log: Log) -> Sheet:
     ):
         if rows:
             data = (log.time, rows, where, events, not panels)
-            panels.append(Panel(name, title, _measured, (*data, unit), 7))
+            panels.append(Panel(name, title, _measured, (*data, unit), 8))
     missing = [name for name in ("p_mc", "a_x", *_SPINS, "v") if name not in log]
     note = (
         f"Digest {log.digest[:16]}, {log.time.size} samples, {1.0 / log.sample_time:.0f}\u00a0Hz. "

@@ -200,7 +200,7 @@ def error(ax: Axes, trace: StopTrace) -> None:
         thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
         for found, look, of in (
             (axle.torque, stroke, "compensated"),
-            (axle.nominal_torque, thin, f"pads {trace.nominal_of}"),
+            (axle.nominal_torque, thin, "nominal"),
         ):
             if found is not None and axle.true_torque is not None:
                 off = relative(found, axle.true_torque, trace.valid)

@@ -87,7 +87,7 @@ def test_a_simulation_shows_its_truth_and_the_error(simulated):
     assert truth == pytest.approx(np.full(truth.size, 0.4), rel=0.02)
     ax = axes()
     stop.error(ax, simulated)
-    nominal = line(ax, "front pads of the vehicle file")[1]
+    nominal = line(ax, "front nominal")[1]
     # 0.5 where 0.4 is true
     assert nominal[simulated.valid] == pytest.approx(np.full(simulated.valid.sum(), 25.0), abs=1.0)
     assert np.isnan(nominal[~simulated.valid]).all()
