@@ -341,9 +341,10 @@ def fleet(
     which is the same page and loads itself again every 10 s. `watch --index DIR` keeps both up to
     date.
     """
+    from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_page import document, facts
+    from calib.show.fleet_page import facts
 
     if results.is_dir():
         if order or figure or out:
@@ -376,8 +377,9 @@ def _index(folder: Path) -> Answer:
 
 def _write_fleet(found: "Summary", results: Path, out: Path) -> None:
     from calib.base.printable import printable
+    from calib.line.fleet.document import document
     from calib.show.fleet_figure import picture_name, sheet
-    from calib.show.fleet_page import document, report
+    from calib.show.fleet_page import report
     from calib.show.html import page_of
     from calib.show.sheet import render
 

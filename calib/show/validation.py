@@ -149,10 +149,10 @@ def _limiting(results: list[Validation]) -> list[Row]:
 
 
 def sentences(r: Validation) -> list[str]:
-    """What the pads did, how well that is known, and which limits are not held, if any."""
+    """What the pads did, and which limits are not held, if any."""
     if r.role == CALIBRATION:
         return [NO_HOLDOUT]
-    return [_pads(r.estimate), _known(r), *broken(r)]
+    return [_pads(r.estimate), *broken(r)]
 
 
 def _verdict(r: Validation) -> str:
@@ -205,21 +205,6 @@ def _against(change: Change) -> str:
     size = 100.0 * abs(math.expm1(value))
     known = 100.0 * math.exp(value) * half
     return f"{size:.0f} +- {max(known, 1.0):.0f} % {'below' if value < 0.0 else 'above'}"
-
-
-def _known(r: Validation) -> str:
-    """How well the pad friction itself is known, and how much of the braking is valid."""
-    f = r.figures
-    parts = []
-    for name, what in (
-        ("interval", "their friction is known to"),
-        ("torque_error", "the torque is off the truth by"),
-    ):
-        front, rear = f[f"{name}_f"], f[f"{name}_r"]
-        if front is not None and rear is not None:
-            parts.append(f"{what} {_percent(front)} front and {_percent(rear)} rear")
-    parts.append(f"{100.0 * (f['valid_share'] or 0.0):.0f} % of the braking is valid")
-    return "; ".join(parts)
 
 
 def _percent(share: float) -> str:
