@@ -196,7 +196,7 @@ class Replay:
 
 def sheet(found: Diagnosis, name: str) -> Sheet:
     """Return the sheet of a diagnosis; ``name`` is that of the vehicle."""
-    logs = replays_of(found)
+    logs = _replays_of(found)
     worst = max(logs, key=lambda log: found.gap.by_log[log.measured.name][0])
     weights, words = split_of(found)
     same = found.verdict == "no_gap"
@@ -220,7 +220,7 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     )
 
 
-def replays_of(found: Diagnosis) -> list[Replay]:
+def _replays_of(found: Diagnosis) -> list[Replay]:
     """Hold-outs with their replays, in their order."""
     noise = {name: channel.noise for name, channel in found.gap.by_channel.items()}
     together = zip(found.measured, found.before, found.after, strict=True)

@@ -32,7 +32,7 @@ from calib.table.budget import advice_lines
 Change = tuple[float, float]
 """Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
 
-BY_STOP = (
+_BY_STOP = (
     "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
 )
 
@@ -119,7 +119,7 @@ def _by_stop(stored: Stored, results: list[Validation]) -> Table:
     since = "change"
     errors = ("error, front", "error, rear")[: len(truth)]
     heads = ("stop", "front pads", since, "rear pads", since, "valid", *errors, "verdict")
-    return Table(heads, rows, BY_STOP, [_verdict(r) for r in results])
+    return Table(heads, rows, _BY_STOP, [_verdict(r) for r in results])
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
