@@ -44,7 +44,7 @@ from calib.base.record import (
 )
 from calib.base.record_errors import shown, wrong
 from calib.base.units import UnknownUnit, spellings, unit_of
-from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Mapping
+from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 
 
@@ -226,12 +226,11 @@ def read_channel_map(path: Path) -> ChannelMap:
         bus: tuple(replace(one, path=(path.parent / one.path).absolute()) for one in several)
         for bus, several in file.dbc.items()
     }
+    sources = None if file.j1939 is None else tuple(file.j1939)
     return ChannelMap(
         where=str(path),
         channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
         text=TextFormat(**dict(file.text or TextSection())),
         ignore=tuple(file.ignore),
-        dbc=files.pop("", ()),
-        buses=tuple(files.items()),
-        j1939=None if file.j1939 is None else tuple(file.j1939),
+        databases=Databases(files.pop("", ()), tuple(files.items()), sources),
     )

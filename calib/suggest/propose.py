@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from calib.base.errors import BrakeCalError, InputError
 from calib.base.names import CHANNELS
 from calib.base.units import UnknownUnit, is_unit, unit_of
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
@@ -205,11 +205,12 @@ def to_toml(
     document = tomlkit.document()
     document.add(tomlkit.comment(f"proposed from {_one_line(found.log)}"))
     document.add("schema", 1)
-    if read_with is not None and (read_with.buses or read_with.dbc):
-        by_bus = {bus: _files(files, folder) for bus, files in read_with.buses}
-        document.add("dbc", by_bus or _files(read_with.dbc, folder))
-    if read_with is not None and read_with.j1939 is not None:
-        document.add("j1939", list(read_with.j1939) or "any")
+    known = read_with.databases if read_with else Databases()
+    if known.buses or known.files:
+        by_bus = {bus: _files(files, folder) for bus, files in known.buses}
+        document.add("dbc", by_bus or _files(known.files, folder))
+    if known.sources is not None:
+        document.add("j1939", list(known.sources) or "any")
     if found.ignore:
         document.add("ignore", list(found.ignore))
     for name, why in found.missing.items():
