@@ -71,21 +71,23 @@ def parquets() -> list[bytes]:
 
 
 def on_bus(path: Path) -> object:
-    from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
+    from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
     from calib.logs.read import read_log
     from tests.support.recordings import CHANNELS
 
     mapped = {ours: Mapping(theirs) for ours, theirs in CHANNELS.items()}
-    chart = ChannelMap("map.toml", mapped, dbc=(DatabaseFile(_beside(path)),), j1939=())
+    chart = ChannelMap(
+        "map.toml", mapped, databases=Databases((DatabaseFile(_beside(path)),), sources=())
+    )
     return read_log(path, chart, require=())
 
 
 def signals_of_a_bus(path: Path) -> object:
     """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
-    from calib.logs.channel_map import ChannelMap, DatabaseFile
+    from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases
     from calib.logs.read import open_log
 
-    chart = ChannelMap("map.toml", {}, dbc=(DatabaseFile(_beside(path)),))
+    chart = ChannelMap("map.toml", {}, databases=Databases((DatabaseFile(_beside(path)),)))
     opened = open_log(path, chart).source
     return opened.read(range(len(opened.columns)))
 
@@ -161,7 +163,7 @@ def mdfs() -> list[bytes]:
 
 def read_a_dbc(path: Path) -> object:
     from calib.logs.bus.dbc import read_dbc
-    from calib.logs.channel_map import DatabaseFile
+    from calib.logs.channel_map import DatabaseFile, Databases
 
     return read_dbc([DatabaseFile(path)], "can", "a.blf")
 
