@@ -163,7 +163,7 @@ def mdfs() -> list[bytes]:
 
 def read_a_dbc(path: Path) -> object:
     from calib.logs.bus.dbc import read_dbc
-    from calib.logs.channel_map import DatabaseFile, Databases
+    from calib.logs.channel_map import DatabaseFile
 
     return read_dbc([DatabaseFile(path)], "can", "a.blf")
 
