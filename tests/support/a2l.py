@@ -78,9 +78,9 @@ def decoded(module, memory):
         form = f"{order}{1 if axis is None else int(axis.given[7])}{TYPES[kind]}"
         raw = struct.unpack(form, memory(at, struct.calcsize(form)))
         conversion = methods[method]
-        a, b = 1.0, 0.0
-        if conversion.given[2] != "IDENTICAL":
-            assert conversion.given[2] == "LINEAR"
+        if conversion.given[2] == "IDENTICAL":
+            found[name] = list(raw)
+        else:
             a, b = map(float, conversion.after("COEFFS_LINEAR", 2))
-        found[name] = [a * v + b for v in raw]
+            found[name] = [a * v + b for v in raw]
     return found
