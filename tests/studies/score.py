@@ -19,12 +19,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from tests.support.hidden.cases import NOISE, HiddenCase
 from tests.support.hidden.settings import Hidden
 
-Array = NDArray[np.float64]
 Replays = Mapping[str, Mapping[str, Array]]
 
 BAR = 1e5

@@ -7,6 +7,7 @@ Large ones are made by holes and by compression, so that they take no room on th
 import io
 import json
 import os
+import re
 import shutil
 import struct
 import zlib
@@ -24,6 +25,9 @@ CAR = SEDAN / "vehicle.toml"
 TABLE = "sedan-2up@2"
 
 OSC, CSI, C1, BIDI = "\x1b]0;owned\x07", "\x1b[2J", "\x9b31m", "\u202e"
+RAW = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\u2028\u2029]")
+"""What no output may contain."""
+
 TERMINAL = f"x{OSC}{CSI}{C1}{BIDI}"
 """A name with everything that moves a terminal."""
 

@@ -10,8 +10,8 @@ The same seed gives the same case. Nothing in names, order or metadata tells wha
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from calib.model.sensor_noise import NoiseLevel, add_noise
@@ -22,8 +22,6 @@ from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
 from tests.support.hidden.variety import Ground, Variety, grouped, offset, unlike, varied
 from tests.support.plant import Tyre, brush, magic
-
-Array = NDArray[np.float64]
 
 KINDS = (
     "single",

@@ -7,13 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
 from tests.support.hidden.hydraulics import STEP
 from tests.support.plant import per_pascal
 
-Array = NDArray[np.float64]
 Shape = Callable[[Array], Array]
 Range = tuple[float, float]
 
