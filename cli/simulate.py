@@ -112,7 +112,7 @@ def simulate(
         (write_csv if out.suffix.lower() == ".csv" else write_parquet)(result, out)
     for note in result.notes:
         say(f"note: {note}")
-    time, v = result.time, result["v"]
+    time, v = made.time, made["v"]  # as driven: a reading has noise and is rounded
     document = {
         "out": out,
         "name": result.name,
