@@ -137,7 +137,7 @@ def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str
             continue
         if figure not in sheet.names and figure in _GONE:
             gone = f"{figure!r} is gone. Use {_GONE[figure]}."
-            raise typer.BadParameter(gone, param_hint="--figure")
+            raise misuse(gone, "--figure")
         require_known(figure, (*sheet.names, ALL), "figure ")
         names = sheet.names if figure == ALL else [figure]
         drawn.append((sheet, {name: sheet.figure(name) for name in names}))
