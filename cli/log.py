@@ -75,7 +75,7 @@ def log(
     from calib.logs.whole import channels_log, cut, inventory
     from calib.run.driving_record import run_events
     from calib.show.facts import Facts
-    from calib.show.log_page import facts
+    from calib.show.log import facts
 
     this_run().force = force
     if start is not None and until is not None and start >= until:
@@ -166,8 +166,7 @@ def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
     from calib.show.html import page_of
-    from calib.show.log_figure import MOST, figure, panels_of
-    from calib.show.log_page import facts
+    from calib.show.log import MOST, facts, figure, panels_of
     from calib.show.sheet import ENDINGS, render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:

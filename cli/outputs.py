@@ -168,10 +168,10 @@ def _refuse_parent(out: Path, option: str) -> None:
     """Refuse a place below a file, or below a folder that cannot be written."""
     above = next(path for path in out.absolute().parents if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):
-        why = "no permission to write in" if above.is_dir() else "not a directory:"
-        raise typer.BadParameter(
-            f"cannot write {out}: {why} {os.path.relpath(above)}", param_hint=option
-        )
+        place = os.path.relpath(above)
+        file = f"{place} is a file, not a directory"
+        why = f"no permission to write in {place}" if above.is_dir() else file
+        raise typer.BadParameter(f"cannot write {out}: {why}", param_hint=option)
 
 
 def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:

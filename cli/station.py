@@ -126,8 +126,7 @@ def station(
     from calib.line.station.metrics import Car as MeasuredCar
     from calib.line.station.station import Identity, outcome, table_of, validated
     from calib.run.gates import refuse_copies
-    from calib.show.station_files import store_and_write
-    from calib.show.station_page import facts
+    from calib.show.station_page import facts, store_and_write
     from calib.store.state import DRAFT
 
     ramps = [ramp, *more]

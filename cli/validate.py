@@ -77,7 +77,6 @@ def validate(
     from calib.estimation.validate import require_same_vehicle, to_dict, validate_one
     from calib.run.gates import refuse_copy
     from calib.show.html import page_of
-    from calib.show.trace import from_validation
     from calib.show.validation import facts, report
 
     names = named(logs)
@@ -113,11 +112,7 @@ def validate(
             say(f"wrote {path}")
 
     def page() -> str:
-        traces = [
-            from_validation(used, stored.id, run, result, vehicle)
-            for run, result in zip(runs, results, strict=True)
-        ]
-        return page_of(report(stored, results, traces, origin("vehicle", "model", "limits")))
+        return page_of(report(stored, results, origin("vehicle", "model", "limits")))
 
     failed = FAILED * (not all(result.passed for result in results))
     return Answer(summary, facts(stored, results), failed, page)

@@ -25,8 +25,6 @@ from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
 from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
-from calib.show.stop import sheet as stop_sheet
-from calib.show.trace import StopTrace
 from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
@@ -37,8 +35,6 @@ Change = tuple[float, float]
 BY_STOP = (
     "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
 )
-PANELS = ("deceleration", "axle-torques")
-"""Panels of a stop that are shown beside its pads, where the stop has them."""
 
 
 def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
@@ -64,14 +60,11 @@ def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
     )
 
 
-def report(
-    stored: Stored, results: Sequence[Validation], traces: Sequence[StopTrace], origin: PageOrigin
-) -> Facts:
-    """The facts with a part for each stop, of which ``traces`` are, and with their origin."""
+def report(stored: Stored, results: Sequence[Validation], origin: PageOrigin) -> Facts:
+    """The facts with a part for each stop, and with their origin."""
     logs = [(r.role, r.log, r.digest) for r in results]
-    stops = [_stop(result, trace) for result, trace in zip(results, traces, strict=True)]
     from_ = origin_of(origin, stored, logs, str(results[0].mass))
-    return replace(facts(stored, results), parts=[*stops, from_])
+    return replace(facts(stored, results), parts=[*map(_stop, results), from_])
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
@@ -239,14 +232,13 @@ def _percent(share: float) -> str:
     return f"{percent:.0f} %" if percent >= 1.0 else f"{percent:.1f} %"
 
 
-def _stop(r: Validation, trace: StopTrace) -> Facts:
+def _stop(r: Validation) -> Facts:
     """One stop: judged metrics, the others, its picture."""
     name, given = r.log, {j.figure for j in r.judgements}
     table, unknown = judged(f"Limits of {name}, the worst first.", [[j] for j in r.judgements])
     over_time = Panel("pads", "Pad friction", pads_over_time, (r,), 2)
-    taken = [panel for panel in stop_sheet(trace).panels if panel.name in PANELS]
-    panels = Sheet("stop", name, "", "", (over_time, *taken), ())
-    caption = f"{name}: pad friction with its 95 % band, deceleration, torques; grey: not valid."
+    panels = Sheet("stop", name, "", "", (over_time,), ())
+    caption = f"{name}: pad friction with its 95 % band; grey: not valid."
     others = [
         (plain(key).name, plain(key).with_unit(value), key)
         for key, value in r.figures.items()

@@ -89,7 +89,7 @@ def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, 
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        (("sedan",), 2, "names no version; give sedan@N"),
+        (("sedan",), 2, "give name@version"),
         (("sedan@9",), 2, "no version '9'"),
         (("sedna@1",), 2, "did you mean 'sedan'"),
     ],

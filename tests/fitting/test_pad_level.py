@@ -7,8 +7,9 @@ import pytest
 
 from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify_once
-from calib.fitting.pad_level import level_residuals
+from calib.fitting.pad_level import level_residuals, level_spread
 from calib.model.ramp import prepare
+from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
@@ -69,3 +70,8 @@ def test_level_of_one_axle_does(runs):
     weaker = replace(one, blocks=replace(b, p_r=1.1 * b.p_r))
     same, other = (identify_once(CAR, [runs["n"], run]).mean.log_pad_ratio for run in (one, weaker))
     assert other - same > 0.01
+
+
+def test_spread_is_that_of_the_pads_where_all_else_is_exact(runs):
+    found = level_spread(CAR, [runs["n"], runs["f"]], None)
+    assert found == pytest.approx([SETTINGS.pads_repeat] * 2)
