@@ -12,7 +12,6 @@ from typing import Any
 from calib.base.digest import canonical_json
 from calib.base.program import NAME, PROGRAM, VERSION
 from calib.car.vehicle import Vehicle
-from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.estimation.estimator import Estimate
 from calib.estimation.validate import validate
@@ -53,6 +52,8 @@ class Material:
 
     def vehicle(self, file: str) -> Vehicle:
         """The vehicle of a file below ``samples``."""
+        from calib.car.vehicle_file import read_vehicle
+
         return read_vehicle(self._file(file))
 
     def stored(self) -> Stored:
