@@ -226,8 +226,14 @@ def study(
         values = np.array([r.metrics[name] for r in readings])
         analysis = anova(values, car, station, terms)
         results.append(_result(name, values, analysis, held, tolerances.get(name)))
-    notes = (*_notes(car, station, terms), *_alike(results))
-    return GaugeStudy(readings, tuple(results), reference, notes)
+    notes = _notes(car, station, terms)
+    alike = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
+    if alike:
+        notes.append(
+            f"the cars do not differ in {', '.join(alike)}: %GRR would be near 100 % for any "
+            "gauge; take cars that differ, or give the tolerance in --limits"
+        )
+    return GaugeStudy(readings, tuple(results), reference, tuple(notes))
 
 
 def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes) -> None:
@@ -266,14 +272,12 @@ def _result(
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
-    """The limits of one metric: its own if given, else the common ones."""
     by_name = {limit.figure: limit for limit in limits}
     both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in FIGURES]
     return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 
 def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
-    """Quantities that the design cannot determine, or only roughly."""
     ramps = np.zeros((int(car.max()) + 1, int(station.max()) + 1), dtype=np.int64)
     np.add.at(ramps, (car, station), 1)
     cars, stations = ramps.shape
@@ -298,9 +302,3 @@ def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
             "variances from their expectations, intervals approximate"
         )
     return notes
-
-
-def _alike(results: list[GaugeResult]) -> list[str]:
-    names = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
-    why = f"the cars do not differ in {', '.join(names)}: %GRR would be near 100 % for any gauge; "
-    return [why + "take cars that differ, or give the tolerance in --limits"] if names else []

@@ -35,11 +35,6 @@ def test_named_is_the_rule_of_benjamini_and_hochberg(p):
     assert named(np.array(p), SHARE).tolist() == expected
 
 
-def test_what_is_not_known_is_never_named():
-    assert named(np.array([np.nan, 1e-9])).tolist() == [False, True]
-    assert named(np.array([np.nan])).tolist() == [False]
-
-
 FLEETS = 25
 
 
@@ -147,10 +142,8 @@ def test_a_difference_that_does_not_matter_names_no_car():
 def test_outliers_are_named_and_do_not_hide_each_other():
     x = 0.38 + 0.01 * np.random.default_rng(8).normal(size=500)
     x[[3, 50, 77]] = (0.45, 0.30, 0.50)
-    found = spread(x)
     assert cars_named(x) == [3, 50, 77]
-    assert found.z[3] == pytest.approx(7.0, abs=2.5)  # the tails are not known for sure
-    assert found.scale == pytest.approx(0.01, rel=0.1)
+    assert spread(x).scale == pytest.approx(0.01, rel=0.1)
 
 
 def test_gaps_few_cars_and_figures_without_scale():
@@ -191,15 +184,3 @@ def test_long_tails_are_evident_in_many_cars_and_not_in_few():
     assert np.argmax(many) > 0
     assert many[0] < -20.0
     assert few.min() > -3.0
-
-
-def test_cars_outside_count_by_their_number_and_not_by_their_distance():
-    x = normal(60)
-    near = Bulk(x[3:-3], 1.0, x[3], x[-4], 3, 3)
-    assert np.argmax(near.evidence) == 0
-
-
-def test_few_cars_make_a_distance_less_rare():
-    few, many = (bulk(normal(n)) for n in (10, 1000))
-    p = [b.two_sided(TAIL_PRIOR, np.array([5.0]))[0] for b in (few, many)]
-    assert p[0] > 30.0 * p[1]

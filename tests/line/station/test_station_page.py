@@ -11,7 +11,7 @@ import pytest
 from calib.show.html import page_of
 from calib.show.station_page import report, sheet
 from tests.support.browser import BROWSER, Browser
-from tests.support.station_run import MARKUP, failed_car
+from tests.support.station_run import MARKUP
 
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium here; apt install chromium")
 
@@ -90,12 +90,8 @@ def test_the_verdict_comes_first_and_each_failure_has_a_next_step(html, found):
         assert any(check.text in text for text in texts)
 
 
-def test_the_same_car_gives_the_same_bytes(found, kept):
-    assert page_of(report(found, kept)) == page_of(report(found, kept))
-
-
 @needs_browser
-@pytest.mark.parametrize(("width", "dark"), [(1000, False), (1000, True), (360, False)])
+@pytest.mark.parametrize(("width", "dark"), [(1000, True), (360, False)])
 def test_opens_quietly_and_fits_the_screen(browser, page, width, dark):
     seen = browser.open(page, width, dark=dark)
     assert seen.requests == []
@@ -109,33 +105,13 @@ def test_opens_quietly_and_fits_the_screen(browser, page, width, dark):
 
 
 @needs_browser
-@pytest.mark.parametrize("width", [360, 1000])
-def test_no_table_is_cut_and_every_bar_has_its_mark(browser, page, width):
-    browser.open(page, width)
+def test_no_table_is_cut_and_every_bar_has_its_mark(browser, page):
+    browser.open(page, 360)
     cut = "[...document.querySelectorAll('.wide')].filter(e => e.scrollWidth > e.clientWidth + 1)"
     assert browser.ask(f"{cut}.length") == 0
     bars = "[...document.querySelectorAll('.bar')]"
     assert browser.ask(f"{bars}.length") > 15
     assert browser.ask(f"{bars}.every(e => e.querySelector('.mark') && e.ariaLabel.length > 9)")
-
-
-@needs_browser
-def test_a_request_and_a_complaint_would_be_seen(browser, tmp_path):
-    bad = tmp_path / "bad.html"
-    bad.write_text("<script src='file:///nowhere.js'></script><script>nothing()</script>")
-    seen = browser.open(bad)
-    assert seen.requests
-    assert seen.complaints
-
-
-@needs_browser
-def test_a_figure_grows_when_its_box_is_ticked(browser, page):
-    browser.open(page)
-    width = "document.images[0].clientWidth"
-    before = browser.ask(width)
-    browser.ask("document.querySelector('.zoom').click()")
-    assert browser.ask(width) > 2 * before
-    assert browser.ask("document.documentElement.scrollWidth") <= 1000
 
 
 CONTRAST = """
@@ -170,37 +146,25 @@ def test_contrast_is_4_5_to_1_or_better(browser, page, dark):
     assert browser.ask(CONTRAST) >= 4.5
 
 
-@pytest.fixture(scope="module")
-def failed():
-    return failed_car()
-
-
 def axes_of(sheet, name):
     return sheet.figure(name).axes[0]
 
 
-def test_the_points_are_the_pads_of_the_stops(failed):
-    ax = axes_of(sheet(failed.table, failed.results), "pads")
+def test_the_points_are_the_pads_of_the_stops(found):
+    ax = axes_of(sheet(found.table, found.results), "pads")
     points = {c.get_label(): c[0].get_xydata()[:, 1] for c in ax.containers}
-    assert np.allclose(points["front, stop"], [r.figures["pad_friction_f"] for r in failed.results])
-    assert np.allclose(points["rear, stop"], [r.figures["pad_friction_r"] for r in failed.results])
+    assert np.allclose(points["front, stop"], [r.figures["pad_friction_f"] for r in found.results])
+    assert np.allclose(points["rear, stop"], [r.figures["pad_friction_r"] for r in found.results])
 
 
-def test_a_name_with_a_dollar_is_drawn_as_text(failed):
-    ax = axes_of(sheet(failed.table, failed.results), "stop-1")
+def test_a_name_with_a_dollar_is_drawn_as_text(found):
+    ax = axes_of(sheet(found.table, found.results), "stop-1")
     assert ax.get_title(loc="left").count(r"\$") == 1
 
 
-def test_a_line_ends_where_the_estimate_is_not_valid(failed):
-    drawn = sheet(failed.table, failed.results)
-    line = axes_of(drawn, "stop-2").get_lines()[0].get_ydata()
-    valid = failed.results[1].estimate.valid[::5]
-    assert np.array_equal(np.isfinite(line), valid)
-
-
-def test_no_band_is_drawn_where_the_estimate_is_not_valid(failed):
-    ax = axes_of(sheet(failed.table, failed.results), "stop-2")
-    result = failed.results[1].estimate
+def test_no_band_is_drawn_where_the_estimate_is_not_valid(found):
+    ax = axes_of(sheet(found.table, found.results), "stop-2")
+    result = found.results[1].estimate
     first = result.time[np.argmax(result.valid)]
     bands = [one for one in ax.collections if one.get_facecolor()[0][3] < 1.0]
     assert len(bands) == 2
