@@ -9,9 +9,8 @@ before it (type I, Henderson's third method). The expected mean squares are line
 
 In a full design with equal repeats this is the textbook table (AIAG, Measurement Systems Analysis,
 4th ed., app. A; Montgomery, Design and Analysis of Experiments, ch. 13). With unequal numbers or
-missing cells the estimates are still unbiased, but the intervals become approximate: the mean
-squares then follow approximately a chi-square distribution with the degrees of freedom of
-Satterthwaite (1946), and are not exactly independent.
+missing cells the estimates stay unbiased and the intervals are approximate, with the degrees of
+freedom of Satterthwaite (1946).
 
     GRR^2 = EV^2 + AV^2          scatter of the measurement: repeatability and reproducibility
     TV^2 = GRR^2 + PV^2          PV: the cars themselves
@@ -40,12 +39,12 @@ Codes = NDArray[np.int64]
 CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
 
-RANK = 1e-9
+_RANK = 1e-9
 """Share of the largest singular value below which a direction is ignored."""
 
-SIGMAS = 6.0
+_SIGMAS = 6.0
 """Standard deviations across a process, which AIAG compares with the tolerance."""
-NDC = 1.41
+_NDC = 1.41
 """Factor of ndc: the square root of 2 as rounded by AIAG."""
 
 DRAWS = 20_000
@@ -135,7 +134,7 @@ def _partition(Z: dict[str, Array]) -> dict[str, Array]:
     parts: dict[str, Array] = {}
     for name, columns in Z.items():
         U, size, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
-        least = RANK * max(1.0, float(np.max(np.abs(columns).sum(axis=0))))
+        least = _RANK * max(1.0, float(np.max(np.abs(columns).sum(axis=0))))
         parts[name] = U[:, size > least]
         if parts[name].shape[1] == 0:
             raise ValueError(f"no degree of freedom left for {name}")
@@ -243,7 +242,7 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     shares = float(grr), _ends(grrs), float(ndc), _ends(ndcs)
     if tolerance is None:
         return GaugeRR(components, *shares)
-    gauge, per = components[GAUGE], SIGMAS / tolerance
+    gauge, per = components[GAUGE], _SIGMAS / tolerance
     low, high = gauge.sd95
     return GaugeRR(components, *shares, per * gauge.sd, (per * low, per * high))
 
@@ -265,7 +264,6 @@ def _chi2(nu: float, stream: int) -> Array:
 
 
 def _derived(v: dict[str, Array]) -> dict[str, Array]:
-    """Variances and their sums."""
     stations = {n: v[n] for n in (STATION, INTERACTION) if n in v}
     out = {REPEATABILITY: v[REPEATABILITY], **stations}
     if stations:
@@ -275,8 +273,7 @@ def _derived(v: dict[str, Array]) -> dict[str, Array]:
 
 
 def _ratios(v: dict[str, Array]) -> tuple[Array, Array]:
-    """%GRR and ndc."""
-    return np.sqrt(v[GAUGE] / v[TOTAL]), NDC * np.sqrt(v[CAR] / v[GAUGE])
+    return np.sqrt(v[GAUGE] / v[TOTAL]), _NDC * np.sqrt(v[CAR] / v[GAUGE])
 
 
 def _ends(draws: Array) -> tuple[float, float]:

@@ -51,20 +51,14 @@ def started(*arguments):
 
 
 @pytest.fixture
-def scheduler(tmp_path):
-    """A scheduler that was just started."""
+def address(tmp_path):
+    """Of a scheduler that was just started."""
     module = "distributed.cli.dask_scheduler"
     file = tmp_path / "scheduler.json"
     process = started(module, *LOCAL, "--port", 0, "--scheduler-file", file)
-    yield process
+    yield waited_for(lambda: file.exists() and address_in(file.read_text()))
     process.kill()
     process.wait()
-
-
-@pytest.fixture
-def address(scheduler, tmp_path):
-    file = tmp_path / "scheduler.json"
-    return waited_for(lambda: file.exists() and address_in(file.read_text()))
 
 
 @pytest.fixture
