@@ -75,8 +75,7 @@ class LevelChange:
 def chart(values: Array) -> Chart | None:
     """Individuals chart of ``values`` (n,) in order, all finite; None below `FEWEST` or no scatter.
 
-    Centre and sigma are of the same cars, so the chart judges uniformity, not a target. Sigma is
-    from car to car: a slow drift does not increase it.
+    It judges uniformity, not a target; sigma is from car to car, so a slow drift adds nothing.
     """
     if values.size < FEWEST:
         return None

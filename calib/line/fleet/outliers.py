@@ -1,8 +1,7 @@
 """Cars that stand apart in a fleet, with a limited share of false ones over the whole fleet.
 
-Each metric gives each car a p-value, from what the bulk of the cars says of the scale and the tails
-of that metric, see `calib.line.fleet.shapes`. One metric of few cars says little of its tails; all
-metrics together say more, so each is judged with what the others say too.
+Each metric gives each car a p-value, from what the bulk of the cars says of its scale and, with the
+other metrics, of its tails: see `calib.line.fleet.shapes`.
 
     p of a car     the least p of its metrics, times the number of metrics that say new things
     named cars     by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
@@ -14,10 +13,9 @@ Epidemiology 33, 2009), from the rank correlations. A car is named once, with al
 Differences below the least one that matters, `least`, name no car. Where half of the cars or more
 have one value, such as a prior's, the other cars are judged among themselves.
 
-No rule finds bad cars and is right for every distribution: ranks alone cannot, since one car is
-always the farthest. What is assumed is that good cars have tails about as long as those of a t
-distribution with 4 degrees of freedom, or shorter. `tests/studies/results/fleet_alarms.md` says how
-often a fleet of good cars names one, and how often a bad car is found.
+Assumed are good cars with tails about as long as those of a t distribution with 4 degrees of
+freedom, or shorter. `tests/studies/results/fleet_alarms.md` says how often a fleet of good cars
+names one, and how often a bad car is found.
 """
 
 from collections.abc import Sequence

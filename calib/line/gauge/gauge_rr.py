@@ -17,13 +17,11 @@ freedom of Satterthwaite (1946).
     %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG)
     %GRR of the tolerance = 6 GRR/(USL - LSL)                    (the same, ch. III, section B)
 
-%GRR and ndc compare the gauge with the cars of the study. Where the cars do not differ, %GRR is
-near 100 % for any gauge and has no meaning; that of the tolerance still has.
-
+Where the cars do not differ, %GRR is near 100 % for any gauge; that of the tolerance has a meaning.
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
-Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): draws of
-nu MS/chi2(nu) replace each expected mean square, and the 2.5 and 97.5 % points of the results are
-the ends. `tests/studies/results/repeatability_coverage.md` says how often they contain the truth.
+Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): the 2.5 and 97.5 % points
+of draws of nu MS/chi2(nu) for each expected mean square. How often they contain the truth:
+`tests/studies/results/repeatability_coverage.md`.
 """
 
 from dataclasses import dataclass
@@ -87,8 +85,7 @@ class Anova:
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
     """Causes that the design can separate, in order; ``car``, ``station`` codes (n,).
 
-    If no cell has a repeat, the interaction is part of the repeatability. Stations that share no
-    car cannot be separated from the cars.
+    Not the interaction without a repeat in a cell, nor stations that share no car.
     """
     names, every = [CAR], _columns(car)
     for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
@@ -164,10 +161,9 @@ def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) ->
 
 @dataclass(frozen=True)
 class VarianceComponent:
-    """A variance in the metric's unit squared.
+    """``raw`` estimate, in the metric's unit squared; ``variance``: zero for a negative one.
 
-    ``raw`` estimate; ``variance`` the same, or zero if it is negative; ``low``, ``high`` 95 %
-    interval.
+    ``low``, ``high`` 95 % interval.
     """
 
     variance: float
@@ -191,10 +187,9 @@ class GaugeRR:
     """Components of a metric's scatter.
 
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
-    ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1];
-    ``ndc`` number of distinct categories, not rounded [1]; each with its 95 % interval.
-    ``tolerance`` six standard deviations of the gauge over the tolerance's width [1], and
-    its interval; None without a tolerance.
+    ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1]; ``ndc``
+    number of distinct categories, not rounded [1]; ``tolerance`` six standard deviations of the
+    gauge over the tolerance's width [1], None without one; each with its 95 % interval.
     """
 
     components: dict[str, VarianceComponent]

@@ -135,9 +135,8 @@ class GaugeStudy:
 def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str, float]:
     """Metrics of one ramp from its ``table``, with the curves at eta - 1 = ``reference`` [1].
 
-    At a given eta the curves are what the ECU reads. At a given deceleration they would depend only
-    on the pad ratio, which a ramp determines poorly. Raises InputError if the curves do not reach
-    ``reference``.
+    At a given eta the curves are what the ECU reads; at a given deceleration they depend on the pad
+    ratio alone, which a ramp determines poorly. Raises InputError beyond the end of the curves.
     """
     paper, eta = table.paper, 1.0 + reference
     if not paper.eta[0] <= eta <= paper.eta[-1]:
@@ -170,10 +169,7 @@ def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
 
 
 def known_limits() -> set[str]:
-    """Names allowed in a limits file.
-
-    `FIGURES` of all metrics, or of one as ``NAME_grr``; a metric itself: its tolerance.
-    """
+    """Of a limits file: `FIGURES` of all metrics, of one as ``NAME_grr``; a metric: its tolerance."""
     return {*FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in FIGURES}
 
 
