@@ -169,7 +169,7 @@ def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
 
 
 def known_limits() -> set[str]:
-    """Of a limits file: `FIGURES` of all metrics, of one as ``NAME_grr``; a metric: its tolerance."""
+    """In a limits file: `FIGURES` of all metrics, ``NAME_grr`` of one, NAME for its tolerance."""
     return {*FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in FIGURES}
 
 
