@@ -205,7 +205,7 @@ def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "no space left")
 
-    monkeypatch.setattr("calib.show.station_files.page_of", full)
+    monkeypatch.setattr("calib.show.station_page.page_of", full)
     ran = station()
     assert (ran.code, ran.result) == (5, "")
     assert "no space left" in ran.err
