@@ -7,7 +7,6 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import pairwise
 
-import numpy as np
 import pytest
 from selenium import webdriver
 
@@ -176,13 +175,6 @@ def test_contrast_is_4_5_to_1_or_better(browser, page, dark):
 
 def axes_of(sheet, name):
     return sheet.figure(name).axes[0]
-
-
-def test_the_points_are_the_pads_of_the_stops(found):
-    ax = axes_of(sheet(found.table, found.results), "pads")
-    points = {c.get_label(): c[0].get_xydata()[:, 1] for c in ax.containers}
-    assert np.allclose(points["front, stop"], [r.figures["pad_friction_f"] for r in found.results])
-    assert np.allclose(points["rear, stop"], [r.figures["pad_friction_r"] for r in found.results])
 
 
 def test_a_name_with_a_dollar_is_drawn_as_text(found):
