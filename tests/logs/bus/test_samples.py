@@ -75,12 +75,3 @@ def test_a_sym_is_what_was_made_of_it_as_dbc():
         assert twins.keys() == {signal.name for signal in message.signals}
         for signal in message.signals:
             assert ours(frames, message, signal) == ours(frames, other[key], twins[signal.name])
-
-
-def test_a_frame_in_the_readme_of_cantools():
-    """80 4A 0F ... is told there as 255.92 degK, 0.0 m, Enabled."""
-    dbc = read_dbc([DatabaseFile(SAMPLES / "motohawk.dbc")], "can", "x")
-    ((key, message),) = dbc.messages.items()
-    frames = frames_of("0", key, np.zeros(1), [bytes.fromhex("804A0F0000000000")])
-    found = {signal.name: ours(frames, message, signal)[0] for signal in message.signals}
-    assert found == pytest.approx({"Temperature": 255.92, "AverageRadius": 0.0, "Enable": 1.0})

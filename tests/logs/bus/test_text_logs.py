@@ -37,13 +37,6 @@ def test_a_frame_that_the_library_passed_over_is_missed():
     assert len(lines.gathered([one, one], NOTHING).times) == 2
 
 
-@pytest.mark.parametrize(("end", "whole"), [("frame 2", 1), ("fra", 1), ("frame 2\nfr", 2)])
-def test_whole_frames_before_a_line_without_end(end, whole):
-    lines = counted("frame 1\n" + end)
-    with pytest.raises(LogError, match=f"cut off within the last line, after {whole} whole"):
-        lines.gathered(iter(list(lines)[:0]), NOTHING)
-
-
 @pytest.fixture(scope="module")
 def folder(bus):
     write_bus(bus / "whole.log", 1.7e9)
