@@ -1,7 +1,7 @@
 """`brake-cal check`: what a log contains, and for what it can be used."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, progress, say, this_run
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @command("brake-cal check sample_logs/sedan/*.csv")
-def check(logs: Annotated[list[Path], logs("logs to check")], *, channel_map: Map) -> Answer:
+def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answer:
     """Say for what each log can be used.
 
     One line for each; -v shows what the log contains as well. Exit code 1 if a log is usable for

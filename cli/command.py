@@ -1,8 +1,9 @@
 """A command is a declaration: what it reads, what it writes, what it returns.
 
     @command("brake-cal fit ramp.csv --vehicle car.toml")
-    def fit(logs: Logs, *, vehicle: Car, mass: Mass, store: Tables) -> Answer:
+    def fit(logs: list[Path] = logs("Ramps."), *, vehicle: Car, store: Tables) -> Answer:
 
+A shared option is a type of `cli.options`, one of its own is a default.
 The rest stands here. Each command has -q, -v and --json; what is typed becomes a car, a store, a
 mass in kg as its option says (`cli.options`); a place that cannot be written is refused before any
 file is read; warnings, the result and the page of --report are printed and written in one way.
@@ -13,11 +14,11 @@ from dataclasses import dataclass
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
 
-from cli.console import Markdown, emit, emit_json, this_run, warn
+from cli.console import Markdown, emit, emit_json, misuse, this_run, warn
 from cli.group import Group, first_sentence
 from cli.options import option
 from cli.outputs import check_file, write_file
@@ -55,7 +56,7 @@ def _ask(context: typer.Context, asked: typer.CallbackParam, given: bool) -> Non
     if given and not context.resilient_parsing:
         setattr(run, str(asked.name), True)
     if run.quiet and run.verbose:
-        raise typer.BadParameter("-q and -v exclude each other", param_hint="--quiet, --verbose")
+        raise misuse("-q and -v exclude each other", "--quiet, --verbose")
 
 
 def _flag(text: str, *flags: str) -> Any:
@@ -77,14 +78,13 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
     """
 
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
-        hints = get_type_hints(body, include_extras=True)
-        own = [_parameter(p, hints[p.name]) for p in signature(body).parameters.values()]
+        own = [_parameter(p) for p in signature(body).parameters.values()]
         infos = {p.name: get_args(p.annotation)[1] for p in own}
         more: dict[str, Any] = {"report": Report} if report else {}
         writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
         if any(i.writes != "folder" for i in writes.values()):
             more["force"] = Force
-        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in hints else {"json": Json})
+        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in infos else {"json": Json})
         added = [
             Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
             for name, hint in more.items()
@@ -92,7 +92,7 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
 
         @wraps(body)
         def run(**given: Any) -> None:
-            printed, page = "json" in hints, given.pop("report", None)
+            printed, page = "json" in infos, given.pop("report", None)
             as_json = False if printed else given.pop("json")
             this_run().inputs |= {
                 name: files
@@ -162,10 +162,13 @@ def example(*lines: str) -> str:
     return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
 
 
-def _parameter(given: Parameter, hint: Any) -> Parameter:
-    default = given.default
-    if default is Parameter.empty:
-        default = _default(hint, given.kind == Parameter.KEYWORD_ONLY)
+def _parameter(given: Parameter) -> Parameter:
+    """A parameter as typer reads it; what is typed may be another type than what the body gets."""
+    kind, info = given.annotation, given.default
+    if get_origin(kind) is Annotated:
+        kind, info = get_args(kind)
+    hint: Any = Annotated[getattr(info, "typed", None) or kind, info]
+    default = _default(hint, given.kind == Parameter.KEYWORD_ONLY)
     return given.replace(annotation=hint, default=default)
 
 

@@ -15,6 +15,8 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path, PurePath
 from typing import IO, TYPE_CHECKING, Any, ClassVar
 
+import typer
+
 from calib.base.printable import printable
 
 if TYPE_CHECKING:
@@ -81,6 +83,20 @@ def warn(warnings: Iterable[object]) -> None:
     """Print each warning on stderr."""
     for warning in warnings:
         complain(str(warning), "warning:", "bold yellow")
+
+
+def misuse(message: str, option: str | None = None) -> typer.BadParameter:
+    """A mistake in what was typed, at an option or an argument."""
+    return typer.BadParameter(message, param_hint=option)
+
+
+@contextmanager
+def at_option(option: str, error: type[Exception]) -> Iterator[None]:
+    """Turn an error of the library into a mistake of an option."""
+    try:
+        yield
+    except error as found:
+        raise misuse(str(found), option) from None
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from typer.core import TyperCommand
 
@@ -40,11 +40,11 @@ class Greedy(TyperCommand):
     "--vehicle sample_logs/hidden/case_0/vehicle.toml --out found"
 )
 def diagnose(
-    logs: Annotated[list[Path], logs("Logs to search in.")],
+    logs: list[Path] = logs("Logs to search in."),
     *,
     vehicle: Car,
-    out: Annotated[Path, option("Write diagnosis, model and report here.", "DIR", writes="folder")],
-    holdout: Annotated[list[Path], option("Logs to confirm it on.", "LOG...", "--holdout")],
+    out: Path = option("Write diagnosis, model and report here.", "DIR", writes="folder"),
+    holdout: list[Path] = option("Logs to confirm it on.", "LOG...", "--holdout"),
     effect: OwnEffects,
     channel_map: Map,
     workers: Workers,

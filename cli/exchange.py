@@ -1,22 +1,12 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 import calib
 from cli.command import Answer, command
-from cli.console import say
-from cli.options import (
-    Required,
-    SignedBy,
-    Table,
-    Tables,
-    argument,
-    option,
-    table_versions,
-)
+from cli.console import misuse, say
+from cli.options import Required, SignedBy, Table, Tables, argument, option, table_versions
 from cli.outputs import refuse_foreign, writing
 from cli.signed import check_signed, key_of
 
@@ -32,27 +22,17 @@ if TYPE_CHECKING:
 def export(
     table: Table,
     *,
-    form: Annotated[
-        str | None,
-        option(
-            "json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of "
-            "--out.",
-            "F",
-            "--format",
-        ),
-    ],
-    out: Annotated[Path, option("File to write.", "FILE", writes="")],
-    points: Annotated[
-        int | None, option("Breakpoints on each axis, least error; else all rows.", "N")
-    ],
-    bits: Annotated[int | None, option("8, 16 or 32; for c-header, a2l.", "BITS", "--fixed-point")],
-    elf: Annotated[Path | None, option("Linked program (ELF), for addresses of an a2l.", "FILE")],
-    validation: Annotated[
-        Path | None, option("summary.json of `validate --out`, for the state.", "SUMMARY")
-    ],
-    unreleased: Annotated[
-        bool, option("Also a version that is not released; the file then says so.")
-    ],
+    form: str | None = option(
+        "json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of --out.",
+        "F",
+        "--format",
+    ),
+    out: Path = option("File to write.", "FILE", writes=""),
+    points: int | None = option("Breakpoints on each axis, least error; else all rows.", "N"),
+    bits: int | None = option("8, 16 or 32; for c-header, a2l.", "BITS", "--fixed-point"),
+    elf: Path | None = option("Linked program (ELF), for addresses of an a2l.", "FILE"),
+    validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
+    unreleased: bool = option("Also a version that is not released; the file then says so."),
     require_signed: Required,
     key: SignedBy,
     store: Tables,
@@ -80,7 +60,7 @@ def export(
                 points=points, bits=bits, elf=elf, quality=quality, unreleased=unreleased,
             )  # fmt: skip
     except ExchangeError as error:
-        raise typer.BadParameter(str(error), param_hint="--points, --fixed-point") from None
+        raise misuse(str(error), "--points, --fixed-point") from None
     return _answer(written)
 
 
@@ -92,14 +72,12 @@ def _form(form: str | None, out: Path, bits: int | None, elf: Path | None) -> st
     try:
         form = format_of(out.name) if form is None else format_named(form)
     except ExchangeError as error:
-        raise typer.BadParameter(str(error), param_hint="--format") from None
+        raise misuse(str(error), "--format") from None
     for option_, value, forms in (("--fixed-point", bits, FIXED_POINT), ("--elf", elf, ADDRESSED)):
         if value is not None and form not in forms:
-            raise typer.BadParameter(f"only with {', '.join(forms)}", param_hint=option_)
+            raise misuse(f"only with {', '.join(forms)}", option_)
     if elf is not None and elf.suffix.lower() == ".map":
-        raise typer.BadParameter(
-            "a linker's map is no longer read: give the linked program (ELF)", param_hint="--elf"
-        )
+        raise misuse("a linker's map is no longer read: give the linked program (ELF)", "--elf")
     return form
 
 
@@ -149,9 +127,7 @@ def _answer(written: "Exported") -> Answer:
 
 
 @command("brake-cal tables compare sedan.dcm")
-def compare(
-    file: Annotated[Path, argument("Exported DCM or CDF file.", "FILE")], *, store: Tables
-) -> Answer:
+def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store: Tables) -> Answer:
     """Compare a DCM or CDF file with the table that it names.
 
     Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
@@ -185,22 +161,17 @@ def _name(name: str) -> str:
     from calib.store.folders import NAME
 
     if not NAME.fullmatch(name) or ".." in name:
-        raise typer.BadParameter(f"{name!r} cannot name a table; letters, digits and . _ - only")
+        raise misuse(f"{name!r} cannot name a table; letters, digits and . _ - only")
     return name
 
 
 @command("brake-cal tables merge car@1 car@2 car@3 --name golden")
 def merge(
-    tables: Annotated[
-        list[str],
-        argument(
-            "name@version or path, one of each car",
-            "CAR@1 CAR@2 ...",
-            autocompletion=table_versions,
-        ),
-    ],
+    tables: list[str] = argument(
+        "name@version or path, one of each car", "CAR@1 CAR@2 ...", autocompletion=table_versions
+    ),
     *,
-    name: Annotated[str, option("Name of the mean table.", "NAME", make=_name)],
+    name: str = option("Name of the mean table.", "NAME", make=_name),
     store: Tables,
 ) -> Answer:
     """Store the mean of several cars as a golden table.

@@ -1,7 +1,7 @@
 """`brake-cal fit`: from ramps to a new version of the vehicle's table."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
 from cli.console import progress, say, this_run
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     report=True,
 )
 def fit(
-    logs: Annotated[list[Path], logs_by_name("Ramps, also with one axle only, and coast logs.")],
+    logs: list[Path] = logs_by_name("Ramps, also with one axle only, and coast logs."),
     *,
     vehicle: Car,
     model: KnownModel,

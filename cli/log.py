@@ -2,12 +2,10 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from cli.command import Answer, command
-from cli.console import Step, progress, say, this_run
+from cli.console import Step, misuse, progress, say, this_run
 from cli.logs import named, read_whole
 from cli.options import Map, logs, option, quantity, require_known
 from cli.outputs import (
@@ -24,17 +22,9 @@ if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
     from calib.run.driving_record import RunEvent
 
-    From = float | None
-    Until = float | None
     Looked = tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]
-else:
-    From, Until = (
-        Annotated[str | None, option(text, "TIME", flag, make=quantity("s", plain=True))]
-        for flag, text in (
-            ("--from", 'Cut: first time, 1.5 or "1.5 s"; else the start.'),
-            ("--until", 'Cut: last time, 4 or "4 s"; else the end.'),
-        )
-    )
+
+_TIME: dict[str, Any] = {"typed": str | None, "make": quantity("s", plain=True)}
 
 
 @command(
@@ -43,25 +33,22 @@ else:
     "brake-cal log sample_logs/sedan/*.csv --out parquet --to parquet",
 )
 def log(
-    logs: Annotated[list[Path], logs("logs of any format")],
+    logs: list[Path] = logs("logs of any format"),
     *,
-    out: Annotated[
-        Path | None,
-        option(
-            "Draw (.png, .svg, .pdf, .html) or write (.csv, .parquet, .mf4) one log, or a folder "
-            "with --to.",
-            "FILE|DIR",
-            writes="folder",
-        ),
-    ],
-    to: Annotated[str | None, option("csv, parquet or mf4, for a folder.", "FORMAT")],
-    start: From,
-    until: Until,
-    channel: Annotated[
-        list[str], option("Show or draw only this column; may be repeated.", "NAME")
-    ],
-    keep_names: Annotated[bool, option("Leave names and values as they are, also those of a map.")],
-    force: Annotated[bool, option("Replace a file that exists, whatever it holds.")],
+    out: Path | None = option(
+        "Draw (.png, .svg, .pdf, .html) or write (.csv, .parquet, .mf4) one log, or a folder "
+        "with --to.",
+        "FILE|DIR",
+        writes="folder",
+    ),
+    to: str | None = option("csv, parquet or mf4, for a folder.", "FORMAT"),
+    start: float | None = option(
+        'Cut: first time, 1.5 or "1.5 s"; else the start.', "TIME", "--from", **_TIME
+    ),
+    until: float | None = option('Cut: last time, 4 or "4 s"; else the end.', "TIME", **_TIME),
+    channel: list[str] = option("Show or draw only this column; may be repeated.", "NAME"),
+    keep_names: bool = option("Leave names and values as they are, also those of a map."),
+    force: bool = option("Replace a file that exists, whatever it holds."),
     channel_map: Map,
 ) -> Answer:
     """Show, draw, cut or convert logs.
@@ -75,11 +62,11 @@ def log(
     from calib.logs.whole import channels_log, cut, inventory
     from calib.run.driving_record import run_events
     from calib.show.facts import Facts
-    from calib.show.log_page import facts
+    from calib.show.log import facts
 
     this_run().force = force
     if start is not None and until is not None and start >= until:
-        raise typer.BadParameter(f"{start:g} s is not before {until:g} s", param_hint="--from")
+        raise misuse(f"{start:g} s is not before {until:g} s", "--from")
 
     def read_part(path: Path) -> "WholeLog":
         whole = read_whole(path, channel_map, keep_names)
@@ -104,11 +91,7 @@ def log(
 
 
 def _write(
-    logs: list[Path],
-    out: Path,
-    names: list[str],
-    read: "Callable[[Path], WholeLog]",
-    folder: bool,
+    logs: list[Path], out: Path, names: list[str], read: "Callable[[Path], WholeLog]", folder: bool
 ) -> list[dict[str, Any]]:
     """Write logs one by one, all or none; what is in each."""
     from calib.logs.write import WRITERS
@@ -142,7 +125,7 @@ def _checked(out: Path | None, to: str | None, logs: list[Path]) -> list[str]:
     if to is not None:
         require_known(to.lower(), [ending[1:] for ending in WRITERS], "format ")
         if out is None:
-            raise typer.BadParameter("--to needs a folder", param_hint="--out")
+            raise misuse("--to needs a folder", "--out")
         names = [f"{stem}.{to.lower()}" for stem in stems_of(logs, "LOG")]
         check_folder(out, names)
         return names
@@ -151,7 +134,7 @@ def _checked(out: Path | None, to: str | None, logs: list[Path]) -> list[str]:
     drawn = out.suffix.lower() in (*ENDINGS, *PAGES)
     check_file(out, "drawing" if drawn else "log")
     if len(logs) > 1:
-        raise typer.BadParameter("several logs need a folder and --to", param_hint="--out")
+        raise misuse("several logs need a folder and --to", "--out")
     return [] if drawn else [out.name]
 
 
@@ -166,14 +149,11 @@ def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
     from calib.show.html import page_of
-    from calib.show.log_figure import MOST, figure, panels_of
-    from calib.show.log_page import facts
+    from calib.show.log import MOST, facts, figure, panels_of
     from calib.show.sheet import ENDINGS, render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:
-        raise typer.BadParameter(
-            f"{count} panels; 1 to {MOST} can be drawn: choose columns", param_hint="--channel"
-        )
+        raise misuse(f"{count} panels; 1 to {MOST} can be drawn: choose columns", "--channel")
     picture = out.suffix.lower() in ENDINGS
     drawn = render(figure(log, events), out.suffix.lower() if picture else ".png")
     write_file(out, drawn if picture else page_of(facts(log, columns, events, drawn)).encode())

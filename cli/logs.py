@@ -5,9 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
-from cli.console import Step, detail
+from cli.console import Step, detail, misuse
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
@@ -27,7 +25,7 @@ def is_stdin(path: Path) -> bool:
 def named(paths: Sequence[Path]) -> list[Path]:
     """The paths by which results name the logs; refuses stdin that is given twice."""
     if sum(map(is_stdin, paths)) > 1:
-        raise typer.BadParameter("stdin holds one log; give - once", param_hint="LOG")
+        raise misuse("stdin holds one log; give - once", "LOG")
     return [NAMED if is_stdin(path) else path for path in paths]
 
 

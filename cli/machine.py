@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from calib.base.plain import counted
 from calib.base.program import PROGRAM, VERSION
@@ -24,10 +24,9 @@ DOCUMENT, REPORT = "qualification.json", "qualification.html"
 @command("brake-cal demo", "brake-cal demo --out somewhere")
 def demo(
     *,
-    out: Annotated[
-        Path,
-        option("Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")),
-    ],
+    out: Path = option(
+        "Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")
+    ),
 ) -> Answer:
     """Try all steps on the sample logs.
 
@@ -57,7 +56,7 @@ def demo(
 
 @command("brake-cal doctor", "brake-cal doctor --json")
 def doctor(
-    *, store: Annotated[Path | None, option("Directory of the tables; else as usual.", "DIR")]
+    *, store: Path | None = option("Directory of the tables; else as usual.", "DIR")
 ) -> Answer:
     """Say whether the program can work on this machine.
 
@@ -106,8 +105,7 @@ def _terminal() -> "Iterator[Finding]":
 
 @command("brake-cal qualify --out qualification")
 def qualify(
-    *,
-    out: Annotated[Path, option(f"Write {DOCUMENT} and {REPORT} here.", "DIR", writes="folder")],
+    *, out: Path = option(f"Write {DOCUMENT} and {REPORT} here.", "DIR", writes="folder")
 ) -> Answer:
     """Try the program on this machine against known truths.
 

@@ -13,10 +13,11 @@ import typer
 from calib.base.plain import counted
 from calib.line.fleet.rows import Command
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, emit_line, json_text, plain, progress, say, this_run
+from cli.console import complain, emit_line, json_text, misuse, plain, progress, say, this_run
 from cli.diagnose import stoppable
 from cli.options import (
     NO_VEHICLE,
+    READ_VEHICLE,
     Map,
     Tables,
     Workers,
@@ -25,7 +26,6 @@ from cli.options import (
     option,
     require_known,
     table_names,
-    vehicle,
 )
 from cli.outputs import check_folder, write_folder, writing
 from cli.project import from_settings
@@ -37,9 +37,6 @@ if TYPE_CHECKING:
     from calib.line.fleet.summary import Summary
     from calib.line.fleet.work import Job
     from calib.line.fleet.workers import Executor
-
-    JobCar = Vehicle | None
-    JobLimits = tuple[Limit, ...] | None
 
 
 def _is(command: Command) -> Callable[[typer.Context], bool]:
@@ -53,32 +50,37 @@ def _command(written: str) -> Command:
 
 
 JobCommand = Annotated[
-    Command,
-    typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log."),
+    Command, typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log.")
 ]
 JobTable = Annotated[
     str | None,
-    option("validate: name, name@version or path.", "TABLE", autocompletion=table_names),
+    option("validate: name, name@version or path.", "TABLE", "--table", autocompletion=table_names),
 ]
-if not TYPE_CHECKING:
-    JobCar = Annotated[
-        Path | None,
-        vehicle(
-            "fit, validate: vehicle file; of the settings for fit only.",
-            callback=from_settings("vehicle", when=_is(Command.FIT)),
-        ),
-    ]
-    JobLimits = Annotated[
-        Path | None,
-        option(
-            "validate: limits for pass or fail.",
-            "L.toml",
-            "--limits",
-            make=limits_of_stops,
-            callback=from_settings("limits", when=_is(Command.VALIDATE)),
-        ),
-    ]
-Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
+JobCar = Annotated[
+    "Vehicle | None",
+    option(
+        "fit, validate: vehicle file; of the settings for fit only.",
+        "V.toml",
+        "--vehicle",
+        typed=Path | None,
+        make=READ_VEHICLE,
+        callback=from_settings("vehicle", when=_is(Command.FIT)),
+    ),
+]
+JobLimits = Annotated[
+    "tuple[Limit, ...] | None",
+    option(
+        "validate: limits for pass or fail.",
+        "L.toml",
+        "--limits",
+        typed=Path | None,
+        make=limits_of_stops,
+        callback=from_settings("limits", when=_is(Command.VALIDATE)),
+    ),
+]
+Out = Annotated[
+    Path, option("Write results.parquet and journal here.", "DIR", "--out", writes="folder")
+]
 Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
 
 
@@ -88,13 +90,11 @@ Fresh = Annotated[bool, option("Delete the results in DIR of --out and start aga
 )
 def batch(
     command: JobCommand,
-    logs: Annotated[
-        list[str], argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG...")
-    ],
+    logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
     *,
     out: Out,
     workers: Workers,
-    scheduler: Annotated[str | None, option("A Dask scheduler instead.", "tcp://HOST:PORT")],
+    scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
     table: JobTable,
     store: Tables,
     vehicle: JobCar,
@@ -112,7 +112,7 @@ def batch(
     from calib.line.fleet.batch import run_batch
 
     if workers is not None and scheduler is not None:
-        raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
+        raise misuse("the scheduler has its own workers", "--workers")
     job = _job(command, out, table, store, vehicle, limits, channel_map)
     with stoppable("stopped; the same command continues where it was"):
         executor = _executor(workers, scheduler)
@@ -136,7 +136,7 @@ def batch(
 @command("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
     command: JobCommand,
-    folder: Annotated[Path, argument("Folder of logs.", "DIR", exists=True, file_okay=False)],
+    folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
     out: Out,
     workers: Workers,
@@ -146,20 +146,14 @@ def watch(
     limits: JobLimits,
     channel_map: Map,
     fresh: Fresh,
-    every: Annotated[float, option("Seconds between scans.", "S", built_in=1.0, min=0.05)],
-    settle: Annotated[
-        float, option("Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0)
-    ],
-    index: Annotated[
-        Path | None,
-        option(
-            "Keep the index of these station runs up to date.",
-            "RUNS",
-            exists=True,
-            file_okay=False,
-        ),
-    ],
-    json: Annotated[bool, typer.Option("--json", help="One line of JSON per log.")],
+    every: float = option("Seconds between scans.", "S", built_in=1.0, min=0.05),
+    settle: float = option(
+        "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
+    ),
+    index: Path | None = option(
+        "Keep the index of these station runs up to date.", "RUNS", exists=True, file_okay=False
+    ),
+    json: bool = option("One line of JSON per log.", None, "--json"),
 ) -> Answer:
     """Process each log that appears in a folder, until stopped.
 
@@ -171,7 +165,7 @@ def watch(
     from calib.line.fleet.watch import watch as watch_folder
 
     if command is Command.DIAGNOSE:
-        raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
+        raise misuse("diagnose takes folders: use `brake-cal batch`")
     job = _job(command, out, table, store, vehicle, limits, channel_map)
     pool = _executor(workers, None)
     try:
@@ -196,8 +190,8 @@ def _job(
     out: Path,
     table: str | None,
     store: Tables,
-    vehicle: "Vehicle | None",
-    limits: "tuple[Limit, ...] | None",
+    vehicle: JobCar,
+    limits: JobLimits,
     channel_map: Map,
 ) -> "Job":
     """The inputs for all logs. Refuses missing inputs and those that are not used."""
@@ -213,9 +207,9 @@ def _job(
         ("--vehicle", vehicle, fits or validates, f"fit needs a vehicle; {NO_VEHICLE}" * fits),
     ):
         if value is None and needed:
-            raise typer.BadParameter(needed, param_hint=name)
+            raise misuse(needed, name)
         if value is not None and not taken:
-            raise typer.BadParameter(f"{command.value} takes none", param_hint=name)
+            raise misuse(f"{command.value} takes none", name)
     check_folder(out, (NAME,))
     stored = store.load(table) if table else None
     if stored is not None:
@@ -317,22 +311,15 @@ DOCUMENT, REPORT = "fleet.json", "report.html"
     "brake-cal fleet runs",
 )
 def fleet(
-    results: Annotated[
-        Path, argument("Results of `batch`, or a folder of station runs.", "RESULTS.parquet|DIR")
-    ],
+    results: Path = argument(
+        "Results of `batch`, or a folder of station runs.", "RESULTS.parquet|DIR"
+    ),
     *,
-    order: Annotated[str | None, option("Column that orders the logs, else names.", "COLUMN")],
-    figure: Annotated[
-        list[str],
-        option(
-            "Only this metric; repeatable.",
-            "NAME",
-            autocompletion=lambda: [*_metrics()],
-        ),
-    ],
-    out: Annotated[
-        Path | None, option("Write report.html, fleet.json, PNGs here.", "DIR", writes="folder")
-    ],
+    order: str | None = option("Column that orders the logs, else names.", "COLUMN"),
+    figure: list[str] = option(
+        "Only this metric; repeatable.", "NAME", autocompletion=lambda: [*_metrics()]
+    ),
+    out: Path | None = option("Write report.html, fleet.json, PNGs here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
 
@@ -341,13 +328,14 @@ def fleet(
     which is the same page and loads itself again every 10 s. `watch --index DIR` keeps both up to
     date.
     """
+    from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_page import document, facts
+    from calib.show.fleet_page import facts
 
     if results.is_dir():
         if order or figure or out:
-            raise typer.BadParameter("a DIR takes no option: its pages are written there")
+            raise misuse("a DIR takes no option: its pages are written there")
         return _index(results)
     check_folder(out, (DOCUMENT, REPORT))
     opened = open_fleet(results, order)
@@ -376,8 +364,9 @@ def _index(folder: Path) -> Answer:
 
 def _write_fleet(found: "Summary", results: Path, out: Path) -> None:
     from calib.base.printable import printable
+    from calib.line.fleet.document import document
     from calib.show.fleet_figure import picture_name, sheet
-    from calib.show.fleet_page import document, report
+    from calib.show.fleet_page import report
     from calib.show.html import page_of
     from calib.show.sheet import render
 

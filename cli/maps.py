@@ -2,49 +2,42 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, emit, this_run
-from cli.options import argument, channel_map, option
+from cli.console import complain, emit, misuse, this_run
+from cli.options import READ_MAP, argument, option
 from cli.outputs import write_file
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
 
-    ReadWith = ChannelMap | None
-else:
-    ReadWith = Annotated[
-        Path | None, channel_map("Its file format and DBC; not that of the settings.")
-    ]
-
 
 def _pairs(texts: list[str]) -> list[str]:
     for text in texts:
         if "=" not in text:
-            raise typer.BadParameter(f"{text!r} is not CHANNEL=NAME")
+            raise misuse(f"{text!r} is not CHANNEL=NAME")
     return texts
 
 
 @command("brake-cal map sample_logs/sedan/ramp_wet_asphalt.csv --out map.toml")
 def map_(
-    log: Annotated[Path, argument("log of foreign names", "LOG")],
+    log: Path = argument("log of foreign names", "LOG"),
     *,
-    take: Annotated[
-        list[str],
-        option(
-            "Source of a channel, 'p_mc=Brake [bar]'; empty NAME: no source.",
-            "CHANNEL=NAME",
-            make=_pairs,
-        ),
-    ],
-    radius: Annotated[
-        float | None, option("Radius [m] for wheel speeds in km/h.", "M", min=0.1, max=1.0)
-    ],
-    channel_map: ReadWith,
-    out: Annotated[Path | None, option("Map file to write.", "M.toml", writes="")],
+    take: list[str] = option(
+        "Source of a channel, 'p_mc=Brake [bar]'; empty NAME: no source.",
+        "CHANNEL=NAME",
+        make=_pairs,
+    ),
+    radius: float | None = option("Radius [m] for wheel speeds in km/h.", "M", min=0.1, max=1.0),
+    channel_map: "ChannelMap | None" = option(
+        "Its file format and DBC; not that of the settings.",
+        "M.toml",
+        "--map",
+        typed=Path | None,
+        make=READ_MAP,
+    ),
+    out: Path | None = option("Map file to write.", "M.toml", writes=""),
 ) -> Answer:
     """Propose a channel map for a log of foreign names.
 

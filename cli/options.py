@@ -14,17 +14,32 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cli.console import misuse
 from cli.project import STORE, find_project, from_settings
 
+if TYPE_CHECKING:
+    from calib.car.own_effects.own_effect import OwnEffect
+    from calib.car.vehicle import Vehicle
+    from calib.estimation.limits import Limit
+    from calib.logs.channel_map import ChannelMap
+    from calib.store.store import Store
+
+READ_VEHICLE = "calib.car.vehicle_file:read_vehicle"
+READ_MAP = "calib.logs.channel_map_file:read_channel_map"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
+
+
+Make = Callable[[Any], Any] | str
+"""What a value becomes: a function, or "module:NAME" of one that is imported when it is used."""
 
 
 def option(
     text: str,
     metavar: str | None = None,
     *flags: str,
-    make: Callable[[Any], Any] | None = None,
+    typed: Any = None,
+    make: Make | None = None,
     always: bool = False,
     known: str = "",
     writes: str | None = None,
@@ -36,41 +51,65 @@ def option(
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
+    typed : what is typed, if that is not what the command gets.
     make : what its value becomes; ``always``: of None, too.
     known : "module:NAME" of a collection of the library; its names are completed, others refused.
     writes : kind of the file that is written there, see `cli.outputs`, or "folder".
     built_in : its value where nothing else gives one.
     more : for typer.
     """
-    typed: Any = typer.Option  # to typer the first flag is a default, as in all its examples
-    made = typed(*flags, **_given(text, metavar, known), **more)
-    extra = {
-        "flags": flags,
-        "make": _one_of(known, make),
-        "always": always,
-        "writes": writes,
-        "built_in": built_in,
-    }
-    made.__dict__.update(extra)
-    return made
+    as_typer_has_it: Any = typer.Option  # to its types the first flag is a default
+    made = as_typer_has_it(*flags, **_given(text, metavar, known), **more)
+    return _with(made, make, known, typed, flags=flags, always=always, writes=writes,
+                 built_in=built_in)  # fmt: skip
 
 
 def argument(
     text: str,
     metavar: str,
-    make: Callable[[Any], Any] | None = None,
+    make: Make | None = None,
     known: str = "",
+    typed: Any = None,
+    built_in: Any = None,
     **more: Any,
 ) -> Any:
     """An argument; see `option`."""
     made = typer.Argument(**_given(text, metavar, known), **more)
-    made.__dict__.update(make=_one_of(known, make), always=False)
-    return made
+    return _with(made, make, known, typed, always=False, built_in=built_in)
 
 
 def _given(text: str, metavar: str | None, known: str) -> dict[str, Any]:
     completed = {"autocompletion": lambda incomplete: _known(known)} if known else {}
     return {"help": text, "metavar": metavar, **completed}
+
+
+def _with(made: Any, make: Make | None, known: str, typed: Any = None, **extra: Any) -> Any:
+    made.__dict__.update(make=_checked(make, known), typed=typed, **extra)
+    return made
+
+
+def _checked(make: Make | None, known: str) -> Callable[[Any], Any] | None:
+    if not make and not known:
+        return None
+
+    def checked(value: Any) -> Any:
+        if known:
+            for one in value if isinstance(value, list) else [value]:
+                require_known(one, _known(known))
+        made = _named(make) if isinstance(make, str) else make
+        return made(value) if made else value
+
+    return checked
+
+
+def _named(place: str) -> Any:
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)
+
+
+def _known(place: str) -> list[str]:
+    found = _named(place)
+    return [str(one) for one in (found() if callable(found) else found)]
 
 
 def require_known(written: str, known: Collection[str], what: str = "") -> None:
@@ -80,25 +119,7 @@ def require_known(written: str, known: Collection[str], what: str = "") -> None:
     if written not in known:
         near = did_you_mean(written, known)
         hint = f"{near} known:" if near else "known:"
-        raise typer.BadParameter(f"unknown {what}{written!r}; {hint} {', '.join(known)}")
-
-
-def _known(place: str) -> list[str]:
-    module, _, name = place.partition(":")
-    found = getattr(import_module(module), name)
-    return [str(one) for one in (found() if callable(found) and name.islower() else found)]
-
-
-def _one_of(place: str, make: Callable[[Any], Any] | None) -> Callable[[Any], Any] | None:
-    if not place:
-        return make
-
-    def checked(value: Any) -> Any:
-        for one in value if isinstance(value, list) else [value]:
-            require_known(one, _known(place))
-        return make(value) if make else value
-
-    return checked
+        raise misuse(f"unknown {what}{written!r}; {hint} {', '.join(known)}")
 
 
 # Tables at the Tab key: only folders of the store are read, no file of a table.
@@ -135,30 +156,6 @@ def table_versions(context: typer.Context, incomplete: str) -> list[str]:
 
 
 # What is typed becomes what a command works with.
-
-
-def _store(path: Path) -> Any:
-    import calib
-
-    return calib.Store(path)
-
-
-def _vehicle(path: Path) -> Any:
-    from calib.car.vehicle_file import read_vehicle
-
-    return read_vehicle(path)
-
-
-def _map(path: Path) -> Any:
-    from calib.logs.channel_map_file import read_channel_map
-
-    return read_channel_map(path)
-
-
-def _own_effects(files: list[Path]) -> Any:
-    from calib.car.own_effects.read import read_own_effects
-
-    return read_own_effects(files) if files else ()
 
 
 def _limits(path: Path) -> Any:
@@ -203,9 +200,9 @@ def quantity(si: str, plain: bool = False) -> Callable[[str], float]:
             value = float(written) if plain and _is_number(written) else math.nan
             value = quantity(written, si, None, InputError) if math.isnan(value) else value
         except InputError as error:
-            raise typer.BadParameter(str(error)) from None
+            raise misuse(str(error)) from None
         if not math.isfinite(value):
-            raise typer.BadParameter(f"{written!r} is not finite")
+            raise misuse(f"{written!r} is not finite")
         return value
 
     return make
@@ -224,9 +221,7 @@ def _mass(written: str) -> float:
 
     mass = quantity("kg")(written)
     if not LEAST <= mass <= MOST:
-        raise typer.BadParameter(
-            f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg"
-        )
+        raise misuse(f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg")
     return mass
 
 
@@ -235,119 +230,33 @@ def day(written: str) -> str:
     try:
         date.fromisoformat(written)
     except ValueError:
-        raise typer.BadParameter(f"{written!r} is not a date such as 2025-03-31") from None
+        raise misuse(f"{written!r} is not a date such as 2025-03-31") from None
     return written
 
 
 def words(written: str) -> str:
     """A text that says something."""
     if not written.strip():
-        raise typer.BadParameter("says nothing")
+        raise misuse("says nothing")
     return written
 
 
 def _version(table: str) -> str:
     if "@" not in table:
-        raise typer.BadParameter(
-            f"{table!r} names no version; give {table}@N, see `brake-cal tables list`"
-        )
+        raise misuse(f"{table!r} names no version; give {table}@N, see `brake-cal tables list`")
     return table
 
 
 def _files(paths: Sequence[Path]) -> Sequence[Path]:
     """Logs that a table will name, so that they can be found again: none from stdin."""
     if any(str(path) == "-" for path in paths):
-        raise typer.BadParameter("a table names the logs that it is made of: give a file, not -")
+        raise misuse("a table names the logs that it is made of: give a file, not -")
     return paths
 
 
-if TYPE_CHECKING:
-    from calib.car.own_effects.own_effect import OwnEffect
-    from calib.car.vehicle import Vehicle
-    from calib.estimation.limits import Limit
-    from calib.logs.channel_map import ChannelMap
-    from calib.store.store import Store
-
-    Tables = Store
-    Car = Vehicle
-    Map = ChannelMap | None
-    Mass = float | None
-    OwnEffects = tuple[OwnEffect, ...]
-    StopLimits = tuple[Limit, ...]
-else:
-    Tables = Annotated[
-        Path,
-        option(
-            "Directory of the tables.",
-            "DIR",
-            "--store",
-            make=_store,
-            built_in=STORE,
-            callback=from_settings("store"),
-        ),
-    ]
-    Car = Annotated[
-        Path,
-        option(
-            "Vehicle file; else that of the settings.",
-            "V.toml",
-            "--vehicle",
-            make=_vehicle,
-            default_factory=lambda: None,
-            show_default=False,
-            callback=from_settings("vehicle", f"missing; {NO_VEHICLE}"),
-        ),
-    ]
-    Map = Annotated[
-        Path | None,
-        option(
-            "Channel map, and DBC.", "M.toml", "--map", make=_map, callback=from_settings("map")
-        ),
-    ]
-    Mass = Annotated[
-        str | None,
-        option(
-            'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.',
-            "MASS",
-            make=_mass,
-        ),
-    ]
-    OwnEffects = Annotated[
-        list[Path],
-        option(
-            "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The "
-            "file is executed as Python: give only files that you trust.",
-            "FILE.py",
-            "--effect",
-            make=_own_effects,
-        ),
-    ]
-    StopLimits = Annotated[
-        Path | None,
-        option(
-            "Limits that decide pass or fail.",
-            "L.toml",
-            "--limits",
-            make=limits_of_stops,
-            always=True,
-            callback=from_settings("limits"),
-        ),
-    ]
-
-
-def vehicle(text: str, **more: Any) -> Any:
-    """Option ``--vehicle`` of a command that may do without one."""
-    return option(text, "V.toml", "--vehicle", make=_vehicle, **more)
-
-
-def channel_map(text: str, **more: Any) -> Any:
-    """Option ``--map`` with rules of its own."""
-    return option(text, "M.toml", "--map", make=_map, **more)
-
-
-def logs(text: str, metavar: str = "LOG...") -> Any:
+def logs(text: str) -> Any:
     """Argument for logs."""
-    return argument(text, metavar)
+    return argument(text, "LOG...")
 
 
 def logs_by_name(text: str, metavar: str = "LOG...") -> Any:
@@ -355,9 +264,88 @@ def logs_by_name(text: str, metavar: str = "LOG...") -> Any:
     return argument(text, metavar, make=_files)
 
 
+# Shared options. What is quoted is what the command gets; ``typed`` is what typer reads.
+
+Tables = Annotated[
+    "Store",
+    option(
+        "Directory of the tables.",
+        "DIR",
+        "--store",
+        typed=Path,
+        make="calib:Store",
+        built_in=STORE,
+        callback=from_settings("store"),
+    ),
+]
+Car = Annotated[
+    "Vehicle",
+    option(
+        "Vehicle file; else that of the settings.",
+        "V.toml",
+        "--vehicle",
+        typed=Path,
+        make=READ_VEHICLE,
+        default_factory=lambda: None,
+        show_default=False,
+        callback=from_settings("vehicle", f"missing; {NO_VEHICLE}"),
+    ),
+]
+Map = Annotated[
+    "ChannelMap | None",
+    option(
+        "Channel map, and DBC.",
+        "M.toml",
+        "--map",
+        typed=Path | None,
+        make=READ_MAP,
+        callback=from_settings("map"),
+    ),
+]
+Mass = Annotated[
+    "float | None",
+    option(
+        'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.',
+        "MASS",
+        typed=str | None,
+        make=_mass,
+    ),
+]
+OwnEffects = Annotated[
+    "tuple[OwnEffect, ...]",
+    option(
+        "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The "
+        "file is executed as Python: give only files that you trust.",
+        "FILE.py",
+        "--effect",
+        typed=list[Path],
+        make="calib.car.own_effects.read:read_own_effects",
+    ),
+]
+StopLimits = Annotated[
+    "tuple[Limit, ...]",
+    option(
+        "Limits that decide pass or fail.",
+        "L.toml",
+        "--limits",
+        typed=Path | None,
+        make=limits_of_stops,
+        always=True,
+        callback=from_settings("limits"),
+    ),
+]
+OtherPads = Annotated[
+    "Vehicle | None",
+    option(
+        "Other nominal pads than the table's; never the settings' vehicle.",
+        "V.toml",
+        "--vehicle",
+        typed=Path | None,
+        make=READ_VEHICLE,
+    ),
+]
 KnownModel = Annotated[
-    Path | None,
-    option("Model of `diagnose`, whose effects are then known.", "M.toml", "--model"),
+    Path | None, option("Model of `diagnose`, whose effects are then known.", "M.toml", "--model")
 ]
 Workers = Annotated[
     int | None, option("Processes; else all cores.", "N", "--workers", min=1, max=512)

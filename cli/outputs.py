@@ -14,7 +14,7 @@ from pathlib import Path
 import typer
 
 from calib.base.errors import AnswerError
-from cli.console import say, this_run
+from cli.console import misuse, say, this_run
 
 OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -40,9 +40,9 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
     """Refuse a place where no file of a kind can be written, an input, and a foreign drawing."""
     endings = _endings(kind) if kind else ()
     if endings and out.suffix.lower() not in endings:
-        raise typer.BadParameter(f"{out} must end in {', '.join(endings)}", param_hint=option)
+        raise misuse(f"{out} must end in {', '.join(endings)}", option)
     if out.is_dir():
-        raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=option)
+        raise misuse(f"cannot write {out}: it is a directory", option)
     _refuse_parent(out, option)
     _refuse_inputs([out], option)
     if kind in ("picture", "page", "drawing"):
@@ -60,16 +60,14 @@ def check_folder(out: Path | None, names: Iterable[str]) -> None:
         return
     names = list(names)
     if out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint=OUT)
+        raise misuse(f"{out} is a file", OUT)
     _refuse_parent(out, OUT)
     _refuse_inputs([out / name for name in names], OUT)
     try:
         settled = settle(out)
         refuse_obstacles(out, names)
     except IsADirectoryError as error:
-        raise typer.BadParameter(
-            f"cannot write {error.filename}: it is a directory", param_hint=OUT
-        ) from error
+        raise misuse(f"cannot write {error.filename}: it is a directory", OUT) from error
     except OSError as error:
         raise _unwritable(out, error, OUT) from error
     if settled:
@@ -91,9 +89,7 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
         mine = False
     if not mine:
         do = "give another name" if option == "--report" else "--force replaces it"
-        raise typer.BadParameter(
-            f"{out} exists and is not what is written here; {do}", param_hint=option
-        )
+        raise misuse(f"{out} exists and is not what is written here; {do}", option)
 
 
 def write_file(out: Path, content: bytes, option: str = OUT) -> None:
@@ -135,9 +131,7 @@ def stems_of(logs: Iterable[Path], option: str) -> list[str]:
     stems = [stem_of(path) for path in logs]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
-        raise typer.BadParameter(
-            f"two logs are named {twice[0]}, and --out has one file per name", param_hint=option
-        )
+        raise misuse(f"two logs are named {twice[0]}, and --out has one file per name", option)
     return stems
 
 
@@ -168,22 +162,22 @@ def _refuse_parent(out: Path, option: str) -> None:
     """Refuse a place below a file, or below a folder that cannot be written."""
     above = next(path for path in out.absolute().parents if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):
-        why = "no permission to write in" if above.is_dir() else "not a directory:"
-        raise typer.BadParameter(
-            f"cannot write {out}: {why} {os.path.relpath(above)}", param_hint=option
-        )
+        place = os.path.relpath(above)
+        file = f"{place} is a file, not a directory"
+        why = f"no permission to write in {place}" if above.is_dir() else file
+        raise misuse(f"cannot write {out}: {why}", option)
 
 
 def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:
     written = {os.path.realpath(path) for path in outputs}
     for path in (one for given in this_run().inputs.values() for one in given):
         if os.path.realpath(path) in written:
-            raise typer.BadParameter(f"would overwrite {path}", param_hint=option)
+            raise misuse(f"would overwrite {path}", option)
 
 
 def _unwritable(out: Path | None, error: OSError, option: str) -> typer.BadParameter:
     what = f"cannot be written ({error.strerror})"
-    return typer.BadParameter(what if out is None else f"{out} {what}", param_hint=option)
+    return misuse(what if out is None else f"{out} {what}", option)
 
 
 def _is_picture(data: bytes) -> bool:

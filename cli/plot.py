@@ -1,17 +1,23 @@
 """`brake-cal plot`: tables, results and logs as figures in a file."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from calib.base.plain import counted
 from cli.command import Answer, command
-from cli.console import progress, say
+from cli.console import misuse, progress, say
 from cli.logs import is_stdin, named, read
-from cli.options import Map, StopLimits, Tables, argument, option, require_known, table_names
+from cli.options import (
+    Map,
+    OtherPads,
+    StopLimits,
+    Tables,
+    argument,
+    option,
+    require_known,
+    table_names,
+)
 from cli.outputs import writing
-from cli.validate import OtherPads
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,6 +27,16 @@ if TYPE_CHECKING:
 
 ALL = "all"
 """Value of `--figure` for each figure on its own page."""
+_GONE = {
+    "budget": "brake-cal tables show TABLE",
+    "coverage": "--figure difference",
+    "force-sum": "--figure normalised-forces",
+    "pressure": "brake-cal plot LOG --figure pressure",
+    **{f"compensation-{axle}": f"--figure pad-{axle}" for axle in ("front", "rear")},
+    **{f"torque-{axle}-left": "--figure axle-torques" for axle in ("front", "rear")},
+    **{f"error-{axle}-left": "--figure error" for axle in ("front", "rear")},
+}
+"""Figures that there were once, and what to use instead."""
 
 
 @command(
@@ -30,25 +46,18 @@ ALL = "all"
     "brake-cal plot sedan-2up@1 sedan-2up@2 --figure f1-f2 --out f1f2.svg",
 )
 def plot(
-    what: Annotated[
-        list[str],
-        argument(
-            "A table (name, name@version or path), a log, a result of validate.",
-            "TABLE|RESULT|LOG...",
-            autocompletion=table_names,
-        ),
-    ],
+    what: list[str] = argument(
+        "A table (name, name@version or path), a log, a result of validate.",
+        "TABLE|RESULT|LOG...",
+        autocompletion=table_names,
+    ),
     *,
-    out: Annotated[
-        Path | None, option("File to write: .png, .svg or .pdf.", "FILE", writes="picture")
-    ],
+    out: Path | None = option("File to write: .png, .svg or .pdf.", "FILE", writes="picture"),
     store: Tables,
     vehicle: OtherPads,
-    figure: Annotated[
-        str | None, option("One figure of the page; 'all': each on its own.", "NAME")
-    ],
+    figure: str | None = option("One figure of the page; 'all': each on its own.", "NAME"),
     limits: StopLimits,
-    compare: Annotated[bool, option("Draw other methods beside the estimate of a stop.")],
+    compare: bool = option("Draw other methods beside the estimate of a stop."),
     channel_map: Map,
 ) -> Answer:
     """Draw tables, logs and results.
@@ -68,7 +77,7 @@ def plot(
     given = _read(what, store, vehicle, channel_map)
     stops = bool(given.tables and given.logs)
     if compare and not stops:
-        raise typer.BadParameter("only with a TABLE and a LOG", param_hint="--compare")
+        raise misuse("only with a TABLE and a LOG", "--compare")
     drawn = _draw(replace(given, limits=limits, compare=compare) if stops else given, figure)
     files = _files(drawn, out, figure)
     pages = sum(map(len, files.values()))
@@ -101,13 +110,9 @@ def _read(what: list[str], store: Tables, vehicle: OtherPads, channel_map: Map) 
     ]
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     if len(names) > 2 or (len(names) == 2 and logs):
-        raise typer.BadParameter(
-            "give one table with its logs, or two tables without logs", param_hint="TABLE"
-        )
+        raise misuse("give one table with its logs, or two tables without logs", "TABLE")
     if vehicle and not results and not (names and logs):
-        raise typer.BadParameter(
-            "only with a TABLE and a LOG, or with a RESULT", param_hint="--vehicle"
-        )
+        raise misuse("only with a TABLE and a LOG, or with a RESULT", "--vehicle")
     named(logs)
     tables = tuple(store.load(name) for name in names)
     for one in tables:
@@ -130,6 +135,9 @@ def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str
         if figure is None:
             drawn.append((sheet, {"": sheet.overview()}))
             continue
+        if figure not in sheet.names and figure in _GONE:
+            gone = f"{figure!r} is gone. Use {_GONE[figure]}."
+            raise misuse(gone, "--figure")
         require_known(figure, (*sheet.names, ALL), "figure ")
         names = sheet.names if figure == ALL else [figure]
         drawn.append((sheet, {name: sheet.figure(name) for name in names}))

@@ -2,12 +2,12 @@
 
 from dataclasses import fields
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from cli.command import Answer, command
-from cli.console import Markdown, emit, emit_json, say
+from cli.console import Markdown, emit, emit_json, misuse, say
 from cli.options import OwnEffects, argument, require_known
 from cli.project import STORE, find_project
 
@@ -23,10 +23,9 @@ if TYPE_CHECKING:
     "brake-cal effects air_brake_flap --effect sample_logs/own_effect/air_brake_flap.py",
 )
 def effects(
-    name: Annotated[
-        str | None,
-        argument("One effect; if not given, all.", "NAME", autocompletion=lambda: _catalogue()),
-    ],
+    name: str | None = argument(
+        "One effect; if not given, all.", "NAME", autocompletion=lambda: _catalogue()
+    ),
     *,
     effect: OwnEffects,
 ) -> Answer:
@@ -35,7 +34,7 @@ def effects(
     With a NAME its card is printed. With --effect the file is checked, and its effect is among
     them.
     """
-    from calib.show.effects import card, cards
+    from calib.show.vehicle import card, cards
 
     known = {**_catalogue(), **{one.name: one.effect for one in effect}}
     if name is None:
@@ -111,12 +110,11 @@ def _kinds() -> list[str]:
 
 @command("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
 def schema(
-    name: Annotated[
-        str | None,
-        argument("One kind of file; if not given, the list.", "NAME", autocompletion=_kinds),
-    ],
+    name: str | None = argument(
+        "One kind of file; if not given, the list.", "NAME", autocompletion=_kinds
+    ),
     *,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")],
+    json: bool = typer.Option("--json", help="Print one JSON document on stdout."),
 ) -> Answer:
     """Print the JSON Schema of a file or a document.
 
@@ -208,12 +206,9 @@ def _pages() -> list[str]:
 
 @command("brake-cal manual", "brake-cal manual ramp")
 def manual(
-    page: Annotated[
-        str | None,
-        argument(
-            "One page, or the beginning of its name; else a list.", "PAGE", autocompletion=_pages
-        ),
-    ],
+    page: str | None = argument(
+        "One page, or the beginning of its name; else a list.", "PAGE", autocompletion=_pages
+    ),
 ) -> Answer:
     """Show the manual: the list of its pages, or one page.
 
@@ -248,4 +243,4 @@ def _page(asked: str) -> "Page":
         or did_you_mean(plain_name(asked), _pages())
         or "'brake-cal manual' lists the pages"
     )
-    raise typer.BadParameter(f"no page {asked!r}; {hint}", param_hint="PAGE")
+    raise misuse(f"no page {asked!r}; {hint}", "PAGE")

@@ -1,13 +1,11 @@
 """`brake-cal repeatability`: how good a gauge the calibration is, from repeated ramps of cars."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from calib.base.plain import counted
 from cli.command import FAILED, Answer, command
-from cli.console import json_text, progress, say
+from cli.console import json_text, misuse, progress, say
 from cli.logs import read
 from cli.options import Map, argument, option
 from cli.outputs import check_folder, write_folder
@@ -27,44 +25,28 @@ DOCUMENT, PICTURE = "repeatability.json", "repeatability.png"
     "brake-cal repeatability ramps/*/*/*.csv --folders car/station --vehicle car.toml",
 )
 def repeatability(
-    logs: Annotated[list[Path] | None, argument("Ramps; if none, all of the plan.", "LOG")],
+    logs: list[Path] | None = argument("Ramps; if none, all of the plan.", "LOG"),
     *,
-    vehicle: Annotated[
-        Path | None,
-        option(
-            "Vehicle, if the plan names none per log; else that of the settings.",
-            "V.toml",
-            callback=from_settings("vehicle"),
-        ),
-    ],
-    plan: Annotated[Path | None, option("Columns log,car,station,road,vehicle.", "P.csv")],
-    road: Annotated[str | None, option("Judge the ramps of this road of the plan.", "NAME")],
-    folders: Annotated[
-        str | None,
-        option(
-            "Folders name car, car/station or station/car.",
-            "LAYOUT",
-            known="calib.line.gauge.plan:LAYOUTS",
-        ),
-    ],
-    quantity: Annotated[
-        list[str],
-        option(
-            "Judge only this metric; repeatable.",
-            "NAME",
-            known="calib.line.gauge.study:METRICS",
-        ),
-    ],
-    eta: Annotated[
-        float, option("eta - 1 where D, f1 and f2 are compared [%].", "PERCENT", built_in=0.15)
-    ],
-    limits: Annotated[
-        Path | None,
-        option("Limits of grr and ndc, and tolerances; never the settings'.", "L.toml"),
-    ],
-    out: Annotated[
-        Path | None, option("Write repeatability.json and .png here.", "DIR", writes="folder")
-    ],
+    vehicle: Path | None = option(
+        "Vehicle, if the plan names none per log; else that of the settings.",
+        "V.toml",
+        callback=from_settings("vehicle"),
+    ),
+    plan: Path | None = option("Columns log,car,station,road,vehicle.", "P.csv"),
+    road: str | None = option("Judge the ramps of this road of the plan.", "NAME"),
+    folders: str | None = option(
+        "Folders name car, car/station or station/car.",
+        "LAYOUT",
+        known="calib.line.gauge.plan:LAYOUTS",
+    ),
+    quantity: list[str] = option(
+        "Judge only this metric; repeatable.", "NAME", known="calib.line.gauge.study:METRICS"
+    ),
+    eta: float = option("eta - 1 where D, f1 and f2 are compared [%].", "PERCENT", built_in=0.15),
+    limits: Path | None = option(
+        "Limits of grr and ndc, and tolerances; never the settings'.", "L.toml"
+    ),
+    out: Path | None = option("Write repeatability.json and .png here.", "DIR", writes="folder"),
     channel_map: Map,
 ) -> Answer:
     """Judge the calibration as a gauge, from repeated ramps.
@@ -104,13 +86,13 @@ def _places(
     from calib.logs.read import refuse_no_log
 
     if plan is not None and folders is not None:
-        raise typer.BadParameter("not together with --plan", param_hint="--folders")
+        raise misuse("not together with --plan", "--folders")
     if plan is not None:
         return on_road(chosen(read_plan(plan), logs, plan), road, plan)
     if road is not None:
-        raise typer.BadParameter("only with a --plan that has roads", param_hint="--road")
+        raise misuse("only with a --plan that has roads", "--road")
     if not logs:
-        raise typer.BadParameter("name the ramps, or give a --plan with ramps", param_hint="LOG...")
+        raise misuse("name the ramps, or give a --plan with ramps", "LOG...")
     for log in logs:
         refuse_no_log(log)
     layout = folders or certain_layout(logs)
@@ -134,9 +116,7 @@ def _readings(
 
     files = {place.vehicle or vehicle for place in places}
     if None in files:
-        raise typer.BadParameter(
-            "needed: not every log has one in the plan", param_hint="--vehicle"
-        )
+        raise misuse("needed: not every log has one in the plan", "--vehicle")
     cars: dict[Path | None, Vehicle] = {f: read_vehicle(f) for f in files if f is not None}
     readings: list[GaugeReading] = []
     parents: list[LogReference] = []

@@ -3,12 +3,10 @@
 import sys
 from getpass import getpass
 from pathlib import Path
-from typing import Annotated, NoReturn
-
-import typer
+from typing import NoReturn
 
 from cli.command import Answer, command
-from cli.console import say
+from cli.console import misuse, say
 from cli.options import By, Tables, argument, option, table_versions
 
 
@@ -17,18 +15,13 @@ from cli.options import By, Tables, argument, option, table_versions
     "brake-cal tables sign sedan-2up@2 --key line.key",
 )
 def sign(
-    table: Annotated[
-        str | None, argument("name@version", "TABLE@N", autocompletion=table_versions)
-    ],
+    table: str | None = argument("name@version", "TABLE@N", autocompletion=table_versions),
     *,
-    key: Annotated[Path, option("Secret key; keep it.", "SECRET")],
-    new_key: Annotated[
-        Path | None,
-        option("Make a pair: write SECRET, and this public key to hand out.", "PUBLIC"),
-    ],
-    no_password: Annotated[
-        bool, option("With --new-key: do not protect the secret key by a password.")
-    ],
+    key: Path = option("Secret key; keep it.", "SECRET"),
+    new_key: Path | None = option(
+        "Make a pair: write SECRET, and this public key to hand out.", "PUBLIC"
+    ),
+    no_password: bool = option("With --new-key: do not protect the secret key by a password."),
     by: By,
     store: Tables,
 ) -> Answer:
@@ -49,9 +42,9 @@ def sign(
     if new_key is not None:
         return _new_pair(table, key, new_key, no_password)
     if no_password:
-        raise typer.BadParameter("only with --new-key", param_hint="--no-password")
+        raise misuse("only with --new-key", "--no-password")
     if table is None or "@" not in table:
-        raise typer.BadParameter("give name@version, see `brake-cal tables list`")
+        raise misuse("give name@version, see `brake-cal tables list`")
     store.load(table)
     secret = read_secret_key(key, lambda: _typed("Password of the key: "))
     made = signature.sign(store, table, secret, by or "")
@@ -78,10 +71,10 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
     from calib.store.minisign import generate
 
     if table is not None:
-        raise typer.BadParameter("makes a key and signs no table", param_hint="--new-key")
+        raise misuse("makes a key and signs no table", "--new-key")
     password = "" if no_password else _typed("Password of the new key (empty: none): ")
     if not no_password and password != _typed("The same once more: "):
-        raise typer.BadParameter("the two passwords differ; nothing was made")
+        raise misuse("the two passwords differ; nothing was made")
     made = generate(secret, public, password)
     document = {
         "key_id": made.key_id,
@@ -113,4 +106,4 @@ def _typed(prompt: str) -> str:
 
 
 def _refuse() -> NoReturn:
-    raise typer.BadParameter("no password was typed") from None
+    raise misuse("no password was typed") from None

@@ -2,9 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-import typer
-
-from cli.console import say
+from cli.console import misuse, say
 
 if TYPE_CHECKING:
     from calib.store.minisign import PublicKey
@@ -16,11 +14,10 @@ def key_of(required: bool, key: str | None) -> "PublicKey | None":
     from calib.store.minisign import read_public_key
 
     if key and not required:
-        raise typer.BadParameter("only with --require-signed", param_hint="--key")
+        raise misuse("only with --require-signed", "--key")
     if required and not key:
-        raise typer.BadParameter(
-            "needs --key PUBLIC, or public under [keys] of brake-cal.toml",
-            param_hint="--require-signed",
+        raise misuse(
+            "needs --key PUBLIC, or public under [keys] of brake-cal.toml", "--require-signed"
         )
     return read_public_key(key) if key else None
 

@@ -1,14 +1,12 @@
 """`brake-cal simulate`: a model driven with the pressure of a log, or through a manoeuvre."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from cli.command import Answer, command
-from cli.console import say
+from cli.console import at_option, misuse, say
 from cli.logs import named, read
-from cli.options import Car, OwnEffects, argument, channel_map, option, quantity
+from cli.options import READ_MAP, Car, OwnEffects, argument, option, quantity
 from cli.outputs import refuse_foreign, writing
 from cli.project import from_settings
 
@@ -17,30 +15,12 @@ if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.logs.log import Log
 
-    MapOfLog = ChannelMap | None
-    Speed = float | None
-    Pressure = float | None
-    Deceleration = float | None
-    Duration = float | None
-else:
-    MapOfLog = Annotated[
-        Path | None,
-        channel_map(
-            "Channel map, and DBC.",
-            callback=from_settings("map", when=lambda c: c.params.get("log") is not None),
-        ),
-    ]
-    Speed, Pressure, Deceleration, Duration = (
-        Annotated[str | None, option(text, make=quantity(si))]
-        for si, text in (
-            ("m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'),
-            ("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
-            ("m/s^2", 'Instead of a pressure, about this deceleration, such as "0.4 g".'),
-            ("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
-        )
-    )
 SPEED, RATE = 120 / 3.6, 200.0
 """First speed of a manoeuvre [m/s] and its samples per second, where none is given."""
+
+
+def _of(si: str, text: str) -> Any:
+    return option(text, typed=str | None, make=quantity(si))
 
 
 @command(
@@ -50,31 +30,31 @@ SPEED, RATE = 120 / 3.6, 200.0
     "--vehicle sample_logs/sedan/vehicle.toml --out stop.csv",
 )
 def simulate(
-    log: Annotated[Path | None, argument("Log whose pressure is replayed.", "LOG")],
+    log: Path | None = argument("Log whose pressure is replayed.", "LOG"),
     *,
     vehicle: Car,
-    out: Annotated[Path, option("Log to write: .csv or .parquet.", "SIM", writes="simulation")],
-    model: Annotated[
-        Path | None, option("Pads, tyre, effects; without it the vehicle's own.", "M.toml")
-    ],
+    out: Path = option("Log to write: .csv or .parquet.", "SIM", writes="simulation"),
+    model: Path | None = option("Pads, tyre, effects; without it the vehicle's own.", "M.toml"),
     effect: OwnEffects,
-    manoeuvre: Annotated[
-        str | None,
-        option(
-            "ramp, stop, coast, step, wave or staircase.",
-            "NAME",
-            known="calib.model.manoeuvre:NAMES",
-        ),
-    ],
-    speed: Speed,
-    pressure: Pressure,
-    deceleration: Deceleration,
-    duration: Duration,
-    rate: Annotated[float | None, option(f"Samples per second of the manoeuvre, {RATE:g}.")],
-    noise: Annotated[
-        int | None, option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0)
-    ],
-    channel_map: MapOfLog,
+    manoeuvre: str | None = option(
+        "ramp, stop, coast, step, wave or staircase.", "NAME", known="calib.model.manoeuvre:NAMES"
+    ),
+    speed: float | None = _of("m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'),
+    pressure: float | None = _of("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
+    deceleration: float | None = _of(
+        "m/s^2", 'Instead of a pressure, about this deceleration, such as "0.4 g".'
+    ),
+    duration: float | None = _of("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
+    rate: float | None = option(f"Samples per second of the manoeuvre, {RATE:g}."),
+    noise: int | None = option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0),
+    channel_map: "ChannelMap | None" = option(
+        "Channel map, and DBC.",
+        "M.toml",
+        "--map",
+        typed=Path | None,
+        make=READ_MAP,
+        callback=from_settings("map", when=lambda c: c.params.get("log") is not None),
+    ),
 ) -> Answer:
     """Drive a model of a car by the pressure of a log.
 
@@ -98,7 +78,7 @@ def simulate(
     only_log = ("--map",) if log is None else tuple(told)[:-1]
     if wrong := [name for name in only_log if told[name] is not None]:
         other = "a LOG" if log is None else "--manoeuvre"
-        raise typer.BadParameter(f"only with {other}", param_hint=", ".join(wrong))
+        raise misuse(f"only with {other}", ", ".join(wrong))
     if log is not None and manoeuvre is None:
         say(f"replaying the pressure of {named([log])[0]} with {car.name}")
         made = replay(driven, read(log, channel_map, require=("time", "p_mc")))
@@ -106,13 +86,13 @@ def simulate(
         pressure = _pressure(driven, pressure, deceleration)
         made = _drive(driven, manoeuvre, speed or SPEED, pressure, rate or RATE, duration)
     else:
-        raise typer.BadParameter("give either a LOG or --manoeuvre", param_hint="LOG")
+        raise misuse("give either a LOG or --manoeuvre", "LOG")
     result = made if noise is None else add_noise(made, noise)
     with writing(out):
         (write_csv if out.suffix.lower() == ".csv" else write_parquet)(result, out)
     for note in result.notes:
         say(f"note: {note}")
-    time, v = result.time, result["v"]
+    time, v = made.time, made["v"]  # as driven: a reading has noise and is rounded
     document = {
         "out": out,
         "name": result.name,
@@ -141,10 +121,8 @@ def _drive(
     from calib.model.manoeuvre import manoeuvre
     from calib.model.simulate import simulate
 
-    try:
+    with at_option("--manoeuvre", ModelError):
         plan = manoeuvre(name, speed, pressure, rate, duration)
-    except ModelError as error:
-        raise typer.BadParameter(str(error), param_hint="--manoeuvre") from None
     say(f"driving a {name} with {model.vehicle.name} from {speed:.1f} m/s")
     return simulate(model, plan.time, plan.pressure, speed, name=name)
 
@@ -157,8 +135,6 @@ def _pressure(model: "Model", pressure: float | None, deceleration: float | None
     if deceleration is None:
         return pressure
     if pressure is not None:
-        raise typer.BadParameter("not together with --pressure", param_hint="--deceleration")
-    try:
+        raise misuse("not together with --pressure", "--deceleration")
+    with at_option("--deceleration", ModelError):
         return pressure_at(model, deceleration)
-    except ModelError as error:
-        raise typer.BadParameter(str(error), param_hint="--deceleration") from None

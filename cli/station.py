@@ -3,12 +3,10 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from cli.command import FAILED, Answer, command
-from cli.console import progress, say, this_run
+from cli.console import misuse, progress, say, this_run
 from cli.fit import tell_kin
 from cli.logs import read
 from cli.options import (
@@ -36,19 +34,6 @@ if TYPE_CHECKING:
     from calib.line.station.station import Identity
     from calib.store.version import Stored
 
-    CarLimits = tuple[Limit, ...]
-else:
-    CarLimits = Annotated[
-        Path | None,
-        option(
-            "Limits, see `brake-cal limits`.",
-            "L.toml",
-            make=limits_of_car,
-            always=True,
-            callback=from_settings("limits"),
-        ),
-    ]
-
 
 @command(
     "brake-cal limits --out line.toml",
@@ -58,52 +43,49 @@ else:
     "--limits line.toml --serial 0815 --out runs/car-0815",
 )
 def station(
-    ramp: Annotated[Path, argument("Ramp for the fit of the table.", "RAMP")],
-    holdouts: Annotated[list[Path], logs_by_name("Stops to validate it on.", "HOLDOUT...")],
+    ramp: Path = argument("Ramp for the fit of the table.", "RAMP"),
+    holdouts: list[Path] = logs_by_name("Stops to validate it on.", "HOLDOUT..."),
     *,
     vehicle: Car,
-    out: Annotated[Path, option("Write all files here.", "DIR", writes="folder")],
-    limits: CarLimits,
-    coast: Annotated[list[Path], option("A coast log; repeatable.", "LOG")],
-    more: Annotated[list[Path], option("A further ramp for the fit; repeatable.", "LOG", "--ramp")],
-    golden: Annotated[
-        str | None,
-        option(
-            "Golden table of the model; a bare name is its newest released version.",
-            "TABLE",
-            autocompletion=table_names,
-            callback=from_settings("golden"),
-        ),
-    ],
-    accept_warnings: Annotated[
-        str | None, option("Release a car with warnings, and say why.", "REASON", make=words)
-    ],
+    out: Path = option("Write all files here.", "DIR", writes="folder"),
+    limits: "tuple[Limit, ...]" = option(
+        "Limits, see `brake-cal limits`.",
+        "L.toml",
+        typed=Path | None,
+        make=limits_of_car,
+        always=True,
+        callback=from_settings("limits"),
+    ),
+    coast: list[Path] = option("A coast log; repeatable.", "LOG"),
+    more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
+    golden: str | None = option(
+        "Golden table of the model; a bare name is its newest released version.",
+        "TABLE",
+        autocompletion=table_names,
+        callback=from_settings("golden"),
+    ),
+    accept_warnings: str | None = option(
+        "Release a car with warnings, and say why.", "REASON", make=words
+    ),
     by: By,
-    serial: Annotated[str | None, option("Serial number.", "S")],
-    vin: Annotated[str | None, option("Vehicle identification.", "V")],
-    name: Annotated[
-        str | None,
-        option("Name of the station.", "NAME", "--station", callback=from_settings("station")),
-    ],
-    rxswin: Annotated[str | None, option("Software identification, UN R156.", "R")],
+    serial: str | None = option("Serial number.", "S"),
+    vin: str | None = option("Vehicle identification.", "V"),
+    name: str | None = option(
+        "Name of the station.", "NAME", "--station", callback=from_settings("station")
+    ),
+    rxswin: str | None = option("Software identification, UN R156.", "R"),
     mass: Mass,
-    export: Annotated[
-        list[str],
-        option(
-            "Export as `tables export`; repeatable.",
-            "F",
-            known="calib.exports.export:ENDINGS",
-            callback=from_settings("export"),
-        ),
-    ],
-    date: Annotated[
-        str | None,
-        option(
-            "Date of the report and in a cdfx, which else has that of storing the table.",
-            "YYYY-MM-DD",
-            make=day,
-        ),
-    ],
+    export: list[str] = option(
+        "Export as `tables export`; repeatable.",
+        "F",
+        known="calib.exports.export:ENDINGS",
+        callback=from_settings("export"),
+    ),
+    date: str | None = option(
+        "Date of the report and in a cdfx, which else has that of storing the table.",
+        "YYYY-MM-DD",
+        make=day,
+    ),
     store: Tables,
     channel_map: Map,
     require_signed: Required,
@@ -126,14 +108,13 @@ def station(
     from calib.line.station.metrics import Car as MeasuredCar
     from calib.line.station.station import Identity, outcome, table_of, validated
     from calib.run.gates import refuse_copies
-    from calib.show.station_files import store_and_write
-    from calib.show.station_page import facts
+    from calib.show.station_page import facts, store_and_write
     from calib.store.state import DRAFT
 
     ramps = [ramp, *more]
     identity = Identity(serial, vin, name, rxswin)
     if flaw := identity.flaw():
-        raise typer.BadParameter(flaw[1], param_hint=f"--{flaw[0]}")
+        raise misuse(flaw[1], f"--{flaw[0]}")
     if doubt := identity.doubt():
         say(doubt)
     public = key_of(require_signed, key)
@@ -142,7 +123,7 @@ def station(
         export = []
     stems = stems_of(holdouts, "HOLDOUT")
     if "table" in stems:
-        raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
+        raise misuse("a hold-out named table takes the export's place; rename it")
     results = [f"{stem}.parquet" for stem in stems]
     check_folder(out, [*FIXED, REFUSED, *map(export_name, export), *results])
     with _telling_refusals(out, identity, [*ramps, *coast, *holdouts]):
@@ -230,7 +211,7 @@ def _tell_exports(stored: "Stored", forms: list[str]) -> None:
 
 @command("brake-cal limits --out line.toml")
 def limits(
-    *, out: Annotated[Path | None, option("File to write; else stdout.", "L.toml", writes="")]
+    *, out: Path | None = option("File to write; else stdout.", "L.toml", writes="")
 ) -> Answer:
     """Write a file of all limits, ready to be edited.
 

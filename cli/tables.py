@@ -3,10 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from cli.command import DAMAGED, Answer, add, command, group
-from cli.console import say
+from cli.console import misuse, say
 from cli.exchange import compare, export, merge
 from cli.options import (
     By,
@@ -26,13 +24,12 @@ from cli.sign import sign
 @command("brake-cal tables list", "brake-cal tables list --state released --serial 0815")
 def list_(
     *,
-    state: Annotated[
-        str | None,
-        option("draft, released, rejected or withdrawn.", "S", known="calib.store.state:STATES"),
-    ],
-    serial: Annotated[str | None, option("Serial number.", "S")],
-    vin: Annotated[str | None, option("Vehicle identification.", "V")],
-    since: Annotated[str | None, option("Stored on this day or later.", "YYYY-MM-DD", make=day)],
+    state: str | None = option(
+        "draft, released, rejected or withdrawn.", "S", known="calib.store.state:STATES"
+    ),
+    serial: str | None = option("Serial number.", "S"),
+    vin: str | None = option("Vehicle identification.", "V"),
+    since: str | None = option("Stored on this day or later.", "YYYY-MM-DD", make=day),
     store: Tables,
 ) -> Answer:
     """List every version of every table, or those of a car."""
@@ -73,7 +70,7 @@ def show(table: Table, *, store: Tables) -> Answer:
 
 @command("brake-cal tables log sedan-2up")
 def log(
-    table: Annotated[str, argument("name, or name@version", "TABLE", autocompletion=table_names)],
+    table: str = argument("name, or name@version", "TABLE", autocompletion=table_names),
     *,
     store: Tables,
 ) -> Answer:
@@ -84,9 +81,7 @@ def log(
     journal = store.journal(name)
     known = [str(number) for number in journal.of(name)]
     if at and version not in known:
-        raise typer.BadParameter(
-            f"no version {version!r} of {name!r}; there is {', '.join(known)}", param_hint="TABLE"
-        )
+        raise misuse(f"no version {version!r} of {name!r}; there is {', '.join(known)}", "TABLE")
     entries = [e for e in journal.entries if e.table == name and version in ("", str(e.version))]
     document = {"store": store.folder, "head": journal.head, "entries": entries}
     return Answer(document, history(entries))
@@ -94,8 +89,8 @@ def log(
 
 @command("brake-cal tables diff sedan-2up@1 sedan-2up")
 def diff(
-    a: Annotated[str, argument("name, name@version or path", "A", autocompletion=table_names)],
-    b: Annotated[str, argument("name, name@version or path", "B", autocompletion=table_names)],
+    a: str = argument("name, name@version or path", "A", autocompletion=table_names),
+    b: str = argument("name, name@version or path", "B", autocompletion=table_names),
     *,
     store: Tables,
 ) -> Answer:
@@ -123,9 +118,7 @@ def diff(
 
 @command("brake-cal tables verify", "brake-cal tables verify sedan-2up")
 def verify(
-    name: Annotated[
-        str | None, argument("one table; if not given, all", "NAME", autocompletion=table_names)
-    ],
+    name: str | None = argument("one table; if not given, all", "NAME", autocompletion=table_names),
     *,
     key: PublicKey,
     store: Tables,
@@ -213,9 +206,7 @@ def _judged(
     before = store.load(table)
     proof, verdict = read_evidence(evidence, before) if evidence else (None, "")
     if word == "released" and verdict == "failed":
-        raise typer.BadParameter(
-            f"{evidence} says that {table} failed, which releases nothing", param_hint="--evidence"
-        )
+        raise misuse(f"{evidence} says that {table} failed, which releases nothing", "--evidence")
     proofs = (proof,) if proof else ()
     after = store.judge(table, StateDecision(word, reason, verdict, proofs, by or ""))
     same = "nothing to change" if before.state == after.state else f"it was {before.state.word}"

@@ -1,7 +1,7 @@
 """`brake-cal validate`: the estimator with a table on hold-out logs, its metrics and verdict."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from cli.command import FAILED, Answer, command
 from cli.console import complain, progress, say, this_run
@@ -11,6 +11,7 @@ from cli.options import (
     KnownModel,
     Map,
     Mass,
+    OtherPads,
     OwnEffects,
     Required,
     SignedBy,
@@ -19,22 +20,14 @@ from cli.options import (
     Tables,
     logs,
     option,
-    vehicle,
 )
 from cli.outputs import check_folder, stems_of, writing
 from cli.signed import check_signed, key_of
 
 if TYPE_CHECKING:
     from calib.base.errors import LogError
-    from calib.car.vehicle import Vehicle
     from calib.estimation.validate import Validation
     from calib.logs.log import Log
-
-    OtherPads = Vehicle | None
-else:
-    OtherPads = Annotated[
-        Path | None, vehicle("Other nominal pads than the table's; never the settings' vehicle.")
-    ]
 
 
 @command(
@@ -44,7 +37,7 @@ else:
 )
 def validate(
     table: Table,
-    logs: Annotated[list[Path], logs("Hold-out logs.")],
+    logs: list[Path] = logs("Hold-out logs."),
     *,
     store: Tables,
     vehicle: OtherPads,
@@ -52,9 +45,7 @@ def validate(
     effect: OwnEffects,
     mass: Mass,
     limits: StopLimits,
-    out: Annotated[
-        Path | None, option("Write LOG.parquet and summary.json here.", "DIR", writes="folder")
-    ],
+    out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: Map,
     require_signed: Required,
     key: SignedBy,
@@ -77,7 +68,6 @@ def validate(
     from calib.estimation.validate import require_same_vehicle, to_dict, validate_one
     from calib.run.gates import refuse_copy
     from calib.show.html import page_of
-    from calib.show.trace import from_validation
     from calib.show.validation import facts, report
 
     names = named(logs)
@@ -113,11 +103,7 @@ def validate(
             say(f"wrote {path}")
 
     def page() -> str:
-        traces = [
-            from_validation(used, stored.id, run, result, vehicle)
-            for run, result in zip(runs, results, strict=True)
-        ]
-        return page_of(report(stored, results, traces, origin("vehicle", "model", "limits")))
+        return page_of(report(stored, results, origin("vehicle", "model", "limits")))
 
     failed = FAILED * (not all(result.passed for result in results))
     return Answer(summary, facts(stored, results), failed, page)

@@ -3,13 +3,13 @@
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from calib.base.plain import counted
 from cli.command import FAILED, UNREADABLE, Answer, add, command, group
-from cli.console import complain, say, this_run, warn
+from cli.console import complain, misuse, say, this_run, warn
 from cli.options import argument, option
 from cli.outputs import check_file, refuse_foreign, write_file
 
@@ -22,12 +22,10 @@ SEDAN = "sedan"
 
 @command("brake-cal vehicle init my_car.toml --from sedan")
 def init(
-    file: Annotated[Path, argument("Vehicle file to write.", "FILE")] = Path("vehicle.toml"),
+    file: Path = argument("Vehicle file to write.", "FILE", built_in=Path("vehicle.toml")),
     *,
-    start: Annotated[
-        str | None, option("Ask nothing: write the reference car, sedan.", "NAME", "--from")
-    ],
-    force: Annotated[bool, option("Replace a file that exists, whatever it holds.")],
+    start: str | None = option("Ask nothing: write the reference car, sedan.", "NAME", "--from"),
+    force: bool = option("Replace a file that exists, whatever it holds."),
 ) -> Answer:
     """Write a vehicle file with a comment on every key.
 
@@ -45,11 +43,11 @@ def init(
     unedited = vehicle_text(REFERENCE).encode()
     refuse_foreign(file, unedited.__eq__, "FILE")
     if start is not None and start != SEDAN:
-        raise typer.BadParameter(f"unknown vehicle {start!r}; known: {SEDAN}", param_hint="--from")
+        raise misuse(f"unknown vehicle {start!r}; known: {SEDAN}", "--from")
     if start is None and not sys.stdin.isatty():
-        raise typer.BadParameter(
+        raise misuse(
             f"without a terminal nothing can be asked; --from {SEDAN} writes a file to edit",
-            param_hint="--from",
+            "--from",
         )
     text = vehicle_text(_asked() if start is None else REFERENCE).encode()
     this_run().force |= text != unedited  # it was checked before the questions
@@ -93,7 +91,7 @@ def _one(key: "VehicleKey", before: Mapping[str, str]) -> str:
 
 
 @command("brake-cal vehicle check sample_logs/sedan/vehicle.toml")
-def check(files: Annotated[list[Path], argument("vehicle files to check", "FILE...")]) -> Answer:
+def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> Answer:
     """Judge vehicle files: mistakes, then plausibility.
 
     All mistakes of a file are listed, then what no usual car has, with the likely causes, and what
@@ -132,9 +130,9 @@ def check(files: Annotated[list[Path], argument("vehicle files to check", "FILE.
     "brake-cal vehicle show sample_logs/sedan/vehicle.toml --plot brakes.png",
 )
 def show(
-    file: Annotated[Path, argument("vehicle file", "FILE")],
+    file: Path = argument("vehicle file", "FILE"),
     *,
-    plot: Annotated[Path | None, option("Draw it: .png, .svg or .pdf.", "FILE", writes="picture")],
+    plot: Path | None = option("Draw it: .png, .svg or .pdf.", "FILE", writes="picture"),
 ) -> Answer:
     """Show what follows from a vehicle file.
 

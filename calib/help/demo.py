@@ -243,8 +243,7 @@ def hidden_story(out: Path, say: Say) -> Story:
     from calib.diagnosis.diagnose import diagnose
     from calib.diagnosis.written.document import text_of
     from calib.diagnosis.written.folder import write_folder
-    from calib.show.diagnosis_figure import sheet
-    from calib.show.diagnosis_page import report
+    from calib.show.diagnosis_page import report, sheet
     from calib.show.html import page_of
     from calib.show.sheet import save as save_figures
 

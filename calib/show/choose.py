@@ -13,8 +13,7 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.limits import DEFAULTS, Limit
 from calib.estimation.validate import validate_one
 from calib.logs.log import Log
-from calib.show import compare, simulation, stop, table
-from calib.show import log_figure as log
+from calib.show import compare, log, stop, table
 from calib.show.ramp import measure
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
@@ -74,5 +73,4 @@ def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:
 def _of_stop(stored: Stored, found: Log, given: PlotInput) -> Sheet:
     used, car = stored.table, given.vehicle
     result = validate_one(used, found, car, given.limits, baselines=given.compare)
-    trace = from_validation(used, stored.id, found, result, car)
-    return simulation.sheet(trace) if trace.has_truth else stop.sheet(trace)
+    return stop.sheet(from_validation(used, stored.id, found, result, car))

@@ -1,18 +1,27 @@
-"""The page of a diagnosis: its facts, with the search, the gap and the replays of the hold-outs."""
+"""The page of a diagnosis: its facts, with the search, the gap and the replays of the hold-outs.
 
-from dataclasses import replace
+Replays use the pressure and the first speed only. Drawn is replay less measurement, as its mean
+over 0.1 s; the noise of the sensor is the band around zero.
+"""
 
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.base.intervals import Z95
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnose import Diagnosis
 from calib.diagnosis.proof.gap import UNITS, ChannelGap, Gap
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes
-from calib.show import diagnosis_figure as figures
-from calib.show.diagnosis import ERROR, NO_GAP, facts
+from calib.logs.log import Log
+from calib.show.diagnosis import ERROR, NO_GAP, facts, heading
 from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, percent, spaced, unit_shown
-from calib.show.sheet import Sheet
+from calib.show.sheet import Panel, Sheet
+from calib.show.style import FRONT, REAR, SHADE, Array, Axes, Stroke, smooth, view, zero
 
 BASE = {
     "pad_friction_f": "pad friction, front",
@@ -21,33 +30,35 @@ BASE = {
     "tyre_peak": "peak of the tyres, over load",
     "rolling_radius": "rolling radii, over those of the vehicle file",
 }
+_SPEED = "Speed of the open-loop replays less the measured one."
 LARGEST = "Replay less measurement of the log with the largest gap; the band is the noise."
-MEASURED = (
-    "The gap is that of the hold-outs alone, replayed from their pressures and first speed. An "
-    "effect is named if it explains nearly all of the excess of the calibration logs over their "
-    "noise, and if the hold-outs get better with it.",
-    "Pads and tyres differ from car to car and day to day: they are identified, and no effect.",
-    "Beside this page: diagnosis.json (all numbers), model.toml (for brake-cal simulate --model), "
-    "and the replays in sim/before and sim/after.",
-)
+BEFORE: Stroke = {**REAR, "linewidth": 1.4}
+AFTER: Stroke = {**FRONT, "linewidth": 1.4}
+
+CLOCK = 0.02
+"""Step between drawn points [s]; a curve is smoothed over a longer time."""
+
+PAUSE = 0.6
+"""Space between two logs on one axis [s]."""
+
+AXLES = {"omega_fl": 0.5, "omega_fr": 0.5, "omega_rl": -0.5, "omega_rr": -0.5}
+_FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
+_REAR_SIDES = {"omega_rl": 1.0, "omega_rr": -1.0}
 
 
 def report(found: Diagnosis, title: str) -> Facts:
     """The facts of a diagnosis of the car ``title``, with everything that they rest on."""
-    sheet, told = figures.sheet(found, title), facts(found, title)
+    drawn, told = sheet(found, title), facts(found, title)
     when = ("after",) if found.verdict == NO_GAP else ("before", "after")
     parts = [
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
-        *([_unexplained(found.unexplained, sheet)] if found.unexplained else []),
+        *([_unexplained(found.unexplained)] if found.unexplained else []),
         _search(found),
-        _gap(found, sheet, when),
+        _gap(found, drawn, when),
         Facts("Base parameters", tables=[_base(found)]),
-        Facts("How it was measured", notes=MEASURED),
     ]
-    ends = f"At the end of each log: {'; '.join(_speed_ends(found, when))}."
-    speed = f"Speed of the open-loop replays less the measured one. {ends}"
-    return replace(told, pictures=[Picture(speed, sheet, ("speed",))], parts=parts)
+    return replace(told, pictures=[Picture(_SPEED, drawn, ("speed",))], parts=parts)
 
 
 def _search(found: Diagnosis) -> Facts:
@@ -62,37 +73,11 @@ def _search(found: Diagnosis) -> Facts:
         rows.append((name, f"{now.innovation:.3f}", gain, f"{now.left:.2f}", fall))
     heads = ("added", "unexplained error", "change", "left in replays", "change")
     caption = f"The search: {ERROR}, and lasting errors of the replays over the noise."
-    leaves = [(name, f"{left:.2f}") for name, left in explanations(found)]
     return Facts(
         "Effects that were tried",
         headline="Every effect of the catalogue, with pads and tyres fitted again each time.",
-        tables=[
-            Table(("explanation", "leaves"), leaves, f"{ERROR.capitalize()} of each explanation."),
-            Table(heads, rows if len(rows) > 1 else (), caption),
-        ],
+        tables=[Table(heads, rows, caption)],
     )
-
-
-def explanations(found: Diagnosis) -> list[tuple[str, float]]:
-    """The explanations and the unexplained error that each leaves, the worst first."""
-    before, after, left = found.reduced_before, found.reduced_after, found.unexplained
-    seconds = dict(effect.runner_up for effect in found.effects if effect.runner_up is not None)
-    rows = [("nothing added", before)]
-    if left is not None and not found.effects:
-        rows += [
-            (f"{spaced(place)} over {driver}", before - share * (before - 1.0))
-            for place, driver, share in reversed(left.runners_up)
-        ]
-        return [*rows, (f"{spaced(left.term.place)} over {left.term.driver}, added", after)]
-    ordered = sorted(seconds.items(), key=lambda item: item[1])
-    rows += [(f"{spaced(name)}, runner-up", before - gained) for name, gained in ordered]
-    if found.effects:
-        names = " + ".join(spaced(effect.name) for effect in found.effects)
-        rows.append((f"{names}, added", after))
-        if left is not None:
-            rest = f"{spaced(left.term.place)} over {left.term.driver}, not added"
-            rows.append((rest, after - left.explained * (after - 1.0)))
-    return rows
 
 
 def _confusion(found: Confusion) -> Facts:
@@ -115,7 +100,7 @@ def _confusion(found: Confusion) -> Facts:
     return Facts("What these logs cannot tell apart", tables=tables)
 
 
-def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> Facts:
+def _unexplained(found: UnexplainedTerm) -> Facts:
     """The empirical term point by point, and other terms that explain a part of the gap."""
     term, unit = found.term, DRIVERS[found.term.driver]
     on = "brake torque" if term.on_brakes else "force over weight"
@@ -126,23 +111,17 @@ def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> Facts:
     others = [(spaced(place), driver, percent(share)) for place, driver, share in found.runners_up]
     heads = (f"{term.driver} [{unit_shown(unit) or '1'}]", f"change of {on}")
     shares = "Other places and drivers, by the share of the gap that they explain."
-    caption = f"The empirical term on the {spaced(term.place)}."
     return Facts(
         "What no effect explains",
         tables=[
-            Table(heads, points, "The empirical term; linear between its points."),
+            Table(heads, points, f"The empirical term on the {spaced(term.place)}."),
             Table(("place", "depends on", "explained"), others, shares),
         ],
-        pictures=[Picture(caption, sheet, ("term",))],
     )
 
 
-def _gap(found: Diagnosis, sheet: Sheet, when: tuple[str, ...]) -> Facts:
-    """The gap of the hold-outs by channel, and by log in units of the noise of each channel."""
-    by_channel = [
-        (f"{name} [{UNITS[name]}]", *(f"{getattr(c, key):.4f}" for key in (*when, "noise")))
-        for name, c in found.gap.by_channel.items()
-    ]
+def _gap(found: Diagnosis, drawn: Sheet, when: tuple[str, ...]) -> Facts:
+    """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
     early = [
         f"{log.name}, {word}: {sim.notes[-1]}"
         for word, sims in (("before", found.before), ("after", found.after))
@@ -150,16 +129,12 @@ def _gap(found: Diagnosis, sheet: Sheet, when: tuple[str, ...]) -> Facts:
         if sim.time.size < log.time.size and sim.notes and "slower than" not in sim.notes[-1]
     ]
     heads = ("log, channel", *when, *(("closed",) if len(when) > 1 else ()), "noise")
-    rms = "Gap by channel: rms of replay less measurement, noise taken out; and the noise."
-    by_log = "Gap by log and channel, in units of the sensor's noise."
+    caption = "Gap by log and channel, noise taken out, in units of the sensor's noise."
     return Facts(
         "The gap on the hold-outs",
-        tables=[
-            Table(("channel", *when, "noise"), by_channel, rms),
-            Table(heads, _by_log(found.gap, when), by_log),
-        ],
+        tables=[Table(heads, _by_log(found.gap, when), caption)],
         notes=early,
-        pictures=[Picture(LARGEST, sheet, ("acceleration", "split"))],
+        pictures=[Picture(LARGEST, drawn, ("acceleration", "split"))],
     )
 
 
@@ -184,15 +159,6 @@ def _cells(channel: ChannelGap, when: tuple[str, ...]) -> list[str]:
     return [*cells, percent(channel.closed) + ", worse" * (channel.closed < 0.0)]
 
 
-def _speed_ends(found: Diagnosis, when: tuple[str, ...]) -> list[str]:
-    """Difference of replayed and measured speed at the end of each replay."""
-    ends = []
-    for replay in figures.replays_of(found):
-        last = {word: f"{off[-1]:+.2f} m/s {word}" for word, _, off in replay.curves({"v": 1.0})}
-        ends.append(f"{replay.measured.name} {', '.join(last[word] for word in when)}")
-    return ends
-
-
 def _base(found: Diagnosis) -> Table:
     """The re-identified base parameters, beside those of the vehicle file."""
     car = found.model_before.vehicle
@@ -203,3 +169,100 @@ def _base(found: Diagnosis) -> Table:
     ]
     heads = ("parameter", "value", "95 % interval", "vehicle file")
     return Table(heads, rows, "Base parameters as re-identified.")
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A hold-out with its replays; ``noise`` of its channels by name, in their units."""
+
+    measured: Log
+    before: Log
+    after: Log
+    noise: dict[str, float]
+
+    def curves(self, weights: dict[str, float]) -> Iterator[tuple[str, Array, Array]]:
+        """Before and after: time [s] and weighted sum of replay less measurement, smoothed."""
+        for when, sim in (("before", self.before), ("after", self.after)):
+            n = min(sim.time.size, self.measured.time.size)
+            time = self.measured.time[:n] - self.measured.time[0]
+            off = sum(w * (sim[c][:n] - self.measured[c][:n]) for c, w in weights.items())
+            every = max(1, round(CLOCK / self.measured.sample_time))
+            yield when, time[::every], smooth(time, np.asarray(off))[::every]
+
+    def band(self, weights: dict[str, float]) -> float:
+        """Half width of the 95 % band of the sensors' noise in a weighted sum."""
+        return Z95 * float(np.sqrt(sum((w * self.noise[c]) ** 2 for c, w in weights.items())))
+
+
+def sheet(found: Diagnosis, name: str) -> Sheet:
+    """Return the sheet of a diagnosis; ``name`` is that of the vehicle."""
+    logs = _replays_of(found)
+    worst = max(logs, key=lambda log: found.gap.by_log[log.measured.name][0])
+    weights, words = split_of(found)
+    same = found.verdict == "no_gap"
+    speed, a_x = {"v": 1.0}, {"a_x": 1.0}
+    panels = [
+        Panel("speed", "Speed", errors, (logs, speed, "$v$ [m/s]", same)),
+        Panel("acceleration", "Acceleration", errors, ([worst], a_x, "$a_x$ [m/s$^2$]", same)),
+        Panel("split", f"Wheel speeds, {words}", errors, ([worst], weights, "[rad/s]", same)),
+    ]
+    return Sheet(
+        kind="diagnosis",
+        name=name,
+        title=f"Diagnosis of {name}: {heading(found)}",
+        note=(
+            "Replays are open loop: pressure and first speed only. Before: pads and tyre "
+            "re-identified, no effect added. After: with all that was added. The band is 95 % of "
+            "the noise of single samples."
+        ),
+        panels=tuple(panels),
+        rows=(("speed",) * 2, ("acceleration", "split")),
+    )
+
+
+def _replays_of(found: Diagnosis) -> list[Replay]:
+    """Hold-outs with their replays, in their order."""
+    noise = {name: channel.noise for name, channel in found.gap.by_channel.items()}
+    together = zip(found.measured, found.before, found.after, strict=True)
+    return [Replay(measured, before, after, noise) for measured, before, after in together]
+
+
+def split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
+    """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
+    channels = {effect.where.channel for effect in found.effects}
+    if "front_sides" in channels:
+        return _FRONT_SIDES, "front, left less right"
+    if "rear_sides" in channels:
+        return _REAR_SIDES, "rear, left less right"
+    return AXLES, "front less rear"
+
+
+def errors(
+    ax: Axes, logs: list[Replay], weights: dict[str, float], ylabel: str, same: bool
+) -> None:
+    """Replay less measurement of a weighted sum of channels, one log after another.
+
+    ``same``: there is only one replay, as nothing was added.
+    """
+    start, shown = 0.0, []
+    across = ax.get_xaxis_transform()
+    for i, log in enumerate(logs):
+        end = start + float(log.measured.time[-1] - log.measured.time[0])
+        half = log.band(weights)
+        label = None if i else "noise, 95 %"
+        span: Stroke = {"color": SHADE, "linewidth": 0.0, "zorder": 0}
+        ax.fill_between((start, end), -half, half, label=label, **span)
+        shown.append(np.array([-half, half]))
+        for when, time, off in log.curves(weights):
+            if when == "after" or not same:
+                word = "replay" if same else when
+                stroke = BEFORE if when == "before" else AFTER
+                ax.plot(start + time, off, label=None if i else word, **stroke)
+                shown.append(off)
+        ax.text(start, 0.02, log.measured.name, transform=across, fontsize=7.0, va="bottom")
+        start = end + PAUSE
+    zero(ax)
+    view(ax, *shown, zero=True, margin=0.15)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low - 0.12 * (high - low), high)  # room for the names of the logs
+    ax.set(xlabel="time, one log after another [s]", ylabel=f"replay less measured {ylabel}")

@@ -16,7 +16,6 @@ from calib.store.figures import effect_figures
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, pads_budget
 
-_MADE_OF = "What the interval of the pads is made of, as standard deviations; their squares add up."
 CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
 
 
@@ -50,9 +49,8 @@ def facts(stored: Stored, mass: MassUsed) -> Facts:
 def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrigin) -> Facts:
     """The facts with pictures and origin; ``ramps`` are the logs with braking of the fit."""
     panels = sheet(stored.table, stored.id, tuple(measure(stored.table, log) for log in ramps))
-    of_ramps = [n for n in panels.names if n.startswith(("ramp", "pressure", "forces"))]
+    of_ramps = [n for n in panels.names if n.startswith("forces")]
     pictures = [
-        Picture(_MADE_OF, panels, ("budget",)),
         Picture(CURVES, panels, ("f1-f2", "difference")),
         Picture("The tyre curve, and the torques.", panels, ("tyre", "torque-distribution")),
         *([Picture("The ramps of the fit.", panels, of_ramps)] if of_ramps else []),

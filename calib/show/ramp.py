@@ -1,4 +1,4 @@
-"""The ramp of a calibration: pressure (Fig. 4), forces (Fig. 5), and points for Figs. 3 and 6.
+"""The ramp of a calibration: forces (Fig. 5), and points for Figs. 3 and 6.
 
 The curves of a table over eta are those of a car without air drag, grade and rolling resistance. So
 are the points that are compared with them:
@@ -7,6 +7,7 @@ are the points that are compared with them:
     eta as measured, over that of the identified car on this run, times its eta without resistance
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,7 +35,7 @@ from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
 from calib.show.sheet import Panel
-from calib.show.style import BAR, BODY, FRONT, NOMINAL, REAR, Array, Axes, Mask, Stroke, noisy
+from calib.show.style import BODY, FRONT, NOMINAL, REAR, Array, Axes, Mask, Stroke, noisy
 from calib.table.table import Table
 
 GROUP = 5
@@ -45,7 +46,7 @@ GROUP = 5
 class MeasuredRamp:
     """A ramp in blocks, shapes (k,), SI.
 
-    As driven: ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it
+    As driven: ``time`` [s]; ``z`` as measured and ``carried``, the part of it
     that the tyres carry [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads
     [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v.
 
@@ -57,7 +58,6 @@ class MeasuredRamp:
 
     name: str
     time: Array
-    pressure: Array
     z: Array
     carried: Array
     F_f: Array
@@ -98,7 +98,6 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     return MeasuredRamp(
         name=log.name,
         time=b.end,
-        pressure=np.maximum(b.p_f, b.p_r),
         z=read.z,
         carried=(run.brake_sum + run.moment_f + run.moment_r) / vehicle.weight,
         F_f=F_f,
@@ -152,18 +151,13 @@ def grouped(values: Array, mask: Mask) -> Array:
     return np.asarray(kept[: count * GROUP].reshape(count, GROUP).mean(axis=1))
 
 
-def panels(ramp: MeasuredRamp, suffix: str = "") -> tuple[Panel, ...]:
-    """Pressure and forces over time; ``suffix`` distinguishes the ramps of a table."""
-    return (
-        Panel(f"pressure{suffix}", f"Pressure of {ramp.name} (Fig. 4)", pressure, (ramp,)),
-        Panel(f"forces{suffix}", f"Forces of {ramp.name} (Fig. 5)", forces, (ramp,), 2),
+def panels(ramps: Sequence[MeasuredRamp]) -> tuple[Panel, ...]:
+    """The forces of each ramp over time, Fig. 5; several are numbered."""
+    numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
+    return tuple(
+        Panel(f"forces{number}", f"Forces of {ramp.name} (Fig. 5)", forces, (ramp,), 2)
+        for ramp, number in zip(ramps, numbers, strict=True)
     )
-
-
-def pressure(ax: Axes, ramp: MeasuredRamp) -> None:
-    """Pressure over time, Fig. 4."""
-    ax.plot(ramp.time, ramp.pressure / BAR, label="greater of the axles' pressures", **BODY)
-    ax.set(xlabel="time [s]", ylabel="brake pressure [bar]")
 
 
 def forces(ax: Axes, ramp: MeasuredRamp) -> None:

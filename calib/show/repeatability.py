@@ -1,32 +1,16 @@
-"""A gauge study: every metric by car and station, and the causes of its scatter.
+"""A gauge study: the causes of scatter as a table, and every metric by car and station.
 
-values   |  .  o       one column a car, one mark a station, a line at the car's mean
-bars     |  [==]--|    standard deviation of each cause over the total, 95 % interval
+|  .  o       one column a car, one mark a station, a line at the car's mean
 """
 
 import numpy as np
 
-from calib.line.gauge.gauge_rr import (
-    CAR,
-    GAUGE,
-    INTERACTION,
-    REPEATABILITY,
-    REPRODUCIBILITY,
-    STATION,
-    TOTAL,
-)
-from calib.line.gauge.study import GOOD_GRR, REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
+from calib.line.gauge.gauge_rr import CAR, REPEATABILITY, REPRODUCIBILITY
+from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes
 
-_LABELS = {
-    REPEATABILITY: "repeatability",
-    STATION: "station",
-    INTERACTION: "car by station",
-    GAUGE: "gauge",
-    CAR: "cars",
-}
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
 NAMED = 12
@@ -90,13 +74,11 @@ def _cells(result: GaugeResult) -> tuple[str, ...]:
 
 
 def sheet(found: GaugeStudy) -> Sheet:
-    """Return the sheet of a gauge study: two panels for every metric."""
-    pairs = [_panels(found, result) for result in found.results]
+    """Return the sheet of a gauge study: a panel for every metric."""
+    panels = tuple(_panel(found, result) for result in found.results)
     stations = f", {len(found.stations)} stations" if found.stations else ""
     sentences = (
         "Points are single ramps, a bar is the mean of a car",
-        "Components are standard deviations over the total one, with 95 % intervals; shaded: "
-        "gauge up to 10 and 30 %",
         "%GRR: the gauge's standard deviation over the total one, or six of it over the tolerance",
         f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %",
         *found.notes,
@@ -106,9 +88,9 @@ def sheet(found: GaugeStudy) -> Sheet:
         name="repeatability",
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
         note=". ".join(s[0].upper() + s[1:] for s in sentences) + ".",
-        panels=tuple(panel for pair in pairs for panel in pair),
-        rows=tuple((values.name, values.name, parts.name) for values, parts in pairs),
-        heights=(0.8,) * len(pairs),
+        panels=panels,
+        rows=tuple((panel.name,) for panel in panels),
+        heights=(0.8,) * len(panels),
         result=_result(found),
     )
 
@@ -120,13 +102,11 @@ def _result(found: GaugeStudy) -> str:
     return f"Failed: {', '.join(_title_of(r) for r in found.results if r.verdict in REFUSED)}"
 
 
-def _panels(found: GaugeStudy, result: GaugeResult) -> tuple[Panel, Panel]:
-    name, heading = result.name, _title_of(result)
+def _panel(found: GaugeStudy, result: GaugeResult) -> Panel:
+    heading = _title_of(result)
     heading = heading if heading.startswith("$") else heading[0].upper() + heading[1:]
-    return (
-        Panel(f"{name}-values", f"{heading}: {_verdict(result)}", by_car, (found, result), 4),
-        Panel(f"{name}-parts", "Causes", components, (result,)),
-    )
+    title = f"{heading}: {_verdict(result)}"
+    return Panel(f"{result.name}-values", title, by_car, (found, result), 4)
 
 
 def _verdict(result: GaugeResult) -> str:
@@ -170,35 +150,6 @@ def _plain(name: str) -> str:
     """A name as plain text: no formula, and no leading underscore, which the legend would hide."""
     shown = name.replace("$", r"\$")
     return f" {shown}" if shown.startswith("_") else shown
-
-
-def components(ax: Axes, result: GaugeResult) -> None:
-    """Draw every cause's standard deviation over the total with its 95 % interval [%]."""
-    if result.gauge is None:
-        ax.text(0.5, 0.5, "repeats do not scatter", transform=ax.transAxes, ha="center")
-        ax.set_axis_off()
-        return
-    parts = result.gauge.components
-    total = parts[TOTAL].sd
-    names = [name for name in _LABELS if name in parts]
-    for low, high, colour in ((0.0, GOOD_GRR, "#DDEFE6"), (GOOD_GRR, 0.3, "#F6EBD0")):
-        ax.axvspan(100.0 * low, 100.0 * high, color=colour, linewidth=0.0, zorder=0)
-    top = 110.0
-    for i, name in enumerate(names):
-        sd, low, high = (100.0 * v / total for v in (parts[name].sd, *parts[name].sd95))
-        strong = name in (GAUGE, CAR)
-        ax.barh(i, sd, height=0.55, color=COLOURS[0] if strong else "#8DB9DA", zorder=2)
-        ax.plot([low, high], [i, i], color=BODY["color"], linewidth=1.0, zorder=3)
-        ax.plot(low, i, "|", color=BODY["color"], ms=5.0, zorder=3)
-        # an arrow where the interval reaches beyond the axis
-        mark = "|" if high <= top else ">"
-        ax.plot(min(high, top), i, mark, color=BODY["color"], ms=5.0, zorder=3, clip_on=False)
-        if name in result.gauge.negative:
-            ax.text(2.0, i - 0.1, "came out negative", va="bottom", fontsize=6.5, zorder=4)
-    ax.set_yticks(range(len(names)), [_LABELS[name] for name in names])
-    ax.invert_yaxis()
-    ax.grid(axis="y", visible=False)
-    ax.set(xlabel="of the total standard deviation [%]", xlim=(0.0, top))
 
 
 def _title_of(result: GaugeResult) -> str:

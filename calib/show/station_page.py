@@ -1,32 +1,49 @@
-"""Facts of a car at the station: verdict, next steps, metrics and limits, curves, origin."""
+"""A car at the station: its facts, and every file of its run, made before any is published."""
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import plain, plus_minus
+from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, WARNING, Judgement
+from calib.estimation.results import SUMMARY, fill
 from calib.estimation.validate import Validation
+from calib.estimation.validate import to_dict as validation_dict
+from calib.exports.export import export
+from calib.line.station.files import (
+    DOCUMENT,
+    JUNIT,
+    REPORT,
+    export_name,
+    junit_xml,
+    to_dict,
+    to_text,
+)
 from calib.line.station.limits_file import action
 from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
+from calib.show.html import page_of
 from calib.show.judged import judged, pads
 from calib.show.origin import PageOrigin, origin
 from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
-from calib.show.style import FRONT, REAR, Axes
 from calib.show.table import sheet as table_sheet
 from calib.show.validation import on_the_way
+from calib.store.evidence import read_quality
+from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, pads_budget
 from calib.table.table import Table
 
-_TAKEN = ("f1-f2", "difference", "budget")
+_TAKEN = ("f1-f2", "difference")
 """Panels of the table's own sheet."""
 CURVES = "The curves that the estimator looks up, with their 95 % bands."
-BY_STOP = "Pad friction of each stop with its 95 % interval; line and band: the table's."
 _OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
 
 
@@ -83,7 +100,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
         (plain(key).name, f"{key}: {text}. Why: {plain(key).reason or 'no limit by default'}.")
         for key, text in meant.items()
     ]
-    curves = [Picture(CURVES, pictures, ("f1-f2", "difference"))]
+    curves = [Picture(CURVES, pictures, _TAKEN)]
     over_time = [Picture(_OVER_TIME, pictures, stops)]
     logs = [("ramp", log.name, log.digest) for log in found.ramps]
     logs += [("coast", log.name, log.digest) for log in found.coasts]
@@ -92,7 +109,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     told = facts(found, stored, date)
     parts = [
         Facts("What each metric is, and why its limit", rows=meanings, folded=True),
-        _pads(found, pictures),
+        _pads(found),
         Facts("The table", pictures=curves),
         Facts("The stops", pictures=over_time, notes=notes),
         Facts("Remarks", notes=remarks, folded=True),
@@ -101,7 +118,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     return replace(told, parts=parts)
 
 
-def _pads(found: StationOutcome, pictures: Sheet) -> Facts:
+def _pads(found: StationOutcome) -> Facts:
     """Pad friction from the ramp and by stop, and what its interval is made of."""
     cal, budgets = found.table.calibration, pads_budget(found.table)
     of_ramp = [
@@ -113,55 +130,81 @@ def _pads(found: StationOutcome, pictures: Sheet) -> Facts:
         (f"{i}: {r.log}", *(pads(r.figures, axle) or "not known" for axle in "fr"))
         for i, r in enumerate(found.results, 1)
     ]
-    parts = "; ".join(f"{AXLE_NAMES[x]} {of.words}" for x, of in zip("fr", budgets, strict=True))
     return Facts(
         "Pads",
         tables=[Cells(("run", "front", "rear"), rows, "Pad friction, with 95 % intervals.")],
-        notes=advice_lines(budgets),
-        pictures=[
-            Picture(BY_STOP, pictures, ("pads",)),
-            Picture(f"The interval of the ramp's pads is made of: {parts}.", pictures, ("budget",)),
+        rows=[
+            (f"{axle} pads of the ramp", of.words)
+            for axle, of in zip(AXLE_NAMES.values(), budgets, strict=True)
         ],
+        notes=advice_lines(budgets),
     )
 
 
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
-    """Panels of the table, `pads`, and `stop-1`, `stop-2` ... for the hold-outs."""
+    """Panels of the table, and `stop-1`, `stop-2` ... for the hold-outs."""
     curves = [panel for panel in table_sheet(table, "").panels if panel.name in _TAKEN]
-    by_stop = Panel("pads", "Pads by stop", _pads_by_stop, (table, results), 2)
     stops = [
         Panel(f"stop-{i}", _as_text(r.log), pads_over_time, (r,), 2)
         for i, r in enumerate(results, 1)
     ]
-    return Sheet("station", "station", "", "", (*curves, by_stop, *stops), ())
-
-
-def _pads_by_stop(ax: Axes, table: Table, results: tuple[Validation, ...]) -> None:
-    """Mean pad friction of each hold-out with its median 95 % interval, and the table's."""
-    cal = table.calibration
-    for axle, stroke, of_table, shift in (
-        ("f", FRONT, cal.pad_friction_f, -0.08),
-        ("r", REAR, cal.pad_friction_r, 0.08),
-    ):
-        word = AXLE_NAMES[axle]
-        low, high = of_table.ci95
-        ax.axhspan(low, high, color=stroke["color"], alpha=0.18, lw=0.0)
-        ax.axhline(of_table.value, **stroke, linewidth=0.9, label=f"{word}, table")
-        known = [
-            (i + shift, mu, mu * width)
-            for i, r in enumerate(results, 1)
-            if (mu := r.figures[f"pad_friction_{axle}"]) is not None
-            and (width := r.figures[f"interval_{axle}"]) is not None
-        ]
-        if known:
-            x, y, half = np.asarray(known).T
-            marker = "o" if axle == "f" else "s"
-            ax.errorbar(x, y, half, fmt=marker, color=stroke["color"], ms=4, label=f"{word}, stop")
-    ax.set_xlim(0.5, len(results) + 0.5)
-    ax.set_xticks(range(1, len(results) + 1))
-    ax.set(xlabel="stop, in the order of the table below", ylabel="pad friction [1]")
+    return Sheet("station", "station", "", "", (*curves, *stops), ())
 
 
 def _as_text(name: str) -> str:
     """A log's name as plain text: no formula, and only characters that the font has."""
     return "".join(c if c.isascii() and c.isprintable() else "?" for c in name).replace("$", r"\$")
+
+
+def store_and_write(
+    found: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
+) -> tuple[Stored, dict[str, Any]]:
+    """Write everything into ``work``, then store the table; return it and the document.
+
+    ``date`` is that of a cdfx; empty for the day on which the version is stored.
+
+    The version is entered with its state in one step, so none is without a verdict. Where another
+    run has taken the version number meanwhile, the files are written again. Raises OSError,
+    ExchangeError, StoreError.
+    """
+    while True:
+        expected = store.foreseen(found.table, found.decision("to be written"))
+        document = write_all(found, expected, forms, date or _day(expected), work)
+        digest = hashlib.sha256((work / DOCUMENT).read_bytes()).hexdigest()
+        stored = store.save(found.table, found.decision(digest))
+        if (stored.id, stored.state.word) == (expected.id, expected.state.word):
+            return stored, document
+
+
+def _day(stored: Stored) -> str:
+    """The day on which a version was stored [UTC]; today for a new one.
+
+    So the same run gives the same bytes on a later day, too.
+    """
+    return stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
+
+
+def write_all(
+    found: StationOutcome, stored: Stored, forms: Sequence[str], date: str, work: Path
+) -> dict[str, Any]:
+    """Write everything into ``work`` and return the document of `station.json`.
+
+    Only a released table is exported, so that no other reaches an ECU. ``date`` is that of a cdfx
+    and of the report.
+    Raises OSError, ExchangeError.
+    """
+    results = list(found.results)
+    fill(results, validation_dict(stored, results), work)
+    if stored.state.released:
+        _write_exports(stored, forms, date, work)
+    write_whole(work / JUNIT, junit_xml(found, stored))
+    write_whole(work / REPORT, page_of(report(found, stored, date)).encode())
+    document = to_dict(found, stored, sorted(p.name for p in work.iterdir() if p.name != DOCUMENT))
+    write_whole(work / DOCUMENT, to_text(document).encode())
+    return document
+
+
+def _write_exports(stored: Stored, forms: Sequence[str], date: str, work: Path) -> None:
+    quality = read_quality(work / SUMMARY, stored)
+    for form in dict.fromkeys(forms):
+        export(stored, work / export_name(form), form, quality=quality, date=date)

@@ -1,6 +1,4 @@
-"""A stop with its estimate: the panels of Figs. 13 to 16."""
-
-from collections.abc import Mapping
+"""A stop with its estimate: the panels of Figs. 13 to 16, and with truth those of Figs. 9 to 11."""
 
 import numpy as np
 
@@ -22,6 +20,7 @@ from calib.show.style import (
     WHEEL_STROKES,
     Array,
     Axes,
+    Mask,
     Stroke,
     band,
     lines,
@@ -31,11 +30,8 @@ from calib.show.style import (
     stripe,
     view,
 )
-from calib.show.table import BUDGET, bars
 from calib.show.trace import AxleTrace, StopTrace
 
-LAST = ("validity", "budget")
-"""Panels of the last row."""
 WHY = "Where the estimate is valid, and why not"
 _SHADED = "Grey: the sample is not valid, and no estimate is drawn."
 CHANGED = "Dotted vertical line: a change of surface was detected."
@@ -58,23 +54,21 @@ EVERY = 5
 
 def sheet(trace: StopTrace) -> Sheet:
     """Return the sheet of one stop. Panels for which the source has no data are left out."""
-    panels = stop_panels(trace)
-    names = [panel.name for panel in panels if panel.name not in LAST]
-    last = [panel.name for panel in panels if panel.name in LAST]
+    panels = _panels(trace)
+    names = [panel.name for panel in panels]
     rows = [(names[i], names[min(i + 1, len(names) - 1)]) for i in range(0, len(names), 2)]
-    rows += [(last[0], last[-1])] if last else []
     return Sheet(
-        kind="stop",
+        kind="simulation" if trace.has_truth else "stop",
         name=trace.name,
-        title=f"Stop {trace.name}",
-        note=note(trace),
+        title=f"{'Simulation' if trace.has_truth else 'Stop'} {trace.name}",
+        note=_note(trace),
         panels=panels,
         rows=tuple(rows),
-        result=result_of(trace),
+        result=_result_of(trace),
     )
 
 
-def result_of(trace: StopTrace) -> str:
+def _result_of(trace: StopTrace) -> str:
     """Verdict and pads in words."""
     front, rear = ("none" if found is None else found for found in trace.pads)
     words = f"pad friction front {front}, rear {rear} (95 %)"
@@ -82,14 +76,14 @@ def result_of(trace: StopTrace) -> str:
     return words[0].upper() + words[1:]
 
 
-def note(trace: StopTrace) -> str:
+def _note(trace: StopTrace) -> str:
     """Note of the page: source of the data and meaning of the marks."""
     changed = (CHANGED,) if trace.changes else ()
     bumps = (_BUMPS,) if trace.bumps else ()
     return " ".join((*trace.notes, _SHADED, *changed, *bumps, "Bands are 95 %."))
 
 
-def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
+def _panels(trace: StopTrace) -> tuple[Panel, ...]:
     """Panels of a stop in the order of Fig. 13."""
     front, rear, of = trace.front, trace.rear, (trace,)
     ratio = "Speed ratio" if front.slip is None else "Slip and speed ratio"
@@ -105,14 +99,13 @@ def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
         (True, Panel("pad-front", pad_f, pad, (trace, front, FRONT), 2)),
         (True, Panel("pad-rear", pad_r, pad, (trace, rear, REAR), 2)),
         (True, Panel("axle-torques", "Axle brake torques", _axle_torques, of, 2)),
-        (trace.force_sum is not None, Panel("force-sum", "Sum of forces", force_sum, of)),
+        (trace.has_truth, Panel("error", "Error of the torques", error, of, 2)),
         (trace.refused, Panel("validity", WHY, validity, of)),
-        (trace.budget, Panel("budget", BUDGET, bars, (trace.budget,))),
     )
     return tuple(panel for there, panel in found if there)
 
 
-def frame(ax: Axes, trace: StopTrace, ylabel: str) -> None:
+def _frame(ax: Axes, trace: StopTrace, ylabel: str) -> None:
     """Shade, mark and label an axis over time."""
     shade(ax, trace.time, ~trace.valid)
     for start, end in trace.bumps:
@@ -129,20 +122,20 @@ def _wheel_speeds(ax: Axes, trace: StopTrace) -> None:
         ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
     for wheel, omega in trace.wheels.items():
         ax.plot(trace.time, omega, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
-    frame(ax, trace, "wheel speed [rad/s]")
+    _frame(ax, trace, "wheel speed [rad/s]")
 
 
 def deceleration(ax: Axes, trace: StopTrace) -> None:
     """Deceleration, panel (b)."""
     lines(ax, trace.time, [(trace.z, BODY, "$z = -a_x/g$")])
-    frame(ax, trace, "deceleration [g]")
+    _frame(ax, trace, "deceleration [g]")
 
 
 def normalised_forces(ax: Axes, trace: StopTrace) -> None:
     """Normalised forces, panel (c)."""
     front, rear = trace.front.force, trace.rear.force
     lines(ax, trace.time, [(front, FRONT, "front $F_f$"), (rear, REAR, "rear $F_r$")])
-    frame(ax, trace, "normalised force [1]")
+    _frame(ax, trace, "normalised force [1]")
 
 
 def slip(ax: Axes, trace: StopTrace) -> None:
@@ -155,29 +148,23 @@ def slip(ax: Axes, trace: StopTrace) -> None:
     ]
     lines(ax, trace.time, rows, _SLIP_MEAN, trace.valid)
     ratio = r"$\eta - 1$ [%]"
-    frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
+    _frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
 
 
-def pad(
-    ax: Axes,
-    trace: StopTrace,
-    axle: AxleTrace,
-    stroke: Stroke,
-    methods: Mapping[str, tuple[str, Stroke]] = BASELINES,
-) -> None:
+def pad(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Panel (d) and Fig. 9, one axle: the estimate with its interval, truth, nominal, others.
 
-    The valid samples set the range of y; other ``methods`` may leave it, but widen it to a limit.
+    The valid samples set the range of y; other methods may leave it, but widen it to a limit.
     """
     shown = []
-    for name, (label, thin) in methods.items():
+    for name, (label, thin) in BASELINES.items():
         if (values := axle.baselines.get(name)) is not None:
-            ax.plot(trace.time, held(trace, values), label=label, **thin)
+            ax.plot(trace.time, _held(trace, values), label=label, **thin)
             if np.isfinite(values[trace.valid]).any():
                 shown.append(np.nanpercentile(values[trace.valid], [5, 95]))
-    band(ax, trace.time, held(trace, axle.lower), held(trace, axle.upper), stroke)
+    band(ax, trace.time, _held(trace, axle.lower), _held(trace, axle.upper), stroke)
     label = r"estimate $\mu_{p,c}$, 95 %"
-    ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
+    ax.plot(trace.time, _held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
     if axle.nominal is not None:
         ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
         shown.append(np.array([axle.nominal]))
@@ -185,44 +172,47 @@ def pad(
         ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
         shown.append(axle.true_pad[trace.valid])
     view(ax, axle.lower[trace.valid], axle.upper[trace.valid], *shown)
-    frame(ax, trace, "pad friction [1]")
+    _frame(ax, trace, "pad friction [1]")
 
 
-def held(trace: StopTrace, values: Array) -> Array:
+def _held(trace: StopTrace, values: Array) -> Array:
     """``values`` (n,), NaN where the estimate is not valid."""
     return np.where(trace.valid, values, np.nan)
 
 
 def _axle_torques(ax: Axes, trace: StopTrace) -> None:
-    """Panel (e): per axle, with nominal pads and compensated."""
+    """Panel (e), Figs. 10 and 11: per axle, with nominal pads, compensated and true."""
     for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
         noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
         if axle.nominal_torque is not None:
             thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
             label = f"{word}, pads {trace.nominal_of}"
             noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, label)
-    frame(ax, trace, "axle torque [kN m]")
+        if axle.true_torque is not None:
+            ax.plot(trace.time, axle.true_torque / 1e3, label=f"{word} truth", **TRUTH)
+    _frame(ax, trace, "axle torque [kN m]")
 
 
-def force_sum(ax: Axes, trace: StopTrace) -> None:
-    """Sum of forces, panel (f). With (18) it is right for any table, so it validates nothing."""
-    rows = (
-        (trace.inertia, BODY, "$M_v |a_x|$"),
-        (trace.force_sum, {**LEVEL, "linewidth": 1.3}, "compensated"),
-        (trace.force_sum_nominal, NOMINAL, f"pads {trace.nominal_of}"),
-    )
-    lines(ax, trace.time, [(None if f is None else f / 1e3, s, label) for f, s, label in rows])
-    ax.set_ylim(top=ax.get_ylim()[1] * 1.14)  # space for the text below
-    look: Stroke = {"fontsize": 7.5, "fontweight": "bold", "ha": "center", "va": "top"}
-    ax.text(
-        0.5,
-        0.985,
-        "true for any table: no validation",
-        transform=ax.transAxes,
-        color="#8A0000",
-        **look,
-    )
-    frame(ax, trace, "force [kN]")
+def error(ax: Axes, trace: StopTrace) -> None:
+    """Error of each axle's torque, compensated and with nominal pads, where it is valid."""
+    rows = []
+    for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
+        thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
+        for found, look, of in (
+            (axle.torque, stroke, "compensated"),
+            (axle.nominal_torque, thin, "nominal"),
+        ):
+            if found is not None and axle.true_torque is not None:
+                off = relative(found, axle.true_torque, trace.valid)
+                rows.append((off, look, f"{word} {of}"))
+    lines(ax, trace.time, rows)
+    _frame(ax, trace, "torque error [%]")
+
+
+def relative(found: Array, true: Array, valid: Mask) -> Array:
+    """Relative error of ``found`` [%] (n,); NaN where not valid or where ``true`` is near zero."""
+    known = valid & (true > 0.0)
+    return np.where(known, 100.0 * (found / np.where(known, true, 1.0) - 1.0), np.nan)
 
 
 def validity(ax: Axes, trace: StopTrace) -> None:

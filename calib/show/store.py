@@ -13,6 +13,7 @@ from calib.store.listing import ListedVersion
 from calib.store.signature import key_ids
 from calib.store.store import StoreVerdict
 from calib.store.version import Stored
+from calib.table.budget import pads_budget
 from calib.table.compare import CurveGap, Difference, ValueGap
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
@@ -67,6 +68,7 @@ def shown(stored: Stored) -> Facts:
         ("pad scale", _interval(pads.pad_scale)),
         ("pad friction front", _interval(pads.pad_friction_f)),
         ("pad friction rear", _interval(pads.pad_friction_r)),
+        *zip(("front pads", "rear pads"), (x.words for x in pads_budget(table)), strict=True),
         ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
         *((metric, f"{number:.4g}") for metric, number in table.quality.items()),
     ]

@@ -1,12 +1,11 @@
-"""A table on a page: Figs. 2, 3 and 6, D(eta), and the number of blocks in each cell.
+"""A table on a page: Figs. 2, 3 and 6, and D(eta).
 
-With the ramps it was made of, their measured points are drawn too, and Figs. 4 and 5.
+With the ramps it was made of, their measured points are drawn too, and Fig. 5.
 """
 
 import numpy as np
 
 from calib.base.plain import plus_minus
-from calib.model.settings import SETTINGS
 from calib.show import ramp as ramp_figures
 from calib.show.ramp import MeasuredRamp, points
 from calib.show.sheet import Panel, Sheet
@@ -28,7 +27,6 @@ from calib.show.style import (
     zero,
 )
 from calib.show.vehicle import P, distribution
-from calib.table.budget import AxleBudget, pads_budget
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 Ramps = tuple[MeasuredRamp, ...]
@@ -42,7 +40,6 @@ FLAGS = {
 """Word, line style and width of each flag of a cell."""
 
 _FIG_2 = "Brake torque distribution (Fig. 2)"
-BUDGET = "What the pads' uncertainty is made of"
 ETA = r"$\eta - 1$ [%]"
 _FREED = "drag taken out"
 """What was done to the measured points beside a curve over eta; the note says it in full."""
@@ -52,12 +49,8 @@ _MARKED = 0.1
 
 def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
     """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
-    suffixes = [""] if len(ramps) == 1 else [f"-{i + 1}" for i in range(len(ramps))]
-    of_ramps = [ramp_figures.panels(r, s) for r, s in zip(ramps, suffixes, strict=False)]
+    of_ramps = ramp_figures.panels(ramps)
     both = (table, ramps)
-    rows = [("torque-distribution", "tyre"), ("f1-f2", "difference"), ("f1-f2", "coverage")]
-    rows += [("budget", "budget")]
-    heights = [1.25, 1.0, 0.7, 0.9]
     return Sheet(
         kind="table",
         name=name,
@@ -69,12 +62,14 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
             Panel("tyre", "Common tyre curve (Fig. 3)", tyre, both, 2),
             Panel("f1-f2", "Normalised force curves (Fig. 6)", f1_f2, both, 2),
             Panel("difference", r"Difference $D = F_f - F_r$", difference, both, 2),
-            Panel("coverage", "Blocks of 50 ms in each cell", coverage, (table,)),
-            Panel("budget", BUDGET, bars, (pads_budget(table),)),
-            *(panel for pair in of_ramps for panel in pair),
+            *of_ramps,
         ),
-        rows=(*rows, *(tuple(panel.name for panel in pair) for pair in of_ramps)),
-        heights=(*heights, *(0.95 for _ in of_ramps)),
+        rows=(
+            ("torque-distribution", "tyre"),
+            ("f1-f2", "difference"),
+            *((panel.name,) * 2 for panel in of_ramps),
+        ),
+        heights=(1.25, 1.0, *(0.95 for _ in of_ramps)),
     )
 
 
@@ -218,46 +213,3 @@ def _usable(ax: Axes, table: Table, below: bool = False) -> None:
 def _reach(ax: Axes, x: Array) -> None:
     """Set the common range of all panels over eta."""
     ax.set_xlim(x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0]))
-
-
-def coverage(ax: Axes, table: Table) -> None:
-    """Blocks in each cell of D(eta), and the least number for a measured cell."""
-    from matplotlib.ticker import MaxNLocator
-
-    curve = table.difference
-    x = 100.0 * (curve.eta - 1.0)
-    ax.fill_between(x, 0.0, curve.count, step="mid", color=IDENTIFIED["color"], alpha=0.5, lw=0.0)
-    ax.step(x, curve.count, where="mid", color=IDENTIFIED["color"], label="blocks in the cell")
-    ax.axhline(SETTINGS.min_count, label="least for a measured cell", **NOMINAL)
-    ax.set(xlabel=ETA, ylabel="blocks [1]")
-    ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True))
-    _reach(ax, x)
-    ax.set_ylim(0.0, 1.1 * max(float(curve.count.max()), 2.0 * SETTINGS.min_count))
-
-
-def bars(ax: Axes, axles: tuple[AxleBudget, AxleBudget]) -> None:
-    """What the pads' intervals are made of: a pair of bars for each part and for their sum.
-
-    Beside each pair its two numbers, front first.
-    """
-    sizes = [{"all": axle.sigma, **axle.relative} for axle in axles]
-    names = dict.fromkeys(name for size in sizes for name in size)
-    values = 100.0 * np.array([[size.get(name, 0.0) for name in names] for size in sizes])
-    order = np.argsort(-values.max(axis=0), kind="stable")
-    rows = np.arange(order.size)
-    for value, stroke, word, shift, hatch in (
-        (values[0, order], FRONT, "front", -0.2, ""),
-        (values[1, order], REAR, "rear", 0.2, "////"),
-    ):
-        look = {"facecolor": stroke["color"], "alpha": 0.75, "hatch": hatch, "edgecolor": "white"}
-        ax.barh(rows + shift, value, 0.4, label=word, linewidth=0.0, **look)
-    for row, pair in enumerate(values[:, order].T):
-        text = f" {pair[0]:.1f} / {pair[1]:.1f}"
-        ax.text(float(pair.max()), row, text, va="center", fontsize=6.5)
-    listed = list(names)
-    ax.set_yticks(rows, [listed[i].replace("_", " ") for i in order])
-    ax.invert_yaxis()
-    ax.grid(visible=False, axis="y")
-    ax.axhline(0.5, color="#7A7A7A", linewidth=0.6)
-    ax.set_xlim(right=1.2 * float(values.max()))
-    ax.set(xlabel="standard deviation; squares add up to that of all [%]")

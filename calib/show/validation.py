@@ -25,8 +25,6 @@ from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
 from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
-from calib.show.stop import sheet as stop_sheet
-from calib.show.trace import StopTrace
 from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
@@ -34,11 +32,9 @@ from calib.table.budget import advice_lines
 Change = tuple[float, float]
 """Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
 
-BY_STOP = (
+_BY_STOP = (
     "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
 )
-PANELS = ("deceleration", "axle-torques")
-"""Panels of a stop that are shown beside its pads, where the stop has them."""
 
 
 def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
@@ -64,14 +60,11 @@ def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
     )
 
 
-def report(
-    stored: Stored, results: Sequence[Validation], traces: Sequence[StopTrace], origin: PageOrigin
-) -> Facts:
-    """The facts with a part for each stop, of which ``traces`` are, and with their origin."""
+def report(stored: Stored, results: Sequence[Validation], origin: PageOrigin) -> Facts:
+    """The facts with a part for each stop, and with their origin."""
     logs = [(r.role, r.log, r.digest) for r in results]
-    stops = [_stop(result, trace) for result, trace in zip(results, traces, strict=True)]
     from_ = origin_of(origin, stored, logs, str(results[0].mass))
-    return replace(facts(stored, results), parts=[*stops, from_])
+    return replace(facts(stored, results), parts=[*map(_stop, results), from_])
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
@@ -126,7 +119,7 @@ def _by_stop(stored: Stored, results: list[Validation]) -> Table:
     since = "change"
     errors = ("error, front", "error, rear")[: len(truth)]
     heads = ("stop", "front pads", since, "rear pads", since, "valid", *errors, "verdict")
-    return Table(heads, rows, BY_STOP, [_verdict(r) for r in results])
+    return Table(heads, rows, _BY_STOP, [_verdict(r) for r in results])
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
@@ -156,10 +149,10 @@ def _limiting(results: list[Validation]) -> list[Row]:
 
 
 def sentences(r: Validation) -> list[str]:
-    """What the pads did, how well that is known, and which limits are not held, if any."""
+    """What the pads did, and which limits are not held, if any."""
     if r.role == CALIBRATION:
         return [NO_HOLDOUT]
-    return [_pads(r.estimate), _known(r), *broken(r)]
+    return [_pads(r.estimate), *broken(r)]
 
 
 def _verdict(r: Validation) -> str:
@@ -214,21 +207,6 @@ def _against(change: Change) -> str:
     return f"{size:.0f} +- {max(known, 1.0):.0f} % {'below' if value < 0.0 else 'above'}"
 
 
-def _known(r: Validation) -> str:
-    """How well the pad friction itself is known, and how much of the braking is valid."""
-    f = r.figures
-    parts = []
-    for name, what in (
-        ("interval", "their friction is known to"),
-        ("torque_error", "the torque is off the truth by"),
-    ):
-        front, rear = f[f"{name}_f"], f[f"{name}_r"]
-        if front is not None and rear is not None:
-            parts.append(f"{what} {_percent(front)} front and {_percent(rear)} rear")
-    parts.append(f"{100.0 * (f['valid_share'] or 0.0):.0f} % of the braking is valid")
-    return "; ".join(parts)
-
-
 def _percent(share: float) -> str:
     """A share as a percentage of one or two digits.
 
@@ -239,14 +217,13 @@ def _percent(share: float) -> str:
     return f"{percent:.0f} %" if percent >= 1.0 else f"{percent:.1f} %"
 
 
-def _stop(r: Validation, trace: StopTrace) -> Facts:
+def _stop(r: Validation) -> Facts:
     """One stop: judged metrics, the others, its picture."""
     name, given = r.log, {j.figure for j in r.judgements}
     table, unknown = judged(f"Limits of {name}, the worst first.", [[j] for j in r.judgements])
     over_time = Panel("pads", "Pad friction", pads_over_time, (r,), 2)
-    taken = [panel for panel in stop_sheet(trace).panels if panel.name in PANELS]
-    panels = Sheet("stop", name, "", "", (over_time, *taken), ())
-    caption = f"{name}: pad friction with its 95 % band, deceleration, torques; grey: not valid."
+    panels = Sheet("stop", name, "", "", (over_time,), ())
+    caption = f"{name}: pad friction with its 95 % band; grey: not valid."
     others = [
         (plain(key).name, plain(key).with_unit(value), key)
         for key, value in r.figures.items()

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import pytest
 
@@ -9,11 +10,7 @@ from tests.support.tables import made_table
 @pytest.fixture
 def tables(brake_cal, stored, store):
     """Run a command of `brake-cal tables` on a store that holds sedan@1."""
-
-    def run(*arguments):
-        return brake_cal("tables", *arguments, "--store", store)
-
-    return run
+    return lambda *words: brake_cal("tables", *words, "--store", store)
 
 
 @pytest.fixture
@@ -25,11 +22,22 @@ def two(stored, store):
 
 
 @pytest.fixture
-def document():
-    """The one JSON document on stdout, of a command that said nothing else."""
+def refused(brake_cal, tmp_path):
+    """Assert that a command ends with a code, prints no result, and writes nothing."""
 
-    def of(ran):
-        assert ran.err == ""
-        return json.loads(ran.out)
+    def run(code, *words):
+        before = {p: p.read_bytes() for p in Path().rglob("*") if p.is_file()} if here else {}
+        ran = brake_cal(*words)
+        assert (ran.code, ran.result) == (code, ""), ran.err
+        assert "Traceback" not in ran.err
+        if here:
+            assert {p: p.read_bytes() for p in Path().rglob("*") if p.is_file()} == before
+        return ran
 
-    return of
+    here = Path.cwd() == tmp_path
+    return run
+
+
+def told(ran):
+    """The one document of a command."""
+    return json.loads(ran.out)

@@ -1,90 +1,81 @@
-"""`brake-cal check` as the shell runs it."""
+"""`brake-cal check`, and a log from stdin."""
 
-import json
+import io
+import sys
 from pathlib import Path
 
 import pytest
-import typer
-from typer.testing import CliRunner
 
-from calib.base.errors import ChannelMapError
 from calib.logs.write import write_csv
-from cli.check import check
+from tests.cli.conftest import told
 from tests.support.made_runs import changed, made_run
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
+STOP = SEDAN / "basalt_wet_pads.csv"
+CAR = ("--vehicle", SEDAN / "vehicle.toml")
 
 
-def run(*arguments):
-    app = typer.Typer()
-    app.command()(check)
-    return CliRunner().invoke(app, [str(a) for a in arguments])
+def test_a_log_is_usable_useless_or_unreadable(brake_cal, tmp_path):
+    write_csv(changed(made_run(), p_mc=None), tmp_path / "useless.csv")
+    coast, useless, none = SEDAN / "coast.csv", tmp_path / "useless.csv", tmp_path / "none.csv"
+    for logs, code in (((coast,), 0), ((coast, useless), 1), ((none, useless, coast), 3)):
+        document = told(ran := brake_cal("check", *logs, "--json"))
+        assert ran.code == code
+        assert document["logs"][-1]["log"] in ("coast", "useless")
+        assert len(document["logs"]) + len(document["unreadable"]) == len(logs)
+        assert ("error" in document) == (code == 3)
+        assert len(brake_cal("check", *logs).out.splitlines()) == len(document["logs"])
 
 
-def test_usable_logs():
-    result = run(SEDAN / "ramp_wet_asphalt.csv", SEDAN / "coast.csv")
-    assert result.exit_code == 0
-    first, second = result.stdout.splitlines()
-    assert first.startswith("usable for fit, validate, diagnose: ")
-    assert second.startswith("usable for fit as a coast log, diagnose: ")
-    assert "-v shows what is in each log" in result.stderr
-
-
-def test_details_with_v(brake_cal):
-    ran = brake_cal("check", SEDAN / "coast.csv", "-v")
-    assert "not usable" in ran.out  # for a fit alone
-    assert "2000 samples" in ran.out
-    assert "-v shows" not in ran.err
-
-
-def test_a_coast_without_v_is_a_coast_log_still(tmp_path):
-    path = tmp_path / "coast.csv"
-    write_csv(changed(made_run(lambda t: 0.0 * t), v=None), path)
-    result = run(path)
-    assert result.exit_code == 0
-    assert result.stdout.startswith("usable for fit as a coast log: ")
-
-
-def test_useless_log(tmp_path):
-    path = tmp_path / "run.csv"
-    write_csv(changed(made_run(), p_mc=None), path)
-    result = run(path)
-    assert result.exit_code == 1
-    assert "p_mc is missing" in result.stdout
-
-
-def test_unreadable_log_does_not_hide_the_others(tmp_path):
-    result = run(tmp_path / "none.csv", SEDAN / "coast.csv")
-    assert result.exit_code == 3
-    assert "coast.csv" in result.stdout
-    assert "no such file" in result.stderr
-
-
-def test_json_is_one_document(tmp_path):
-    result = run("--json", SEDAN / "coast.csv", tmp_path / "none.csv")
-    assert result.exit_code == 3
-    document = json.loads(result.stdout)
-    assert document["logs"][0]["log"] == "coast"
-    assert "no such file" in document["unreadable"][0]["error"]
-    assert document["error"]["exit_code"] == 3
-    assert document["error"]["what"] == "no such file"
-    assert "error" not in json.loads(run("--json", SEDAN / "coast.csv").stdout)
-
-
-def test_channel_map(tmp_path):
+def test_a_map_turns_a_sign(brake_cal, tmp_path):
     log, channel_map = tmp_path / "run.csv", tmp_path / "map.toml"
     write_csv(changed(made_run(), a_x=-made_run()["a_x"]), log)
     channel_map.write_text('schema = 1\n[channels.a_x]\nsource = "a_x"\nsign = -1\n')
-    assert run(log).exit_code == 1
-    assert run(log, "--map", channel_map).exit_code == 0
+    assert brake_cal("check", log).code == 1
+    assert brake_cal("check", log, "--map", channel_map).code == 0
 
 
-def test_broken_channel_map(tmp_path):
-    result = run(SEDAN / "coast.csv", "--map", tmp_path / "none.toml")
-    assert isinstance(result.exception, ChannelMapError)
-    assert result.exception.exit_code == 3
+class Stdin:
+    def __init__(self, data, terminal=False):
+        self.buffer, self.isatty = io.BytesIO(data), lambda: terminal
 
 
-@pytest.mark.parametrize("flag", ["--help"])
-def test_help(flag):
-    assert "Exit code 1" in run(flag).stdout
+@pytest.fixture
+def piped(brake_cal, monkeypatch):
+    def run(*words, data=None, terminal=False):
+        monkeypatch.setattr(sys, "stdin", Stdin(data or STOP.read_bytes(), terminal))
+        return brake_cal(*words)
+
+    return run
+
+
+def test_a_piped_log_is_read_as_its_file(piped, tmp_path):
+    (found,) = told(piped("check", "-", "--json"))["logs"]
+    (file,) = told(piped("check", STOP, "--json"))["logs"]
+    assert (found.pop("log"), found.pop("source")) == ("stdin", "stdin.csv")
+    assert {**found, "warnings": 0} == {k: file[k] for k in found} | {"warnings": 0}
+    assert piped("log", "-", "--until", 2, "--out", tmp_path / "a.csv").code == 0
+    assert piped("log", "-", "--out", tmp_path, "--to", "parquet").code == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.csv", "stdin.parquet"]
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (("check", "-", "-"), 2),
+        (("fit", "-", *CAR), 2),
+        (("station", SEDAN / "ramp_wet_asphalt.csv", "-", *CAR, "--out", "out"), 2),
+        (("log", "-", "-", "--out", "out", "--to", "csv"), 2),
+    ],
+)
+def test_where_a_log_must_have_a_name_it_is_refused(piped, tmp_path, monkeypatch, words, code):
+    monkeypatch.chdir(tmp_path)
+    assert piped(*words).code == code
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_terminal_another_format_and_too_much_are_no_log(piped, monkeypatch):
+    assert piped("check", "-", terminal=True).code == 3
+    assert piped("check", "-", data=b"(1700000000.0004) can0 101#0000D4FF5F750000\n").code == 3
+    monkeypatch.setenv("BRAKE_CAL_MOST_LOG", "0.001")
+    assert "BRAKE_CAL_MOST_LOG" in piped("check", "-").err

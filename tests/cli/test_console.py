@@ -1,27 +1,19 @@
-import io
+"""What is printed: JSON types, no markup, colours, bars, quiet and verbose."""
+
 import json
-import sys
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cli.console import complain, emit, emit_json, plain, progress, say
+from calib.help.samples import sample_logs
+from cli.console import complain, emit, emit_json, plain
+from tests.support.terminal import on_a_terminal
 
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def terminal(monkeypatch):
-    """Put a terminal in the place of stderr; to be called in the test, after pytest put its own."""
-    stream = Terminal()
-    monkeypatch.setattr(sys, "stderr", stream)
-    monkeypatch.setenv("TERM", "xterm-256color")
-    monkeypatch.delenv("NO_COLOR", raising=False)
-    return stream
+SEDAN = sample_logs() / "sedan"
+FIT = ("fit", SEDAN / "ramp_wet_asphalt.csv", "--vehicle", SEDAN / "vehicle.toml")
 
 
 @dataclass(frozen=True)
@@ -31,75 +23,67 @@ class Point:
     values: tuple[float, ...]
 
 
-def test_plain_takes_what_results_are_made_of():
+def test_plain_takes_what_results_are_made_of(capsys):
     document = {
-        "point": Point("a", Path("x/y"), (1.0, float("nan"))),
+        "point": Point("Über", Path("x/y"), (1.0, float("nan"))),
         "array": np.array([[1.0, np.inf], [2.0, -np.inf]]),
-        "scalars": [np.float64(0.5), np.float32(0.25), np.int64(3), np.bool_(True)],
-        "flag": True,
-        "none": None,
+        "scalars": [np.float64(0.5), np.float32(0.25), np.int64(3), np.bool_(True), None],
         7: np.float64("nan"),
     }
     assert plain(document) == {
-        "point": {"name": "a", "place": "x/y", "values": [1.0, None]},
+        "point": {"name": "Über", "place": "x/y", "values": [1.0, None]},
         "array": [[1.0, None], [2.0, None]],
-        "scalars": [0.5, 0.25, 3, True],
-        "flag": True,
-        "none": None,
+        "scalars": [0.5, 0.25, 3, True, None],
         "7": None,
     }
+    emit_json(document)
+    assert json.loads(capsys.readouterr().out) == plain(document)
 
 
 @pytest.mark.parametrize("value", [object(), {1, 2}, b"bytes", Point])
 def test_plain_refuses_the_rest(value):
-    with pytest.raises(TypeError, match="no place in a JSON document"):
+    with pytest.raises(TypeError):
         plain(value)
-
-
-def test_emit_json_prints_one_document_and_nothing_else(capsys):
-    emit_json({"x": np.float64(0.1), "name": "Überland"})
-    captured = capsys.readouterr()
-    assert json.loads(captured.out) == {"x": 0.1, "name": "Überland"}
-    assert captured.err == ""
-
-
-def test_results_and_talk_go_their_own_ways(capsys):
-    emit("result")
-    say("talk")
-    captured = capsys.readouterr()
-    assert (captured.out, captured.err) == ("result\n", "talk\n")
 
 
 def test_nothing_in_a_string_is_markup_and_no_line_is_cut(capsys):
     text = "[bold]log[/bold] :car: [/x] " + "long " * 60 + "to the end"
     emit(text)
-    assert capsys.readouterr().out == text + "\n"
     complain(text)
-    assert capsys.readouterr().err == f"error: {text}\n"
+    assert capsys.readouterr() == (f"{text}\n", f"error: {text}\n")
 
 
-def test_colour_is_for_terminals_without_no_color(monkeypatch):
-    stderr = terminal(monkeypatch)
-    complain("x")
-    assert "\x1b[1;31m" in stderr.getvalue()
-    monkeypatch.setenv("NO_COLOR", "1")
-    stderr.truncate(0)
-    complain("x")
-    assert "31m" not in stderr.getvalue()
+def test_quiet_prints_the_same_result_and_verbose_tells_more(brake_cal, tmp_path):
+    usual = brake_cal(*FIT, "--store", tmp_path / "a")
+    quiet = brake_cal(*FIT, "--store", tmp_path / "b", "-q")
+    assert "fitting" in usual.err
+    assert "fitting" not in quiet.err
+    assert quiet.out == usual.out.replace(str(tmp_path / "a"), str(tmp_path / "b"))
+    assert "no such file" in brake_cal("check", tmp_path / "none.csv", "-q").err
+    assert "brake-cal.toml" in brake_cal("settings").err  # one run does not hush the next
+    for words in (("-q", "-v", "check"), ("-v", "check", "-q"), ("check", "-qv")):
+        assert brake_cal(*words, SEDAN / "coast.csv").code == 2
+    ran = brake_cal("check", SEDAN / "coast.csv", "-v")
+    assert re.search(r"coast\.csv: \d+ samples, .* SHA-256 [0-9a-f]{12}", ran.err)
+    assert re.search(r"took \d+\.\d s, exit code 0\n$", ran.err)
 
 
-def test_progress_is_drawn_for_a_terminal(monkeypatch, capsys):
-    stderr = terminal(monkeypatch)
-    with progress("reading", 2) as step:
-        step()
-        step()
-    assert "reading" in stderr.getvalue()
-    assert "100%" in stderr.getvalue()
-    assert capsys.readouterr().out == ""
+@pytest.mark.parametrize(
+    ("words", "environment", "bar", "colour"),
+    [
+        ((), {"TERM": "xterm"}, True, True),
+        ((), {"TERM": "xterm", "NO_COLOR": "1"}, True, False),
+        ((), {"TERM": "dumb"}, False, False),
+        (("-q",), {"TERM": "xterm"}, False, False),
+    ],
+)
+def test_a_bar_is_drawn_on_a_terminal_that_can_show_one(tmp_path, words, environment, bar, colour):
+    logs = ("batch", "check", SEDAN, "--out", tmp_path / "out", "--workers", "1")
+    out, seen = on_a_terminal((*logs, *words, "--json"), tmp_path, **environment)
+    assert json.loads(out)["logs"] == len([*SEDAN.glob("*.csv")])
+    assert ("\u2501" in seen) == bar
+    assert bool(re.search(r"\x1b\[[\d;]*3[0-9]m", seen)) == colour
 
 
-def test_progress_is_one_line_where_nobody_looks(capsys):
-    with progress("reading", 2) as step:
-        step()
-        step()
-    assert capsys.readouterr().err == "reading\n"
+def test_a_page_is_printed_as_it_was_written(brake_cal):
+    assert brake_cal("manual", "ramp").out.startswith("# ")

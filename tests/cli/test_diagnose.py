@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from calib.help.samples import sample_logs
-from cli.diagnose import HOLDOUT
 from tests.support.terminal import on_a_terminal
 
 CASE = sample_logs() / "hidden" / "case_0"
@@ -22,7 +21,7 @@ VEHICLE = CASE / "vehicle.toml"
 @pytest.fixture
 def run(brake_cal):
     def diagnose(*words, held=tuple(HELD)):
-        return brake_cal("diagnose", *SEARCHED, HOLDOUT, *held, "--vehicle", VEHICLE, *words)
+        return brake_cal("diagnose", *SEARCHED, "--holdout", *held, "--vehicle", VEHICLE, *words)
 
     return diagnose
 
@@ -55,7 +54,7 @@ def test_the_document_has_the_gap_of_each_log_in_each_channel(run, tmp_path):
 
 
 def test_a_terminal_shows_the_stages_and_stdout_the_answer_alone(tmp_path):
-    words = ("diagnose", *SEARCHED, HOLDOUT, HELD[0], "--vehicle", VEHICLE, "--json")
+    words = ("diagnose", *SEARCHED, "--holdout", HELD[0], "--vehicle", VEHICLE, "--json")
     out, seen = on_a_terminal((*words, "--out", tmp_path / "found"), tmp_path, TERM="xterm")
     assert json.loads(out)["verdict"] == "named"
     stages = ("checking the logs", "trying effect", "fitting the best")  # each takes a while
@@ -93,7 +92,7 @@ def test_without_a_holdout_nothing_can_be_proved(brake_cal, tmp_path):
 
 def test_a_hold_out_that_is_a_copy_in_another_format_is_refused(brake_cal, run, tmp_path):
     copy = tmp_path / "fresh.csv"
-    assert brake_cal("log", "convert", SEARCHED[1], "--out", copy).code == 0
+    assert brake_cal("log", SEARCHED[1], "--out", copy).code == 0
     ran = run("--out", tmp_path / "found", held=(HELD[0], copy))
     assert ran.code == 3
     assert f"fresh.csv: the same run as {SEARCHED[1]}" in ran.err
@@ -103,7 +102,7 @@ def test_a_hold_out_that_is_a_copy_in_another_format_is_refused(brake_cal, run, 
 
 @pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["itself", "with its workers"])
 def test_stopped_it_says_so_in_a_line_and_leaves_nothing(tmp_path, send):
-    words = ["diagnose", *SEARCHED, HOLDOUT, *HELD, "--vehicle", VEHICLE, "--workers", "2"]
+    words = ["diagnose", *SEARCHED, "--holdout", *HELD, "--vehicle", VEHICLE, "--workers", "2"]
     process = subprocess.Popen(
         [sys.executable, "-m", "cli.main", *map(str, words), "--out", str(tmp_path / "found")],
         cwd=Path(__file__).parents[2],

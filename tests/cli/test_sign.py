@@ -18,6 +18,11 @@ SAMPLES = "sample_logs/sedan"
 
 
 @pytest.fixture
+def document():
+    return lambda ran: json.loads(ran.out)
+
+
+@pytest.fixture
 def secret(tmp_path):
     path = tmp_path / "ada.key"
     path.write_bytes(secret_file(ADA.public.number, SEED))
@@ -84,7 +89,7 @@ def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, 
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        (("sedan",), 2, "names no version; give sedan@N"),
+        (("sedan",), 2, "give name@version"),
         (("sedan@9",), 2, "no version '9'"),
         (("sedna@1",), 2, "did you mean 'sedan'"),
     ],
@@ -245,3 +250,21 @@ def test_the_settings_of_a_project_ask_for_signatures(
     assert tables("sign", "sedan@1", "--key", secret).code == 0
     assert tables(*export).code == 0
     assert "signed as released" in tables("verify").out
+
+
+def test_a_pair_of_keys_is_made_and_never_replaced(tables, tmp_path, monkeypatch):
+    key, pub = tmp_path / "line.key", tmp_path / "line.pub"
+    make = ("sign", "--key", key, "--new-key", pub)
+    for typed in (b"Bremse 1\nBremse 2\n", b"Bremse 1\n", b""):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(typed), encoding="utf-8"))
+        ran = tables(*make)
+        assert (ran.code, key.exists(), "Bremse" in ran.err) == (2, False, False)
+    found = json.loads(tables(*make, "--no-password", "--json").out)
+    assert found["public_key"] in pub.read_text()
+    before = key.read_bytes()
+    assert tables(*make, "--no-password").code == 3
+    assert key.read_bytes() == before
+    assert tables("sign", "sedan@1", "--key", key).code == 0
+    assert tables("verify", "--key", pub).code == 0
+    for wrong in (("sedan@1", *make[1:]), ("sedan@1", "--key", key, "--no-password"), make[1:3]):
+        assert tables("sign", *wrong).code == 2

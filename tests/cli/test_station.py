@@ -147,7 +147,7 @@ def test_a_refused_car_is_on_the_index_until_it_is_judged(station, brake_cal, tm
     assert missing_and_unknown("refused-json", refusal) == []
     assert refusal["error"] == json.loads(ran.out)["error"]
     assert refusal["identity"] == {"serial": "0815", "station": "E 3"}
-    assert brake_cal("fleet", "index", tmp_path).code == 0
+    assert brake_cal("fleet", tmp_path).code == 0
     page = (tmp_path / "index.html").read_text()
     assert "0815: Refused" in page
     assert "this run will not do for a fit" in page
@@ -198,14 +198,14 @@ def test_two_endings_of_one_name_are_one_name(station, tmp_path):
     packed.write_bytes(gzip.compress(ONTO_BASALT.read_bytes()))
     ran = station(stops=(plain, packed))
     assert (ran.code, ran.result) == (2, "")
-    assert "two hold-outs are named stop," in ran.err
+    assert "two logs are named stop," in ran.err
 
 
 def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "no space left")
 
-    monkeypatch.setattr("calib.show.station_files.page_of", full)
+    monkeypatch.setattr("calib.show.station_page.page_of", full)
     ran = station()
     assert (ran.code, ran.result) == (5, "")
     assert "no space left" in ran.err

@@ -1,35 +1,238 @@
-"""`brake-cal tables list`."""
+"""`brake-cal tables`: what is looked at and decided; evidence, histories, damage, means."""
+
+import hashlib
+import json
+
+import pytest
 
 from calib.store.store import Store
+from tests.cli.conftest import told
+from tests.support.cars_of_a_line import car_table
+from tests.support.tables import C, made_table
 
 
-def test_list_names_every_version(tables, two, document):
-    ran = tables("list")
-    assert ran.code == 0
-    assert [line.split()[0] for line in ran.out.splitlines()[1:]] == [
-        "sedan@1",
-        "sedan@2",
-        "wagon@1",
-    ]
-    rows = document(tables("list", "--json"))["tables"]
+def test_the_list_has_every_version_and_its_filters(tables, two):
+    rows = told(tables("list", "--json"))["tables"]
     assert [row["id"] for row in rows] == ["sedan@1", "sedan@2", "wagon@1"]
     assert rows[1]["digest"] == Store(two).load("sedan").digest
-    assert rows[0]["logs"] == ["ramp.csv", "coast.csv"]
+    assert rows[0]["usable"] == pytest.approx([0.0, 0.285])  # the last row is extrapolated
+    assert rows[0]["band_width"] == pytest.approx(2.0 / 27.0)  # D = 27 x, half width 2 x
+    lines = tables("list").out.splitlines()
+    assert [line.split()[0] for line in lines[1:]] == [row["id"] for row in rows]
+    for words, count in (
+        (("--state", "draft"), 2),
+        (("--since", "2999-01-01"), 0),
+        (("--serial", "0"), 0),
+    ):
+        assert len(told(tables("list", *words, "--json"))["tables"]) == count
+    assert tables("list", "--since", "yesterday").code == 2
 
 
-def test_list_of_an_empty_store_says_so(brake_cal, tmp_path, document):
-    ran = brake_cal("tables", "list", "--store", tmp_path)
-    assert (ran.code, ran.out) == (0, f"{tmp_path} holds no table\n")
+def test_a_store_that_is_empty_or_not_there(brake_cal, tmp_path):
     ran = brake_cal("tables", "list", "--store", tmp_path, "--json")
-    assert document(ran) == {"schema": 1, "store": str(tmp_path), "tables": []}
+    assert told(ran) == {"schema": 1, "store": str(tmp_path), "tables": []}
+    assert brake_cal("tables", "list", "--store", tmp_path / "none").code == 2
 
 
-def test_the_store_is_tables_unless_told_otherwise(brake_cal, two, monkeypatch):
-    monkeypatch.chdir(two.parent)
-    assert "wagon@1" in brake_cal("tables", "list").out
+def test_show_holds_the_whole_table(tables, two):
+    shown = told(tables("show", "sedan@1", "--json"))
+    record, curves = made_table().content()
+    assert (shown["id"], shown["digest"]) == ("sedan@1", made_table().digest)
+    assert shown["record"] == record
+    assert shown["curves"]["paper"]["f1"] == curves["paper"]["f1"].tolist()
+    assert shown["peak"] == pytest.approx({"eta": 1.005, "D": C * 0.005})
+    assert shown["answer"]["usable"] is True
+    out = tables("show", "sedan@1").out
+    # the last row: z = 0.3, D = 0.135, rear share (1.1556 - 0.3*0.615)/2.805 = 0.3462
+    for part in (shown["digest"], "ramp.csv (abababababab)", "1.00500  0.300  +0.0467  -0.0883"):
+        assert part in out
+    assert tables("show", "sedna").code == 2
+    (two / "wagon" / "v0001" / "tyre.parquet").unlink()
+    assert tables("show", "wagon").code == 4
 
 
-def test_without_a_store_it_ends_with_2(brake_cal, tmp_path):
-    ran = brake_cal("tables", "list", "--store", tmp_path / "none", "--json")
+def test_diff_gives_the_gap_of_the_curves(tables, two):
+    found = told(tables("diff", "sedan@1", "sedan", "--json"))
+    D = next(gap for gap in found["curves"] if gap["curve"] == "D")
+    assert D["largest"] == pytest.approx((28.0 - C) * 0.005)
+    assert (found["a"], found["b"], found["identical"]) == ("sedan@1", "sedan@2", False)
+    assert "+0.00500" in tables("diff", "sedan@1", "sedan").out
+    assert told(tables("diff", "sedan@1", "sedan@1", "--json"))["identical"] is True
+
+
+def test_verify_ends_with_4_and_says_where(tables, two):
+    assert told(tables("verify", "--json"))["sound"] is True
+    path = two / "sedan" / "v0001" / "paper.parquet"
+    path.write_bytes(path.read_bytes()[:-1])
+    ran = tables("verify", "--json")
+    assert ran.code == 4
+    assert [v["sound"] for v in told(ran)["versions"]] == [False, True, True]
+    assert "paper.parquet" in tables("verify").out
+    assert tables("verify", "wagon").code == 0
+
+
+@pytest.fixture
+def summary(tmp_path, store):
+    """Write the summary of a validation of sedan@1."""
+
+    def write(verdict="passed", role="hold-out", **more):
+        logs = [{"log": "stop", "role": role, "verdict": verdict}]
+        digest = Store(store).load("sedan@1").digest
+        document = {"schema": 1, "table": "sedan@1", "digest": digest, "verdict": verdict}
+        path = tmp_path / "summary.json"
+        path.write_text(json.dumps({**document, "logs": logs, **more}))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def drafts(brake_cal, store):
+    """Run a command of `brake-cal tables` on a store with the drafts sedan@1 and sedan@2."""
+    for stiffness in (27.0, 28.0):
+        Store(store).save(made_table(stiffness))
+    return lambda *words: brake_cal("tables", *words, "--store", store)
+
+
+def test_a_release_holds_who_why_and_the_digest_of_the_evidence(drafts, summary, store, tmp_path):
+    out, proof = tmp_path / "car.dcm", summary()
+    assert drafts("export", "sedan", "--out", out).code == 4
+    release = ("release", "sedan@1", "--reason", "one stop", "--by", "Ada", "--evidence", proof)
+    document = told(drafts(*release, "--json"))
+    assert (document["before"], document["state"]) == ("draft", "released")
+    state = Store(store).load("sedan@1").state
+    assert (state.by, state.reason, state.verdict) == ("Ada", "one stop", "passed")
+    assert state.evidence[0].sha256 == hashlib.sha256(proof.read_bytes()).hexdigest()
+    assert drafts(*release).code == 0
+    assert len(Store(store).journal().entries) == 3  # nothing was to be changed
+    assert drafts("export", "sedan", "--out", out).code == 0
+    assert drafts("export", "sedan@2", "--out", tmp_path / "b.dcm").code == 4
+    assert drafts("export", "sedan@2", "--out", tmp_path / "b.dcm", "--unreleased").code == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"verdict": "failed"}, 2),
+        ({"role": "calibration"}, 3),
+        ({"digest": "0" * 64}, 3),
+        ({"table": "sedan@2"}, 3),
+        ({"logs": 3}, 3),
+    ],
+)
+def test_evidence_that_does_not_speak_for_the_version(drafts, summary, store, change, code):
+    ran = drafts("release", "sedan@1", "--reason", "a", "--evidence", summary(**change))
+    assert (ran.code, ran.result) == (code, "")
+    assert Store(store).load("sedan@1").state.word == "draft"
+
+
+def test_the_document_of_a_station_is_evidence_for_its_table(drafts, store, tmp_path):
+    path = tmp_path / "station.json"
+    table = {"id": "elsewhere@7", "digest": Store(store).load("sedan@1").digest}
+    path.write_text(json.dumps({"schema": 1, "verdict": "warning", "table": table}))
+    assert drafts("release", "sedan@1", "--reason", "a", "--evidence", path).code == 0
+    assert drafts("release", "sedan@2", "--reason", "a", "--evidence", path).code == 3
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("release", "sedan", "--reason", "a"),
+        ("release", "sedan@9", "--reason", "a"),
+        ("release", "sedna@1", "--reason", "a"),
+        ("release", "sedan@1"),
+        ("reject", "sedan@1", "--reason", " "),
+        ("withdraw", "sedan@1", "--reason", "a", "--evidence", "x"),
+        ("log", "sedna"),
+        ("log", "sedan@9"),
+    ],
+)
+def test_what_is_typed_wrong_changes_nothing(drafts, store, words):
+    before = Store(store).journal().entries
+    ran = drafts(*words)
     assert (ran.code, ran.result) == (2, "")
-    assert "no table store here" in ran.err
+    assert Store(store).journal().entries == before
+
+
+def test_the_log_of_a_table_is_its_history(drafts):
+    drafts("reject", "sedan@1", "--reason", "front pads wet", "--by", "Ada")
+    drafts("withdraw", "sedan@1", "--reason", "pads recalled", "--by", "Bob")
+    entries = told(drafts("log", "sedan", "--json"))["entries"]
+    assert [entry["state"] for entry in entries] == ["draft", "draft", "rejected", "withdrawn"]
+    assert [entry["by"] for entry in entries[2:]] == ["Ada", "Bob"]
+    assert entries[3]["previous"] == entries[2]["hash"]
+    assert len(drafts("log", "sedan@2").out.splitlines()) == 2
+
+
+CARS = ("sedan@1", "sedan@2", "sedan@3")
+
+
+@pytest.fixture
+def line(brake_cal, store):
+    """Run a command of `brake-cal tables` on a store with sedan@1, @2, @3 of three cars."""
+    for number, stiffness in enumerate((26.0, 27.0, 28.0), start=1):
+        Store(store).save(car_table(number, stiffness))
+    return lambda *words: brake_cal("tables", *words, "--store", store)
+
+
+def test_a_mean_has_its_parents_and_every_look_works_with_it(line, store, tmp_path, brake_cal):
+    found = told(line("merge", *CARS, "--name", "golden", "--json"))
+    assert (found["id"], found["cars"], found["eta"]) == ("golden@1", 3, [1.0, 1.005])
+    assert [p["id"] for p in found["parents"]] == list(CARS)
+    D = found["figures"][0]
+    assert D["value"] == pytest.approx(0.135)
+    assert D["between"] == pytest.approx(1.0 / 27.0, rel=1e-6)
+    # t of two degrees of freedom times 1/sqrt(3)
+    assert D["half_width"] == pytest.approx(4.30265 / 3.0**0.5 / 27.0, rel=1e-4)
+    again = line("merge", *reversed(CARS), "--name", "golden")
+    assert "golden@1" in again.out
+    assert "sedan@3" in line("show", "golden").out
+    assert line("diff", "golden", "sedan@1").code == line("verify").code == 0
+    for form in ("dcm", "cdfx", "json", "csv", "parquet", "a2l", "c-header", "inca-csv"):
+        out = tmp_path / f"golden.{form}"
+        assert line("export", "golden@1", "--unreleased", "--format", form, "--out", out).code == 0
+        assert b"sedan@1, sedan@2, sedan@3" in out.read_bytes()
+        assert form not in ("dcm", "cdfx") or line("compare", out).code == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("sedan@1", "--name", "golden"),
+        ("sedan@1", "sedan@1", "--name", "golden"),
+        (*CARS, "--name", "sedan"),
+        (*CARS, "--name", "no/name"),
+        CARS,
+    ],
+)
+def test_what_has_no_mean_ends_with_2_and_stores_nothing(line, store, words):
+    assert line("merge", *words).code == 2
+    assert [entry.id for entry in Store(store).list()] == list(CARS)
+
+
+@pytest.fixture
+def exported(tables, stored, tmp_path):
+    def write(form, *more):
+        out = tmp_path / "a"
+        assert tables("export", stored.name, "--format", form, "--out", out, *more).code == 0
+        return out
+
+    return write
+
+
+@pytest.mark.parametrize("form", ["dcm", "cdfx"])
+def test_a_file_is_compared_with_the_table_that_it_names(brake_cal, tables, exported, form):
+    out = exported(form, "--points", "6")
+    found = told(tables("compare", out, "--json"))
+    assert (found["in_store"], found["unchanged"], found["differences"]) == (True, True, [])
+    assert found["scalars"]["sedan_mass"] == 1744.0
+    assert len(found["curves"]["sedan_f1"]["x"]) == 6
+    elsewhere = brake_cal("tables", "compare", out, "--store", out.parent / "none", "--json")
+    assert (elsewhere.code, told(elsewhere)["in_store"]) == (0, False)
+    Store(out.parent / "other").save(made_table(28.0))
+    assert brake_cal("tables", "compare", out, "--store", out.parent / "other").code == 4
+    out.write_text(out.read_text().replace("1744.0", "1745.0"))
+    ran = tables("compare", out, "--json")
+    assert (ran.code, told(ran)["unchanged"]) == (4, False)
+    out.write_bytes(out.read_bytes()[: out.stat().st_size // 2])
+    assert tables("compare", out).code == 3

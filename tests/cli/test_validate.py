@@ -2,7 +2,6 @@
 
 import html
 import json
-import shlex
 from dataclasses import replace
 
 import pyarrow.parquet as pq
@@ -11,7 +10,6 @@ import pytest
 from calib.estimation.metrics import METRICS
 from calib.logs.write import write_csv, write_parquet
 from calib.store.store import Store
-from cli.validate import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, with_pads
 from tests.support.vehicle_files import write_vehicle
 
@@ -43,21 +41,6 @@ def limits(tmp_path, text):
     path = tmp_path / "limits.toml"
     path.write_text(f"schema = 1\n[limits]\n{text}\n")
     return path
-
-
-def test_the_examples_of_the_help_work_as_printed(brake_cal, bench, tmp_path, monkeypatch):
-    (tmp_path / "sample_logs").symlink_to(SEDAN.parent)
-    (tmp_path / "tables").symlink_to(bench / "tables")
-    limits(tmp_path, "valid_share = { min = 0.5 }")
-    monkeypatch.chdir(tmp_path)
-    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
-    assert commands
-    for words in commands:
-        line = " ".join(words[1:])
-        star = sorted(str(p) for p in SEDAN.glob("*stop.csv"))
-        ran = brake_cal(*shlex.split(line.replace("sample_logs/sedan/*stop.csv", " ".join(star))))
-        assert ran.code == 0, ran.err
-    assert (tmp_path / "results/summary.json").is_file()
 
 
 def test_logs_that_pass(run):
@@ -159,7 +142,7 @@ def test_a_log_is_never_overwritten_by_its_result(run, bench, tmp_path):
     log.write_bytes((bench / "harder.parquet").read_bytes())
     ran = run(log, "--out", tmp_path)
     assert ran.code == 2
-    assert "would overwrite the log" in " ".join(ran.err.split())
+    assert "would overwrite" in " ".join(ran.err.split())
     assert log.read_bytes() == (bench / "harder.parquet").read_bytes()
 
 

@@ -113,3 +113,14 @@ def test_least_squares_is_the_direct_weighted_solve(k, prior):
     b = np.append(root * y[: k + 1], 0.0)
     expected = np.linalg.lstsq(A, b, rcond=None)[0][0]
     assert adaptive.least_squares(y, u, memory, DT, prior)[k] == pytest.approx(expected, rel=1e-9)
+
+
+def test_lyapunov_rate_is_the_slope_of_the_function():
+    """dV/dt = -eps^2, also while u changes, where (27) and (28) as printed do not hold."""
+    dt = 1e-6
+    u = adaptive.regressor(AXLE, 20e5 * (1.0 + np.linspace(0.0, 0.5, 1000)))
+    gamma = adaptive.gain(AXLE)
+    error = adaptive.gradient(-0.15 * u, u, gamma, dt) + 0.15
+    slope = np.diff(lyapunov(error, gamma)) / dt
+    eps = -error[:-1] * u[1:]
+    assert slope == pytest.approx(-(eps**2), rel=1e-4)

@@ -6,10 +6,12 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from calib.base.names import G
+from calib.base.names import WHEELS, G
+from calib.car.balance import brake_forces
 from calib.car.effects.effects import Effects
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import LOCKS, Gates
+from calib.estimation.plan import calibrated
 from calib.estimation.priors import Priors
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
@@ -391,6 +393,15 @@ def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(table, 
     assert np.mean(total[late]) == pytest.approx(true, rel=0.03)
 
 
+def test_the_change_is_over_the_ramp_and_not_over_the_file(table, wet, result):
+    """A file that says other pads, of the same ratio, changes nothing of it."""
+    sides = {a: replace(getattr(CAR, a), pad_friction=0.5) for a in ("front", "rear")}
+    e = estimate(table, wet, replace(CAR, **sides))
+    late = e.valid & (e.time > 3.0)
+    for axle, other in ((e.front, result.front), (e.rear, result.rear)):
+        assert axle.change[late] == pytest.approx(other.change[late], rel=0.02)
+
+
 # A pitch mode that is known.
 
 PITCH = {"elastic_share": 1.0, "natural_frequency": 8.2, "damping": 0.3, "pitch_gradient": 0.0}
@@ -474,3 +485,49 @@ def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logge
     assert np.max(e.front.normalised_force[e.valid]) > table.tyre.force[-1]
     for axle, true in ((e.front, CAR.front.pad_friction), (e.rear, CAR.rear.pad_friction)):
         assert np.mean(((axle.lower <= true) & (true <= axle.upper))[e.valid]) > 0.95
+
+
+def test_one_later_sample_changes_nothing(table, wet, result):
+    """Not the length of the log either: a wild last second under the same number of samples."""
+    late = wet.time > 5.0
+    wild = {f"omega_{w}": np.where(late, 0.9, 1.0) * wet[f"omega_{w}"] for w in WHEELS[:2]}
+    wild |= {"a_x": np.where(late, -9.0, wet["a_x"]), "p_mc": np.where(late, 0.0, wet["p_mc"])}
+    changed = estimate(table, with_channels(wet, **wild))
+    same(columns(changed, 5.0), columns(result, 5.0), 1e-12)
+    assert not np.allclose(changed.z[-100:], result.z[-100:])
+
+
+def test_slips_are_counted_from_free_rolling(table):
+    """As the plant has them, less the 0.04 % that rolling resistance alone makes."""
+    log = stop(REAL)
+    e = estimate(table, log)
+    for a, slip, scale in (("f", e.slip_f, 1.0), ("r", e.slip_r, 1.0008)):
+        rim = 0.322 * scale * 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"])
+        true = 1.0 - rim / log["v"]
+        assert slip == pytest.approx(true - true[0], abs=1e-5)
+
+
+def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(table):
+    shifted = replace(
+        table.calibration,
+        pad_scale=replace(table.calibration.pad_scale, value=0.9),
+        pad_log_ratio=replace(table.calibration.pad_log_ratio, value=0.3),
+    )
+    car = calibrated(replace(table, calibration=shifted))
+    assert car.front.pad_friction / car.rear.pad_friction == pytest.approx(1.0)
+    one = np.ones(())
+    fitted = 0.9 * sum(brake_forces(CAR, one, one, 0.3))
+    assert sum(brake_forces(car, one, one)) == pytest.approx(fitted)
+
+
+def test_a_car_that_stands_at_the_end_changes_nothing(table, wet, result):
+    """Wheel speeds of exactly nought: no eta, no slip, no warning."""
+    moving = cut(wet, 0.0, 9.0)
+    still = {k: np.zeros(400) for k in moving.channels}
+    still["p_mc"] += moving["p_mc"][-1]
+    still["time"] = moving.time[-1] + moving.sample_time * np.arange(1, 401)
+    channels = {k: np.concatenate([x, still[k]]) for k, x in moving.channels.items()}
+    e = estimate(table, replace(moving, channels=channels, truth={}))
+    same(columns(e, 8.99), columns(result, 8.99), 1e-12)
+    assert not np.any(e.valid[e.time > 9.01])
+    assert np.all(np.isfinite(e.eta))

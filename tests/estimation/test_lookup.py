@@ -136,3 +136,10 @@ def test_inside_means_that_the_forces_give_the_eta_that_was_read():
         back = speed_ratio(curve.slip(found.F_f, load_f), curve.slip(found.F_r, load_r))
         assert back[found.inside] == pytest.approx(eta[found.inside], abs=1e-6)
         assert np.mean(found.inside) > 0.2
+
+
+def test_a_force_beyond_what_was_seen_is_flagged():
+    z = np.array([0.1, 0.3, 0.48, 0.52])
+    found = tyre(STRAIGHT, z, np.ones(4), z)
+    assert list(found.inside) == [True, True, True, False]
+    assert not np.any(tyre(STRAIGHT, z, np.full(4, 1.03), z).inside)

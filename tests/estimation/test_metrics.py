@@ -198,3 +198,27 @@ def test_force_sum():
     z = 2.0 * (0.40 * GAIN_F + 0.36 * GAIN_R) * 20e5 / 0.322 / (1744.0 * G)
     assert force_sum_error(CAR, made_estimate(z=np.full(N, z))) == pytest.approx(0.0, abs=1e-12)
     assert force_sum_error(CAR, made_estimate(z=np.full(N, z / 1.1))) == pytest.approx(0.1)
+
+
+def test_truth_of_nought_is_nothing_to_compare_with():
+    log = truth_log()
+    log = replace(log, truth={name: np.zeros(N) for name in log.truth})
+    figures = score(log, CAR, made_estimate())
+    for name in ("torque_error_f", "pad_friction_bias_r", "final_error_f"):
+        assert figures[name] is None
+
+
+def test_sign_of_the_true_force_does_not_matter():
+    """ISO 8855 has a braking force negative; others do not."""
+    log = truth_log()
+    positive = {k: -x if "Fx" in k else x for k, x in log.truth.items()}
+    for other in (log, replace(log, truth=positive)):
+        front, _ = truth_of(other, CAR, made_estimate())
+        assert front.force == pytest.approx(np.full(N, 2000.0))
+
+
+def test_innovation_leaves_out_the_lead_in_and_what_was_not_measured():
+    values = np.concatenate([np.full(50, 9.0), np.tile([1.0, -1.0], 20), np.full(10, np.nan)])
+    e = made_estimate(innovation=values)
+    e = replace(e, blocks=replace(e.blocks, lead_in=np.arange(100) < 50))
+    assert consistency(CAR, e)["innovation_rms"] == pytest.approx(1.0)

@@ -41,3 +41,8 @@ def test_stops_of_one_road_are_rarely_parted():
     rng = np.random.default_rng(3)
     parted = sum(len(groups(stops(*rng.normal(0.0, 0.04, 4)))) > 1 for _ in range(500))
     assert parted < 0.08 * 500
+
+
+def test_many_stops_do_not_bridge_two_roads():
+    between = np.linspace(-0.3, 0.1, 9)
+    assert len(groups(stops(*between, sigma=0.02))) > 1

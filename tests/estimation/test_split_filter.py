@@ -354,3 +354,9 @@ def test_is_the_filter_of_the_book(seed, v, older):
     # the change since the ramp is the difference itself
     close(answer.change, weighed.mean, "change")
     close(answer.change_sigma, weighed.sigma, "change_sigma")
+
+
+def test_a_stiffer_road_is_not_blamed_on_the_pads():
+    answer = followed(STEADY, stiffness=25.0 * math.exp(0.2))
+    assert answer.log_stiffness[-1] == pytest.approx(0.2, abs=0.05)
+    assert abs(answer.log_pad_ratio[-1]) < Z95 * answer.sigma[-1]

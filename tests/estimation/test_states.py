@@ -119,3 +119,12 @@ def test_the_peak_moves_with_the_stiffness():
     assert opened[w, w] == pytest.approx(0.25 * PRIORS.peak**2 + slope**2 * opened[s, s])
     opened[np.ix_([s, w], [s, w])] = 0.0
     assert not opened.any()
+
+
+def test_what_an_older_table_does_not_name_starts_as_before_a_ramp():
+    """10 % between the axles' tyres and 0.3 % of radius per load, independent of all else."""
+    x, P = first_state(posterior(np.eye(6)), PRIORS)
+    for place, sigma in ((AT.log_tyre_ratio, 0.1), (AT.radius_load, 0.003), (AT.tyre_change, 0.02)):
+        assert x[place] == 0.0
+        assert P[place, place] == pytest.approx(sigma**2)
+        assert not np.delete(P[place], place).any()

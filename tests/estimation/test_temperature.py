@@ -71,3 +71,10 @@ def test_it_is_causal(log):
     for side in "fr":
         assert one[side][:half] == pytest.approx(other[side][:half], abs=1e-9)
         assert other[side][-1] > one[side][-1] + 10.0
+
+
+def test_it_knows_nothing_of_wet_pads(log):
+    """The same pressure and speed give the same pads, whatever the car decelerates."""
+    wet = replace(log, channels={**log.channels, "a_x": 0.5 * log["a_x"]})
+    one, other = (temperature(CAR, x, signals(x, CAR), Effects()) for x in (log, wet))
+    assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from calib.estimation.estimator import estimate
-from calib.estimation.validate import validate
+from calib.estimation.validate import to_dict, validate
 from calib.estimation.warnings import warnings_of
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads, without
+from tests.support.tables import stored_as
 
 
 def codes(log, estimate):
@@ -126,3 +127,13 @@ def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
     (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
     assert told.figures["valid_share"] > 0.7
     assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
+
+
+def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
+    log = replace(misread(noisy(clean, 0), 1.08), name="wrong")
+    results = validate(fitted, [replace(noisy(clean, 1), name="right"), log], CAR)
+    warnings = to_dict(stored_as("sedan@1"), results)["warnings"]
+    assert {one["log"] for one in warnings} == {"wrong"}
+    (found,) = (one for one in warnings if one["code"] == "a_x_scale")
+    assert set(found) == {"code", "log", "measured", "expected", "causes", "do"}
+    assert list(found["expected"]) == [-0.025, 0.025]

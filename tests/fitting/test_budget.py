@@ -118,3 +118,11 @@ def test_level_parts_in_closed_form(prepared):
     )
     rolling = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 1e-6)), known=True)
     assert parts(known=rolling)["resistance"] == pytest.approx(1e-6 * lever**2)
+
+
+def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
+    weighed = fit(replace(CAR, mass_tolerance=0.0), [noisy(clean, 1)])
+    for known, unknown in zip(pads_budget(weighed), pads_budget(tables[0]), strict=True):
+        assert "mass" not in known.parts
+        rest = {part: x for part, x in unknown.parts.items() if part != "mass"}
+        assert known.parts == pytest.approx(rest, rel=1e-6)

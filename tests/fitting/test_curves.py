@@ -13,7 +13,7 @@ from calib.fitting.fit import fit
 from calib.fitting.identify import Identified
 from calib.fitting.path import delta_sigma, find_peak, path
 from calib.model.parameters import COUNT, PRIORS, RampParameters
-from calib.table.table import EXTRAPOLATED, MEASURED, TyrePosterior
+from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, TyrePosterior
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (
     CAR,
@@ -229,3 +229,22 @@ def test_delta_method_is_exact_for_a_straight_function():
     known = identified(rng.normal(size=COUNT), covariance).posterior
     exact = np.sqrt(np.diag(A @ covariance @ A.T))
     assert delta_sigma(lambda x: A @ x, known) == pytest.approx(exact)
+
+
+def test_every_curve_starts_at_nought(all_tables):
+    for table in all_tables:
+        d, p, t = table.difference, table.paper, table.tyre
+        assert d.eta[0] == 1.0
+        assert d.D[0] == d.lower[0] == d.upper[0] == 0.0
+        assert p.f1[0] == p.f2[0] == p.z[0] == 0.0
+        assert t.slip[0] == t.force[0] == 0.0
+
+
+def test_flags_follow_the_counts(all_tables, gentle):
+    for table in [*all_tables, *gentle]:
+        for curve in (table.difference, table.paper, table.tyre):
+            seen = np.flatnonzero(curve.count >= 3)
+            assert np.array_equal(np.flatnonzero(curve.flag == MEASURED), seen)
+            beyond = np.arange(curve.count.size) > seen[-1]
+            assert np.array_equal(curve.flag == EXTRAPOLATED, beyond)
+            assert set(curve.flag) <= {MEASURED, INTERPOLATED, EXTRAPOLATED}

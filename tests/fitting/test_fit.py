@@ -379,3 +379,16 @@ def test_noise_widens_and_does_not_refuse(seed):
         low, high = one.ci95
         assert low < 0.38 < high
         assert one.sigma > other.sigma
+
+
+def test_order_of_the_logs_does_not_change_a_bit():
+    logs = [read_log(path) for path in LOGS]
+    assert fit(CAR, logs).digest == fit(CAR, logs[::-1]).digest
+
+
+def test_peak_and_bias_are_reported(table):
+    # Table I: front share 28.84*130.9/(28.84*130.9 + 11.34*124.0); (6), (8): z where F_f = F_r
+    share = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
+    assert table.quality["front_biased_up_to"] == pytest.approx((share * 2.805 - 1.6494) / 0.615)
+    assert table.quality["deceleration_max"] == pytest.approx(0.57, abs=0.02)
+    assert table.quality["runs"] == 1.0

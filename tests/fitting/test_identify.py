@@ -11,6 +11,7 @@ from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify, identify_once
 from calib.model.parameters import RampParameters
 from calib.model.ramp import prepare, sigma_eta, sigma_slip
+from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import SensorNoise, sensor_noise
@@ -198,3 +199,23 @@ def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):
     rising = sigma_eta(run, still + 0.01)[run.use]
     assert np.all(rising > sigma_eta(run, still)[run.use])
     assert rising[-1] > 2.0 * rising[0]  # near the peak the curve is known less
+
+
+def test_each_run_has_its_own_zeros_and_level(clean):
+    other = ramp(replace(with_pads(IDEAL, 0.36, 0.36), radius_scale=(1.0, 1.002)))
+    answer = found(noisy(clean["as nominal"], 0), noisy(other, 1))
+    assert answer.eta_zero == pytest.approx((0.0, 1.0 / 1.002 - 1.0), abs=2e-4)
+    assert answer.pad_scale == pytest.approx((1.0, 0.36 / 0.38), rel=0.005)
+
+
+def test_a_ratio_that_clearly_differs_is_not_called_nominal(clean):
+    """15 % may be the tyres, which differ by 10 %; 50 % is 4 sigma of that and of noise."""
+    for ratio in (1.5, 1.0 / 1.5):
+        assert found(noisy(ramp(with_ratio(IDEAL, ratio)), 0)).nominal_weight < 0.05
+    assert found(noisy(clean["as nominal"], 0)).nominal_weight > 1.0 - SETTINGS.pads_differ
+
+
+def test_without_v_the_stiffness_stays_open(clean):
+    log = noisy(clean["front 15 % better"], 0)
+    blind, seeing = sigmas(found(without(log, "v"))), sigmas(found(log))
+    assert blind.log_compliance > 2.0 * seeing.log_compliance

@@ -7,13 +7,13 @@ import pytest
 
 from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify_once
-from calib.fitting.pad_level import level_residuals
+from calib.fitting.pad_level import level_residuals, level_spread
 from calib.model.ramp import prepare
+from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from tests.support.one_axle import one_axle
-from tests.support.reference_car import CAR, IDEAL, noisy, ramp
+from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, ramp
 
 SHARE = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 """Of the front brakes in the force at one pressure, Table I."""
@@ -69,3 +69,8 @@ def test_level_of_one_axle_does(runs):
     weaker = replace(one, blocks=replace(b, p_r=1.1 * b.p_r))
     same, other = (identify_once(CAR, [runs["n"], run]).mean.log_pad_ratio for run in (one, weaker))
     assert other - same > 0.01
+
+
+def test_spread_is_that_of_the_pads_where_all_else_is_exact(runs):
+    found = level_spread(CAR, [runs["n"], runs["f"]], None)
+    assert found == pytest.approx([SETTINGS.pads_repeat] * 2)

@@ -120,8 +120,8 @@ def test_databases_are_relative_to_the_map(tmp_path, written, dbc, buses):
         return tuple(DatabaseFile(tmp_path / name, bus) for name, bus in pairs)
 
     found = read_map(tmp_path, in_map(f"dbc = {written}"))
-    assert found.dbc == files(dbc)
-    assert found.buses == tuple((bus, files(names)) for bus, names in buses.items())
+    assert found.databases.files == files(dbc)
+    assert found.databases.buses == tuple((bus, files(names)) for bus, names in buses.items())
 
 
 def test_j1939_source_addresses(tmp_path):

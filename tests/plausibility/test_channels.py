@@ -95,3 +95,15 @@ def test_how_long_wheel_speeds_are_held_is_measured(clean):
     log = held(noisy(clean, 3), 20.0, *WHEEL_SPEEDS)
     (one,) = channel_warnings(log, CAR, signals(log, CAR))
     assert one.measured == pytest.approx(0.05, rel=0.1)
+
+
+def test_missing_samples_are_no_copies(clean):
+    """Over a gap every wheel makes the same step."""
+    log = noisy(clean, 0)
+    part = np.r_[0:500, 800 : log.time.size]
+    assert found(changed(log, **{name: x[part] for name, x in log.channels.items()})) == []
+
+
+def test_rounding_is_no_noise(clean):
+    rounded = {name: np.round(x, 4) for name, x in clean.channels.items() if name != "time"}
+    assert found(changed(clean, **rounded)) == []

@@ -39,3 +39,13 @@ def test_an_interval_that_crosses_the_seats_holds_a_load():
     assert is_load(None, Load(0.1, 0.5))
     assert not is_load(None, None)
     assert load_behind(0.0, 0.1, BRAKES, REST, 0.0) is None
+
+
+def test_pads_of_one_axle_are_no_load():
+    """Weak front pads would be a load in front of the car, weak rear pads one far behind it."""
+    for change_f, change_r, side in ((0.8, 1.0, 1.0), (1.0, 0.6, -1.0)):
+        level = math.log(BRAKES * change_f + (1.0 - BRAKES) * change_r)
+        apart = math.log(change_f / change_r)
+        load = load_behind(level, apart, BRAKES, REST + Z * HEIGHT, Z * HEIGHT)
+        assert side * (load.front - 0.25) > 0.5
+        assert not is_load(load)

@@ -79,3 +79,7 @@ def test_brakes_that_another_load_or_sensor_makes_seem_changed(level, sigma, nam
         assert one.measured == pytest.approx(math.expm1(level))
         assert one.causes[0].startswith("more load" if level < 0.0 else "less load")
         assert "--mass" in one.do
+
+
+def test_possible_pads_are_not_refused():
+    require_possible_pads(CAR, calibration(0.6, 1.4), "ramp.csv")

@@ -6,9 +6,10 @@ from dataclasses import replace
 import pytest
 
 from calib.base.errors import VehicleError
+from calib.fitting.fit import fit
 from calib.plausibility.vehicle_file import explanations, require_file_of_run
 from calib.table.table import Calibration, Value
-from tests.support.reference_car import CAR
+from tests.support.reference_car import CAR, REAL, noisy, ramp
 
 
 def with_entry(axle, name, factor):
@@ -47,3 +48,15 @@ def test_the_area_of_another_caliper(axle, factor):
 def test_exchanged_blocks():
     best = explanations(EXCHANGED, pads(EXCHANGED, 1.05, 0.95))[0]
     assert best.what == "[front] and [rear] are exchanged"
+
+
+@pytest.mark.parametrize(("f", "r", "sigma"), [(1.1, 0.9, 0.05), (1.4, 0.8, 0.2), (2.0, 2.0, 0.1)])
+def test_pads_that_may_be_are_not_refused(f, r, sigma):
+    require_file_of_run(CAR, pads(CAR, f, r, sigma), ())
+
+
+@pytest.mark.parametrize("file", [EXCHANGED, with_entry("rear", "piston_area", 3.0)])
+def test_a_fit_with_such_a_file_ends_with_3(file):
+    with pytest.raises(VehicleError) as refused:
+        fit(file, [noisy(ramp(REAL), 1)])
+    assert refused.value.exit_code == 3

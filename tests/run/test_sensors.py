@@ -9,8 +9,6 @@ from calib.run.driving_record import driving_record
 from calib.run.sensors import noise_of, resolution_of, saturation, sensors_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 
-STOP = made_run(stop())
-
 
 def sensors(log):
     return sensors_of(log, driving_record(log))
@@ -33,7 +31,8 @@ def test_resolution_of_rounded_values(step):
 def test_no_resolution_in_smooth_values_and_in_a_channel_that_was_interpolated():
     assert resolution_of(np.random.default_rng(1).normal(size=500)) == 0.0
     assert resolution_of(np.zeros(100)) == 0.0
-    coarse = changed(STOP, p_mc=np.round(STOP["p_mc"] / 1e5) * 1e5)
+    log = made_run()
+    coarse = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
     assert sensor(coarse, "p_mc").resolution == pytest.approx(1e5)
     assert sensor(replace(coarse, interpolated=("p_mc",)), "p_mc").resolution == 0.0
 

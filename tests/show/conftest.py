@@ -8,8 +8,7 @@ from calib.estimation.validate import validate_one
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.show import compare, simulation, stop, table
-from calib.show import log_figure as log
+from calib.show import compare, log, stop, table
 from calib.show.ramp import measure
 from calib.show.trace import StopTrace, from_validation
 from calib.table.table import Table
@@ -67,7 +66,7 @@ def sheet(request, sedan, ramp, transition):
         "table": lambda: table.sheet(made, "sedan@1"),
         "ramp": lambda: table.sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
         "stop": lambda: stop.sheet(request.getfixturevalue("trace")),
-        "simulation": lambda: simulation.sheet(request.getfixturevalue("simulated")),
+        "simulation": lambda: stop.sheet(request.getfixturevalue("simulated")),
         "comparison": lambda: compare.sheet(made, made_table(28.0), "sedan@1", "sedan@2"),
         "log": lambda: log.sheet(transition),
     }[request.param]()

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from calib.line.gauge.study import study
-from calib.show.repeatability import by_car, components, facts, sheet
+from calib.show.repeatability import by_car, facts, sheet
 from tests.line.gauge.test_study import readings
 from tests.support.plot_lines import axes, drawn, labels
 
@@ -23,18 +23,6 @@ def test_every_ramp_and_the_mean_of_every_car_is_drawn(found):
     assert sorted(points) == sorted(values)
     mean = float(np.mean(values[:4]))
     assert drawn(ax, np.array([-0.35, 0.35]), np.array([mean, mean]))
-
-
-def test_bars_are_shares_of_the_total_with_their_intervals(found):
-    ax = axes()
-    components(ax, found.results[0])
-    parts = found.results[0].gauge.components
-    names = [label.get_text() for label in ax.get_yticklabels()]
-    assert names == ["repeatability", "station", "car by station", "gauge", "cars"]
-    widths = [bar.get_width() for bar in ax.patches if bar.get_height() == pytest.approx(0.55)]
-    assert widths[-1] == pytest.approx(100.0 * parts["car"].sd / parts["total"].sd)
-    low, high = (100.0 * end / parts["total"].sd for end in parts["repeatability"].sd95)
-    assert drawn(ax, np.array([low, high]), np.array([0, 0]))
 
 
 def test_the_facts_have_a_row_for_every_metric_and_the_page_its_panels(found):

@@ -87,7 +87,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def figure():
-    return table.sheet(made_table(), "sedan@1").figure("coverage")
+    return table.sheet(made_table(), "sedan@1").figure("difference")
 
 
 @pytest.mark.parametrize("ending", MAGIC)
@@ -95,7 +95,7 @@ def test_the_same_figure_gives_the_same_bytes_in_another_process(figure, ending)
     code = (
         "import hashlib; from calib.show import table; from calib.show.sheet import render; "
         "from tests.support.tables import made_table; "
-        "figure = table.sheet(made_table(), 'sedan@1').figure('coverage'); "
+        "figure = table.sheet(made_table(), 'sedan@1').figure('difference'); "
         f"print(hashlib.sha256(render(figure, {ending!r})).hexdigest())"
     )
     run = subprocess.run(

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from calib.show import stop
-from calib.show.stop import validity
-from calib.show.style import FRONT
-from tests.support.plot_lines import axes, drawn, labels, line
+from calib.show.style import FRONT, REAR
+from tests.support.plot_lines import axes, line
 
 
 def test_panels_in_the_order_of_the_paper(trace):
@@ -18,22 +17,8 @@ def test_panels_in_the_order_of_the_paper(trace):
         "pad-front",
         "pad-rear",
         "axle-torques",
-        "force-sum",
         "validity",
-        "budget",
     )
-
-
-def test_slip_where_v_is_known_and_eta_always(trace):
-    ax = axes()
-    stop.slip(ax, trace)
-    assert labels(ax) == ["front slip", "rear slip", r"$\eta - 1$, zeroed"]
-    assert drawn(ax, trace.time, 100.0 * trace.front.slip)
-    ax = axes()
-    front, rear = (replace(axle, slip=None) for axle in (trace.front, trace.rear))
-    stop.slip(ax, replace(trace, front=front, rear=rear))
-    assert labels(ax) == [r"$\eta - 1$, zeroed"]
-    assert ax.get_ylabel() == r"$\eta - 1$ [%]"
 
 
 def test_pad_friction_with_interval_nominal_and_rivals(trace):
@@ -56,9 +41,8 @@ def test_pad_friction_with_interval_nominal_and_rivals(trace):
 def test_every_panel_marks_the_change_of_surface(trace):
     (time,) = trace.changes
     assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
-    *over_time, why, made_of = stop.sheet(trace).overview().axes
+    *over_time, why = stop.sheet(trace).overview().axes
     assert why.get_title(loc="left").endswith(stop.WHY)
-    assert made_of.get_title(loc="left").endswith(stop.BUDGET)
     for ax in over_time:
         uprights = [one for one in ax.get_lines() if list(one.get_xdata()) == [time, time]]
         assert len(uprights) == 1
@@ -66,19 +50,9 @@ def test_every_panel_marks_the_change_of_surface(trace):
     assert stop.CHANGED not in stop.sheet(replace(trace, changes=())).note
 
 
-def test_samples_that_are_not_valid_are_shaded(trace):
-    ax = axes()
-    stop.deceleration(ax, trace)
-    (area,) = ax.collections
-    first = trace.time[np.argmax(trace.valid)]
-    before = area.get_paths()[0].vertices[:, 0]
-    assert before.min() == trace.time[0]
-    assert before.max() == pytest.approx(first, abs=0.0051)
-
-
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(trace):
     nowhere = replace(trace, valid=np.zeros(trace.time.size, bool))
-    assert len(stop.sheet(nowhere).overview().axes) == 10
+    assert len(stop.sheet(nowhere).overview().axes) == 8
 
 
 def test_what_is_before_the_bite_does_not_set_the_axis(trace):
@@ -94,14 +68,23 @@ def test_what_is_before_the_bite_does_not_set_the_axis(trace):
     assert before > 1.5 * span
 
 
-def test_each_reason_has_its_spans(trace):
+def test_a_simulation_shows_its_truth_and_the_error(simulated):
+    sheet = stop.sheet(simulated)
+    assert (sheet.kind, sheet.names[-2]) == ("simulation", "error")
     ax = axes()
-    time = np.arange(0.0, 10.0, 0.01)
-    late, slow = time > 8.0, time > 9.0
-    validity(ax, replace(trace, time=time, valid=~late, refused={"a": late, "slow": slow}))
-    assert [text.get_text() for text in ax.texts] == [" valid: 8.0 s", " a: 2.0 s", " slow: 1.0 s"]
-    ends = [
-        (bar.get_paths()[0].vertices[:, 0].min(), bar.get_paths()[0].vertices[:, 0].max())
-        for bar in ax.collections
-    ]
-    assert np.allclose(ends, [(0.0, 8.0), (8.0, 10.0), (9.0, 10.0)], atol=0.011)
+    stop.pad(ax, simulated, simulated.rear, REAR)
+    truth = line(ax, "truth")[1][simulated.valid]
+    assert truth == pytest.approx(np.full(truth.size, 0.4), rel=0.02)
+    ax = axes()
+    stop.error(ax, simulated)
+    nominal = line(ax, "front nominal")[1]
+    # 0.5 where 0.4 is true
+    assert nominal[simulated.valid] == pytest.approx(np.full(simulated.valid.sum(), 25.0), abs=1.0)
+    assert np.isnan(nominal[~simulated.valid]).all()
+
+
+def test_no_error_where_nothing_brakes():
+    true, valid = np.array([1.0, 0.0, 1.0]), np.array([True, True, False])
+    found = stop.relative(np.full(3, 1.05), true, valid)
+    assert found[0] == pytest.approx(5.0)
+    assert np.isnan(found[1:]).all()

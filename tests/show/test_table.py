@@ -1,16 +1,11 @@
-"""The bars are the parts of the budgets, largest first, and all of them on top."""
-
 import numpy as np
 import pytest
 
 from calib.show import table as figures
 from calib.show.ramp import measure
-from calib.show.table import bars
-from calib.table.budget import AxleBudget
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
-from tests.support.one_axle import one_axle
 from tests.support.plot_lines import axes, drawn, labels, line
-from tests.support.reference_car import IDEAL
+from tests.support.reference_car import IDEAL, one_axle
 from tests.support.tables import C, made_table
 
 TABLE = made_table()
@@ -95,22 +90,3 @@ def test_the_usable_range_is_marked_in_eta_and_deceleration():
         shaded = [patch.get_extents().transformed(ax.transData.inverted()) for patch in ax.patches]
         assert shaded[0].x0 == pytest.approx(0.475)
         assert shaded[0].x1 == pytest.approx(ax.get_xlim()[1])
-
-
-FRONT = AxleBudget(0.40, {"zeros": 1e-6, "mass": 9e-4})
-REAR = AxleBudget(0.38, {"unlike_pads": 16e-4, "mass": 9e-4})
-
-
-def drawn_bars():
-    ax = axes()
-    bars(ax, (FRONT, REAR))
-    return ax, {c.get_label(): [bar.get_width() for bar in c] for c in ax.containers}
-
-
-def test_a_bar_is_as_long_as_its_part():
-    ax, widths = drawn_bars()
-    assert [label.get_text() for label in ax.get_yticklabels()] == [
-        *("all", "unlike pads", "mass", "zeros"),
-    ]
-    assert widths["front"] == pytest.approx([100.0 * np.sqrt(9.01e-4), 0.0, 3.0, 0.1])
-    assert widths["rear"] == pytest.approx([5.0, 4.0, 3.0, 0.0])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.digest import canonical_json, content_digest
-from calib.car.effects.effects import EmpiricalTerm
+from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.table.table import EXTRAPOLATED, Value
 from tests.support.tables import C, K, from_content, made_table
 
@@ -94,6 +94,14 @@ def test_one_bit_of_any_column_changes_the_digest(column, row):
     changed[row] = np.nextafter(changed[row], np.inf)
     curves[column[0]][column[1]] = changed
     assert content_digest(record, curves) != table.digest
+
+
+def test_any_part_of_the_record_changes_the_digest(table):
+    for change in (
+        {"remarks": ("other",)}, {"quality": {"rms": 0.0022}}, {"noise": {}}, {"name": "wagon"},
+        {"effects": Effects()},
+    ):  # fmt: skip
+        assert replace(table, **change).digest != table.digest
 
 
 def test_canonical_json_has_no_place_for_nan():

@@ -4,6 +4,7 @@ find ──> [a limited number of chunks] ──> workers ──> journal ──
                            └── if a worker died: its logs again, one at a time
 """
 
+import glob
 import math
 import os
 import time
@@ -15,14 +16,14 @@ from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
 
-from calib.base.errors import BrakeCalError
+from calib.base.errors import BrakeCalError, LogError
 from calib.base.printable import printable
-from calib.line.fleet.find import find_logs
 from calib.line.fleet.journal import BatchJournal
-from calib.line.fleet.results import write_results
+from calib.line.fleet.results import NAME, write_results
 from calib.line.fleet.rows import Command, Row, Status
-from calib.line.fleet.work import Job, WorkItem
+from calib.line.fleet.work import CALIBRATION, HOLDOUT, VEHICLE, Job, WorkItem
 from calib.line.fleet.workers import Executor, Rows
+from calib.logs.read import FORMATS
 
 CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
@@ -225,3 +226,73 @@ class Sweep:
         self.report(self.pace())
         if new:
             self.tell(new)
+
+
+def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator[str]:
+    """Paths of the logs, relative where the argument is; one may come twice.
+
+    A folder means all logs in it and below. For DIAGNOSE a log is a folder with calibration/,
+    holdout/ and vehicle.toml. Hidden files and the results in ``out`` are left out; if ``out`` is a
+    folder within an argument, so is all its content. Raises LogError for a pattern or folder
+    without logs, and for a missing path; a missing file with the ending of a log is returned.
+    """
+    for argument in arguments:
+        path = None
+        for path in _of(argument, command, out):
+            yield path
+        if path is None:
+            raise LogError(
+                "no log found",
+                where=argument,
+                expected=f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
+                if command == Command.DIAGNOSE
+                else f"files that end in {', '.join(FORMATS)}",
+                do="check the path; put a pattern in quotes",
+            )
+
+
+def _of(argument: str, command: Command, out: Path) -> Iterator[str]:
+    if os.path.isdir(argument):
+        yield from logs_below(argument, command, out)
+    elif os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument)):
+        yield argument  # a missing file gets a row with an error
+    else:
+        results = os.path.realpath(out / NAME)
+        for path in sorted(glob.iglob(argument, recursive=True)):
+            if os.path.isdir(path):
+                yield from logs_below(path, command, out)
+            elif (
+                command != Command.DIAGNOSE and _is_log(path) and os.path.realpath(path) != results
+            ):
+                yield path
+
+
+def _refuse(error: OSError) -> None:
+    raise LogError(f"cannot be read ({error.strerror})", where=error.filename) from error
+
+
+def logs_below(
+    folder: str, command: Command, out: Path, trouble: Callable[[OSError], None] = _refuse
+) -> Iterator[str]:
+    """Paths of the logs in a folder and below, possibly none. Else like `find_logs`.
+
+    ``trouble`` is called with the error if a folder cannot be read; the folder is then skipped.
+    """
+    own = os.path.realpath(out)
+    for home, folders, files in os.walk(folder, onerror=trouble):
+        folders[:] = sorted(f for f in folders if not f.startswith("."))
+        here = os.path.realpath(home) == own
+        if here and home != folder:
+            folders.clear()
+        elif command == Command.DIAGNOSE:
+            if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
+                folders.clear()
+                yield home
+        else:
+            logs = (f for f in sorted(files) if _is_log(f) and not (here and f == NAME))
+            yield from (os.path.join(home, f) for f in logs)
+
+
+def _is_log(path: str) -> bool:
+    name = os.path.basename(path)
+    return name.lower().endswith(FORMATS) and not name.startswith(".")

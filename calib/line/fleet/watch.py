@@ -16,8 +16,7 @@ from pathlib import Path
 from threading import Event
 
 from calib.base.printable import printable
-from calib.line.fleet.batch import Sweep
-from calib.line.fleet.find import logs_below
+from calib.line.fleet.batch import Sweep, logs_below
 from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import NAME as RESULTS
 from calib.line.fleet.results import write_results

@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import BrakeCalError
+from calib.base.plain import NBSP
 from calib.base.printable import printable
 from calib.base.program import PROGRAM
 from calib.base.publish import publish, workshop
@@ -188,4 +189,5 @@ def _case(suite: ElementTree.Element, check: StationCheck) -> None:
 
 def _clean(text: str) -> str:
     """``text`` without characters that XML 1.0 cannot hold; a log's name may have any bytes."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    shown = (c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text.replace(NBSP, " "))
+    return "".join(shown)

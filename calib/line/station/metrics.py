@@ -1,27 +1,34 @@
-"""The metrics of a car as a whole, each with its meaning and unit.
-
-The metrics of each hold-out are those of `calib.estimation.metrics`; they are judged stop by stop.
-"""
+"""The metrics of a car as a whole; those of each hold-out are in `calib.estimation.metrics`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.base.plain import bound, meanings
-from calib.car.forces import front_biased_up_to
+from calib.car.braking import MOVING
+from calib.car.forces import front_biased_up_to, slip
 from calib.car.vehicle import Vehicle
 from calib.estimation.validate import Validation, agreement
 from calib.line.station.golden import golden_metrics
-from calib.line.station.sides import side_difference
-from calib.logs.log import Log
-from calib.run.driving_record import driving_record
+from calib.logs.log import Array, Log
+from calib.run.driving_record import DrivingRecord, driving_record
+from calib.run.filters import block_mean
+from calib.run.limits import LIMITS
 from calib.run.wheels import axles_of, slips_of
 from calib.store.listing import band_width
-from calib.table.table import MEASURED, Table
+from calib.table.table import MEASURED, Table, TyreCurve
 
 METRICS: dict[str, str] = meanings("car")
 """Every metric of the car, with its meaning."""
+
+_LOW, _HIGH = 0.10, 0.40
+"""Range of deceleration [1] for the sides: noise is too large below, the tyre bends above."""
+_WIDEST = 0.05
+"""Half width of the 95 % interval [1] above which a difference of the sides is not known."""
+_FEWEST = 8
+"""Least number of blocks of 0.2 s for an estimate of the scatter."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,7 @@ def metrics_of(car: Car) -> dict[str, float | None]:
     }
     for axle in "fr":
         sides = [side_difference(table, log, axle) for log in car.ramps]
-        out[f"side_difference_{axle}"] = _largest([s.value if s else None for s in sides])
+        out[f"side_difference_{axle}"] = _largest(sides)
     together = agreement(list(car.results))
     out["repeatability_f"] = together.spread_f if together else None
     out["repeatability_r"] = together.spread_r if together else None
@@ -82,3 +89,65 @@ def _front_biased_up_to(table: Table) -> float:
 def _largest(values: Sequence[float | None]) -> float | None:
     """The value of largest magnitude, with its sign."""
     return max((v for v in values if v is not None), key=abs, default=None)
+
+
+def side_difference(table: Table, log: Log, axle: str) -> float | None:
+    """Brake force left less right over their mean [1], of ``axle`` "f" or "r".
+
+    slip of each wheel, zeroed on the unbraked part, (20) --> the tyre curve g of the table
+    d = (g(s_l) - g(s_r)) / mean: left and right carry the same load on a straight, level road
+
+    Where the log has both pressures of the axle, their difference is subtracted: the rest is that
+    of the pads. Samples beyond the end of the tyre curve are left out. None without a reference
+    speed, with too little braking between 0.1 and 0.4 g, or an interval wider than +-`_WIDEST`.
+    A bend or a crowned road looks the same as a difference of the brakes.
+    """
+    if "v" not in log:
+        return None
+    driving = driving_record(log)
+    of = table.vehicle.front if axle == "f" else table.vehicle.rear
+    speed = np.maximum(log["v"], 1.0)
+    slips = [slip(of, log[f"omega_{axle}{side}"], speed) for side in "lr"]
+    free = [_means(s, driving.unbraked, driving) for s in slips]
+    if free[0].size < 3:
+        return None
+    use = driving.braked & (driving.z > _LOW) & (driving.z < _HIGH) & (driving.speed > MOVING)
+    zeros = zip(slips, free, strict=True)
+    left, right = (_means(s, use, driving) - np.mean(zero) for s, zero in zeros)
+    known = np.maximum(left, right) <= table.tyre.slip[-1]
+    if np.count_nonzero(known) < _FEWEST:
+        return None
+    F_l, F_r = (_force(table.tyre, s[known]) for s in (left, right))
+    stiffness = float(table.tyre.force[1] / table.tyre.slip[1])
+    d, half = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (free[0] - free[1]))
+    return d - _pressures(log, axle, use) if half <= _WIDEST else None
+
+
+def _means(x: Array, mask: NDArray[np.bool_], driving: DrivingRecord) -> Array:
+    return block_mean(x[mask], max(1, round(LIMITS.wheel_block / driving.step)))
+
+
+def _force(tyre: TyreCurve, s: Array) -> Array:
+    """Normalised force [1] of the tyre curve at slip ``s``; odd, for noise about zero."""
+    return np.asarray(np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force))
+
+
+def _slope(x: Array, y: Array, free: Array) -> tuple[float, float]:
+    """Slope d of y = d x and half its 95 % interval, with that of the zero of ``free``."""
+    from scipy.special import stdtrit
+
+    power = float(x @ x)
+    if power == 0.0:
+        return 0.0, np.inf
+    d = float(x @ y) / power
+    spread = float(np.std(y - d * x, ddof=1)) / np.sqrt(power)
+    zero = float(np.std(free, ddof=1)) / np.sqrt(free.size) * abs(float(np.sum(x))) / power
+    return d, float(stdtrit(y.size - 1, 0.975)) * float(np.hypot(spread, zero))
+
+
+def _pressures(log: Log, axle: str, use: NDArray[np.bool_]) -> float:
+    """Left less right over their mean of the wheel pressures [1]; zero where not logged."""
+    if f"p_{axle}l" not in log or f"p_{axle}r" not in log:
+        return 0.0
+    left, right = (float(np.mean(log[f"p_{axle}{side}"][use])) for side in "lr")
+    return 2.0 * (left - right) / (left + right) if left + right > 0.0 else 0.0

@@ -3,9 +3,12 @@
 ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or failed
 """
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+
+import numpy as np
 
 from calib.base.errors import LogError
 from calib.base.plain import counted, plain
@@ -17,16 +20,22 @@ from calib.estimation.validate import CALIBRATION, Validation, validate_one
 from calib.fitting.fit import fit
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import Car, metrics_of
-from calib.line.station.warnings import car_warnings, log_warnings
 from calib.logs.log import Log
+from calib.run.check import check
+from calib.run.limits import LIMITS
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
+from calib.table.budget import front_share
 from calib.table.table import Table
 
-LONGEST = 64
+_LONGEST = 64
 """Largest number of characters of an identifier."""
 
-VIN = "[A-HJ-NPR-Z0-9]{17}"
+_VIN = "[A-HJ-NPR-Z0-9]{17}"
 """A vehicle identification number, ISO 3779."""
+
+_LEVEL = 0.06
+"""Change of the brakes from the ramp to the stops [1] from which it is named: pads with one load
+and one temperature repeat to 2 %, and the estimate of a stop errs by 2 %."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +62,7 @@ class Identity:
 
     def doubt(self) -> str:
         """What is unusual of the VIN; "" if nothing is. Cars before series have such ones."""
-        if self.vin is None or re.fullmatch(VIN, self.vin):
+        if self.vin is None or re.fullmatch(_VIN, self.vin):
             return ""
         return (
             f"vin {self.vin!r} is not of the form of ISO 3779, which has 17 letters and digits "
@@ -65,8 +74,8 @@ class Identity:
         for name, value in self.given().items():
             if not value.strip():
                 return name, "is empty"
-            if len(value) > LONGEST:
-                return name, f"has {len(value)} characters, at most {LONGEST} are taken"
+            if len(value) > _LONGEST:
+                return name, f"has {len(value)} characters, at most {_LONGEST} are taken"
             if not value.isprintable():
                 return name, "holds characters that cannot be printed"
         return None
@@ -277,3 +286,45 @@ def outcome(
         limits=limits_file,
         golden_cars=car.golden.spread.cars if car.golden and car.golden.spread else 0,
     )
+
+
+def log_warnings(vehicle: Vehicle, log: Log) -> Iterator[PlausibilityWarning]:
+    """What `brake-cal check` warns of, but for radii of the axles that differ as the file says."""
+    for warning in check(log).warnings:
+        declared = warning.code == "eta_zero" and (
+            abs(vehicle.radius_mismatch(warning.measured)) <= LIMITS.tyres
+        )
+        if not declared:
+            yield warning
+
+
+def car_warnings(table: Table, results: Sequence[Validation]) -> Iterator[PlausibilityWarning]:
+    """A level of the brakes that the ramp and the stops do not share."""
+    changes = [change for r in results if (change := level_change(table, r)) is not None]
+    if not changes:
+        return
+    mean = math.exp(float(np.mean(np.log(changes))))
+    if abs(math.log(mean)) > _LEVEL:
+        yield PlausibilityWarning(
+            "level_changed",
+            table.vehicle.name,
+            mean - 1.0,
+            (-_LEVEL, _LEVEL),
+            (
+                "another load of the car in the ramp than in the stops (state it with --mass)",
+                "the scale or the zero of p_mc or a_x, in one of the runs",
+                "pads that were wet or hot",
+            ),
+            "drive ramp and stops with one load and warm, dry pads; check both sensors",
+        )
+
+
+def level_change(table: Table, result: Validation) -> float | None:
+    """Brake force of a stop over what the ramp's pads would give [1]; None without an answer."""
+    mu_f, mu_r = (result.figures[f"pad_friction_{axle}"] for axle in "fr")
+    if mu_f is None or mu_r is None:
+        return None
+    cal = table.calibration
+    share = front_share(table.vehicle, cal.pad_log_ratio.value)
+    front, rear = mu_f / cal.pad_friction_f.value, mu_r / cal.pad_friction_r.value
+    return share * front + (1.0 - share) * rear

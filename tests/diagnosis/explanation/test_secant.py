@@ -96,3 +96,11 @@ def test_a_rough_fit_promises_what_a_straight_problem_keeps():
     assert begun.promised == pytest.approx(least, rel=1e-4)
     done = least_squares(residuals, begun.x, low, high, np.ones(6), 20)
     assert done.promised == pytest.approx(float(done.residuals @ done.residuals))
+
+
+def test_an_element_at_its_bound_promises_nothing():
+    A, y = np.eye(3), np.array([1.0, 2.0, 5.0])
+    low, high = np.zeros(3), np.array([10.0, 10.0, 3.0])
+    start = np.array([0.5, 0.5, 3.0 - 1e-12])
+    found = least_squares(lambda x: A @ x - y, start, low, high, np.ones(3), 1, rough=True)
+    assert found.promised >= 4.0 - 1e-6

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.proof.gap import CHANNELS, gap_of, noises_of
+from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, gap_of, noises_of
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 
@@ -66,3 +66,10 @@ def test_a_ripple_is_no_noise():
     noise = np.random.default_rng(2).normal(0.0, NOISE, time.size)
     log = Log("ripple", "", "", {"time": time} | dict.fromkeys(CHANNELS, smooth + noise))
     assert np.all(noises_of([log]) < 1.5 * NOISE)
+
+
+def test_a_gap_of_nothing_has_no_share():
+    assert ChannelGap(0.0, 0.5, 1.0).closed is None
+    assert ChannelGap(0.5, 0.9, 1.0).within_noise
+    assert not ChannelGap(0.5, 1.1, 1.0).within_noise
+    assert not ChannelGap(1.1, 0.5, 1.0).within_noise

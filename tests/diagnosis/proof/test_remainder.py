@@ -1,5 +1,7 @@
 """What is left in replays, on errors of known size: noise is none, a lasting error is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,3 +63,16 @@ def test_what_the_error_of_a_parameter_can_do_is_not_left():
     assert not remainder_of([off], [log], lambda: [[step]]).significant  # two steps back
     far = changed(clean, v=clean["v"] + 1.05 * drift)  # twenty steps back: too many
     assert remainder_of([off], [log], lambda: [[far]]).significant
+
+
+def test_a_ripple_that_turns_several_times_in_a_block_is_not_lasting():
+    clean, log = runs(5)
+    ripple = 0.5 * np.sin(2.0 * np.pi * 5.0 / GATES.remainder_block * clean.time)
+    assert not remainder_of([changed(clean, a_x=clean["a_x"] + ripple)], [log], stay).significant
+
+
+def test_a_replay_that_ends_early_is_judged_as_far_as_it_goes():
+    clean, log = runs(7)
+    n = clean.time.size // 2
+    half = replace(clean, channels={k: x[:n] for k, x in clean.channels.items()})
+    assert not remainder_of([half], [log], stay).significant

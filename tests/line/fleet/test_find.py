@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from calib.base.errors import LogError
-from calib.line.fleet.find import find_logs
+from calib.line.fleet.batch import find_logs
 
 
 @pytest.fixture(autouse=True)

@@ -39,6 +39,7 @@ REQUIRED = {
 def test_jenkins_takes_it(found, kept):
     root = ElementTree.fromstring(junit_xml(found, kept))
     assert root.tag == "testsuites"
+    assert "\N{REPLACEMENT CHARACTER}" not in junit_xml(found, kept).decode()
     assert {element.tag for element in root.iter()} >= {"failure", "skipped", "property"}
     for element in root.iter():
         attributes, children = ALLOWED[element.tag]

@@ -2,8 +2,8 @@
 
 from datetime import UTC, datetime
 
-from calib.show import station_files as write
-from calib.show.station_files import store_and_write
+from calib.show import station_page as write
+from calib.show.station_page import store_and_write
 from calib.store.store import Store
 
 

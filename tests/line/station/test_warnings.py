@@ -3,12 +3,11 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from calib.line.station.warnings import car_warnings, level_change, log_warnings
+from calib.line.station.station import car_warnings, level_change, log_warnings
 from calib.run.check import check
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
@@ -41,15 +40,6 @@ def test_a_load_in_the_stops_is_named(table, mass, named):
     assert [one.code for one in found] == named
     for one in found:
         assert one.measured == pytest.approx(1.0 / mass - 1.0, abs=0.02)
-        assert "load of the car" in one.causes[0]
-
-
-def test_scatter_of_single_stops_is_not_named(table):
-    cal = table.calibration
-    f, r = cal.pad_friction_f.value, cal.pad_friction_r.value
-    around = [made(k * f, k * r) for k in np.exp([-0.08, 0.0, 0.08])]
-    assert list(car_warnings(table, around)) == []
-    assert list(car_warnings(table, [])) == []
 
 
 def test_radii_that_differ_as_the_file_says_are_no_warning():

@@ -4,17 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
 
-from calib.logs.read import read_log
 from calib.logs.whole import WholeColumn, WholeLog
-from calib.run.driving_record import BITES, BRAKING, LEAD_IN, RunEvent
-from calib.show import log_figure as figures
-from calib.show.log_figure import BINS, MOST, envelope, figure
-from tests.show.conftest import SEDAN
-from tests.support.plot_lines import axes, drawn, labels, line
-
-BRAKED, LED_IN = (figures.SPANS[kind]["facecolor"] for kind in (BRAKING, LEAD_IN))
+from calib.run.driving_record import BITES, BRAKING, RunEvent
+from calib.show import log as figures
+from calib.show.log import BINS, MOST, envelope, figure
+from tests.support.plot_lines import drawn, labels
 
 
 def without(log, *names):
@@ -22,15 +17,14 @@ def without(log, *names):
 
 
 def test_what_is_logged_is_drawn(transition):
-    ax = axes()
-    figures.speeds(ax, transition)
-    assert np.array_equal(line(ax, "rl")[1], transition["omega_rl"])
-    ax = axes()
-    figures.pressure(ax, transition)
-    assert drawn(ax, transition.time, transition["p_mc"] / 1e5)
-    ax = axes()
-    figures.deceleration(ax, transition)
-    assert drawn(ax, transition.time, -transition["a_x"] / 9.80665)
+    sheet = figures.sheet(transition)
+    for name, values in (
+        ("speeds", transition["omega_rl"]),
+        ("pressure", transition["p_mc"] / 1e5),
+        ("deceleration", -transition["a_x"] / 9.80665),
+    ):
+        (ax,) = sheet.figure(name).axes
+        assert drawn(ax, transition.time, values)
 
 
 def test_eta_is_raw_and_ends_where_the_car_stands(transition):
@@ -59,37 +53,6 @@ def test_what_is_not_logged_has_no_panel_and_is_named(transition, missing, panel
     assert sheet.names == panels
     assert f"Not in this log: {', '.join(missing)}." in sheet.note
     assert len(sheet.overview().axes) == len(panels)
-
-
-def spans(ax):
-    """Ends of what is shaded, in time, by colour."""
-    found = {}
-    for patch in ax.patches:
-        box = patch.get_extents().transformed(ax.transData.inverted())
-        found[to_hex(patch.get_facecolor()).upper()] = (box.x0, box.x1)
-    return found
-
-
-def test_lead_in_and_braking_are_marked(transition):
-    ax = axes()
-    figures.speeds(ax, transition)
-    assert {"lead-in", "braking"} < {*labels(ax)}
-    ax = axes()
-    figures.deceleration(ax, transition)
-    marked = spans(ax)
-    bite = transition.time[np.argmax(transition["p_mc"] > 1e5)]
-    start, end = marked[BRAKED]
-    assert start == pytest.approx(bite, abs=0.05)
-    assert end == pytest.approx(transition.time[-1], abs=0.05)
-    assert marked[LED_IN][0] == pytest.approx(transition.time[0], abs=0.01)
-    assert marked[LED_IN][1] < start
-    assert "Green: the lead-in, unbraked. Grey: braking" in figures.sheet(transition).note
-    coast = read_log(SEDAN / "coast.csv")
-    ax = axes()
-    figures.eta(ax, coast)
-    assert set(spans(ax)) == {LED_IN}
-    assert ax.get_ylim()[1] > 0.0  # a radius mismatch is read against zero
-    assert figures.sheet(without(coast, "a_x")).note.endswith("Nothing is zeroed or corrected. ")
 
 
 TIME = np.arange(200) / 100.0

@@ -1,0 +1,242 @@
+"""What every command has, in one loop over all of them; and what becomes of errors."""
+
+import json
+import sys
+from pathlib import Path
+
+import jsonschema
+import pytest
+import typer.main
+
+from calib import __version__
+from calib.base.errors import BrakeCalError, InputError, StoreError
+from calib.base.record import ErrorFile, json_schema
+from calib.store.store import Store
+from cli.group import GONE, HEADINGS, PAGES, first_sentence
+from cli.main import app
+
+GROUP = typer.main.get_command(app)
+
+
+def commands(group, path=()):
+    for name, command in group.commands.items():
+        yield (*path, name), command
+        yield from commands(command, (*path, name)) if hasattr(command, "commands") else ()
+
+
+EVERY = dict(commands(GROUP))
+COMMANDS = {path: c for path, c in EVERY.items() if not hasattr(c, "commands")}
+NEEDED = {
+    "LOG": "none.csv",
+    "LOG...": "none.csv",
+    "FILE": "none.toml",
+    "FILE...": "none.toml",
+    "RAMP": "none.csv",
+    "HOLDOUT...": "none.csv",
+    "RESULTS.parquet|DIR": "none.parquet",
+    "TABLE|RESULT|LOG...": "none.csv",
+}
+"""Files that are not there, by the argument."""
+
+
+def test_there_are_no_more_than_36():
+    assert len(COMMANDS) <= 36
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("path", [(), *EVERY], ids=" ".join)
+def test_help(brake_cal, monkeypatch, path):
+    """It ends with examples; a group lists its commands by subject, each with a whole summary."""
+    monkeypatch.setenv("COLUMNS", "80")
+    ran = brake_cal(*path, "--help")
+    assert (ran.code, ran.err) == (0, "")
+    before, _, examples = ran.out.partition("  Example:\n")
+    assert " ".join(("Usage: brake-cal", *path)) in before
+    assert examples.strip()
+    assert all(line.strip().startswith("brake-cal ") for line in examples.strip().splitlines())
+    inner = (EVERY[path] if path else GROUP).__dict__.get("commands", {})
+    for name, command in inner.items():
+        assert f"\n  {name} " in before
+        assert first_sentence(command.help) in " ".join(before.split())
+        assert command.rich_help_panel in HEADINGS
+    options = {o for p in (EVERY[path] if path else GROUP).params for o in p.opts}
+    assert {"-q", "-v"} <= options
+    assert ("--json" in options) == (path in COMMANDS)
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
+def test_what_is_typed_wrong_ends_with_2_and_one_document(brake_cal, path):
+    ran = brake_cal(*path, "--jsno", "--json")
+    document = json.loads(ran.out)
+    jsonschema.validate(document, json_schema(ErrorFile))
+    assert (ran.code, document["error"]["kind"]) == (2, "usage")
+    assert brake_cal(*path, "-q", "-v", "--no-such").code == 2
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
+def test_a_file_that_is_missing_ends_with_3_and_leaves_nothing(
+    brake_cal, tmp_path, monkeypatch, path
+):
+    monkeypatch.chdir(tmp_path)
+    arguments = [p for p in COMMANDS[path].params if p.param_type_name == "argument"]
+    files = [NEEDED.get(p.metavar) for p in arguments]
+    if not files or None in files or path == ("vehicle", "init"):
+        pytest.skip("it reads no file")
+    opts = {o: p.required for p in COMMANDS[path].params for o in p.opts}
+    more = ["--vehicle", "none.toml"] * ("--vehicle" in opts)
+    more += ["--out", "out.csv"] * opts.get("--out", False)
+    ran = brake_cal(*path, *files, *more, "--json")
+    assert ran.code == 3, ran.err
+    assert json.loads(ran.out).get("error", ran.code == 3)
+    assert {p.name for p in tmp_path.iterdir()} <= {"out.csv"}  # a station tells its index
+
+
+@pytest.mark.parametrize("words", GONE)
+def test_what_is_gone_is_answered_with_what_to_use(brake_cal, words):
+    ran = brake_cal(*words.split())
+    assert (ran.code, "is gone. Use 'brake-cal" in " ".join(ran.err.split())) == (2, True)
+    new = GONE[words].split()
+    assert {(new[0],), (*new[:2],)} & {*COMMANDS}
+
+
+def test_gone_options_and_pages(brake_cal):
+    from calib.help.page import contents
+
+    assert brake_cal("manual", "--html=site").code == 2
+    assert set(PAGES) <= {page.name for page in contents()}
+    assert brake_cal("--version").out == f"brake-cal {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (("tabels",), "'tables'"),
+        (("tables", "lst"), "'list'"),
+        (("export", "car"), "'tables export'"),
+        (("effects", "pad_fade"), "'pad_thermal_fade'"),
+        (("schema", "vehicel"), "'vehicle'"),
+        (("manual", "vehicel"), "'vehicle_file'"),
+        (("tables", "list", "--state", "relaesed"), "'released'"),
+        (("batch", "validat", "x", "--out", "y"), "'validate'"),
+    ],
+)
+def test_a_misspelt_name_is_answered_with_the_one_that_is_meant(brake_cal, words, meant):
+    ran = brake_cal(*words)
+    assert (ran.code, ran.out) == (2, "")
+    assert meant in ran.err
+
+
+@pytest.mark.parametrize(
+    ("error", "kind", "code"),
+    [
+        (BrakeCalError("w"), "brake_cal", 1),
+        (InputError("2 errors", where="car.toml", lines=("mass: missing", "h: text")), "input", 3),
+        (StoreError("w", do="mend"), "store", 4),
+    ],
+)
+def test_an_error_is_a_line_on_stderr_a_document_and_an_exit_code(
+    brake_cal, monkeypatch, error, kind, code
+):
+    def fail(self):
+        raise error
+
+    monkeypatch.setattr(Store, "list", fail)
+    ran = brake_cal("tables", "list", "--json")
+    document = json.loads(ran.out)
+    jsonschema.validate(document, json_schema(ErrorFile))
+    assert (ran.code, ran.err) == (code, f"error: {error}\n")
+    assert (document["error"]["kind"], document["error"]["lines"]) == (kind, [*error.lines])
+    assert brake_cal("tables", "list").out == ""
+    assert brake_cal("tables", "list", "--", "--json").out == ""  # a file of that name
+
+
+def test_a_bug_is_not_dressed_up_and_an_interrupt_ends_with_130(brake_cal, monkeypatch):
+    def fail(self):
+        raise raised
+
+    monkeypatch.setattr(Store, "list", fail)
+    raised = KeyboardInterrupt()
+    assert brake_cal("tables", "list").code == 130
+    raised = ZeroDivisionError()
+    monkeypatch.setattr(sys, "argv", ["brake-cal", "tables", "list"])
+    with pytest.raises(ZeroDivisionError):
+        app()
+
+
+OURS = Path(__file__).parents[2] / "sample_logs" / "sedan"
+STORED = ("--store", OURS.parents[1] / "tables")
+RAMP, CAR = OURS / "ramp_wet_asphalt.csv", ("--vehicle", OURS / "vehicle.toml")
+FILES = {
+    "limits": ("limits",),
+    "log": ("log", RAMP),
+    "map": ("map", OURS / "coast.csv"),
+    "plot": ("plot", "sedan-2up", "--figure", "coverage", *STORED),
+    "simulate": ("simulate", "--manoeuvre", "stop", *CAR),
+    "export": ("tables", "export", "sedan-2up", *STORED),
+    "vehicle": ("vehicle", "show", OURS / "vehicle.toml"),
+}
+ENDINGS = {"limits": "toml", "map": "toml", "plot": "svg", "export": "dcm", "vehicle": "png"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_foreign_file_is_replaced_with_force_only(brake_cal, tmp_path, name):
+    out = tmp_path / f"out.{ENDINGS.get(name, 'csv')}"
+    option = "--plot" if name == "vehicle" else "--out"
+    words = (*FILES[name], option, out)
+    out.write_text("mine")
+    ran = brake_cal(*words)
+    assert (ran.code, ran.result, out.read_text()) == (2, "", "mine")
+    assert brake_cal(*words, "--force").code == 0
+    made = out.read_bytes()
+    assert made != b"mine"
+    assert brake_cal(*words).code == 0  # our own, once more
+    assert out.read_bytes() == made
+    out.unlink()
+    out.mkdir()
+    assert brake_cal(*words, "--force").code == 2
+    blocked = tmp_path / "file"
+    blocked.write_text("mine")
+    assert brake_cal(*words[:-1], blocked / out.name).code == 2
+    assert {p.name for p in tmp_path.iterdir()} == {out.name, "file"}
+
+
+FOLDERS = {
+    "validate": ("validate", "sedan-2up", OURS / "coast.csv", *STORED),
+    "diagnose": ("diagnose", RAMP, *CAR),
+    "station": ("station", RAMP, OURS / "dry_asphalt_stop.csv", *CAR),
+    "batch": ("batch", "check", OURS),
+    "repeatability": ("repeatability", RAMP, *CAR),
+    "qualify": ("qualify",),
+    "fleet": ("fleet", "none.parquet"),
+    "log": ("log", RAMP, "--to", "csv"),
+    "demo": ("demo",),
+}
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+@pytest.mark.parametrize("below", ["", "deeper"])
+def test_a_file_is_no_folder(brake_cal, tmp_path, name, below):
+    (tmp_path / "file").write_text("mine")
+    ran = brake_cal(*FOLDERS[name], "--out", tmp_path / "file" / below)
+    assert (ran.code, ran.result) == (2, ""), ran.err
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["validate", "log", "station", "simulate"])
+def test_no_output_replaces_an_input(brake_cal, tmp_path, name):
+    log = tmp_path / ("dry_asphalt_stop.parquet" if name in ("validate", "station") else "a.csv")
+    source = OURS / "dry_asphalt_stop.csv"
+    if log.suffix == ".csv":
+        log.write_bytes(source.read_bytes())
+    else:
+        assert brake_cal("log", source, "--out", log).code == 0
+    before = log.read_bytes()
+    words = {
+        "validate": ("validate", "sedan-2up", log, *STORED, "--out", tmp_path),
+        "log": ("log", log, "--force", "--to", "csv", "--out", tmp_path),
+        "station": ("station", RAMP, log, *CAR, "--out", tmp_path),
+        "simulate": ("simulate", log, *CAR, "--force", "--out", tmp_path / "x" / ".." / log.name),
+    }[name]
+    ran = brake_cal(*words)
+    assert (ran.code, ran.result) == (2, "")
+    assert log.read_bytes() == before

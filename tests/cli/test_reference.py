@@ -1,0 +1,203 @@
+"""`brake-cal effects`, `schema`, `manual`, `doctor`, `qualify`, `limits`, and the Tab key."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from calib.car import forces
+from calib.car.effects.catalogue import CATALOGUE
+from calib.help import checks
+from calib.help.documents import documents
+from calib.help.page import contents
+from cli.reference import SCHEMAS
+from tests.cli.conftest import told
+from tests.test_layers import HEAVY
+
+ROOT = Path(__file__).parents[2]
+SAMPLES = ROOT / "sample_logs"
+
+
+def test_every_effect_has_its_line_and_its_card(brake_cal):
+    lines = brake_cal("effects").out.splitlines()
+    assert [name for name in CATALOGUE if any(x.startswith(f"{name} ") for x in lines)] == [
+        *CATALOGUE
+    ]
+    cards = told(brake_cal("effects", "--json"))["effects"]
+    assert [card["name"] for card in cards] == list(CATALOGUE)
+    (one,) = told(brake_cal("effects", "rear_proportioning", "--json"))["effects"]
+    assert {p["name"]: p["unit"] for p in one["parameters"]} == {"knee_slope": "1", "knee": "Pa"}
+    out = brake_cal("effects", "rear_proportioning").out
+    assert one["equation"] in out
+    assert all(p["name"] in out for p in one["parameters"])
+
+
+@pytest.fixture(scope="module")
+def refusals():
+    """Errors that an independent validator sees in a document, as key paths."""
+    from typer.testing import CliRunner
+
+    from cli.main import app
+
+    def validator(kind):
+        schema = json.loads(CliRunner().invoke(app, ["schema", kind]).stdout)
+        Draft202012Validator.check_schema(schema)
+        return Draft202012Validator(schema)
+
+    validators = {kind: validator(kind) for kind in SCHEMAS}
+    return lambda kind, document: [
+        ".".join(map(str, error.path)) for error in validators[kind].iter_errors(document)
+    ]
+
+
+def test_schemas_are_listed_and_those_of_documents_printed(brake_cal):
+    listed = told(brake_cal("schema", "--json"))
+    assert (list(listed["files"]), list(listed["documents"])) == ([*SCHEMAS], [*documents()])
+    assert len(brake_cal("schema").out.splitlines()) == len(SCHEMAS) + len(documents())
+    assert json.loads(brake_cal("schema", "fit-json").out) == documents()["fit-json"].schema
+
+
+GOOD = [
+    *(("vehicle", path) for path in sorted(SAMPLES.rglob("vehicle*.toml"))),
+    *(("channel-map", path) for path in sorted((SAMPLES / "real").glob("*.toml"))),
+    ("limits", SAMPLES / "limits.toml"),
+    *(("table", path) for path in sorted((ROOT / "tables").rglob("record.json"))),
+]
+
+
+def test_sample_files_are_accepted(refusals, brake_cal):
+    for kind, path in GOOD:
+        read = tomllib.loads if path.suffix == ".toml" else json.loads
+        assert refusals(kind, read(path.read_text())) == [], path
+    assert refusals("limits", tomllib.loads(brake_cal("limits").out)) == []
+
+
+CAR = (SAMPLES / "sedan/vehicle.toml").read_text()
+MODEL = """
+schema = 1
+[pads]
+front = 0.30
+rear = "34 %"
+[effects.aerodynamic_drag]
+drag_area = "6600 cm²"
+[[surfaces]]
+start = "4500 ms"
+stiffness = 0.8
+peak = 0.5
+[empirical]
+place = "body"
+driver = "speed"
+knots = [5.0, 20]
+values = [0.0, -0.05]
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "place"),
+    [
+        ("vehicle", CAR.replace('"1744 kg"', '"1.744t"').replace("0.38", '"38 %"', 1), None),
+        ("vehicle", CAR.replace('"28.84 cm^2"', '"2884 mm²"'), None),
+        ("vehicle", CAR.replace('"1744 kg"', '"1744 m"'), "chassis.mass"),
+        ("vehicle", CAR.replace('"1744 kg"', "1744"), "chassis.mass"),
+        ("vehicle", CAR.replace("pad_friction = 0.38", "pad_friction = 3.8"), "front.pad_friction"),
+        ("vehicle", CAR.replace("[rear]", "[raer]"), ""),
+        ("vehicle", CAR.replace("schema = 1", "schema = 2"), "schema"),
+        ("model", MODEL, None),
+        ("model", MODEL.replace("drag_area", "drag_aera"), "effects.aerodynamic_drag"),
+        ("model", MODEL.replace("aerodynamic_drag", "aero_drag"), "effects"),
+        ("model", MODEL.replace("4500 ms", "4500 kg"), "surfaces.0.start"),
+        ("model", MODEL.replace("speed", "sped"), "empirical"),
+        ("limits", "schema = 1\n[limits]\nvalid_shar = { min = 1 }", "limits"),
+        ("limits", "schema = 1\n[limits]\nvalid_share = { fail = [1] }", "limits.valid_share.fail"),
+        ("channel-map", "schema = 1\n[channels.p_mx]\nsource = 'x'", "channels"),
+        ("channel-map", "schema = 1\n[channels.p_mc]\nunit = 'bar'", "channels.p_mc"),
+        ("channel-map", "schema = 1\ntext.decimal = ';'", "text.decimal"),
+    ],
+)
+def test_what_a_schema_refuses(refusals, kind, text, place):
+    found = refusals(kind, tomllib.loads(text))
+    assert (found == []) if place is None else (place in found)
+
+
+def test_the_manual_is_listed_and_each_page_printed(brake_cal):
+    assert [p["name"] for p in told(brake_cal("manual", "--json"))["pages"]] == [
+        page.name for page in contents()
+    ]
+    assert told(brake_cal("manual", "ramp", "--json"))["text"].startswith("# ")
+    for asked in ("v", "stop", "xyzzy"):
+        assert brake_cal("manual", asked).code == 2
+
+
+def test_limits_are_written_and_used(brake_cal, tmp_path):
+    path, stop = tmp_path / "line.toml", SAMPLES / "sedan/dry_asphalt_stop.csv"
+    assert brake_cal("limits", "--out", path).code == 0
+    assert brake_cal("limits").out == path.read_text()
+    validate = ("validate", "sedan-2up", stop, "--store", ROOT / "tables", "--limits", path)
+    assert brake_cal(*validate).code == 0
+    rows = {row["limit"]["figure"]: row for row in told(brake_cal("limits", "--json"))["limits"]}
+    assert rows["pad_scale"]["limit"]["high"] == 1.2
+    path.write_text("schema = 1\n[limits]\npad_scale = { min = 0.8 }\n")
+    assert brake_cal(*validate).code == 3  # of a car alone they judge no stop
+
+
+def test_doctor_finds_what_is_wrong(brake_cal, tmp_path, monkeypatch):
+    assert told(ran := brake_cal("doctor", "--json"))["findings"]
+    assert ran.code == brake_cal("doctor").code == 0
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("BRAKE_CAL_SETTINGS", raising=False)
+    (tmp_path / "brake-cal.toml").write_text("[")
+    ran = brake_cal("doctor", "--json")
+    wrong = [x["name"] for x in told(ran)["findings"] if x["state"] == "wrong"]
+    assert (ran.code, wrong) == (1, ["settings"])
+
+
+def test_qualify_writes_what_holds_and_what_does_not(brake_cal, tmp_path, monkeypatch):
+    """Closed forms only; `tests/help/test_checks.py` makes all checks."""
+    monkeypatch.setattr(checks, "SUITE", checks.SUITE[:6])
+    assert told(ran := brake_cal("qualify", "--out", tmp_path, "--json"))["verdict"] == "passed"
+    assert ran.code == 0
+    assert told(ran) == json.loads((tmp_path / "qualification.json").read_text())
+    assert told(ran)["digest"] in (tmp_path / "qualification.html").read_text()
+    right = forces.brake_torque
+    monkeypatch.setattr(forces, "brake_torque", lambda *given: 1.01 * right(*given))
+    ran = brake_cal("qualify", "--out", tmp_path, "--json")
+    assert ran.code == 1
+    assert [c["name"] for c in told(ran)["checks"] if not c["held"]] == ["brake_torque"]
+
+
+def completed(*words, store=""):
+    code = "import sys\nfrom cli.main import main\ntry:\n    main()\nexcept SystemExit:\n"
+    code += "    print(*sorted({m.split('.')[0] for m in sys.modules}))"
+    line = ["brake-cal", *(str(store) if word == "STORE" else word for word in words)]
+    environment = {
+        **os.environ,
+        "_BRAKE_CAL_COMPLETE": "complete_bash",
+        "COMP_WORDS": "\n".join(line),
+        "COMP_CWORD": str(len(words)),
+    }
+    ran = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=ROOT, env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    *offered, modules = ran.stdout.splitlines()
+    assert not {*HEAVY, "rich"} & set(modules.split()) or words[0] != "tables"
+    return offered
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        (("tables", "show", "--store", "STORE", ""), ["sedan", "wagon"]),
+        (("tables", "show", "--store", "STORE", "w"), ["wagon", "wagon@1"]),
+        (("tables", "release", "--store", "STORE", ""), ["sedan@2", "sedan@1", "wagon@1"]),
+        (("effects", ""), [*CATALOGUE]),
+        (("repeatability", "--folders", ""), ["car", "car/station", "station/car"]),
+    ],
+)
+def test_what_the_tab_key_offers(two, words, offered):
+    assert completed(*words, store=two) == offered
