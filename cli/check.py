@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, progress, say, this_run
+from cli.console import complain, progress, this_run
 from cli.logs import named, open_table, read, tell
 from cli.options import Map, logs
 
@@ -34,8 +34,6 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
                 errors.append((path, error))
     for _, wrong in errors:
         complain(str(wrong))
-    if found and not this_run().verbose:
-        say("-v shows what is in each log")
     failed = [{"source": path, "error": str(wrong)} for path, wrong in errors]
     first = {"error": errors[0][1].to_dict()} if errors else {}
     useless = FAILED * (not all(findings.usable for findings in found))

@@ -170,7 +170,7 @@ FILES = {
     "limits": ("limits",),
     "log": ("log", RAMP),
     "map": ("map", OURS / "coast.csv"),
-    "plot": ("plot", "sedan-2up", "--figure", "coverage", *STORED),
+    "plot": ("plot", "sedan-2up", "--figure", "difference", *STORED),
     "simulate": ("simulate", "--manoeuvre", "stop", *CAR),
     "export": ("tables", "export", "sedan-2up", *STORED),
     "vehicle": ("vehicle", "show", OURS / "vehicle.toml"),

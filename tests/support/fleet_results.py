@@ -38,7 +38,8 @@ def results(path, n=400, shift=0.01, extra=None):
         pa.field(k, t, metadata={"unit": u} if u else None) for k, (_, t, u) in columns.items()
     ]
     arrays = [pa.array(v, type=t, from_pandas=True) for v, t, _ in columns.values()]
-    pq.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields)), path)
+    with path.open("wb") as file:  # by its bytes: the name of a folder need not be UTF-8
+        pq.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields)), file)
     return path
 
 
