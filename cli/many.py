@@ -49,14 +49,14 @@ def _command(written: str) -> Command:
     return Command(written)
 
 
-JobCommand = Annotated[
+_JobCommand = Annotated[
     Command, typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log.")
 ]
-JobTable = Annotated[
+_JobTable = Annotated[
     str | None,
     option("validate: name, name@version or path.", "TABLE", "--table", autocompletion=table_names),
 ]
-JobCar = Annotated[
+_JobCar = Annotated[
     "Vehicle | None",
     option(
         "fit, validate: vehicle file; of the settings for fit only.",
@@ -67,7 +67,7 @@ JobCar = Annotated[
         callback=from_settings("vehicle", when=_is(Command.FIT)),
     ),
 ]
-JobLimits = Annotated[
+_JobLimits = Annotated[
     "tuple[Limit, ...] | None",
     option(
         "validate: limits for pass or fail.",
@@ -78,10 +78,10 @@ JobLimits = Annotated[
         callback=from_settings("limits", when=_is(Command.VALIDATE)),
     ),
 ]
-Out = Annotated[
+_Out = Annotated[
     Path, option("Write results.parquet and journal here.", "DIR", "--out", writes="folder")
 ]
-Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
+_Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
 
 
 @command(
@@ -89,18 +89,18 @@ Fresh = Annotated[bool, option("Delete the results in DIR of --out and start aga
     "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
 )
 def batch(
-    command: JobCommand,
+    command: _JobCommand,
     logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
     *,
-    out: Out,
+    out: _Out,
     workers: Workers,
     scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
-    table: JobTable,
+    table: _JobTable,
     store: Tables,
-    vehicle: JobCar,
-    limits: JobLimits,
+    vehicle: _JobCar,
+    limits: _JobLimits,
     channel_map: Map,
-    fresh: Fresh,
+    fresh: _Fresh,
 ) -> Answer:
     """Run one command on many logs, one row per log.
 
@@ -135,17 +135,17 @@ def batch(
 
 @command("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
-    command: JobCommand,
+    command: _JobCommand,
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
-    out: Out,
+    out: _Out,
     workers: Workers,
-    table: JobTable,
+    table: _JobTable,
     store: Tables,
-    vehicle: JobCar,
-    limits: JobLimits,
+    vehicle: _JobCar,
+    limits: _JobLimits,
     channel_map: Map,
-    fresh: Fresh,
+    fresh: _Fresh,
     every: float = option("Seconds between scans.", "S", built_in=1.0, min=0.05),
     settle: float = option(
         "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
@@ -190,8 +190,8 @@ def _job(
     out: Path,
     table: str | None,
     store: Tables,
-    vehicle: JobCar,
-    limits: JobLimits,
+    vehicle: _JobCar,
+    limits: _JobLimits,
     channel_map: Map,
 ) -> "Job":
     """The inputs for all logs. Refuses missing inputs and those that are not used."""

@@ -25,7 +25,7 @@ STORE = Path("tables")
 
 
 @dataclass(frozen=True)
-class Project:
+class _Project:
     """The settings that count here; ``file`` is None where none was found.
 
     ``named`` tells whether the environment names the file. ``searched``: the folders that were
@@ -38,7 +38,7 @@ class Project:
     searched: tuple[Path, ...]
 
 
-def find_project() -> Project:
+def find_project() -> _Project:
     """Find and read the settings file. Raises SettingsError if it is not valid."""
     from calib.base.settings import VARIABLE, Settings, find_settings, folders_to_search
     from calib.base.settings_file import read_settings
@@ -52,7 +52,7 @@ def find_project() -> Project:
         found = find_settings(here) if here else None
         file = Path(os.path.relpath(found)) if found else None
     settings = read_settings(file) if file else Settings()
-    return Project(
+    return _Project(
         settings, file, named is not None, tuple(folders_to_search(here)) if here else ()
     )
 

@@ -16,18 +16,18 @@ OUT, ERR = 1, 2
 """File descriptors of stdout and stderr."""
 
 
-class NotWritten(Exception):
+class _NotWritten(Exception):
     """A stream took nothing more; its cause is the OSError."""
 
 
 class _Descriptor(io.FileIO):
-    """A file descriptor whose failure is `NotWritten`."""
+    """A file descriptor whose failure is `_NotWritten`."""
 
     def write(self, data: Any) -> int:
         try:
             return super().write(data)
         except OSError as error:
-            raise NotWritten(error.strerror) from error
+            raise _NotWritten(error.strerror) from error
 
 
 def delivered(work: Callable[[], int]) -> int:
@@ -41,12 +41,12 @@ def delivered(work: Callable[[], int]) -> int:
         code = work()
         sys.stdout.flush()
         sys.stderr.flush()
-    except NotWritten as lost:
+    except _NotWritten as lost:
         return _undelivered(lost)
     return code
 
 
-def _undelivered(lost: NotWritten) -> int:
+def _undelivered(lost: _NotWritten) -> int:
     """What is still in the streams is discarded: the interpreter flushes them at its exit."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, OUT)
@@ -56,7 +56,7 @@ def _undelivered(lost: NotWritten) -> int:
     try:
         sys.stderr.write(f"error: {AnswerError(f'the answer could not be written ({lost})')}\n")
         sys.stderr.flush()
-    except NotWritten:
+    except _NotWritten:
         os.dup2(nowhere, ERR)
     return AnswerError.exit_code
 

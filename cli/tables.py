@@ -155,7 +155,7 @@ def verify(
     return Answer(document, verified(verdicts, bool(key)) if rows else none, DAMAGED * (not sound))
 
 
-Proof = Annotated[
+_Proof = Annotated[
     Path | None, option("summary.json of a validation, or station.json.", "FILE", "--evidence")
 ]
 
@@ -164,7 +164,7 @@ Proof = Annotated[
     'brake-cal tables release sedan-2up@2 --reason "four stops agree" '
     "--evidence results/sedan/summary.json"
 )
-def release(table: Version, *, reason: Reason, evidence: Proof, by: By, store: Tables) -> Answer:
+def release(table: Version, *, reason: Reason, evidence: _Proof, by: By, store: Tables) -> Answer:
     """Release a version, so that it may be exported.
 
     Others are measured by it, too. With --evidence the file must be of this version and must not
@@ -174,7 +174,7 @@ def release(table: Version, *, reason: Reason, evidence: Proof, by: By, store: T
 
 
 @command('brake-cal tables reject sedan-2up@1 --reason "one ramp only"')
-def reject(table: Version, *, reason: Reason, evidence: Proof, by: By, store: Tables) -> Answer:
+def reject(table: Version, *, reason: Reason, evidence: _Proof, by: By, store: Tables) -> Answer:
     """Reject a version, so that it is no longer used.
 
     A bare name never means it, and it is not exported.

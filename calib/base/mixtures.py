@@ -55,7 +55,7 @@ def weigh_hypotheses(
     return Mixture(mean, mixed, weights, means, (most + np.log(total_weight))[..., 0])
 
 
-class MixturePosterior(NamedTuple):
+class _MixturePosterior(NamedTuple):
     """Mean and standard deviation of the mixture, and the weight of the nominal hypothesis."""
 
     mean: Array
@@ -69,7 +69,7 @@ def mixture_posterior(
     free_sigma: float,
     odds: Array | float,
     nominal_sigma: float,
-) -> MixturePosterior:
+) -> _MixturePosterior:
     """Weigh whether a number is nominal or free, by its measured ``deviation`` and its ``sigma``.
 
     ``free_sigma`` is the spread under the free hypothesis, which must already be part of the
@@ -87,7 +87,7 @@ def mixture_posterior(
     mean = weight * mean_nominal + (1.0 - weight) * d
     between = weight * (1.0 - weight) * (d - mean_nominal) ** 2
     variance = weight * variance_nominal + (1.0 - weight) * s**2 + between
-    return MixturePosterior(mean, np.sqrt(variance), weight)
+    return _MixturePosterior(mean, np.sqrt(variance), weight)
 
 
 # A quantity that is not below zero where it is there: half of a normal distribution of ``spread`` M

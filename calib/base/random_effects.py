@@ -28,7 +28,7 @@ STEPS = 500
 SETTLED = 1e-12
 """Last step, relative to the whole variance, at which it has settled."""
 
-LEAST_TAIL = 1e-300
+_LEAST_TAIL = 1e-300
 """Least probability that is turned into sigma: 37 sigma."""
 
 
@@ -136,7 +136,7 @@ def as_sigma(t: float, freedom: int) -> float:
     """
     from scipy.special import ndtri, stdtr
 
-    tail = max(float(stdtr(freedom, -abs(t))), LEAST_TAIL)
+    tail = max(float(stdtr(freedom, -abs(t))), _LEAST_TAIL)
     return float(np.copysign(-ndtri(tail), t))
 
 

@@ -65,7 +65,7 @@ class FileSchema(Section):
     schema_version: Annotated[Literal[1], BeforeValidator(_number)] = Field(alias="schema")
 
 
-class ErrorSection(Section):
+class _ErrorSection(Section):
     """The error."""
 
     kind: Annotated[
@@ -83,7 +83,7 @@ class ErrorSection(Section):
 class ErrorFile(FileSchema):
     """The document that a command with --json prints where it ends with an error."""
 
-    error: ErrorSection
+    error: _ErrorSection
 
 
 class ByName(Section):

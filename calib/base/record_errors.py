@@ -13,7 +13,7 @@ from calib.base.toml import did_you_mean, nearest
 SHOWN = 60
 """Characters of a wrong value that a message shows."""
 
-LISTED = 100
+_LISTED = 100
 """Mistakes of a file that a message lists."""
 
 _EXPECTED = {
@@ -44,7 +44,7 @@ def one_error(
 ) -> BrakeCalError:
     """Return one error that lists all mistakes in the file ``where``."""
     every = cause.errors(include_url=False)
-    details, more = every[:LISTED], len(every) - LISTED
+    details, more = every[:_LISTED], len(every) - _LISTED
     version = [d for d in details if _is_version(schema, d["loc"])]
     meant = {_meant(schema, d["loc"]) for d in details if d["type"] in _UNKNOWN}
     mistakes = [

@@ -22,7 +22,7 @@ def _text(written: object) -> object:
 Text = Annotated[str, BeforeValidator(_text)]
 
 
-class StationSection(Section):
+class _StationSection(Section):
     """Settings of `brake-cal station`."""
 
     name: Text | None = None
@@ -30,7 +30,7 @@ class StationSection(Section):
     export: list[Text] | None = None
 
 
-class KeysSection(Section):
+class _KeysSection(Section):
     """Keys that signatures are checked with."""
 
     public: Text | None = None
@@ -43,8 +43,8 @@ class SettingsFile(FileSchema):
     vehicle: Text | None = None
     map: Text | None = None
     limits: Text | None = None
-    station: StationSection = StationSection()
-    keys: KeysSection = KeysSection()
+    station: _StationSection = _StationSection()
+    keys: _KeysSection = _KeysSection()
     require_signed: bool | None = None
     by: Text | None = None
 

@@ -24,14 +24,14 @@ _DECIMALS = re.compile(r",\d")
 _THOUSANDS = re.compile(r"[-+]?\d{1,3},\d{3}(?!\d)")
 """A comma that may part thousands instead."""
 
-LONGEST_WORD = 60
+_LONGEST_WORD = 60
 """Characters of a misspelt word for which a known one is looked for."""
 
-MOST_PARTS = 100
+_MOST_PARTS = 100
 """Parts of a dotted key; tomllib takes seconds and gigabytes for thousands of them."""
 
 _LONG_KEY = re.compile(
-    r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{MOST_PARTS}}}"
+    r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{_MOST_PARTS}}}"
 )
 
 
@@ -42,7 +42,7 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
     """
     data = bytes_of(path, TOML, error, "a TOML file")
     try:
-        return parse_toml(data.decode("utf-8-sig"))
+        return _parse_toml(data.decode("utf-8-sig"))
     except ValueError as cause:
         raise error(
             f"not TOML: {cause}",
@@ -51,12 +51,12 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
         ) from cause
 
 
-def parse_toml(text: str) -> dict[str, Any]:
+def _parse_toml(text: str) -> dict[str, Any]:
     """A TOML document. Raises ValueError, with words for people."""
     long = _LONG_KEY.search(text)
     if long:
         line = text.count("\n", 0, long.start()) + 1
-        raise ValueError(f"a key of more than {MOST_PARTS} parts in line {line}")
+        raise ValueError(f"a key of more than {_MOST_PARTS} parts in line {line}")
     try:
         return tomllib.loads(text.replace("\r\n", "\n"))
     except tomllib.TOMLDecodeError as cause:
@@ -81,10 +81,10 @@ def _named(text: str, cause: ValueError) -> ValueError:
             continue
         key, number, unit = found.groups()
         if unit and is_unit(unit):
-            right = f'{key} = "{with_point(number)} {unit}"'
+            right = f'{key} = "{_with_point(number)} {unit}"'
             return ValueError(f"a quantity without quotes in line {at}; write {right!r}")
         if "," in number and not unit:
-            right = f"{key} = {with_point(number)}"
+            right = f"{key} = {_with_point(number)}"
             return ValueError(f"a decimal comma in line {at}; write {right!r}")
     return cause
 
@@ -92,10 +92,10 @@ def _named(text: str, cause: ValueError) -> ValueError:
 _COMMA = re.compile(r"[-+]?\d[\d.]*,\d+")
 
 
-def with_point(written: str) -> str:
+def _with_point(written: str) -> str:
     """A text that begins with a number, with a point for its comma; points in it part thousands.
 
-    >>> with_point("28,84 N.m"), with_point("1.744,5"), with_point("1744.5")
+    >>> _with_point("28,84 N.m"), _with_point("1.744,5"), _with_point("1744.5")
     ('28.84 N.m', '1744.5', '1744.5')
     """
     found = _COMMA.match(written)
@@ -133,7 +133,7 @@ def nearest(word: str, known: Collection[str]) -> str | None:
     >>> nearest("pad_fade", ["road_grade", "pad_thermal_fade"])
     'pad_thermal_fade'
     """
-    if len(word) > LONGEST_WORD:  # the comparison takes time with the square of its length
+    if len(word) > _LONGEST_WORD:  # the comparison takes time with the square of its length
         return None
     close = difflib.get_close_matches(word, known, n=len(known)) if known else []
     exchanged = [one for one in close if sorted(one) == sorted(word)]
@@ -162,7 +162,7 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
             raise error(
                 f"{_short(value)} has a decimal comma",
                 where=where,
-                expected=f"a decimal point: {with_point(match[0])!r}{_without_mark(match[0])}",
+                expected=f"a decimal point: {_with_point(match[0])!r}{_without_mark(match[0])}",
             )
         if match is None:
             wanted = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from calib.base.names import G
 
 Number = TypeVar("Number", float, NDArray[np.float64])
-TURN = 2.0 * np.pi
+_TURN = 2.0 * np.pi
 
 
 class UnknownUnit(ValueError):
@@ -47,8 +47,8 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     }),
     "m/s^2": ("acceleration", {"m/s^2": ONE, "g": Unit(G)}),
     "rad/s": ("angular speed", {
-        "rad/s": ONE, "deg/s": Unit(TURN, per=360), "rpm": Unit(TURN, per=60),
-        "U/min": Unit(TURN, per=60), "1/min": Unit(TURN, per=60), "Hz": Unit(TURN),
+        "rad/s": ONE, "deg/s": Unit(_TURN, per=360), "rpm": Unit(_TURN, per=60),
+        "U/min": Unit(_TURN, per=60), "1/min": Unit(_TURN, per=60), "Hz": Unit(_TURN),
     }),
     "m/s": ("speed", {
         "m/s": ONE, "km/h": Unit(10, per=36), "kph": Unit(10, per=36), "mph": Unit(0.44704),
@@ -57,7 +57,7 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     "degC": ("temperature", {
         "degC": ONE, "K": Unit(offset=-273.15), "degF": Unit(5, per=9, offset=-160 / 9),
     }),
-    "rad": ("angle", {"rad": ONE, "mrad": Unit(per=1e3), "deg": Unit(TURN, per=360)}),
+    "rad": ("angle", {"rad": ONE, "mrad": Unit(per=1e3), "deg": Unit(_TURN, per=360)}),
     "N": ("force", {"N": ONE, "kN": Unit(1e3)}),
     "N*m": ("torque", {"N*m": ONE, "kN*m": Unit(1e3)}),
     "kg": ("mass", {"kg": ONE, "t": Unit(1e3), "lb": Unit(0.45359237)}),

@@ -27,14 +27,14 @@ from calib.car.vehicle import Axle, Vehicle
 
 DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
 """Rows of the distribution [g]."""
-FRICTIONS = DECELERATIONS
+_FRICTIONS = DECELERATIONS
 """Roads of the first lock [1], from ice to dry asphalt."""
-HALF_G = 0.5
+_HALF_G = 0.5
 BAR = 1e5
 
 
 @dataclass(frozen=True)
-class AxleFacts:
+class _AxleFacts:
     """One axle; loads of the axle in kg of mass that it carries.
 
     ``torque_per_bar_wheel``, ``torque_per_bar_axle`` [N m/bar] with nominal pads;
@@ -70,7 +70,7 @@ class Braking:
 
 
 @dataclass(frozen=True)
-class FirstLock:
+class _FirstLock:
     """One road: its ``friction`` [1], the ``axle`` that locks first, "front" or "rear".
 
     ``deceleration`` [g] and ``pressure`` [bar] at that moment.
@@ -83,7 +83,7 @@ class FirstLock:
 
 
 @dataclass(frozen=True)
-class VehicleFacts:
+class _VehicleFacts:
     """What follows from a vehicle file with its nominal pads, without drag.
 
     ``wheelbase`` [m]; ``pressure_per_g`` [bar]; ``front_share`` of the brake force [1];
@@ -96,13 +96,13 @@ class VehicleFacts:
     front_share: float
     front_biased_up_to: float | None
     rear_lifts_at: float
-    front: AxleFacts
-    rear: AxleFacts
+    front: _AxleFacts
+    rear: _AxleFacts
     distribution: tuple[Braking, ...]
-    first_lock: tuple[FirstLock, ...]
+    first_lock: tuple[_FirstLock, ...]
 
 
-class WarningEntry(Section):
+class _WarningEntry(Section):
     """A figure outside its usual range; a bound that is not there is null."""
 
     model_config = ConfigDict(strict=False)
@@ -119,19 +119,19 @@ class VehicleFactsFile(FileSchema):
     """What follows from a vehicle file, in bar, kg, m, N m and g."""
 
     name: str
-    facts: VehicleFacts
-    warnings: list[WarningEntry]
+    facts: _VehicleFacts
+    warnings: list[_WarningEntry]
 
 
 def facts_document(vehicle: Vehicle) -> VehicleFactsFile:
     """The document of a vehicle."""
-    warnings = [WarningEntry(**to_dict(one)) for one in plausible(vehicle)]
+    warnings = [_WarningEntry(**to_dict(one)) for one in plausible(vehicle)]
     return VehicleFactsFile(
         schema=1, name=vehicle.name, facts=what_follows(vehicle), warnings=warnings
     )
 
 
-def what_follows(vehicle: Vehicle) -> VehicleFacts:
+def what_follows(vehicle: Vehicle) -> _VehicleFacts:
     """Return the facts of a vehicle; the inertia of the wheels is neglected, as in (9).
 
     >>> import calib
@@ -139,9 +139,9 @@ def what_follows(vehicle: Vehicle) -> VehicleFacts:
     >>> round(facts.pressure_per_g, 1), round(facts.front_share, 3)  # bar, 1
     (69.9, 0.729)
     """
-    half_f, half_r = (float(load[0]) for load in axle_loads(vehicle, np.array([HALF_G])))
+    half_f, half_r = (float(load[0]) for load in axle_loads(vehicle, np.array([_HALF_G])))
     rest_f, rest_r = vehicle.static_loads
-    return VehicleFacts(
+    return _VehicleFacts(
         wheelbase=vehicle.wheelbase,
         pressure_per_g=pressure_per_g(vehicle) / BAR,
         front_share=front_share(vehicle),
@@ -150,13 +150,13 @@ def what_follows(vehicle: Vehicle) -> VehicleFacts:
         front=_axle(vehicle.front, rest_f, half_f),
         rear=_axle(vehicle.rear, rest_r, half_r),
         distribution=_distribution(vehicle),
-        first_lock=tuple(_first_lock(vehicle, mu) for mu in FRICTIONS),
+        first_lock=tuple(_first_lock(vehicle, mu) for mu in _FRICTIONS),
     )
 
 
-def _axle(axle: Axle, rest: float, half: float) -> AxleFacts:
+def _axle(axle: Axle, rest: float, half: float) -> _AxleFacts:
     per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
-    return AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
+    return _AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
 
 
 def _distribution(vehicle: Vehicle) -> tuple[Braking, ...]:
@@ -178,9 +178,9 @@ def _distribution(vehicle: Vehicle) -> tuple[Braking, ...]:
     return tuple(Braking(*row[:4], *map(_finite, row[4:6]), *row[6:]) for row in rows)
 
 
-def _first_lock(vehicle: Vehicle, friction: float) -> FirstLock:
+def _first_lock(vehicle: Vehicle, friction: float) -> _FirstLock:
     z, axle = min(zip(locks_at(vehicle, friction), ("front", "rear"), strict=True))
-    return FirstLock(friction, axle, z, z * pressure_per_g(vehicle) / BAR)
+    return _FirstLock(friction, axle, z, z * pressure_per_g(vehicle) / BAR)
 
 
 def _finite(value: float) -> float | None:

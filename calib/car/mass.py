@@ -12,7 +12,7 @@ from calib.car.vehicle import Vehicle
 LEAST, MOST = 300.0, 60_000.0
 """Bounds of a believable mass [kg]: from a microcar to a heavy coach."""
 
-SHARES = (0.5, 2.0)
+_SHARES = (0.5, 2.0)
 """Bounds of a stated mass over that of the file [1]: an empty van against a laden one. What is
 beyond, as pounds written as kg, is another car, or moves the centre of gravity."""
 
@@ -55,17 +55,17 @@ def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
 
     All loads grow with it, the centre of gravity stays: wrong for a load high up or far behind. A
     known error of the file's mass is then meaningless and left out. The tolerance is `WEIGHED`, or
-    that of the file where it is smaller. Raises VehicleError for a mass outside of `SHARES`.
+    that of the file where it is smaller. Raises VehicleError for a mass outside of `_SHARES`.
     """
     if mass is None:
         return vehicle
     share = mass / vehicle.mass
-    if not SHARES[0] <= share <= SHARES[1]:
+    if not _SHARES[0] <= share <= _SHARES[1]:
         raise VehicleError(
             f"a stated mass of {mass:.5g} kg is {share:.2f} times the {vehicle.mass:.5g} kg of the "
             "vehicle file",
             where=vehicle.name,
-            expected=f"{SHARES[0]:g} to {SHARES[1]:g} times",
+            expected=f"{_SHARES[0]:g} to {_SHARES[1]:g} times",
             do="check number and unit of the mass; a car with such a load has its own vehicle file",
         )
     return replace(

@@ -62,7 +62,7 @@ class PadsSection(Section):
     rear: Friction | None = None
 
 
-class TyreSection(Section):
+class _TyreSection(Section):
     """The tyre of both axles; wet asphalt for what is left out."""
 
     stiffness: Annotated[float, QuantityMark("1", 1.0, 100.0)] | None = None
@@ -84,7 +84,7 @@ def _start(written: object) -> tuple[float, str]:
     raise wrong(f"{written!r} is neither a distance nor a time", '"60 m" or "3 s"')
 
 
-class SurfaceSection(Section):
+class _SurfaceSection(Section):
     """A change of road: factors on the tyre, from a distance or a time on."""
 
     start: Annotated[
@@ -96,7 +96,7 @@ class SurfaceSection(Section):
     peak: Factor
 
 
-class EmpiricalSection(Section):
+class _EmpiricalSection(Section):
     """Values at the knots of a driver, in SI; the cause is not known."""
 
     place: Annotated[str, OneOf(tuple(PLACES))]
@@ -146,7 +146,7 @@ def _listed(written: object) -> object:
     return [written] if isinstance(written, dict) else written
 
 
-class DefinedInSection(Section):
+class _DefinedInSection(Section):
     """The file in which an effect is defined that is not in the catalogue, as in `DefinedIn`."""
 
     file: str
@@ -158,18 +158,18 @@ class OwnEffects(Section):
 
     model_config = ConfigDict(extra="ignore")
 
-    own_effects: dict[str, DefinedInSection] = Field(default_factory=dict)
+    own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
 
 
 class ModelFile(FileSchema):
     """The model of a simulation, besides the vehicle."""
 
     pads: PadsSection = PadsSection()
-    tyre: TyreSection = TyreSection()
+    tyre: _TyreSection = _TyreSection()
     effects: _effects_section(CATALOGUE) | None = None  # type: ignore[valid-type]
-    own_effects: dict[str, DefinedInSection] = Field(default_factory=dict)
-    surfaces: list[SurfaceSection] = Field(default_factory=list)
-    empirical: Annotated[list[EmpiricalSection], BeforeValidator(_listed), _OneOrMore()] = Field(
+    own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
+    surfaces: list[_SurfaceSection] = Field(default_factory=list)
+    empirical: Annotated[list[_EmpiricalSection], BeforeValidator(_listed), _OneOrMore()] = Field(
         default_factory=list
     )
 

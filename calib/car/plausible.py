@@ -17,7 +17,7 @@ from calib.car.forces import front_biased_up_to
 from calib.car.keys import CHASSIS, KEYS
 from calib.car.vehicle import Axle, Vehicle
 
-GOOD_ROAD = 0.8
+_GOOD_ROAD = 0.8
 """Friction [1] of a road on which the efficiency of the brakes is judged: dry asphalt, used up to
 what passenger tyres hold for certain."""
 
@@ -26,10 +26,10 @@ LEAST_FRONT_BIASED = bound("front_biased_up_to", "low")
 the car at the station. Cars with control of the rear pressure (EBD) have 0.4 or more by design, of
 which pads that scatter by 3 % between the axles take up to 0.1 in one car of a thousand."""
 
-UNCONTROLLED = bound("front_biased_up_to", "warn_low")
+_UNCONTROLLED = bound("front_biased_up_to", "warn_low")
 """What cars without that control have at least [g]."""
 
-FRONT_ENGINE = 0.46
+_FRONT_ENGINE = 0.46
 """Front share of the load at rest [1] below which a car has its engine at the rear, or carries."""
 
 
@@ -158,7 +158,7 @@ FIGURES: tuple[Figure, ...] = (
         "beyond it the rear axle locks first; `brake-cal station` fails such a car",
     ),
     Figure(
-        "lock_efficiency", lambda car: lock_efficiency(car, GOOD_ROAD), 0.78, 1.0,
+        "lock_efficiency", lambda car: lock_efficiency(car, _GOOD_ROAD), 0.78, 1.0,
         (*_SWAPPED_CG[:1], *_SWAPPED_BRAKES, "piston_area of both sides on one axle only"), (),
         "compare the brakes of both axles and the distances to the centre of gravity",
     ),
@@ -194,12 +194,12 @@ def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
     """What is usual for some cars only, as sentences; a mistake for all others."""
     share, biased = vehicle.static_loads[0] / vehicle.weight, front_biased_up_to(vehicle)
     found = []
-    if share < FRONT_ENGINE:
+    if share < _FRONT_ENGINE:
         found.append(
             f"{100 * share:.0f} % of the load is on the front axle, as with the engine at the rear "
             "or in a laden van; in any other car cg_to_front_axle and cg_to_rear_axle are swapped"
         )
-    if LEAST_FRONT_BIASED <= biased < UNCONTROLLED:
+    if LEAST_FRONT_BIASED <= biased < _UNCONTROLLED:
         found.append(
             f"the rear axle locks first beyond {biased:.2f} g, as in cars that control the rear "
             "pressure (EBD); in any other car the brakes or the load are not those of the file. "

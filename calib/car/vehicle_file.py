@@ -77,11 +77,11 @@ class _Axle(Section):
         return self
 
 
-ChassisSection: Any = section(
-    "ChassisSection", "Masses and lengths, as in `Vehicle`.", _rows(CHASSIS), _Chassis
+_ChassisSection: Any = section(
+    "_ChassisSection", "Masses and lengths, as in `Vehicle`.", _rows(CHASSIS), _Chassis
 )
-AxleSection: Any = section(
-    "AxleSection", "One axle, as in `Axle`; every value is for one wheel.", _rows(FRONT), _Axle
+_AxleSection: Any = section(
+    "_AxleSection", "One axle, as in `Axle`; every value is for one wheel.", _rows(FRONT), _Axle
 )
 
 
@@ -92,9 +92,9 @@ class VehicleFile(FileSchema):
     """
 
     name: Annotated[str, AfterValidator(_name)]
-    chassis: ChassisSection
-    front: AxleSection
-    rear: AxleSection
+    chassis: _ChassisSection
+    front: _AxleSection
+    rear: _AxleSection
     effects: dict[str, dict[str, Annotated[float, QuantityMark(None, -1e12, 1e12)]]] = Field(
         default_factory=dict
     )
@@ -131,7 +131,7 @@ def answered(key: VehicleKey, typed: str) -> str:
         raise VehicleError(f"{text!r} has a comma", expected=f"a decimal point: {key.example}")
     bare = re.fullmatch(NUMBER, text) is not None
     value = f"{text} {key.unit}" if bare and key.unit not in ("", "1") else text
-    part = {"": VehicleFile, CHASSIS: ChassisSection}.get(key.section, AxleSection)
+    part = {"": VehicleFile, CHASSIS: _ChassisSection}.get(key.section, _AxleSection)
     field = part.model_fields[key.name]
     alone = section(key.name, "", {key.name: (Annotated[field.annotation, *field.metadata], ...)})
     try:

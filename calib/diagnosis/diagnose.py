@@ -228,7 +228,7 @@ def diagnose(
         verdict=decision.verdict,
         effects=named(problem, held.problem, decision, confusion) if stands else (),
         unexplained=unexplained,
-        base=base_estimates(left_of, not_resolved),
+        base=_base_estimates(left_of, not_resolved),
         gap=gap_of(proved.before, last, holdout),
         model_before=before,
         model_after=after,
@@ -385,9 +385,9 @@ def named(
             Named(
                 name=name,
                 parameters=parameters,
-                where=where_of(problem, best, name),
-                gain=gain_without(problem, best, name, best.chi2),
-                gain_holdout=gain_without(held, best, name, held_chi2),
+                where=_where_of(problem, best, name),
+                gain=_gain_without(problem, best, name, best.chi2),
+                gain_holdout=_gain_without(held, best, name, held_chi2),
                 runner_up=None
                 if runner is None
                 else (" + ".join(runner.names), gain(decision.base, runner)),
@@ -398,7 +398,7 @@ def named(
     return tuple(out)
 
 
-def gain_without(problem: Problem, best: Candidate, name: str, chi2: float) -> float:
+def _gain_without(problem: Problem, best: Candidate, name: str, chi2: float) -> float:
     """Rise of the mean squared innovation of a problem's runs when the effect is removed.
 
     ``chi2`` sum of the squared innovations with it.
@@ -407,7 +407,7 @@ def gain_without(problem: Problem, best: Candidate, name: str, chi2: float) -> f
     return (float(innovations @ innovations) - chi2) / innovations.size
 
 
-def where_of(problem: Problem, best: Candidate, name: str) -> Where:
+def _where_of(problem: Problem, best: Candidate, name: str) -> Where:
     """The channel and the ranges in which removing the effect changes the innovations most."""
     rest = best.without(name)
     power = np.zeros(len(CHANNELS))
@@ -458,7 +458,7 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
     return "front" if front > rear else "rear"
 
 
-def base_estimates(candidate: Candidate, unseen: Sequence[str]) -> dict[str, ParameterEstimate]:
+def _base_estimates(candidate: Candidate, unseen: Sequence[str]) -> dict[str, ParameterEstimate]:
     """Base parameters with intervals; ``rolling_radius`` over that of the file where it is free.
 
     ``unseen`` are the effects that the logs could not have shown. An interval is cut at what the

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class DiagnosisGates:
+class _DiagnosisGates:
     """Each is named after what it decides; the comments name the file."""
 
     # runs/gates.py
@@ -280,4 +280,4 @@ class DiagnosisGates:
     """Share of what is left that a term must explain for its driver to be told [1]."""
 
 
-GATES = DiagnosisGates()
+GATES = _DiagnosisGates()

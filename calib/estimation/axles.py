@@ -120,7 +120,7 @@ def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[P
     )
 
 
-class CrossedStop(NamedTuple):
+class _CrossedStop(NamedTuple):
     """The two wheels of a diagonal that a stop has exchanged.
 
     ``sure`` by `eta_rises` and `brakes_kept`; ``z`` deceleration of the stop [1].
@@ -131,7 +131,7 @@ class CrossedStop(NamedTuple):
     z: float
 
 
-def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> CrossedStop | None:
+def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> _CrossedStop | None:
     """A front and a rear wheel of one diagonal that changed places, None where nothing says so.
 
     Those of one side are refused before a stop is estimated, see `calib.run.wheels`.
@@ -140,7 +140,7 @@ def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> Cross
     found = crossed_diagonal(parts, r.expected) if r is not None else None
     if r is None or parts is None or found is None:
         return None
-    return CrossedStop(
+    return _CrossedStop(
         found, r.expected > SETTINGS.eta_rises and _level(e) > SETTINGS.brakes_kept, parts.z
     )
 
@@ -152,7 +152,7 @@ def _level(e: Estimate) -> float:
     return float(np.median((share * e.front.change + (1.0 - share) * e.rear.change)[of]))
 
 
-def crossed_warnings(log: str, crossed: CrossedStop | None) -> Iterator[PlausibilityWarning]:
+def crossed_warnings(log: str, crossed: _CrossedStop | None) -> Iterator[PlausibilityWarning]:
     """A warning for a front and a rear wheel that changed places."""
     if crossed is None:
         return

@@ -36,7 +36,7 @@ Mask = NDArray[np.bool_]
 Pair = tuple[Array, Array]
 
 
-class Baselines(NamedTuple):
+class _Baselines(NamedTuple):
     """Pad friction (front, rear) [1] by method name, and where the tyre look-up covers the run.
 
     ``notes`` name the methods that are left out, and say why.
@@ -67,7 +67,7 @@ class BaselineRun:
     priors: Priors
 
 
-def baselines(run: BaselineRun, *, laws: bool = True) -> Baselines:
+def baselines(run: BaselineRun, *, laws: bool = True) -> _Baselines:
     """All methods on one run. Without ``laws`` only the nominal pads."""
     car, s, priors = run.car, run.s, run.priors
     flat = np.ones_like(run.eta)
@@ -80,7 +80,7 @@ def baselines(run: BaselineRun, *, laws: bool = True) -> Baselines:
         except InputError as error:
             left_out.setdefault(error.what, []).append(name)
     notes = tuple(f"{', '.join(names)} left out: {why}" for why, names in left_out.items())
-    return Baselines(pads, tyre.inside, notes)
+    return _Baselines(pads, tyre.inside, notes)
 
 
 def _methods(run: BaselineRun, tyre: LookupReading) -> dict[str, Callable[[], Pair]]:
@@ -94,7 +94,7 @@ def _methods(run: BaselineRun, tyre: LookupReading) -> dict[str, Callable[[], Pa
     for name in LOOKUPS:
         known = tyre if name == "tyre" else read(run.table, car, s, b, run.eta, name, priors)
         for law in ("gradient", "rls"):
-            methods[f"{law}_{name}"] = partial(adapt, car, s, b, known, law, priors)
+            methods[f"{law}_{name}"] = partial(_adapt, car, s, b, known, law, priors)
     return methods
 
 
@@ -126,7 +126,7 @@ def read(
     return LOOKUPS[name](table, z, smooth, z - b.balance.body / car.weight)
 
 
-def adapt(
+def _adapt(
     car: Vehicle, s: Signals, b: BrakeBalance, reading: LookupReading, law: str, priors: Priors
 ) -> Pair:
     """Pad friction of both axles by an adaptive law, "gradient" or "rls".

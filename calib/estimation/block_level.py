@@ -22,14 +22,14 @@ from calib.run.filters import low_pass
 
 Array = NDArray[np.float64]
 
-LEAST_Z = 0.01
+_LEAST_Z = 0.01
 """Deceleration [1] below which its relative noise is that of this one: nothing brakes there."""
 
 LEAST_PRESSURE = 3e5
 """Pressure [Pa] below which a change is counted as one of this pressure."""
 
 
-class BlockLevel(NamedTuple):
+class _BlockLevel(NamedTuple):
     """``value`` of the level of each block, and its relative ``error``, (k,) [1]."""
 
     value: Array
@@ -38,11 +38,11 @@ class BlockLevel(NamedTuple):
 
 def block_level(
     by_pressure: Array, by_deceleration: Array, b: Blocks, density: float, priors: Priors
-) -> BlockLevel:
+) -> _BlockLevel:
     """Weigh the two levels of each block, (k,) [1]; ``density`` of the noise of z [s^0.5]."""
     late, noisy = _late(b, priors), _noisy(b, b.z, density)
     share = late**2 / (late**2 + noisy**2)
-    return BlockLevel(
+    return _BlockLevel(
         by_pressure + share * (by_deceleration - by_pressure),
         np.hypot((1.0 - share) * late, share * noisy),
     )
@@ -64,7 +64,7 @@ def _late(b: Blocks, priors: Priors) -> Array:
 
 
 def _noisy(b: Blocks, z: Array, density: float) -> Array:
-    return np.asarray(density / np.sqrt(b.length) / np.maximum(z, LEAST_Z))
+    return np.asarray(density / np.sqrt(b.length) / np.maximum(z, _LEAST_Z))
 
 
 def pressure_moves(b: Blocks) -> Array:

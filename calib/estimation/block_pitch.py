@@ -18,7 +18,7 @@ STEP = 0.05
 lasts."""
 
 
-class BlockPitch(NamedTuple):
+class _BlockPitch(NamedTuple):
     """``deficit`` in the middle of each block over the weight [1], (k,).
 
     ``slope`` of it by the logarithm of the mode's frequency [1], (k,).
@@ -28,11 +28,11 @@ class BlockPitch(NamedTuple):
     slope: Array
 
 
-def block_pitch(car: Vehicle, b: Blocks, priors: Priors) -> BlockPitch:
+def block_pitch(car: Vehicle, b: Blocks, priors: Priors) -> _BlockPitch:
     """Follow the mode of the priors from block to block (`pitch_coupling.pitch_deficit`)."""
     middle = b.length * np.arange(b.end.size, dtype=np.float64)
     slow, usual, fast = (
         pitch_deficit(car, middle, b.z, priors.pitch_frequency * math.exp(by), priors.pitch_damping)
         for by in (-STEP, 0.0, STEP)
     )
-    return BlockPitch(usual, (fast - slow) / (2.0 * STEP))
+    return _BlockPitch(usual, (fast - slow) / (2.0 * STEP))

@@ -266,7 +266,7 @@ def estimate(
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
-    demand = demand_of(plan, s, b, level, weighed)
+    demand = _demand_of(plan, s, b, level, weighed)
     answer = split_of(plan, b, demand)
     front, rear = estimate_axles(plan, s, forces, weighed, answer, b)
     driven = drive_slips(used, forces.balance)
@@ -323,7 +323,7 @@ def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
     return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density, plan.priors)
 
 
-def demand_of(
+def _demand_of(
     plan: Plan, s: Signals, b: Blocks, level: PadLevel, weighed: WeighedLevel
 ) -> SplitInput:
     """Input of the split filter: block means, and the level as known at the end of each block."""

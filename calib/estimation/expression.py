@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 
-class Operation(NamedTuple):
+class _Operation(NamedTuple):
     """One step: what is done, with the results of which earlier steps.
 
     ``kind`` one of ``+ - * / ** exp log``, or ``number`` or ``input``, whose ``text`` is what
@@ -33,18 +33,18 @@ class Trace:
     """Operations in the order in which they were done; the same operation stands there once."""
 
     def __init__(self) -> None:
-        self.operations: list[Operation] = []
-        self._places: dict[Operation, int] = {}
+        self.operations: list[_Operation] = []
+        self._places: dict[_Operation, int] = {}
 
     def input(self, name: str) -> "Expression":
         """Return a number that is known only when the program runs."""
-        return self._note(Operation("input", (), name))
+        return self._note(_Operation("input", (), name))
 
     def number(self, value: "Expression | float") -> "Expression":
         """Return a constant; an expression comes back as it is."""
         if isinstance(value, Expression):
             return value
-        return self._note(Operation("number", (), repr(float(value))))
+        return self._note(_Operation("number", (), repr(float(value))))
 
     def apply(self, kind: str, *values: "Expression | float") -> "Expression":
         """Return the result of an operation, shortened where a part is a constant."""
@@ -53,7 +53,7 @@ class Trace:
         if short is not None:
             return short
         places = tuple(part.place for part in parts)
-        return self._note(Operation(kind, tuple(sorted(places)) if kind in "+*" else places))
+        return self._note(_Operation(kind, tuple(sorted(places)) if kind in "+*" else places))
 
     def gradient(self, of: "Expression", over: Iterable["Expression"]) -> tuple["Expression", ...]:
         """Return the partial derivatives of an expression over inputs."""
@@ -68,7 +68,7 @@ class Trace:
                     slopes[part.place] = slopes.get(part.place, zero) + slope
         return tuple(slopes.get(one.place, zero) for one in over)
 
-    def _note(self, operation: Operation) -> "Expression":
+    def _note(self, operation: _Operation) -> "Expression":
         if operation not in self._places:
             self._places[operation] = len(self.operations)
             self.operations.append(operation)
@@ -124,7 +124,7 @@ def log(x: Expression) -> Expression:
     return x.trace.apply("log", x)
 
 
-FOLDED: Mapping[str, Callable[..., float]] = {
+_FOLDED: Mapping[str, Callable[..., float]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
     "*": lambda a, b: a * b,
@@ -140,7 +140,7 @@ def _shortened(kind: str, parts: Sequence[Expression]) -> Expression | None:
     """The result where no operation is needed: of constants, and with 0 or 1; else None."""
     trace, values = parts[0].trace, [part.value for part in parts]
     if None not in values:
-        return trace.number(FOLDED[kind](*values))
+        return trace.number(_FOLDED[kind](*values))
     if len(parts) == 1:
         return None
     (a, b), (first, second) = parts, values
@@ -221,7 +221,7 @@ def python(
     return "\n".join(lines)
 
 
-def _text(operation: Operation, parts: Sequence[str]) -> str:
+def _text(operation: _Operation, parts: Sequence[str]) -> str:
     if not operation.parts:
         return operation.text
     if len(parts) == 1:

@@ -56,7 +56,7 @@ class Gates:
 
 
 @dataclass(frozen=True)
-class Validity:
+class _Validity:
     """Where the estimator stands behind its answer, (n,); ``refused`` masks by reason, (n,) each.
 
     Of the samples in which the pads bite; a sample may be refused for several reasons.
@@ -74,7 +74,7 @@ def validity(
     active: Mask,
     greatest: float,
     cornering: Array,
-) -> Validity:
+) -> _Validity:
     """Where the estimator stands behind its answer, see `Gates`.
 
     ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
@@ -98,12 +98,12 @@ def validity(
             "the wheel is turned": np.abs(steered) < gates.steering,
         }
     valid = np.logical_and.reduce([active, *good.values()])
-    return Validity(np.asarray(valid), {why: active & ~ok for why, ok in good.items()})
+    return _Validity(np.asarray(valid), {why: active & ~ok for why, ok in good.items()})
 
 
 def still_narrow(
     gates: Gates, valid: Mask, refused: dict[str, Mask], axles: tuple[AxleEstimate, AxleEstimate]
-) -> Validity:
+) -> _Validity:
     """What is left of ``valid`` where the intervals of ``axles`` have become wider since.
 
     ``valid``, ``refused`` as `validity` has them.
@@ -111,7 +111,7 @@ def still_narrow(
     good = _narrow_enough(gates, axles)
     active = np.logical_or.reduce([valid, *refused.values()])
     wide = {why: active & ~ok for why, ok in good.items()}
-    return Validity(np.logical_and.reduce([valid, *good.values()]), {**refused, **wide})
+    return _Validity(np.logical_and.reduce([valid, *good.values()]), {**refused, **wide})
 
 
 def _narrow_enough(gates: Gates, axles: tuple[AxleEstimate, AxleEstimate]) -> dict[str, Mask]:

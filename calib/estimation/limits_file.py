@@ -41,7 +41,7 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and value == value
 
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
 Ends = Annotated[
     Range,
     BeforeValidator(_range),
@@ -49,11 +49,11 @@ Ends = Annotated[
 ]
 
 
-class LimitSection(Section):
+class _LimitSection(Section):
     """Range of a metric: ``min`` and/or ``max``, or ``fail``; inside it ``warn``."""
 
-    min: Finite | None = None
-    max: Finite | None = None
+    min: _Finite | None = None
+    max: _Finite | None = None
     fail: Ends | None = None
     warn: Ends | None = None
     required: bool = False
@@ -88,7 +88,7 @@ class LimitSection(Section):
 def limits_schema(known: Collection[str]) -> type[FileSchema]:
     """Return the schema of a limits file over the ``known`` metrics."""
     about = "The allowed range of each metric."
-    limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(known), LimitSection), about)
+    limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(known), _LimitSection), about)
     return create_model("LimitsFile", __base__=FileSchema, __doc__=about, limits=(limits, ...))
 
 
@@ -101,6 +101,6 @@ def read_limits(path: Path, known: Collection[str]) -> tuple[Limit, ...]:
     return tuple(_limit(name, entry) for name, entry in entries)
 
 
-def _limit(name: str, entry: LimitSection) -> Limit:
+def _limit(name: str, entry: _LimitSection) -> Limit:
     (low, high), (warn_low, warn_high) = entry.ends, entry.warn or OPEN
     return Limit(name, low, high, warn_low, warn_high, entry.required)

@@ -63,10 +63,10 @@ class Given(NamedTuple, Generic[T]):
 
 
 Pair = tuple[Expression, Expression]
-Rises = tuple[Expression | float, Expression | float]
+_Rises = tuple[Expression | float, Expression | float]
 
 
-class Shown(NamedTuple):
+class _Shown(NamedTuple):
     """What a block shows: ``eta`` and the mean ``slip`` [1].
 
     ``near_f``, ``near_r`` how near the tyres of each axle are to their peak: the normalised force
@@ -79,7 +79,7 @@ class Shown(NamedTuple):
     near_r: Expression
 
 
-def braked(x: States[Expression], g: Given[Expression]) -> Shown:
+def braked(x: States[Expression], g: Given[Expression]) -> _Shown:
     """What is shown by a block in which the brakes act."""
     load_f, load_r = loads(x, g)
     half = exp(0.5 * x.log_pad_ratio)
@@ -93,7 +93,7 @@ def braked(x: States[Expression], g: Given[Expression]) -> Shown:
     return sensed(x, g, (force_f, force_r), (load_f, load_r), rises)
 
 
-def coasting(x: States[Expression], g: Given[Expression]) -> Shown:
+def coasting(x: States[Expression], g: Given[Expression]) -> _Shown:
     """What is shown by a block in which the brakes do not act."""
     return sensed(x, g, (g.coasting_f, g.coasting_r), loads(x, g))
 
@@ -110,7 +110,7 @@ def slips(
     g: Given[Expression],
     forces: Pair,
     load: Pair,
-    rises: Rises,
+    rises: _Rises,
 ) -> Pair:
     """Slips [1] that the wheel speeds show: `calib.car.tyre.AxleTyres`.
 
@@ -147,8 +147,8 @@ def sensed(
     g: Given[Expression],
     forces: Pair,
     load: Pair,
-    rises: Rises = (0.0, 0.0),
-) -> Shown:
+    rises: _Rises = (0.0, 0.0),
+) -> _Shown:
     """Eta (22) and the load-weighted mean slip (19), (20) [1], with zeros and clock offset.
 
     ``rises`` rates of the normalised ``forces`` [1/s].
@@ -159,7 +159,7 @@ def sensed(
     mean = share * slip_f + (1.0 - share) * slip_r
     slip = mean + x.slip_zero + g.lag_gain * x.clock_offset
     w = exp(x.log_peak_ratio)
-    return Shown(eta, slip, forces[0] * w, forces[1] * w)
+    return _Shown(eta, slip, forces[0] * w, forces[1] * w)
 
 
 Numbers = Sequence[float]
@@ -171,7 +171,9 @@ Loads = Callable[[Numbers, Numbers], tuple[tuple[float, float]]]
 
 
 @cache
-def measurement(equations: Callable[[States[Expression], Given[Expression]], Shown]) -> Measurement:
+def measurement(
+    equations: Callable[[States[Expression], Given[Expression]], _Shown],
+) -> Measurement:
     """Compile `braked` or `coasting`: states and given numbers in; `Sensed` out.
 
     Arguments and gradients are in the order of `States` and `Given`. The gradients come in one
@@ -180,17 +182,17 @@ def measurement(equations: Callable[[States[Expression], Given[Expression]], Sho
     trace, x, g = _inputs()
     eta, mean, *near = equations(x, g)
     gradients = (*trace.gradient(eta, x), *trace.gradient(mean, x))
-    return compiled(python(trace, ARGUMENTS, [(eta, mean), gradients, tuple(near)]))
+    return compiled(python(trace, _ARGUMENTS, [(eta, mean), gradients, tuple(near)]))
 
 
 @cache
 def axle_loads_now() -> Loads:
     """Compile `loads`: states and given numbers in; ((load_f, load_r),) [N] out."""
     trace, x, g = _inputs()
-    return compiled(python(trace, ARGUMENTS, [loads(x, g)]))
+    return compiled(python(trace, _ARGUMENTS, [loads(x, g)]))
 
 
-ARGUMENTS = {"x": States._fields, "g": Given._fields}
+_ARGUMENTS = {"x": States._fields, "g": Given._fields}
 
 
 def _inputs() -> tuple[Trace, States[Expression], Given[Expression]]:

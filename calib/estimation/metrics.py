@@ -24,7 +24,7 @@ METRICS: dict[str, str] = meanings("stop")
 
 
 @dataclass(frozen=True)
-class AxleTruth:
+class _AxleTruth:
     """Truth of one axle: pad friction [1], torque of one wheel [N m], tyre force [N] or None.
 
     Pad friction is NaN where there is none to compare with.
@@ -35,7 +35,9 @@ class AxleTruth:
     force: Array | None
 
 
-def truth_of(log: Log, vehicle: Vehicle, estimate: Estimate) -> tuple[AxleTruth, AxleTruth] | None:
+def truth_of(
+    log: Log, vehicle: Vehicle, estimate: Estimate
+) -> tuple[_AxleTruth, _AxleTruth] | None:
     """Truth of both axles where the log has wheel torques; None otherwise.
 
     Without a truth channel for the pads it follows from (2) with the vehicle's geometry.
@@ -56,7 +58,7 @@ def truth_of(log: Log, vehicle: Vehicle, estimate: Estimate) -> tuple[AxleTruth,
         pads = np.where(pads > 0.0, pads, np.nan)
         left, right = (log.truth.get(f"true_Fx_{side}{k}") for k in "lr")
         force = None if left is None or right is None else np.abs(left + right)
-        out.append(AxleTruth(pads, torque, force))
+        out.append(_AxleTruth(pads, torque, force))
     return out[0], out[1]
 
 
@@ -118,7 +120,7 @@ def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
 
 
 def accuracy(
-    vehicle: Vehicle, e: Estimate, truth: tuple[AxleTruth, AxleTruth]
+    vehicle: Vehicle, e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]
 ) -> dict[str, float | None]:
     """Metrics against truth, over the braked samples above 3 m/s or the valid ones, see `METRICS`.
 
@@ -166,7 +168,7 @@ def _rms(x: Array) -> float:
 
 
 def baseline_errors(
-    vehicle: Vehicle, e: Estimate, truth: tuple[AxleTruth, AxleTruth]
+    vehicle: Vehicle, e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]
 ) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction of each method, front and rear, over valid samples."""
     methods: dict[str, tuple[Array, Array]] = {

@@ -34,7 +34,7 @@ from calib.plausibility.brakes import motor_of
 Array = NDArray[np.float64]
 
 
-LOGGED = ("T_drive_f", "T_drive_r")
+_LOGGED = ("T_drive_f", "T_drive_r")
 
 
 def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = ()) -> Estimate:
@@ -43,7 +43,7 @@ def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = 
     ``of_ramps`` what the fit of the table said of its ramps. As it is where the torques of both
     axles are logged, or the run brakes too little to tell, and where it does not brake.
     """
-    if e.response is None or not e.braked.any() or all(name in log for name in LOGGED):
+    if e.response is None or not e.braked.any() or all(name in log for name in _LOGGED):
         return e
     on_ramp = _largest(of_ramps, "unexplained_braking_force")
     drags = float(e.accelerometer.drag[-1]), _largest(of_ramps, "unexplained_drag") / G

@@ -124,7 +124,7 @@ def _changes(
     rho, change = cal.pad_log_ratio.value, answer.change[at]
     x, y = brake_forces(car, p_f, p_r, rho + change)
     share = x / (x + y)
-    level = level_change_sigma(plan, sigma_level)
+    level = _level_change_sigma(plan, sigma_level)
     sigma = answer.change_sigma[at]
     then_f, then_r = (cal.pad_scale.value * B for B in brake_forces(car, p_f, p_r, rho))
     return (
@@ -133,7 +133,7 @@ def _changes(
     )
 
 
-def level_change_sigma(plan: Plan, sigma_level: Array) -> Array:
+def _level_change_sigma(plan: Plan, sigma_level: Array) -> Array:
     """Sigma of the logarithm of the level over that of the ramp [1] (n,).
 
     ``sigma_level`` of the level against nominal pads. The error of the mass does not fall out,

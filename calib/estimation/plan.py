@@ -55,7 +55,7 @@ def plan_for(
         table=table,
         nominal=vehicle or calibrated(table),
         known=known_resistance(table),
-        noise=merged_noise(table, lead_in_noise(log, s)),
+        noise=_merged_noise(table, lead_in_noise(log, s)),
         ramp_level=level_of(table) if vehicle is None else {},
         priors=priors or Priors(),
         gates=gates or Gates(),
@@ -133,6 +133,6 @@ def known_resistance(table: Table) -> Resistance:
     return Resistance(effects, ((drag**2, 0.0), (0.0, rolling**2)), known=True)
 
 
-def merged_noise(table: Table, own: SensorNoise) -> SensorNoise:
+def _merged_noise(table: Table, own: SensorNoise) -> SensorNoise:
     """The larger of the table's noise and this log's: a quiet ramp does not make a quiet sensor."""
     return worst_noise([SensorNoise(**table.noise), own])

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class ValidationSettings:
+class _ValidationSettings:
     """Each is named after what it decides; the comments name the file."""
 
     # axles.py
@@ -69,4 +69,4 @@ class ValidationSettings:
     """Share of the braked samples from which a reason for not being valid is named."""
 
 
-SETTINGS = ValidationSettings()
+SETTINGS = _ValidationSettings()

@@ -93,12 +93,12 @@ def ratio_parts(
         a[:, AT.load_shift] *= decay
     for i, part in enumerate(PART):
         out[part] += drifted[:, :, i]
-    for part, P in first_parts(plan.table, plan.priors).items():
+    for part, P in _first_parts(plan.table, plan.priors).items():
         out[part] = out.get(part, 0.0) + a @ P @ a.T
     return out
 
 
-def first_parts(table: Table, priors: Priors) -> dict[str, Array]:
+def _first_parts(table: Table, priors: Priors) -> dict[str, Array]:
     """Covariance (COUNT, COUNT) before the stop by part: that of `states.first_state`.
 
     What the ramp left open is split as the table's budget has it; without one it is a part of its

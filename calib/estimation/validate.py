@@ -123,7 +123,7 @@ same pads have. The rear signal is weaker. The station warns past it."""
 
 
 @dataclass(frozen=True)
-class RoadAgreement:
+class _RoadAgreement:
     """The stops of one road: their names, the stiffness of their tyres over the table's [1].
 
     ``mean_f``, ``mean_r`` pad friction; ``spread_f``, ``spread_r`` the largest relative departure
@@ -150,7 +150,7 @@ class Agreement:
     mean_r: float
     spread_f: float
     spread_r: float
-    roads: tuple[RoadAgreement, ...] = ()
+    roads: tuple[_RoadAgreement, ...] = ()
 
     @property
     def differ(self) -> bool:
@@ -231,12 +231,12 @@ def validate_one(
     result = with_delay(with_motor(log, result, _of_ramps(table)))
     result = with_load(result, stated=mass is not None)
     if other is not None and other.log_odds > SETTINGS.axles_sure:
-        result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
+        result = _without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if crossed is not None and crossed.sure:
         front, rear = crossed.found.wheels
-        result = without_answer(result, f"the wheel speeds fit with {front} and {rear} exchanged")
+        result = _without_answer(result, f"the wheel speeds fit with {front} and {rear} exchanged")
     if (wrong := wrong_speed(warnings)) is not None:
-        result = without_answer(result, NO_SPEED[wrong.code])
+        result = _without_answer(result, NO_SPEED[wrong.code])
     figures = score(log, car, result)
     compared = baselines and bool(result.valid.any())
     truth = truth_of(log, car, result) if compared else None
@@ -259,7 +259,7 @@ def _of_ramps(table: Table) -> list[PlausibilityWarning]:
     return [warning for warning in table.warnings if warning.log in ramps]
 
 
-def without_answer(result: Estimate, why: str) -> Estimate:
+def _without_answer(result: Estimate, why: str) -> Estimate:
     """Return the estimate with no valid sample, for one reason that the whole run gives."""
     refused = {**result.refused, why: result.braked}
     return replace(result, valid=np.zeros_like(result.valid), refused=refused)
@@ -321,12 +321,12 @@ def agreement(results: list[Validation]) -> Agreement | None:
     return Agreement(float(mean[0]), float(mean[1]), max(front), max(rear), roads)
 
 
-def _on_one_road(road: Road, stops: list[str], values: NDArray[np.float64]) -> RoadAgreement:
+def _on_one_road(road: Road, stops: list[str], values: NDArray[np.float64]) -> _RoadAgreement:
     mean = values.mean(axis=0)
     spread = np.abs(values / mean - 1.0).max(axis=0)
     spreads = (float(spread[0]), float(spread[1])) if len(stops) > 1 else (None, None)
     stiffness = float(np.exp(road.log_stiffness))
-    return RoadAgreement(tuple(stops), stiffness, float(mean[0]), float(mean[1]), *spreads)
+    return _RoadAgreement(tuple(stops), stiffness, float(mean[0]), float(mean[1]), *spreads)
 
 
 def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:

@@ -26,7 +26,7 @@ from calib.table.table import BY_HAND, Table
 LONGEST, LONGEST_PREFIX = 31, 16
 """Characters of a label (significant in every C99 compiler), and of its first part."""
 
-MARK = 4
+_MARK = 4
 """Digits of the digest behind a shortened name."""
 
 _CLAMP = (
@@ -76,8 +76,8 @@ def label(*parts: str) -> str:
 
 
 def _marked(word: str, name: str, longest: int) -> str:
-    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:MARK]
-    return f"{word[: longest - MARK - 1].rstrip('_')}_{mark}"
+    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:_MARK]
+    return f"{word[: longest - _MARK - 1].rstrip('_')}_{mark}"
 
 
 _NONE_GIVEN = (

@@ -36,7 +36,7 @@ from calib.table.table import TyrePosterior
 Array = NDArray[np.float64]
 
 
-OF_RUN = OfRun(
+_OF_RUN = OfRun(
     eta_zero=SETTINGS.zero_sigma,
     slip_zero=SETTINGS.zero_sigma,
     softer=SETTINGS.tyres_repeat,
@@ -45,7 +45,7 @@ OF_RUN = OfRun(
 )
 """Sigma of the prior, about zero, of what each run has of its own."""
 
-SCALE = OF_RUN._replace(eta_zero=1e-3, slip_zero=1e-3)
+SCALE = _OF_RUN._replace(eta_zero=1e-3, slip_zero=1e-3)
 """Size of a usual change of the same: lead-ins tell the zeros."""
 
 ROUGH, EXACT = 1e-3, 1e-10
@@ -202,7 +202,7 @@ def _least_squares(
     from scipy.optimize import least_squares
 
     sigma = [prior.sigma for prior in PRIORS]
-    spread = np.array([*sigma, *OF_RUN * len(runs)])
+    spread = np.array([*sigma, *_OF_RUN * len(runs)])
     scale = np.array([*sigma, *SCALE * len(runs)])
     centre = np.zeros(spread.size)
     centre[:COUNT] = [prior.mean for prior in PRIORS]

@@ -14,7 +14,7 @@ from calib.model.settings import SETTINGS
 Array = NDArray[np.float64]
 
 
-class WeighedRatio(NamedTuple):
+class _WeighedRatio(NamedTuple):
     """What comes of weighing: all parameters and zeros of a fit, (k,).
 
     ``mean``; ``parts`` of the covariance (k, k), and ``scatter`` (k, k) which is in them, see
@@ -27,7 +27,7 @@ class WeighedRatio(NamedTuple):
     declared_weight: float
 
 
-def weigh_ratio(x: Array, information: Parts) -> WeighedRatio:
+def weigh_ratio(x: Array, information: Parts) -> _WeighedRatio:
     """Weigh pads, tyres and radii that are as declared against such that are not.
 
     The fit sees the force share of each axle over its tyres' stiffness only: pads 10 % apart,
@@ -60,7 +60,7 @@ def weigh_ratio(x: Array, information: Parts) -> WeighedRatio:
     more = scatter_parts(information, weighed.weights, at, taken, real)
     for part, share in more.items():
         parts[part] = parts[part] + share
-    return WeighedRatio(
+    return _WeighedRatio(
         mean=x + along @ (weighed.mean - x[at]),
         parts=parts,
         scatter=sum(more.values(), np.zeros_like(covariance)),

@@ -120,7 +120,7 @@ def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
 
 
 @dataclass(frozen=True)
-class SectionFour:
+class _SectionFour:
     """A method of Section IV: its final pad frictions and its torque error [N m rms]."""
 
     method: str
@@ -132,7 +132,7 @@ class SectionFour:
 _METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
 
 
-def section_four(outcome: _StudyOutcome) -> list[SectionFour]:
+def section_four(outcome: _StudyOutcome) -> list[_SectionFour]:
     """The stop of Section IV by method; torque error over both axles from the first bite on."""
     result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
     e = result.estimate
@@ -152,12 +152,12 @@ def section_four(outcome: _StudyOutcome) -> list[SectionFour]:
             )
         ]
         rms = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))
-        rows.append(SectionFour(name, float(front[last]), float(rear[last]), rms))
+        rows.append(_SectionFour(name, float(front[last]), float(rear[last]), rms))
     return rows
 
 
 @dataclass(frozen=True)
-class SectionFive:
+class _SectionFive:
     """A stop of Section V: pad friction with the half width of its 95 % interval, and the sums.
 
     ``sum_...``: mean braking force over M a_x with nominal and with compensated pads [1].
@@ -172,12 +172,12 @@ class SectionFive:
     sum_compensated: float
 
 
-def section_five(outcome: _StudyOutcome) -> list[SectionFive]:
+def section_five(outcome: _StudyOutcome) -> list[_SectionFive]:
     """The stops of Section V in our numbers."""
     return [_stop(result, outcome.stored.table.vehicle) for result in outcome.results]
 
 
-def _stop(result: Validation, car: Vehicle) -> SectionFive:
+def _stop(result: Validation, car: Vehicle) -> _SectionFive:
     e, figures = result.estimate, result.figures
 
     def share(front: Array, rear: Array) -> float:
@@ -194,11 +194,13 @@ def _stop(result: Validation, car: Vehicle) -> SectionFive:
     wide_f, wide_r = (figures[f"interval_{side}"] or np.nan for side in "fr")
     nominal = share(*e.baselines["nominal"])
     compensated = share(e.front.pad_friction, e.rear.pad_friction)
-    return SectionFive(result.log, front, front * wide_f, rear, rear * wide_r, nominal, compensated)
+    return _SectionFive(
+        result.log, front, front * wide_f, rear, rear * wide_r, nominal, compensated
+    )
 
 
 @dataclass(frozen=True)
-class Story:
+class _Story:
     """A car with a hidden effect, and how its stops agree by a table without (``blind``) and with
     (``told``) the model of the diagnosis.
     """
@@ -208,7 +210,7 @@ class Story:
     told: Agreement
 
 
-def hidden_story(out: Path, say: _Say) -> Story:
+def hidden_story(out: Path, say: _Say) -> _Story:
     """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
     from calib.car.model import with_model
     from calib.diagnosis.diagnose import diagnose
@@ -232,10 +234,10 @@ def hidden_story(out: Path, say: _Say) -> Story:
         spread = agreement(validate(fit(vehicle, fitted), held))
         assert spread is not None
         pads.append(spread)
-    return Story(found, *pads)
+    return _Story(found, *pads)
 
 
-def facts(four: list[SectionFour], five: list[SectionFive], story: Story, out: Path) -> Facts:
+def facts(four: list[_SectionFour], five: list[_SectionFive], story: _Story, out: Path) -> Facts:
     """The paper's two studies, the car with a hidden effect, and where all files are."""
     nominal = next(row.torque_rms for row in four if row.method == "nominal")
     methods = [

@@ -68,7 +68,7 @@ def _scale(factor: float) -> float:
     return factor
 
 
-class MappingSection(Section):
+class _MappingSection(Section):
     """Source of a channel; as `Mapping`."""
 
     source: Annotated[str, BeforeValidator(_source)]
@@ -79,7 +79,7 @@ class MappingSection(Section):
     method: Annotated[str, OneOf(METHODS)] | None = None
 
 
-def _mapping_in(si: str) -> type[MappingSection]:
+def _mapping_in(si: str) -> type[_MappingSection]:
 
     def known(unit: str) -> str:
         try:
@@ -90,20 +90,20 @@ def _mapping_in(si: str) -> type[MappingSection]:
 
     examples = WithJsonSchema({"type": "string", "examples": spellings(si)})
     unit: Any = Annotated[str, AfterValidator(known), examples]
-    title, about = f"MappingSection[{si}]", f"Source of a channel in {si}."
-    made: type[MappingSection] = section(title, about, {"unit": (unit, None)}, MappingSection)
+    title, about = f"_MappingSection[{si}]", f"Source of a channel in {si}."
+    made: type[_MappingSection] = section(title, about, {"unit": (unit, None)}, _MappingSection)
     return made
 
 
 _MAPPINGS = {si: _mapping_in(si) for si in sorted({q.si for q in CHANNELS.values()})}
-ChannelsSection = by_name(
-    "ChannelsSection",
+_ChannelsSection = by_name(
+    "_ChannelsSection",
     {name: _MAPPINGS[q.si] for name, q in CHANNELS.items()},
     "The mapped channels by canonical name.",
 )
 
 
-SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
+_SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
 _NOT_OF_FILES = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
 """Codecs of names and of source code; some take quadratic time."""
 
@@ -112,7 +112,7 @@ def _encoding(name: str) -> str:
     known = 'an encoding such as "utf-8" or "latin-1"'
     try:
         # Only what is one character for each: hex and zlib are codecs, too, but not of text.
-        plain = SAMPLE.encode(name).decode(name) == SAMPLE
+        plain = _SAMPLE.encode(name).decode(name) == _SAMPLE
         found = codecs.lookup(name).name
     except (LookupError, ValueError, TypeError) as cause:
         raise wrong(f"unknown encoding {shown(name)}", known) from cause
@@ -121,7 +121,7 @@ def _encoding(name: str) -> str:
     return name
 
 
-class TextSection(Section):
+class _TextSection(Section):
     """Format of a text table, if it is ambiguous."""
 
     separator: Annotated[str, OneOf(tuple(SEPARATORS))] | None = None
@@ -167,12 +167,12 @@ def _sources(written: object) -> list[int]:
     if written == "any":
         return []
     good = isinstance(written, list) and written and all(type(n) is int for n in written)
-    if not good or not all(0 <= n <= HIGHEST_SOURCE for n in written):  # type: ignore[attr-defined]
+    if not good or not all(0 <= n <= _HIGHEST_SOURCE for n in written):  # type: ignore[attr-defined]
         raise wrong(f"{written!r}", '"any", or a list of source addresses from 0 to 253')
     return written  # type: ignore[return-value]
 
 
-HIGHEST_SOURCE = 253
+_HIGHEST_SOURCE = 253
 """Highest source address of a J1939 message; 254 and 255 stand for none and for all."""
 
 _TEXT: dict[str, Any] = {"type": "string", "minLength": 1}
@@ -187,7 +187,7 @@ _SEVERAL: dict[str, Any] = {"type": "array", "items": {"anyOf": [_TEXT, _ONE_BUS
 _OF_A_BUS = {"anyOf": [_TEXT, _ONE_BUS, _SEVERAL]}
 _BUSES = {"type": "object", "minProperties": 1, "additionalProperties": _OF_A_BUS}
 _BY_BUS: dict[str, Any] = {"anyOf": [_TEXT, _SEVERAL, _BUSES]}
-_SOURCE = {"type": "integer", "minimum": 0, "maximum": HIGHEST_SOURCE}
+_SOURCE = {"type": "integer", "minimum": 0, "maximum": _HIGHEST_SOURCE}
 _ADDRESSES: dict[str, Any] = {
     "anyOf": [{"const": "any"}, {"type": "array", "minItems": 1, "items": _SOURCE}]
 }
@@ -196,8 +196,8 @@ _ADDRESSES: dict[str, Any] = {
 class ChannelMapFile(FileSchema):
     """The columns of a foreign log that are channels, with unit and sign."""
 
-    channels: ChannelsSection | None = None  # type: ignore[valid-type]
-    text: TextSection | None = None
+    channels: _ChannelsSection | None = None  # type: ignore[valid-type]
+    text: _TextSection | None = None
     ignore: Annotated[list[str], BeforeValidator(_columns), WithJsonSchema(_LIST)] = Field(
         default_factory=list
     )
@@ -230,7 +230,7 @@ def read_channel_map(path: Path) -> ChannelMap:
     return ChannelMap(
         where=str(path),
         channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
-        text=TextFormat(**dict(file.text or TextSection())),
+        text=TextFormat(**dict(file.text or _TextSection())),
         ignore=tuple(file.ignore),
         databases=Databases(files.pop("", ()), tuple(files.items()), sources),
     )

@@ -98,13 +98,13 @@ PERIODS = {
 }
 """Periods after which recorder counters wrap [s]."""
 
-MISSED = 1.0
+_MISSED = 1.0
 """A step back is a wrap if it is shorter than a period by at most this [s]."""
 
-DISORDER = 0.1
+_DISORDER = 0.1
 """Frames of several buses may be out of order by at most this [s]."""
 
-DISORDERED = 0.25
+_DISORDERED = 0.25
 """Largest share of frames out of order [1]; with more, the timestamps have another meaning."""
 
 
@@ -118,7 +118,7 @@ def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
     steps = np.diff(written)
     if not np.isfinite(written).all():
         raise LogError("a timestamp is not a number", where=where, do="export the log again")
-    if np.count_nonzero(steps < 0) > max(DISORDERED * written.size, 1):
+    if np.count_nonzero(steps < 0) > max(_DISORDERED * written.size, 1):
         raise LogError(
             f"{np.count_nonzero(steps < 0)} of {written.size} timestamps are not increasing",
             where=where,
@@ -126,7 +126,7 @@ def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
             do="export with absolute timestamps",
         )
     time, notes = written.astype(np.float64), []
-    for i in np.flatnonzero(steps < -DISORDER):
+    for i in np.flatnonzero(steps < -_DISORDER):
         name, period = _period(float(-steps[i]), f"{where}: sample {i + 2}", float(written[i]))
         time[i + 1 :] += period
         notes.append(f"the clock wrapped after {written[i]:.6g} s ({name}): {period:.6f} s added")
@@ -135,7 +135,7 @@ def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
 
 def _period(back: float, where: str, last: float) -> tuple[str, float]:
     for name, period in PERIODS.items():
-        if 0.0 <= period - back <= MISSED:
+        if 0.0 <= period - back <= _MISSED:
             return name, period
     raise LogError(
         f"time goes back by {back:.6g} s, from {last:.6g} s",

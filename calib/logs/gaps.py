@@ -17,7 +17,7 @@ from calib.logs.source import Array
 BRIDGE = 0.2
 """Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""
 
-SIDE = 0.1
+_SIDE = 0.1
 """Length [s] of the samples on either side of a gap that show whether a channel is smooth."""
 
 NEAR = 0.5
@@ -26,7 +26,7 @@ NEAR = 0.5
 FEWEST = 4
 """Fewest samples of a side: nearly every line goes through fewer."""
 
-INSTANT = 1e-9
+_INSTANT = 1e-9
 """Samples with a spread of less [s] are at one time, and show no slope: recorders count no finer
 than nanoseconds, and only damaged times are nearer."""
 
@@ -135,7 +135,7 @@ def _many(gaps: Sequence[ChannelHole]) -> str:
 
 def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
     """Whether both sides of gap ``i`` are straight, and lead to the middle of its bridge."""
-    reach = max(SIDE, float(t[i + 1] - t[i]), (FEWEST + 0.5) * step)
+    reach = max(_SIDE, float(t[i + 1] - t[i]), (FEWEST + 0.5) * step)
     first, end = np.searchsorted(t, [t[i] - reach, t[i + 1] + reach])
     sides = slice(first, i + 1), slice(i + 1, end)
     if min(side.stop - side.start for side in sides) < FEWEST:
@@ -160,7 +160,7 @@ def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
     """Whether the samples of a side lie on a line that goes through the origin."""
     n, centre = t.size, float(t.mean())
     spread = float(np.sum((t - centre) ** 2))
-    if spread < INSTANT**2:
+    if spread < _INSTANT**2:
         return False
     slope = float(np.sum((t - centre) * x)) / spread
     line = x.mean() + slope * (t - centre)

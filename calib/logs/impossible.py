@@ -32,7 +32,7 @@ class Possible(NamedTuple):
     """What a car can do to a channel, in SI.
 
     ``up`` its fastest rise [1/s]; ``zero`` the fastest change from and to a reading of exactly 0
-    [1/s], ``nonzero`` the least jump there; ``long`` change that goes on for longer than `QUICK`
+    [1/s], ``nonzero`` the least jump there; ``long`` change that goes on for longer than `_QUICK`
     [1/s]; ``end`` beyond which nothing is measured. ``steps``: a step may be true, as that of a
     simulated pressure, and only a short way to 0 and back is not.
     """
@@ -45,7 +45,7 @@ class Possible(NamedTuple):
     steps: bool = False
 
 
-POSSIBLE = {
+_POSSIBLE = {
     # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2; a wheel that locks falls to 0 by
     # steps, and from below the least speed of its sensor
     **{f"omega_{w}": Possible(2500.0, 1500.0, 20.0, 40.0, 400.0) for w in WHEELS},
@@ -57,7 +57,7 @@ POSSIBLE = {
     "a_x": Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
 }
 
-QUICK = 0.05
+_QUICK = 0.05
 """Time [s] over which a wheel spins up or stops; over a longer one it goes with the car."""
 
 NOISE = 10.0
@@ -104,7 +104,7 @@ def without_impossible(
         return values, (), ()
     found = {
         name: _impossible(time, values[name], possible)
-        for name, possible in POSSIBLE.items()
+        for name, possible in _POSSIBLE.items()
         if name in values
     }
     wheels = [found[name] for name in (f"omega_{w}" for w in WHEELS) if name in found]
@@ -170,8 +170,8 @@ def _apart(time: Array, x: Array, possible: Possible) -> Mask:
 
 def _fastest(step: Array, slack: float, possible: Possible) -> tuple[Array, Array]:
     """Largest rise in ``step`` [s], and largest change from or to a reading of exactly 0."""
-    quick = np.minimum(step, QUICK)
-    long = np.where(step > QUICK, possible.long, 0.0) * step
+    quick = np.minimum(step, _QUICK)
+    long = np.where(step > _QUICK, possible.long, 0.0) * step
     to_zero = np.maximum(possible.nonzero, possible.zero * quick)
     return possible.up * quick + slack + long, to_zero + long
 

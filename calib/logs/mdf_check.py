@@ -39,7 +39,7 @@ _VARIABLE = 1
 
 
 @dataclass(frozen=True)
-class Checked:
+class _Checked:
     """The version of a file that may be read; an unfinished one has a ``note`` and ``counts``.
 
     ``counts`` are the records that are there, by the first byte of their channel group.
@@ -73,7 +73,7 @@ class _Group:
     count: int = 0
 
 
-def check_mdf(path: Path) -> Checked:
+def check_mdf(path: Path) -> _Checked:
     """Compare a file with its links, record sizes and record counts.
 
     Raises LogError for a file that is not MDF, too short (with the number of missing bytes) or
@@ -85,7 +85,7 @@ def check_mdf(path: Path) -> Checked:
         version, flags, little_endian = _identification(file, size, path)
         if not version.startswith("4"):
             _check_3(file, little_endian, size, path)
-            return Checked(version)
+            return _Checked(version)
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             try:
                 starts = _check_blocks(data, path)
@@ -96,7 +96,7 @@ def check_mdf(path: Path) -> Checked:
             except (struct.error, IndexError, ValueError, OverflowError) as cause:
                 what = f"a block is shorter than its kind, or links go round: {cause}"
                 raise damaged(path, what) from cause
-            return Checked(version)
+            return _Checked(version)
 
 
 def _identification(file: BinaryIO, size: int, path: Path) -> tuple[str, int, bool]:
@@ -240,7 +240,7 @@ def _bytes_of_data(data: mmap.mmap, place: int) -> int | None:
     return total
 
 
-def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path: Path) -> Checked:
+def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path: Path) -> _Checked:
     """Count the records of an unfinished file.
 
     asammdf counts them, too, but stops without a word where a record has an unknown identifier.
@@ -272,7 +272,7 @@ def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path:
         f"the recorder did not finish the file: its {records} records were counted here{part}; "
         "nothing in the file shows whether more are missing at its end"
     )
-    return Checked(version, note, counts)
+    return _Checked(version, note, counts)
 
 
 def _count(

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     import pyarrow
 
 UNIT_KEY = b"unit"
-OTHER_KEYS = (b"units", b"Unit", b"Units")
+_OTHER_KEYS = (b"units", b"Unit", b"Units")
 """Other keys of the field metadata for the unit."""
-MDF_CLOCK = "timestamps"
+_MDF_CLOCK = "timestamps"
 """Name of the time index of a table exported by asammdf, in seconds."""
 
 
@@ -82,15 +82,15 @@ def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:
 
 def _column(field: "pyarrow.Field", pandas: dict[str, Any]) -> Column:
     metadata = field.metadata or {}
-    index = field.name == MDF_CLOCK and MDF_CLOCK in pandas.get("index_columns", [])
+    index = field.name == _MDF_CLOCK and _MDF_CLOCK in pandas.get("index_columns", [])
     if _clock_unit(field.type) is not None:
         name = "time" if index else column_from_cell(field.name).name
         return Column(name, "s", field.name)
-    for key in (UNIT_KEY, *OTHER_KEYS):
+    for key in (UNIT_KEY, *_OTHER_KEYS):
         if key in metadata:
             return Column(field.name, metadata[key].decode(errors="replace"))
     if index:
-        return Column("time", "s", MDF_CLOCK)
+        return Column("time", "s", _MDF_CLOCK)
     units = (pandas.get("attributes") or {}).get("units")
     unit = units.get(field.name) if isinstance(units, dict) else None
     return Column(field.name, str(unit)) if unit else column_from_cell(field.name)

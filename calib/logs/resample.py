@@ -24,7 +24,7 @@ FASTEST = 1050.0
 ALIKE = 0.9
 """From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
 
-UNEVEN = 0.5
+_UNEVEN = 0.5
 """A clock of which more than a tenth of the steps differ by more than this from the median [1] is
 taken only if there is no other."""
 
@@ -47,7 +47,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Resampled:
+class _Resampled:
     """Channels on one clock.
 
     ``time`` [s]; ``values`` of its shape for each wanted channel, NaN where it has none; the gaps
@@ -63,7 +63,7 @@ class Resampled:
     interpolated: tuple[str, ...]
 
 
-def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
+def on_one_clock(wanted: Sequence[Wanted], where: str) -> _Resampled:
     """Resample channels onto one clock.
 
     It has the timestamps of the required channel with the highest rate and even steps; if several
@@ -87,7 +87,7 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     time = master.trace.time[inside]
     filled = [_at(w, master, inside) for w in wanted]
     gaps = [text for item in filled for text in in_words(item)]
-    return Resampled(
+    return _Resampled(
         time,
         [item.values for item in filled],
         (*notes, *_notes(full, master, rates), *gaps, *cut),
@@ -175,7 +175,7 @@ def _even(time: Array) -> bool:
     """Whether nearly all steps are about as long: not so the pages of a multiplexed message."""
     steps = np.diff(time)
     median = float(np.median(steps))
-    return bool(np.quantile(np.abs(steps - median), 0.9) <= UNEVEN * median)
+    return bool(np.quantile(np.abs(steps - median), 0.9) <= _UNEVEN * median)
 
 
 def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:

@@ -11,12 +11,12 @@ from calib.base.plain import counted
 from calib.logs.gaps import ONLY
 from calib.logs.source import Array
 
-MIN_SAMPLES = 50
+_MIN_SAMPLES = 50
 """Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""
 
-ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
+_ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
 """By SI unit: far above all values that a car can have, and that a wrong unit can make of them."""
-ABSURD_ELSE = 1e12
+_ABSURD_ELSE = 1e12
 """Above seconds since 1970, too."""
 
 
@@ -90,7 +90,7 @@ def complete_channels(
 def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
     """Raise LogError for a value so large that the file must be damaged; channels in SI by name."""
     for name, values in channels.items():
-        most = ABSURD.get(CHANNELS[name].si, ABSURD_ELSE) if name in CHANNELS else ABSURD_ELSE
+        most = _ABSURD.get(CHANNELS[name].si, _ABSURD_ELSE) if name in CHANNELS else _ABSURD_ELSE
         absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
         if absurd.size:
             row = int(absurd[0])
@@ -117,8 +117,10 @@ def _holes(name: str, values: Array, bad: NDArray[np.intp], time: Array, where: 
 
 def check_clock(time: Array, where: str) -> None:
     """Check ``time`` [s], shape (n,): increasing, enough samples. Raises LogError."""
-    if time.size < MIN_SAMPLES:
-        raise LogError(f"only {time.size} samples", where=where, expected=f"at least {MIN_SAMPLES}")
+    if time.size < _MIN_SAMPLES:
+        raise LogError(
+            f"only {time.size} samples", where=where, expected=f"at least {_MIN_SAMPLES}"
+        )
     check_increasing(time, where)
 
 

@@ -64,10 +64,10 @@ def write_parquet(log: Log, path: Path) -> None:
     The log read back is equal to rounding error. Checksums show damage to the reader.
     Raises as `write_csv`.
     """
-    write_whole(Path(path), parquet_bytes(_columns(log)))
+    write_whole(Path(path), _parquet_bytes(_columns(log)))
 
 
-def parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
+def _parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
     """A Parquet file from name, unit and values of each column; null where a value is NaN."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -130,7 +130,7 @@ def _unit(name: str, unit: str | None) -> str | None:
 
 
 def _to_parquet(log: WholeLog) -> bytes:
-    return parquet_bytes((c.name, _unit(c.name, c.unit), c.values) for c in log.columns)
+    return _parquet_bytes((c.name, _unit(c.name, c.unit), c.values) for c in log.columns)
 
 
 def _to_mdf(log: WholeLog) -> bytes:

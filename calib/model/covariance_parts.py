@@ -33,7 +33,7 @@ PART = RampParameters[str](
 )
 """The part of an uncertainty that the prior of each parameter belongs to."""
 
-PART_OF_RUN = OfRun("zeros", "zeros", "tyres", "unlike_pads", "unlike_pads")
+_PART_OF_RUN = OfRun("zeros", "zeros", "tyres", "unlike_pads", "unlike_pads")
 """The same of what differs from run to run."""
 
 
@@ -43,7 +43,7 @@ def information_parts(runs: list[RampRun], jacobian: Array) -> Parts:
     The lead-in says where eta and slip are zero: its noise is that of the zeros. Rows after the
     data say that the pads are the same on all runs: what they miss belongs to unlike pads.
     """
-    owners = [*PART, *PART_OF_RUN * len(runs)]
+    owners = [*PART, *_PART_OF_RUN * len(runs)]
     for run in runs:
         data = np.where(run.blocks.lead_in[run.use], "zeros", "noise").tolist()
         owners += data if run.slip is None else 2 * data

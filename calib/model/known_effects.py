@@ -48,12 +48,12 @@ TOLERANCE = 1e-9
 ITERATIONS = 50
 """The sensor effects of a car move a_x by a tenth of it at most: a digit an iteration."""
 
-HEAT_ITERATIONS = 3
+_HEAT_ITERATIONS = 3
 """Friction and heat depend on each other: three iterations are enough for wet pads to agree."""
 
 
 @dataclass(frozen=True)
-class CorrectedRun:
+class _CorrectedRun:
     """A run as the car without the effects would have given it.
 
     ``vehicle`` as driven, with those effects left that take part in the balance of forces, drag
@@ -67,7 +67,7 @@ class CorrectedRun:
     factor_r: Array
 
 
-def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
+def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
     """Take the known effects of a vehicle, empirical terms among them, out of a log.
 
     A run without such effects comes back as it is. Causal: no sample depends on a later one, unless
@@ -82,7 +82,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     effects = chosen(known.effects, _changes_log)
     ones = np.ones_like(log.time)
     if not effects:
-        return CorrectedRun(car, log, ones, ones)
+        return _CorrectedRun(car, log, ones, ones)
     model = replace(known, vehicle=car, effects=effects)
     history = _history(model, log)
     channels = {**log.channels, "a_x": -G * history.z, **_in_time(effects, log, history)}
@@ -101,7 +101,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
         clamp = [brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES]
         factors = pad_factors(effects, history, clamp[0], clamp[1])
     notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
-    return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
+    return _CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
 
 
 def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
@@ -180,7 +180,7 @@ def _brakes(model: Model, log: Log) -> Brakes:
 
 def _heated(brakes: Brakes, history: RunHistory, log: Log) -> RunHistory:
     """The run with the heat [J] that its brakes took; friction and heat depend on each other."""
-    for _ in range(HEAT_ITERATIONS):
+    for _ in range(_HEAT_ITERATIONS):
         torques = brakes.torques(history)
         heat = {a: integral(log.time, np.abs(torques[f"{a}l"] * log[f"omega_{a}l"])) for a in AXLES}
         history = replace(history, energy_f=heat["f"], energy_r=heat["r"])

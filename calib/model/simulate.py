@@ -38,7 +38,7 @@ and with it their momentum: with rotating masses of 4 %, a change of 5 m/s^2 put
 
 
 @dataclass(frozen=True)
-class FineClock:
+class _FineClock:
     """``time`` [s] (m,) with every sample of the inputs' clock, at the places ``at`` (n,)."""
 
     time: Array
@@ -172,7 +172,7 @@ def _check_inputs(
             )
 
 
-def _along(clock: FineClock, inputs: Mapping[str, Array]) -> dict[str, Array]:
+def _along(clock: _FineClock, inputs: Mapping[str, Array]) -> dict[str, Array]:
     return {name: clock.along(values) for name, values in inputs.items()}
 
 
@@ -204,7 +204,7 @@ def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Arr
     return truth
 
 
-def fine_clock(time: Array) -> FineClock:
+def fine_clock(time: Array) -> _FineClock:
     """Divide every step of ``time`` [s] (n,), increasing, into equal ones of `STEP` at most.
 
     >>> import numpy as np
@@ -213,4 +213,4 @@ def fine_clock(time: Array) -> FineClock:
     """
     parts = np.ceil(np.diff(time) / STEP - 1e-6).astype(np.intp)
     at = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))]).astype(np.intp)
-    return FineClock(np.interp(np.arange(at[-1] + 1), at, time), at)
+    return _FineClock(np.interp(np.arange(at[-1] + 1), at, time), at)

@@ -109,7 +109,7 @@ def motor_of(response: BrakeResponse, odds: float = Vehicle.motor_odds) -> Motor
     0.06
     """
     at_once = _as_measured(response.share, response.share_sigma)
-    slow = Seen(response.fading, math.hypot(response.fading_sigma, PLAUSIBLE.usual_fading))
+    slow = _Seen(response.fading, math.hypot(response.fading_sigma, PLAUSIBLE.usual_fading))
     kinds = (
         (LASTING, at_once),
         (FOLLOWING, slow),
@@ -125,42 +125,42 @@ def motor_of(response: BrakeResponse, odds: float = Vehicle.motor_odds) -> Motor
     return Motor(chance, share, chance * square)
 
 
-class Seen(NamedTuple):
+class _Seen(NamedTuple):
     """A force over the usual brake force [1], and its ``sigma`` where no motor brakes [1]."""
 
     share: float
     sigma: float
 
 
-def _as_measured(share: float, sigma: float) -> Seen:
+def _as_measured(share: float, sigma: float) -> _Seen:
     """A force without pressure, less what its measurement takes as usual before, `FORCE_BEFORE`.
 
     One of which the run says nothing is measured as zero, as well as `UNKNOWN` says.
     """
     kept = min((sigma / FORCE_BEFORE) ** 2, 1.0 - (FORCE_BEFORE / UNKNOWN) ** 2)
-    return Seen(
+    return _Seen(
         share / (1.0 - kept), math.hypot(sigma / math.sqrt(1.0 - kept), PLAUSIBLE.usual_force)
     )
 
 
-def _together(one: Seen, other: Seen) -> Seen:
+def _together(one: _Seen, other: _Seen) -> _Seen:
     """One force that was measured twice."""
     of_one, of_other = one.sigma**2, other.sigma**2
     total = of_one + of_other
     share = (of_other * one.share + of_one * other.share) / total
-    return Seen(share, math.sqrt(of_one * of_other / total))
+    return _Seen(share, math.sqrt(of_one * of_other / total))
 
 
-def _odds(seen: Seen) -> float:
+def _odds(seen: _Seen) -> float:
     """How much likelier a motor makes a force than what is usual does, which has both signs."""
     return likelihood_ratio(seen.share, seen.sigma, PLAUSIBLE.motor_force)
 
 
-def _measured(seen: Seen) -> float:
+def _measured(seen: _Seen) -> float:
     return seen.share
 
 
-def _square(seen: Seen) -> float:
+def _square(seen: _Seen) -> float:
     """Mean of the square of a motor's share, as it was seen."""
     return mean_square(seen.share, seen.sigma, PLAUSIBLE.motor_force)
 

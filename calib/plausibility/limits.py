@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class PlausibilityLimits:
+class _PlausibilityLimits:
     """Each is named after what it decides; the comments name the file."""
 
     # accelerometer.py
@@ -114,4 +114,4 @@ class PlausibilityLimits:
     """Share of such samples, less twice that of those above, from which the sensor is named."""
 
 
-PLAUSIBLE = PlausibilityLimits()
+PLAUSIBLE = _PlausibilityLimits()

@@ -10,7 +10,7 @@ from calib.car.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
 from calib.table.table import Calibration, TyrePosterior
 
-LEVEL_CAUSES = (
+_LEVEL_CAUSES = (
     "the unit or the scale of p_mc",
     "the scale of a_x",
     "mass, piston areas, friction_faces or radii of the vehicle file",
@@ -55,7 +55,7 @@ def calibration_warnings(
                 vehicle.name,
                 value,
                 (low, high),
-                LEVEL_CAUSES,
+                _LEVEL_CAUSES,
                 "correct what is wrong, or write the friction of these pads into the vehicle file",
             )
     rho = calibration.pad_log_ratio

@@ -111,7 +111,7 @@ class Accelerometer:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-GREATEST = 1.5
+_GREATEST = 1.5
 """Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
 
 SECOND = 1.0
@@ -219,7 +219,7 @@ Compared = tuple[Array, Mask]
 
 def _usable(b: Blocks) -> Mask:
     """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
-    return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
+    return np.asarray((b.speed > 2.0) & (np.abs(b.z) < _GREATEST))
 
 
 def _compared(b: Blocks, smooth: Array) -> Compared | None:

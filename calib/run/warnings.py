@@ -9,7 +9,7 @@ from calib.run.limits import LIMITS
 from calib.run.observation import Observation
 from calib.run.wheels import causes_of_reversed_slip
 
-NONE = (0.0, 0.0)
+_NONE = (0.0, 0.0)
 
 
 def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]:
@@ -22,7 +22,7 @@ def impossible_samples(log: Log) -> Iterator[PlausibilityWarning]:
     """Samples that no car drives and that the reader left out."""
     if log.marked:
         yield PlausibilityWarning(
-            "impossible_samples", log.name, sum(one.count for one in log.marked), NONE,
+            "impossible_samples", log.name, sum(one.count for one in log.marked), _NONE,
             tuple(str(one) for one in log.marked),
             "they are not used; decode the error value of a signal as no value",
         )  # fmt: skip
@@ -43,7 +43,7 @@ def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if clock.gaps:
         when, length = max(clock.gaps, key=lambda gap: gap[1])
         yield PlausibilityWarning(
-            "clock_gaps", log, length, NONE,
+            "clock_gaps", log, length, _NONE,
             ("lost messages or samples",),
             f"look at {when:.2f} s, the longest of {len(clock.gaps)} gaps; drive again if a "
             "braking is cut",
@@ -54,9 +54,9 @@ def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if seen.events and seen.lead_in < LIMITS.lead_in_good:
         yield warning("lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None))
     if seen.lead_in_driven:
-        yield warning("lead_in_driven", log, 1.0, NONE)
+        yield warning("lead_in_driven", log, 1.0, _NONE)
     if seen.standing > 0.0:
-        yield warning("standing", log, seen.standing, NONE)
+        yield warning("standing", log, seen.standing, _NONE)
 
 
 def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
@@ -65,7 +65,7 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         return
     eta = axles.front_rear
     if eta is None:
-        yield warning("eta_zero_unknown", log, 1.0, NONE)
+        yield warning("eta_zero_unknown", log, 1.0, _NONE)
     else:
         if abs(eta.value) > max(LIMITS.tyres, eta.half):  # tyres that are worn unlike are zeroed
             yield warning("eta_zero", log, eta.value, (-LIMITS.tyres, LIMITS.tyres))
@@ -97,7 +97,7 @@ def _limits(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if slips and slips.cycles:
         wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in slips.cycles))
         yield PlausibilityWarning(
-            "abs", log, len(slips.cycles), NONE,
+            "abs", log, len(slips.cycles), _NONE,
             (f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on",),
             "brake less, or on a road with more grip",
         )  # fmt: skip
@@ -109,18 +109,18 @@ def locked_wheels(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     slips = seen.slipping
     if slips and slips.locked:
         yield PlausibilityWarning(
-            "locked_wheels", log, len(slips.locked), NONE,
+            "locked_wheels", log, len(slips.locked), _NONE,
             (f"wheel {', '.join(slips.locked)} locks",), "brake less, or on a road with more grip",
         )  # fmt: skip
 
 
 def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if "v" not in seen.present:
-        yield warning("no_reference_speed", log, 1.0, NONE)
+        yield warning("no_reference_speed", log, 1.0, _NONE)
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel == "v":
             longest = max(end - start for start, end in sensor.stuck)
-            yield warning("v_stuck", log, longest, NONE)
+            yield warning("v_stuck", log, longest, _NONE)
     yield from saturated(log, seen)
     blur = _blur(seen)
     if blur > LIMITS.zero:
@@ -132,7 +132,7 @@ def saturated(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     for sensor in seen.sensors:
         if sensor.saturated:
             yield PlausibilityWarning(
-                "saturated", log, sensor.saturated, NONE,
+                "saturated", log, sensor.saturated, _NONE,
                 (f"{sensor.channel} is at the end of its range",), "widen its range",
             )  # fmt: skip
 

@@ -12,7 +12,7 @@ from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
 from calib.store.version import Stored
 
-PACKAGES = ("numpy", "scipy", "matplotlib")
+_PACKAGES = ("numpy", "scipy", "matplotlib")
 """Packages that compute and draw."""
 _DIGESTS = "Inputs, with the SHA-256 of their bytes."
 
@@ -35,7 +35,7 @@ def origin(
     given: PageOrigin, stored: Stored, logs: Iterable[tuple[str, str, str]], mass: str
 ) -> Facts:
     """Where the results come from; ``logs`` (role, name, SHA-256)."""
-    packages = [f"{name} {version(name)}" for name in PACKAGES]
+    packages = [f"{name} {version(name)}" for name in _PACKAGES]
     inputs = [(name, role, digest) for role, name, digest in (*logs, *given.files)]
     return Facts(
         "Where it comes from",

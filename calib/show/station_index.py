@@ -20,7 +20,7 @@ from calib.line.station.index import (
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Table
 from calib.show.html import page_of
 
-LAST = 30
+_LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
 _DRAWN = 200
 """Runs in a trend, the last of them."""
@@ -58,10 +58,10 @@ def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
         verdict=KINDS.get(last.verdict, FAILED) if last else "",
         word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
         numbers=[("cars", str(len(runs))), *((of[w], str(n)) for w, n in counts.items() if n)],
-        tables=[_runs(worst_first(runs[:LAST]), f"The last cars. {TOP}")],
+        tables=[_runs(worst_first(runs[:_LAST]), f"The last cars. {TOP}")],
         notes=[f"This page {this}; {other} is the other one."],
         pictures=[line for key in TRENDS if (line := trend(runs, key)) is not None],
-        parts=[Facts("Earlier cars", tables=[_runs(runs[LAST:])], folded=True)],
+        parts=[Facts("Earlier cars", tables=[_runs(runs[_LAST:])], folded=True)],
     )
 
 

@@ -14,7 +14,7 @@ from calib.table.table import Scatter, Table, Value
 
 
 @dataclass(frozen=True)
-class MeanFigure:
+class _MeanFigure:
     """``value`` [1] of the mean, relative half width of its 95 % interval, and sigma of the cars.
 
     ``half_width`` and ``between`` are shares of the value [1]. The interval holds what differs from
@@ -27,7 +27,7 @@ class MeanFigure:
     between: float
 
 
-def mean_figures(table: Table) -> tuple[MeanFigure, ...]:
+def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
     """Figures of a mean table: D where it is largest, pad level, pad ratio, slip stiffness.
 
     Pads are over those of the vehicle file. Empty for a table of one car.
@@ -40,8 +40,8 @@ def mean_figures(table: Table) -> tuple[MeanFigure, ...]:
     eta, D = table.difference.peak
     pads = pad_levels(table.vehicle, table.calibration)
 
-    def figure(name: str, value: float, of: Scatter, scale: float = 1.0) -> MeanFigure:
-        return MeanFigure(name, value, t95 * of.of_mean / scale, of.between / scale)
+    def figure(name: str, value: float, of: Scatter, scale: float = 1.0) -> _MeanFigure:
+        return _MeanFigure(name, value, t95 * of.of_mean / scale, of.between / scale)
 
     return (
         figure(f"D at eta {eta:.5f}", D, spread.D[row], abs(D)),
@@ -52,7 +52,7 @@ def mean_figures(table: Table) -> tuple[MeanFigure, ...]:
 
 
 @dataclass(frozen=True)
-class EffectFigure:
+class _EffectFigure:
     """A parameter of an effect: ``value`` and ``ci95`` [``unit``].
 
     ``ci95`` is the interval of the value's sigma, cut at the range of the effect's card: no drag is
@@ -72,7 +72,7 @@ class EffectFigure:
         return f"{self.name} {self.value.value:.4g}{unit} ({within})"
 
 
-def effect_figures(table: Table) -> Iterator[EffectFigure]:
+def effect_figures(table: Table) -> Iterator[_EffectFigure]:
     """Every parameter of the effects of a table, in the order of its record."""
     known = every_effect(table.vehicle.effects)
     for effect, values in table.effect_values.items():
@@ -82,9 +82,9 @@ def effect_figures(table: Table) -> Iterator[EffectFigure]:
             yield _figure(effect, name, value, parameters.get(name))
 
 
-def _figure(effect: str, name: str, value: Value, of: Parameter | None) -> EffectFigure:
+def _figure(effect: str, name: str, value: Value, of: Parameter | None) -> _EffectFigure:
     low, high = value.ci95
     if of is None:
-        return EffectFigure(effect, name, value, "SI", (low, high))
+        return _EffectFigure(effect, name, value, "SI", (low, high))
     cut = (max(low, min(of.low, value.value)), min(high, max(of.high, value.value)))
-    return EffectFigure(effect, name, value, of.unit, cut)
+    return _EffectFigure(effect, name, value, of.unit, cut)

@@ -47,7 +47,7 @@ _CARS = "cars"
 """Part of a budget that is the difference between cars."""
 
 
-class MeanCurves(NamedTuple):
+class _MeanCurves(NamedTuple):
     """The curves of a mean table, the scatter of D, and the weight of each car (k,)."""
 
     difference: DifferenceCurve
@@ -68,7 +68,7 @@ class _OneCurve(NamedTuple):
     flag: Array
 
 
-def mean_curves(tables: Sequence[Table]) -> MeanCurves:
+def mean_curves(tables: Sequence[Table]) -> _MeanCurves:
     """The mean curves.
 
     A car has one weight in the whole mean, by how well its D is known where D is largest: what
@@ -92,7 +92,7 @@ def mean_curves(tables: Sequence[Table]) -> MeanCurves:
     scatter, columns = _mean(of_D, weights)
     difference = DifferenceCurve(*columns)
     tyre = TyreCurve(*_mean(of_g, weights)[1])
-    return MeanCurves(difference, _paper(tables, difference, weights), tyre, scatter, weights)
+    return _MeanCurves(difference, _paper(tables, difference, weights), tyre, scatter, weights)
 
 
 def _paper(tables: Sequence[Table], d: DifferenceCurve, weights: Array) -> PaperCurves:
@@ -135,7 +135,7 @@ def _on_one_axis(
     return _OneCurve(axis, values, own, variance - own, counts.sum(axis=0), middle)
 
 
-class MeanPads(NamedTuple):
+class _MeanPads(NamedTuple):
     """What a mean table says of pads and tyre, and the scatter of level, ratio and stiffness."""
 
     posterior: TyrePosterior
@@ -144,7 +144,7 @@ class MeanPads(NamedTuple):
     scatter: RandomEffects
 
 
-def mean_pads(tables: Sequence[Table], weights: Array) -> MeanPads:
+def mean_pads(tables: Sequence[Table], weights: Array) -> _MeanPads:
     """Mean of pads and tyre; ``weights`` (k,) of the cars."""
     vehicle, names = tables[0].vehicle, tables[0].posterior.names
     scatter = _scatter(tables, weights)
@@ -165,7 +165,7 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> MeanPads:
     # the part of the covariance that no stop learns from: no mean makes it smaller
     scatters = [t.posterior.scatter for t in tables]
     apart = _shared([{"": one} if one else {} for one in scatters], weights)
-    return MeanPads(
+    return _MeanPads(
         posterior=TyrePosterior(
             names,
             tuple(mean.tolist()),

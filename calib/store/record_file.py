@@ -25,7 +25,7 @@ from calib.table.table import (
 )
 
 
-class VehicleRecord(Section):
+class _VehicleRecord(Section):
     """The vehicle in a record: of its effects only the named ones."""
 
     name: str
@@ -47,7 +47,7 @@ class Record(FileSchema):
     model_config = ConfigDict(allow_inf_nan=False)
 
     name: str
-    vehicle: VehicleRecord
+    vehicle: _VehicleRecord
     posterior: TyrePosterior
     calibration: Calibration
     effects: dict[str, dict[str, Value]]
@@ -63,7 +63,7 @@ class Record(FileSchema):
     by_hand: tuple[SetByHand, ...] = ()
 
 
-class Parent(Section):
+class _Parent(Section):
     """A log that a table was made of."""
 
     name: str
@@ -76,13 +76,13 @@ class RecordFile(Section):
     id: str
     version: int
     digest: str
-    parents: tuple[Parent, ...]
+    parents: tuple[_Parent, ...]
     files: dict[str, str]
     record: Record
     states: Literal["journal.jsonl"] | None = None
 
 
-class LogOutcome(Section):
+class _LogOutcome(Section):
     """A log that was validated."""
 
     model_config = ConfigDict(extra="ignore")
@@ -100,7 +100,7 @@ class SummaryFile(FileSchema):
     table: str
     digest: str | None = None
     verdict: Literal["passed", "failed"]
-    logs: list[LogOutcome]
+    logs: list[_LogOutcome]
 
 
 def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:

@@ -24,7 +24,7 @@ _UNSEEN = "an older copy of the store will not be noticed"
 
 
 @dataclass(frozen=True)
-class Sight:
+class _Sight:
     """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
 
     ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
@@ -48,7 +48,7 @@ class SeenJournals:
     """All that was seen, in the file ``path``; ``note`` says why it cannot be used, else ""."""
 
     path: Path | None
-    sights: tuple[Sight, ...] = ()
+    sights: tuple[_Sight, ...] = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
@@ -100,10 +100,10 @@ def recall() -> SeenJournals:
     return SeenJournals(path, _sights(data, path))
 
 
-def _sights(data: bytes, path: Path) -> tuple[Sight, ...]:
+def _sights(data: bytes, path: Path) -> tuple[_Sight, ...]:
     try:
         document = json.loads(data)
-        sights = tuple(Sight(**one) for one in document["seen"])
+        sights = tuple(_Sight(**one) for one in document["seen"])
         hashes = all(_HASH.fullmatch(x) for one in sights for x in (one.store, one.head))
         if document["schema"] == 1 and hashes and all(one.lines >= 1 for one in sights):
             return sights
@@ -117,12 +117,12 @@ def _sights(data: bytes, path: Path) -> tuple[Sight, ...]:
     )
 
 
-def _sight(folder: Path, journal: Journal, key: str) -> Sight:
+def _sight(folder: Path, journal: Journal, key: str) -> _Sight:
     first = journal.entries[0].hash if journal.entries else ""
-    return Sight(key, first, str(folder.resolve()), journal.head, len(journal.entries))
+    return _Sight(key, first, str(folder.resolve()), journal.head, len(journal.entries))
 
 
-def _flaw(seen: Sight, here: Sight, journal: Journal) -> str:
+def _flaw(seen: _Sight, here: _Sight, journal: Journal) -> str:
     if seen.store != here.store:
         return "another store was seen here before" if seen.place == here.place else ""
     if here.lines < seen.lines:
@@ -135,7 +135,7 @@ def _flaw(seen: Sight, here: Sight, journal: Journal) -> str:
     return ""
 
 
-def _write(path: Path, new: Sight) -> str:
+def _write(path: Path, new: _Sight) -> str:
     """Put a sight in the place of an older one. The caller holds the lock."""
     now = recall()
     if now.note or any(one.of == new.of and one.lines >= new.lines for one in now.sights):

@@ -77,7 +77,7 @@ def parse_statement(line: str, where: object = None) -> Statement:
 
 
 @dataclass(frozen=True)
-class Signed:
+class _Signed:
     """A signature of a version that holds.
 
     ``note`` says why an older copy of the store would go unnoticed, or "".
@@ -90,7 +90,7 @@ class Signed:
     note: str = ""
 
 
-def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> Signed:
+def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     """Sign the record and the state of ``name@version``, and enter that in the journal.
 
     It covers the head of the journal before that line, and takes the place of an older signature of
@@ -120,10 +120,10 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> Signed:
         journal = entered(SIGNED, stored, decision, now.journal, key.key_id)
         enter(store.folder, journal, put_back)
     note = _keep(store.now(), key.public, memory)
-    return Signed(stored, path, key.key_id, statement, note)
+    return _Signed(stored, path, key.key_id, statement, note)
 
 
-def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> Signed:
+def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
     """The signature of a key that holds of a version in its store.
 
     ``newest``: the version was chosen as the newest one that may be used. Then each newer one that
@@ -151,7 +151,7 @@ def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> S
 def verify_signed(
     store: Store, public: PublicKey, name: str | None = None
 ) -> tuple[tuple[StoreVerdict, ...], str]:
-    """`Store.verify` with the signatures of a key, and a note as in `Signed`.
+    """`Store.verify` with the signatures of a key, and a note as in `_Signed`.
 
     Every released version must have one, and each that the key has ever signed. Raises as
     `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
@@ -206,7 +206,7 @@ def _with_signature(now: Snapshot, verdict: StoreVerdict, public: PublicKey) -> 
         return replace(verdict, violations=(*verdict.violations, flaw))
 
 
-def _held(now: Snapshot, stored: Stored, public: PublicKey) -> Signed:
+def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     """The signature of a key that holds of a version as it is now.
 
     Raises SignatureRefused when there is none, or it is of another version, state or store.
@@ -215,7 +215,7 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> Signed:
     for path, signature in _of_key(stored.path.parent, stored.version, public):
         try:
             statement = _checked(now, stored, public, path, signature)
-            return Signed(stored, path, public.key_id, statement)
+            return _Signed(stored, path, public.key_id, statement)
         except SignatureRefused as error:
             refused = refused or error
     if refused:

@@ -29,17 +29,17 @@ from calib.suggest.words import (
 
 FOLLOWS = 0.8
 """Lowest correlation [1] of two signals that belong together."""
-ACCELERATED = 0.5
+_ACCELERATED = 0.5
 """Smallest range of the derivative of speed [m/s^2] to check an acceleration with."""
 LATE = 0.06
 """A pressure may be later than its effect by this [s], because sensor filters differ."""
 LATER = 0.01
 """Gain of correlation [1] from which on a pressure counts as later than the deceleration."""
-PRESSED = 2e5
+_PRESSED = 2e5
 """Smallest range of a brake pressure [Pa] in a log with braking."""
-SLOPES = (0.7, 1.4)
+_SLOPES = (0.7, 1.4)
 """Allowed a_x over the derivative of speed [1]: slope, pitch and slip change it less than this."""
-WITH_WHEELS = 0.98
+_WITH_WHEELS = 0.98
 """Lowest correlation [1] of the speed of the car with that of its wheels."""
 NAMED = 99
 """Score of a column that has the name of the channel."""
@@ -83,7 +83,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
         points = NAMED if item.name == "v" else score(item.name, SPEED)
         if points < 1:
             search.refuse(item, "a speed, but not of the car, by its name")
-        elif wheels is not None and moves and correlation(item.values, wheels) < WITH_WHEELS:
+        elif wheels is not None and moves and correlation(item.values, wheels) < _WITH_WHEELS:
             search.refuse(item, "a speed that does not agree with the wheels")
         else:
             passed.append((item, points))
@@ -104,7 +104,7 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, me
     rad/s^2.
     """
     checked = None
-    if rate is not None and float(np.ptp(rate)) > (ACCELERATED if metres else 2.0):
+    if rate is not None and float(np.ptp(rate)) > (_ACCELERATED if metres else 2.0):
         checked = rate
     passed = []
     for item in search.free():
@@ -149,10 +149,10 @@ def _wrong_size(
     """Whether the size of the acceleration contradicts its unit, which is then asked for."""
     slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
     off, what = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
-    low, high = SLOPES if metres else LIMITS.wheel_radius
+    low, high = _SLOPES if metres else LIMITS.wheel_radius
     if low <= off <= high:
         return False
-    meant = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if SLOPES[0] < off / f < SLOPES[1]]
+    meant = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if _SLOPES[0] < off / f < _SLOPES[1]]
     hint = f": is it in {meant[0]}?" if meant else ""
     why = f"in {item.column.unit} it is {off:.3g} times the derivative of {what}{hint}"
     search.doubt("a_x", [item], why, "give its unit: --take 'a_x=NAME [UNIT]'")
@@ -202,7 +202,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     sure = False
     if braking is None:
         reasons.append("no speed is known to check it with")
-    elif np.ptp(chosen.values) <= PRESSED or np.ptp(braking) < ACCELERATED:
+    elif np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
         reasons.append("no braking in the log to check it with")
     else:
         ahead, agrees = lead(chosen.values, braking, clock, LATE)
@@ -214,7 +214,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 
 def find_by_name(search: Search) -> None:
     """Find the channels that are not tested with physics."""
-    for channel, (si, side, of) in BY_NAME.items():
+    for channel, (si, side, of) in _BY_NAME.items():
         found = [s for s in search.free() if s.name == channel or _fits(s, si, side, of)]
         found = [s for s in found if s.name == channel] or found
         if len(found) > 1:
@@ -224,7 +224,7 @@ def find_by_name(search: Search) -> None:
             reasons = (
                 "name",
                 f"unit {found[0].column.unit}",
-                NOT_TESTED.get(channel, "not tested"),
+                _NOT_TESTED.get(channel, "not tested"),
             )
             search.propose(channel, Mapping(found[0].name), False, *reasons)
 
@@ -242,7 +242,7 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
     """Reason why a pressure is not the brake pressure, or None."""
     if item.values.max() > LIMITS.pressure:
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
-    if braking is None or np.ptp(braking) < ACCELERATED or not np.ptp(item.values) > 0.0:
+    if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
     ahead, agrees = lead(item.values, braking, clock)
     if agrees < FOLLOWS:
@@ -252,7 +252,7 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
     return None
 
 
-BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
+_BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
     "steering": ("rad", None, (STEERING,)),
     "T_disc_f": ("degC", "f", (DISC,)),
     "T_disc_r": ("degC", "r", (DISC,)),
@@ -262,7 +262,7 @@ BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
 """SI unit, axle and words of the channels that a column is by name and unit alone."""
 
 
-NOT_TESTED = dict.fromkeys(
+_NOT_TESTED = dict.fromkeys(
     ("T_drive_f", "T_drive_r"),
     "not tested: it must be that at the wheels (scale by the gear), negative when it slows",
 )

@@ -28,7 +28,7 @@ SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 REPEATED = 0.01
 """Largest share of rows that repeat the time of the row before them [1]."""
 
-ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
+_ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
 
 
 def find_clock(search: Search) -> None:
@@ -185,7 +185,7 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
         _doubt_wheels(search, names, why, do)
         return mean, False
     if not _wheels_told(search):
-        for channel, one in zip(ALL_WHEELS, chosen, strict=True):
+        for channel, one in zip(_ALL_WHEELS, chosen, strict=True):
             at_rim = rim_mapping(channel, one.name, unit, search.radius)
             reasons = ["name", f"unit {unit}", "the four wheels agree"]
             reasons += [rim_reason(search.radius)] if at_rim and search.radius else []
@@ -194,12 +194,12 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
 
 
 def _wheels_told(search: Search) -> bool:
-    return any(channel in search.told for channel in ALL_WHEELS)
+    return any(channel in search.told for channel in _ALL_WHEELS)
 
 
 def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
     if not _wheels_told(search):
-        channel = f"{ALL_WHEELS[0]} ... {ALL_WHEELS[-1]}"
+        channel = f"{_ALL_WHEELS[0]} ... {_ALL_WHEELS[-1]}"
         search.doubts.append(Doubt(channel, tuple(names), why, do))
 
 

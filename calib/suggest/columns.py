@@ -21,7 +21,7 @@ from calib.run.filters import centred_mean, runs
 
 SMOOTH = 0.2
 """Width [s] over which a speed is smoothed before it is differentiated."""
-LAG = 0.5
+_LAG = 0.5
 """Longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s."""
 SLOW = 0.15
 """Share of the highest speed [1] below which samples are not used: the car is about to stop."""
@@ -129,13 +129,15 @@ def correlation(a: Array, b: Array) -> float:
     return float(np.corrcoef(a, b)[0, 1])
 
 
-def lead(first: Array, then: Array, clock: ColumnClock, latest: float = LAG) -> tuple[float, float]:
+def lead(
+    first: Array, then: Array, clock: ColumnClock, latest: float = _LAG
+) -> tuple[float, float]:
     """Time by which ``first`` leads ``then`` [s], and their correlation at that lag [1].
 
     ``first`` may be later by at most ``latest`` [s]. The lag is uncertain for a slow ramp alone.
     """
     n = first.size
-    reach = min(clock.width(LAG), n // 4)
+    reach = min(clock.width(_LAG), n // 4)
     back = min(reach, round(latest / clock.step))
 
     def lagged(k: int) -> float:

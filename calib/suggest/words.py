@@ -18,16 +18,16 @@ FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
 REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
 LEFT = {"l", "left", "le", "links", "li", "lh"}
 RIGHT = {"r", "right", "ri", "rechts", "re", "rh"}
-REAR_OF_WHEEL = REAR | {"re"}
+_REAR_OF_WHEEL = REAR | {"re"}
 """In the name of a wheel "re" is rear before a side, as in AUTOSAR's ``ReLe``, else right."""
-CORNERS = {
+_CORNERS = {
     "fl": {"fl", "lf", "vl", "frontleft", "leftfront", "l1"},
     "fr": {"fr", "rf", "vr", "frontright", "rightfront", "r1"},
     "rl": {"rl", "lr", "hl", "rearleft", "leftrear", "l2"},
     "rr": {"rr", "hr", "rearright", "rightrear", "r2"},
 }
 """Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
-_SIDES = FRONT | REAR | LEFT | RIGHT | set().union(*CORNERS.values())
+_SIDES = FRONT | REAR | LEFT | RIGHT | set().union(*_CORNERS.values())
 
 TIME = _words(
     "time zeit zeitstempel t timestamp timestamps timestemp ts uhrzeit messzeit clock "
@@ -138,7 +138,7 @@ def loose_corner(name: str) -> tuple[str | None, str]:
 
 
 def _corner(found: list[str]) -> str | None:
-    one = [wheel for wheel, names in CORNERS.items() if names & set(found)]
+    one = [wheel for wheel, names in _CORNERS.items() if names & set(found)]
     if len(one) == 1:
         return one[0]
     if one:
@@ -146,7 +146,7 @@ def _corner(found: list[str]) -> str | None:
     for first, second in pairwise(found):
         turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is not a wheel
         for a, b in [(first, second), *turned]:
-            if a in FRONT | REAR_OF_WHEEL and b in LEFT | RIGHT:
+            if a in FRONT | _REAR_OF_WHEEL and b in LEFT | RIGHT:
                 return ("f" if a in FRONT else "r") + ("l" if b in LEFT else "r")
     return None
 

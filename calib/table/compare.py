@@ -53,7 +53,7 @@ class CurveGap:
 
 
 @dataclass(frozen=True)
-class RecordChange:
+class _RecordChange:
     """One key of the records that differs; the JSON of both values, None where there is none."""
 
     key: str
@@ -86,7 +86,7 @@ class Difference:
     curves: tuple[CurveGap, ...]
     apart: tuple[str, ...]
     values: tuple[ValueGap, ...]
-    changes: dict[str, tuple[RecordChange, ...]]
+    changes: dict[str, tuple[_RecordChange, ...]]
 
     @property
     def identical(self) -> bool:
@@ -165,14 +165,14 @@ def _gap(
     )
 
 
-def changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
+def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:
     """The keys of two records that differ, by section."""
     first, second = _flat(_record(a)), _flat(_record(b))
-    found: dict[str, tuple[RecordChange, ...]] = {}
+    found: dict[str, tuple[_RecordChange, ...]] = {}
     for key in sorted({*first, *second}):
         if first.get(key) != second.get(key):
             section, _, rest = key.partition(".")
-            one = RecordChange(rest or section, first.get(key), second.get(key))
+            one = _RecordChange(rest or section, first.get(key), second.get(key))
             found[section] = (*found.get(section, ()), one)
     return found
 

@@ -36,7 +36,7 @@ BOTH = 0.5
 REFERENCE = 20e5
 """Pressure p_0 at which the width of the loop is told [Pa]: that of a usual stop."""
 
-WOBBLE = 0.25e5
+_WOBBLE = 0.25e5
 """Largest error that a pressure sensor is assumed to add to a held pressure [Pa]: three sigma of a
 loud sensor (0.4 bar at 200 Hz), averaged over 0.1 s. The third differences of such a mean are as
 large as its noise."""
@@ -79,7 +79,7 @@ def _held(p: Array, relative: float, half: float) -> Array:
     clamp is low by at most twice that band while it moves from one line to the other.
     """
     rough = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
-    wobble = min(3.0 * float(rough), WOBBLE)
+    wobble = min(3.0 * float(rough), _WOBBLE)
     foot = _between(p - wobble, p + wobble, p[0])
     return np.asarray(p + (clamp(foot, relative, half) - foot))
 

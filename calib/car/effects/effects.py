@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-ByParameter = Mapping[str, Mapping[str, float]]
+_ByParameter = Mapping[str, Mapping[str, float]]
 """A number for each parameter of each effect, by effect name and parameter name."""
 
 
@@ -57,9 +57,9 @@ class Effects:
         one is defined, an `OwnEffect` of `calib.car.own_effects` is one whose file was given.
     """
 
-    parameters: ByParameter = field(default_factory=dict)
+    parameters: _ByParameter = field(default_factory=dict)
     terms: tuple[EmpiricalTerm, ...] = ()
-    sigma: ByParameter = field(default_factory=dict)
+    sigma: _ByParameter = field(default_factory=dict)
     own: Mapping[str, DefinedIn] = field(default_factory=dict)
 
     def __bool__(self) -> bool:

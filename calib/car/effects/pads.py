@@ -17,10 +17,10 @@ from calib.car.disc_temperature import DISCS, heated
 from calib.car.effects.effect import Pair, Parameter, Parameters, effect
 from calib.car.history import RunHistory
 
-REFERENCE_PRESSURE = 20e5
+_REFERENCE_PRESSURE = 20e5
 """Pressure [Pa] at which the pad friction is that of the model; the middle of usual braking."""
 
-REFERENCE_SPEED = 20.0
+_REFERENCE_SPEED = 20.0
 """Speed [m/s] at which the pad friction is that of the model; the middle of a usual stop, where
 the estimates of slope and level are least correlated."""
 
@@ -49,7 +49,7 @@ def faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -
 
 def _by_speed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """A straight line, wrong far from 20 m/s."""
-    factor = 1.0 + parameters["speed_slope"] * (history.v - REFERENCE_SPEED)
+    factor = 1.0 + parameters["speed_slope"] * (history.v - _REFERENCE_SPEED)
     return factor, factor
 
 
@@ -65,7 +65,7 @@ def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
 
 
 def _beyond(p: Array, bend: float) -> Array:
-    middle = REFERENCE_PRESSURE
+    middle = _REFERENCE_PRESSURE
     if bend < STRAIGHT:
         return p - middle
     part = (np.exp(-bend * middle) - np.exp(-bend * p)) / -np.expm1(-2.0 * bend * middle)

@@ -21,7 +21,7 @@ from calib.car.vehicle import Vehicle
 SPEED = 20.0
 """Speed [m/s] at which rolling resistance and the torque of an engine are told."""
 
-BLEND = 0.4
+_BLEND = 0.4
 """Range of pressures over which the motor sets in where none is given, over ``regen_onset`` [1]. A
 brake light switch closes at one pressure; a motor takes a tenth of a second to build up its torque.
 """
@@ -61,7 +61,7 @@ def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
-    span = parameters.get("regen_span", BLEND * onset)
+    span = parameters.get("regen_span", _BLEND * onset)
     braked = np.clip((motion.history.p_mc - onset) / span, 0.0, 1.0)
     lag = parameters.get("regen_lag", 0.0)
     if lag > 0.0:
@@ -121,7 +121,7 @@ EFFECTS = (
         Parameter("regen_power", "W", 1e3, 200e3, 15e3, 8e3),
         Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5, share=True),
         Parameter("regen_onset", "Pa", 0.02e5, 10e5, BITE, 0.5e5, default=BITE),
-        Parameter("regen_span", "Pa", 0.1e5, 15e5, 3e5, 3e5, default=BLEND * BITE),
+        Parameter("regen_span", "Pa", 0.1e5, 15e5, 3e5, 3e5, default=_BLEND * BITE),
         Parameter("regen_lag", "s", 0.0, 0.4, 0.03, 0.03, default=0.0),
         cause="an electric motor that brakes an axle, limited by the power it can take",
         equation="M = min(M_0, P/omega) from the pressure p_0 on, in full p_s above it, 1 - s "

@@ -39,10 +39,10 @@ WALK = 0.9
 FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limit of the innovation's sd by channel, in its unit; simulated logs may have no noise."""
 
-PARABOLA = 3
+_PARABOLA = 3
 """Coefficients of the parabola that is taken out of every unbraked part."""
 
-DIFFERENCED = 4
+_DIFFERENCED = 4
 """Samples that a third difference joins: so many count as one."""
 
 LONG = 10 * ORDER
@@ -115,7 +115,7 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     if not long:
         return _noise_of_differences(wholes)
     coefficients, sigma = [], []
-    freedom = sum(part.shape[1] - ORDER - PARABOLA for part in long) - ORDER
+    freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in long) - ORDER
     for c in range(len(CHANNELS)):
         rows, sides = [], []
         for part in long:
@@ -137,8 +137,8 @@ def _straightened(x: Array) -> Array:
 
 
 def _parabola(size: int) -> Array:
-    """Columns (m, `PARABOLA`) that span the parabolas over ``size`` samples."""
-    return np.vander(np.linspace(-1.0, 1.0, size), PARABOLA)
+    """Columns (m, `_PARABOLA`) that span the parabolas over ``size`` samples."""
+    return np.vander(np.linspace(-1.0, 1.0, size), _PARABOLA)
 
 
 def _noise_of_drift(parts: list[Array]) -> float:
@@ -174,7 +174,7 @@ def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
     found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes if x.shape[1] > 3]
     typical = np.median(found, axis=0) if found else np.zeros(len(CHANNELS))
     sigma = np.maximum(typical / QUARTILE / np.sqrt(20.0), FLOOR)
-    freedom = max(sum(x.shape[1] for x in wholes) // DIFFERENCED, 1)
+    freedom = max(sum(x.shape[1] for x in wholes) // _DIFFERENCED, 1)
     source = "differences between samples"
     return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, source, freedom)
 

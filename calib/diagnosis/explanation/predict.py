@@ -49,13 +49,13 @@ from calib.run.pedal import as_pressed
 
 Array = NDArray[np.float64]
 
-GRID = 0.01
+_GRID = 0.01
 """Clock on which a run is predicted [s]; a disc turns at most 20 times a second."""
 
-PASSES = 3
+_PASSES = 3
 """Times that loads, heat and torques are computed from each other."""
 
-PASSES_OF_TERM = 8
+_PASSES_OF_TERM = 8
 """The same where an empirical term goes with the deceleration: each pass leaves its slope of the
 error, up to a quarter. The first pass takes the measured deceleration, with its noise: with few
 passes such a term would predict a_x from itself."""
@@ -122,7 +122,7 @@ def run_of(log: Log) -> ObservedRun:
             expected="v [m/s]",
             do="a diagnosis needs it: wheel speeds alone cannot tell slip from speed",
         )
-    n = max(1, round(GRID / log.sample_time))
+    n = max(1, round(_GRID / log.sample_time))
     step = n * log.sample_time
     omega = np.stack([block_mean(log[f"omega_{w}"], n) for w in WHEELS])
     v = block_mean(log["v"], n)
@@ -163,7 +163,7 @@ def wheel_angles(log: Log) -> dict[str, Array]:
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
     """Predict a run.
 
-    Loads and what depends on them are computed in `PASSES`. The deceleration acts on the tyre
+    Loads and what depends on them are computed in `_PASSES`. The deceleration acts on the tyre
     forces through the inertia of the wheels alone, so each pass leaves 3 % of its error. Where the
     second pass finds the torques of the first, they depend on neither deceleration nor heat, and it
     is the last one.
@@ -179,7 +179,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     lags = run.lags.of((bare, tyre), lambda: _wheel_lags(bare, tyre, run))
     torques: list[Array] = []
     leans = any(term.driver == "deceleration" for term in effects.terms)
-    for turn in range(PASSES_OF_TERM if leans else PASSES):
+    for turn in range(_PASSES_OF_TERM if leans else _PASSES):
         history = _history(run, z, energy)
         before, torques = torques, _torques(car, base, effects, history, clamps)
         energy = _energy(run, torques)

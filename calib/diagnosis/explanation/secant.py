@@ -20,7 +20,7 @@ Residuals = Callable[[Array], Array]
 DIFFERENCE = 1e-3
 """Step of the finite differences, in the unit of the vector."""
 
-EASY = 10
+_EASY = 10
 """Steps in which secant updates from the first derivatives must converge."""
 
 TOLERANCE = 1e-5
@@ -58,7 +58,7 @@ def least_squares(
     from scipy import optimize
 
     x = start
-    for nearby, most in ((known, min(EASY, steps)), (None, steps))[: 1 if rough else 2]:
+    for nearby, most in ((known, min(_EASY, steps)), (None, steps))[: 1 if rough else 2]:
         secant = _Secant(residuals, high, nearby)
         result = optimize.least_squares(
             secant.value,

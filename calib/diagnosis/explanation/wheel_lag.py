@@ -73,11 +73,11 @@ class WheelLag:
         return out[0::2, 0].copy(), out[1::2, 0] / self.step
 
 
-Elements = tuple[Array, Array, Array, Array]
+_Elements = tuple[Array, Array, Array, Array]
 
 
-def _free(tau: Array, way: Array) -> Elements:
-    """Elements of e^A of a step without an input, times in steps: stay, drive, pull and slow.
+def _free(tau: Array, way: Array) -> _Elements:
+    """_Elements of e^A of a step without an input, times in steps: stay, drive, pull and slow.
 
     F <- stay F + drive F', F' <- pull F + slow F'.
     """
@@ -95,7 +95,7 @@ def _free(tau: Array, way: Array) -> Elements:
     return even - odd * mean, odd, -odd / (tau * way), even + odd * mean
 
 
-def _taps(tau: Array, way: Array, elements: Elements) -> Array:
+def _taps(tau: Array, way: Array, elements: _Elements) -> Array:
     """What an input of 1 before, in the middle and after a step adds to F and F', times in steps.
 
     For u = level + slope t + bend t^2/2 the motion settles to u - tau u' + tau (tau - way) u''.

@@ -31,13 +31,13 @@ def confirm(decision: Decision, held: Problem) -> Decision:
     only if neither the calibration logs nor the hold-outs have a gap without the effect.
     """
     if decision.faint is not None and second_shown(decision.faint, held):
-        return without_refuted(decision.faint, held)
+        return _without_refuted(decision.faint, held)
     if not decision.best.names:
         return decision
     fall = chi2_by_run(held, decision.base) - chi2_by_run(held, decision.best)
-    count = count_of(held, decision.base)
+    count = _count_of(held, decision.base)
     if np.sum(fall) / count > (PROOF if decision.detected else BEYOND_DOUBT) and helps(fall):
-        return without_refuted(decision, held)
+        return _without_refuted(decision, held)
     on_hold_outs = float(np.sum(chi2_by_run(held, decision.base))) / count
     base = decision.base
     left = replace(base, chi2=max(on_hold_outs, base.reduced) * base.count)
@@ -46,9 +46,9 @@ def confirm(decision: Decision, held: Problem) -> Decision:
     return replace(decision, verdict=verdict, best=base, rivals=withdrawn)
 
 
-def without_refuted(decision: Decision, held: Problem) -> Decision:
+def _without_refuted(decision: Decision, held: Problem) -> Decision:
     """Drop rivals that the hold-outs refute; an ambiguous effect may then become a named one."""
-    count = count_of(held, decision.base)
+    count = _count_of(held, decision.base)
     own = float(np.sum(chi2_by_run(held, decision.best)))
     refuted = [
         rival
@@ -76,7 +76,7 @@ form of the first is not exact, any second effect takes half a percent of that."
 def second_shown(pair: Decision, held: Problem) -> bool:
     """Whether the hold-outs show a second effect clearly, and it explains most of the rest."""
     assert pair.first is not None
-    count = count_of(held, pair.base)
+    count = _count_of(held, pair.base)
     none, first, both = (_squares(held, c) / count for c in (pair.base, pair.first, pair.best))
     fall = np.sum(first - both, axis=1)
     gained = float(np.sum(fall))
@@ -113,6 +113,6 @@ def squares(whitened: Sequence[Sequence[Array]]) -> Array:
     return np.array([[float(c @ c) for c in run] for run in whitened])
 
 
-def count_of(problem: Problem, candidate: Candidate) -> int:
+def _count_of(problem: Problem, candidate: Candidate) -> int:
     """Number of innovations of a candidate in a problem."""
     return sum(c.size for run in problem.whitened(candidate.base, candidate.effects) for c in run)

@@ -33,7 +33,7 @@ ROAD, MOST_SLOW = 0.1, 1.0
 """Correlation time [s] of the slow part of the noise, that of a body on a road, and its largest
 variance over that of the differences from sample to sample."""
 
-OUTLYING = 3.0
+_OUTLYING = 3.0
 """Size of a difference, in standard deviations, from which it counts as this: it has motion in it.
 """
 
@@ -81,7 +81,7 @@ def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log])
     """Compare replays with their logs; a replay that ends early is compared up to its end."""
     floor = noises_of(measured)
     noise = dict(zip(CHANNELS, floor.tolist(), strict=True))
-    squares = {"before": squares_of(before, measured), "after": squares_of(after, measured)}
+    squares = {"before": _squares_of(before, measured), "after": _squares_of(after, measured)}
     excess = {key: np.maximum(value - floor**2, 0.0) for key, value in squares.items()}
     scaled = {key: value / floor**2 for key, value in excess.items()}
     total = {key: float(np.sqrt(np.mean(value))) for key, value in scaled.items()}
@@ -112,7 +112,7 @@ def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log])
     return Gap(total["before"], total["after"], closed, by_channel, by_log, cells)
 
 
-def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
+def _squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
     """Mean squares by log and channel."""
     pairs = zip(simulated, measured, strict=True)
     return np.array([[square(sim, log, c) for c in CHANNELS] for sim, log in pairs])
@@ -149,7 +149,7 @@ def _differences(log: Log, channel: str) -> tuple[float, float]:
     if lag < 2 or 3 * lag >= x.size:
         return fine**2, 0.0
     across = third_difference(x, lag)
-    most = OUTLYING * float(np.median(np.abs(across))) / QUARTILE
+    most = _OUTLYING * float(np.median(np.abs(across))) / QUARTILE
     slow = (np.var(np.clip(across, -most, most)) - fine**2) / (_shown(lag * step) - _shown(step))
     return fine**2, (1.0 - _shown(step)) * float(slow)
 

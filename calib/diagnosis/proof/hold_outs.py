@@ -60,7 +60,7 @@ class HoldOuts:
             acts = effects.with_(as_effects(self.problem.offset, own[i])) if own else effects
             model = _model(self.problem.vehicle, grounds[i].applied(base), acts)
             out.append(
-                replay(model, log, wheel_angle=angles_of(log, run), start_heat=run.start_heat)
+                replay(model, log, wheel_angle=_angles_of(log, run), start_heat=run.start_heat)
             )
         return tuple(out)
 
@@ -111,7 +111,7 @@ def hold_outs_of(at: Candidate, logs: Sequence[Log]) -> HoldOuts:
     return HoldOuts(tuple(logs), replace(problem, runs=placed))
 
 
-def angles_of(log: Log, run: ObservedRun) -> dict[str, NDArray[np.float64]]:
+def _angles_of(log: Log, run: ObservedRun) -> dict[str, NDArray[np.float64]]:
     """Measured angle of the wheels [rad] (n,) by axle, from the origin that its run was given.
 
     Only a sensor's angle is fed in, no torque and no speed: what turns with the wheels alone is

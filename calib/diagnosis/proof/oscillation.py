@@ -24,7 +24,7 @@ FASTEST = 20
 """Last line, 5 Hz: a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster.
 What is faster is a wheel, or a channel that is sent seldom."""
 
-OF_BODY = ("a_x", "v")
+_OF_BODY = ("a_x", "v")
 """Channels in which the motion of the car as a whole shows."""
 
 
@@ -57,7 +57,7 @@ def oscillation_of(whitened: list[list[Array]], excess: float) -> Oscillation:
     band = np.maximum(power[:, near], 0.0)
     whole = float(np.sum(band))
     frequencies = np.fft.rfftfreq(WINDOW, STEP)[near]
-    by_body = float(np.sum(band[[CHANNELS.index(name) for name in OF_BODY]]))
+    by_body = float(np.sum(band[[CHANNELS.index(name) for name in _OF_BODY]]))
     return Oscillation(
         frequency=float(np.sum(band @ frequencies)) / whole,
         share=min(whole / excess, 1.0),

@@ -52,23 +52,23 @@ class Remainder:
         return self.size > GATES.remainder_least and self.sigma > GATES.remainder_sure
 
 
-Moved = Callable[[], Sequence[Sequence[Log]]]
+_Moved = Callable[[], Sequence[Sequence[Log]]]
 """Replays of all logs with the parameters moved along each direction of their covariance."""
 
 
-def remainder_of(replays: Sequence[Log], measured: Sequence[Log], moved: Moved) -> Remainder:
+def remainder_of(replays: Sequence[Log], measured: Sequence[Log], moved: _Moved) -> Remainder:
     """Judge replays of ``measured``; ``moved`` is called only where something seems to be left."""
-    plain = as_replayed(replays, measured)
+    plain = _as_replayed(replays, measured)
     return apart_from_parameters(replays, measured, moved) if plain.significant else plain
 
 
-def as_replayed(replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
+def _as_replayed(replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
     """What remains with the parameters as they are."""
     return judged(*_lasting(replays, measured), measured)
 
 
 def apart_from_parameters(
-    replays: Sequence[Log], measured: Sequence[Log], moved: Moved
+    replays: Sequence[Log], measured: Sequence[Log], moved: _Moved
 ) -> Remainder:
     """What remains, less what a change of the parameters within their covariance explains."""
     errors, noise, spread = _lasting(replays, measured)
@@ -83,7 +83,7 @@ def _lasting(replays: Sequence[Log], measured: Sequence[Log]) -> tuple[list[Arra
     """The lasting errors (6, m) of each log; noise of the sensors and of the means, (6,)."""
     errors = [lasting(sim, log) for sim, log in zip(replays, measured, strict=True)]
     noise = noises_of(measured)
-    spread = np.maximum(noise_of_means(errors), noise / np.sqrt(samples_of(measured)))
+    spread = np.maximum(_noise_of_means(errors), noise / np.sqrt(_samples_of(measured)))
     return errors, noise, spread
 
 
@@ -91,20 +91,20 @@ def lasting(simulated: Log, measured: Log) -> Array:
     """Means over blocks of replay less measurement, (6, m), over their common samples."""
     n = min(simulated.time.size, measured.time.size)
     error = np.stack([simulated[c][:n] - measured[c][:n] for c in CHANNELS])
-    return block_mean(error, block_of(measured))
+    return block_mean(error, _block_of(measured))
 
 
-def block_of(log: Log) -> int:
+def _block_of(log: Log) -> int:
     """Samples in a block."""
     return max(1, round(GATES.remainder_block / log.sample_time))
 
 
-def samples_of(logs: Sequence[Log]) -> float:
+def _samples_of(logs: Sequence[Log]) -> float:
     """Samples in a block, of the log with the fewest."""
-    return float(min(block_of(log) for log in logs))
+    return float(min(_block_of(log) for log in logs))
 
 
-def noise_of_means(errors: Sequence[Array]) -> Array:
+def _noise_of_means(errors: Sequence[Array]) -> Array:
     """Sd of the noise of the means by channel (6,), from their second differences."""
     bends = [np.diff(e, 2, axis=1) for e in errors if e.shape[1] > 2]
     if not bends:
@@ -153,7 +153,7 @@ def judged(
     row, column = divmod(int(np.argmax(excess)), len(CHANNELS))
     log, weight = measured[row], errors[row][column] ** 2
     grown = np.abs(np.diff(errors[row][column], prepend=0.0)) if column == V else weight
-    size = block_of(log)
+    size = _block_of(log)
     return Remainder(
         size=float(np.sqrt(np.mean(excess))),
         sigma=float((chi2 - count) / np.sqrt(2.0 * count)),

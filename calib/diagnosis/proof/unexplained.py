@@ -30,7 +30,7 @@ from calib.diagnosis.search.decide import quiet
 
 Array = NDArray[np.float64]
 
-KNOTS = 5
+_KNOTS = 5
 """Knots of a term over the range of its driver."""
 
 FITTED, FITTED_BESIDE = 4, 1
@@ -46,7 +46,7 @@ WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"
 """Drivers that no term has."""
 
 
-HARMONICS = (1, 2)
+_HARMONICS = (1, 2)
 """Harmonics of the wheel's turn; run-out and uneven spacing show in the first ones."""
 
 
@@ -193,7 +193,7 @@ def _turning(problem: Problem, at: Candidate, excess: float) -> tuple[float, str
             angle = thinned(run, run.angle_f if axle == "front" else run.angle_r)
             for name in ("rim", "front_rear", own):
                 x = channels[CHANNELS.index(name)]
-                turn = np.exp(1j * np.outer(HARMONICS, angle[-x.size :]))
+                turn = np.exp(1j * np.outer(_HARMONICS, angle[-x.size :]))
                 # noise alone gives two per harmonic: cosine and sine
                 gain += float(np.sum(2.0 * np.abs(turn @ x) ** 2 / x.size - 2.0))
         shares[axle] = gain / excess
@@ -214,7 +214,7 @@ def _one_sided(at: Candidate, excess: float) -> str | None:
     return f"{axle}_{'left' if mean < 0.0 else 'right'}"
 
 
-Spot = tuple[str, str, Array]
+_Spot = tuple[str, str, Array]
 """A place, a driver and the knots over it."""
 
 Found = tuple[float, str, str, Array, Array, Candidate]
@@ -236,21 +236,21 @@ def _fitted(at: Candidate, excess: float, item: Found) -> Found:
 
 def _knots_on(problem: Problem, place: str, driver: str) -> Array:
     signals = (drivers_of(place, driver, history_of(run)) for run in problem.runs)
-    return knots_of(driver, [x for of_run in signals for x in of_run])
+    return _knots_of(driver, [x for of_run in signals for x in of_run])
 
 
-def knots_of(driver: str, signals: list[Array]) -> Array:
+def _knots_of(driver: str, signals: list[Array]) -> Array:
     """Knots over the middle 98 % of a driver; of pressure, one where the pads bite."""
     if driver == "constant":
         return np.zeros(1)
     low, high = np.percentile(np.concatenate(signals), [1.0, 99.0])
     if driver == "pressure":
-        return np.concatenate([[0.0], np.linspace(BITE, max(high, 2.0 * BITE), KNOTS - 1)])
-    return np.linspace(low, max(high, low + 1e-9), KNOTS)
+        return np.concatenate([[0.0], np.linspace(BITE, max(high, 2.0 * BITE), _KNOTS - 1)])
+    return np.linspace(low, max(high, low + 1e-9), _KNOTS)
 
 
 def _explained(
-    at: Candidate, innovations: Array, directions: Array, rest: Array, spot: Spot
+    at: Candidate, innovations: Array, directions: Array, rest: Array, spot: _Spot
 ) -> tuple[float, Array]:
     """Gain in chi-square and values at the knots of one term."""
     knots, size, columns = spot[2], 0.05, []

@@ -28,7 +28,7 @@ Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class SignedBlocks:
+class _SignedBlocks:
     """Where the blocks (b,) of the innovations start, and at which block each run starts (r,)."""
 
     start: Index
@@ -67,7 +67,7 @@ class _Draws:
 
     at: Candidate
     turned: Candidate
-    blocks: SignedBlocks
+    blocks: _SignedBlocks
     rest: Array
     signs: Array
 
@@ -108,7 +108,7 @@ class _Draws:
         return changes_by(self.turned, change.name, self.at.directions)
 
 
-def _blocks(whitened: list[list[Array]]) -> SignedBlocks:
+def _blocks(whitened: list[list[Array]]) -> _SignedBlocks:
     start: list[int] = []
     run: list[int] = []
     at = 0
@@ -117,7 +117,7 @@ def _blocks(whitened: list[list[Array]]) -> SignedBlocks:
         for channel in channels:
             start += list(range(at, at + channel.size, GATES.chance_block))
             at += channel.size
-    return SignedBlocks(np.array(start), np.array(run))
+    return _SignedBlocks(np.array(start), np.array(run))
 
 
 def _quarter_turned(problem: Problem) -> Problem:

@@ -49,7 +49,7 @@ class Decision:
         """Whether the calibration logs alone show the best explanation."""
         if not self.best.names or gain(self.base, self.best) < GATES.form:
             return False
-        return beyond_chance(self.chance, self.base, self.best) > GATES.sure
+        return _beyond_chance(self.chance, self.base, self.best) > GATES.sure
 
     @property
     def least_shown(self) -> dict[str, float]:
@@ -85,7 +85,7 @@ def _searched(base: Candidate) -> Decision:
 
 
 def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, float]) -> Decision:
-    if not singles or beyond_chance(chance, base, singles[0]) < 1.0:
+    if not singles or _beyond_chance(chance, base, singles[0]) < 1.0:
         verdict = "unknown" if strange(base) else "no_gap"
         return Decision(verdict, base, base, tuple(singles))
     pairs = seconds(base, singles)
@@ -96,7 +96,7 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
     if pairs and gain(first, pairs[0]) > max(GATES.second, GATES.second_of_all * gain(base, first)):
         # something the first does not explain lies along another effect
         verdict = standing(base, pairs[0], pairs[1:])
-        if second_earns(first, pairs[0]):
+        if _second_earns(first, pairs[0]):
             return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
         return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
     if pairs and strange(base) and _replaces(singles, pairs[0]):
@@ -142,7 +142,7 @@ def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decisio
     return Decision(verdict, base, pairs[0], tuple(pairs[1:]), first=first)
 
 
-def beyond_chance(chance: Mapping[str, float], base: Candidate, best: Candidate) -> float:
+def _beyond_chance(chance: Mapping[str, float], base: Candidate, best: Candidate) -> float:
     """Gain of an explanation over the largest that chance gives one of its effects [1]."""
     by_chance = max(chance.get(name, 0.0) for name in best.names)
     return (base.chi2 - best.chi2) / max(by_chance, 1e-9)
@@ -206,7 +206,7 @@ def simplest_first(found: list[Candidate]) -> list[Candidate]:
     )
 
 
-def second_earns(first: Candidate, pair: Candidate) -> bool:
+def _second_earns(first: Candidate, pair: Candidate) -> bool:
     """Whether the second effect of a pair explains enough to be named."""
     left = max(first.reduced - GATES.floor, 1e-9)
     return gain(first, pair) / left > GATES.second_share
@@ -223,10 +223,10 @@ def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
 def refuted(base: Candidate, best: Candidate) -> bool:
     """Whether a channel of a run is explained worse with the effects than without them."""
     worse = float(np.max(_mean_squares(best) - _mean_squares(base)))
-    return worse > GATES.hurts or contradicted(best)
+    return worse > GATES.hurts or _contradicted(best)
 
 
-def contradicted(best: Candidate) -> bool:
+def _contradicted(best: Candidate) -> bool:
     """Whether a channel refutes an effect that fits the other channels.
 
     The effect must reduce the residual of every channel that it changes. Example: unevenly spaced

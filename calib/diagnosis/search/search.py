@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Hint:
+class _Hint:
     """Result of one step: the expected ``gain`` in chi-square, the vector ``start`` of a fit."""
 
     name: str
@@ -54,20 +54,20 @@ def _along(rest: Array, change: EffectChange) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=4)
-def hints(at: Candidate) -> list[Hint]:
+def hints(at: Candidate) -> list[_Hint]:
     """One-step gains of every effect not yet in ``at``, best first."""
     found = [_hint(at, name, changes) for name, changes in further_changes(at).items()]
     return sorted(found, key=lambda hint: -hint.gain)
 
 
-def _hint(at: Candidate, name: str, changes: Sequence[EffectChange]) -> Hint:
+def _hint(at: Candidate, name: str, changes: Sequence[EffectChange]) -> _Hint:
     """The best step along one effect."""
     parameters = at.problem.parameters_of(name)
-    best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(parameters)]))
+    best = _Hint(name, 0.0, np.concatenate([at.x, np.zeros(parameters)]))
     for change in changes:
         gain, amount = _along(at.rest, change)
         if amount > 0.0 and gain > best.gain:
-            best = Hint(name, gain, np.concatenate([at.x, begun(change.trial, amount)]))
+            best = _Hint(name, gain, np.concatenate([at.x, begun(change.trial, amount)]))
     return best
 
 
@@ -106,7 +106,7 @@ def refine(
     """
     noise = GATES.floor * at.count
     hopeful = [hint for hint in hints(at)[:count] if hint.gain > 0.0 and hint.name != but]
-    tried = [hint for hint in hopeful if in_reach(at.chi2 - hint.gain, max(below, noise))]
+    tried = [hint for hint in hopeful if _in_reach(at.chi2 - hint.gain, max(below, noise))]
     _side_by_side(at, _roughly, [hint for hint in tried if hint.name not in at.further])
     least = min((at.further[hint.name].chi2 for hint in tried), default=0.0)
     best = max(noise, min(least, below))
@@ -114,7 +114,7 @@ def refine(
     return sorted((at.further[hint.name] for hint in tried), key=lambda found: found.chi2)
 
 
-def in_reach(promised: float, least: float) -> bool:
+def _in_reach(promised: float, least: float) -> bool:
     """Whether an explanation to which this chi-square is ``promised`` may come below another one.
 
     The promise is that of one linear step.
@@ -128,12 +128,12 @@ def added(at: Candidate, name: str) -> Candidate:
     return _to_its_end(at, at.jacobian, (hint, _roughly(at, at.jacobian, (hint, None))))
 
 
-Item = tuple[Hint, Candidate | None]
+_Item = tuple[_Hint, Candidate | None]
 """A hint, and the fit that was begun with it."""
 
 
 def _side_by_side(
-    at: Candidate, fitted: Callable[[Candidate, Array, Item], Candidate], tried: Sequence[Hint]
+    at: Candidate, fitted: Callable[[Candidate, Array, _Item], Candidate], tried: Sequence[_Hint]
 ) -> None:
     """Fit what is ``tried``, and keep it as ``further`` of the explanation."""
     problem = at.problem
@@ -149,26 +149,26 @@ def _side_by_side(
         at.further[hint.name] = replace(next(results), problem=problem)
 
 
-def _roughly(at: Candidate, jacobian: Array, item: Item) -> Candidate:
+def _roughly(at: Candidate, jacobian: Array, item: _Item) -> Candidate:
     """Fit an effect in a few steps; ``jacobian`` (n, k) is that before it."""
     hint, _ = item
     return fit(at.problem, (*at.names, hint.name), hint.start, jacobian=jacobian, rough=True)
 
 
-def _is_open(at: Candidate, hint: Hint, best: float) -> bool:
+def _is_open(at: Candidate, hint: _Hint, best: float) -> bool:
     """Whether more than a rough fit could matter beside the ``best`` chi-square of all."""
     found = at.further[hint.name]
-    if in_reach(found.promised, best) and not found.converged:
+    if _in_reach(found.promised, best) and not found.converged:
         return True
-    return in_reach(at.chi2 - hint.gain, best) and _short(at, hint, found)
+    return _in_reach(at.chi2 - hint.gain, best) and _short(at, hint, found)
 
 
-def _short(at: Candidate, hint: Hint, found: Candidate) -> bool:
+def _short(at: Candidate, hint: _Hint, found: Candidate) -> bool:
     """Whether a fit gains clearly less than its hint promised."""
     return at.chi2 - found.chi2 <= 0.5 * hint.gain
 
 
-def _to_its_end(at: Candidate, jacobian: Array, item: Item) -> Candidate:
+def _to_its_end(at: Candidate, jacobian: Array, item: _Item) -> Candidate:
     """Go on from a rough fit; once more from a full spread if it gains too little.
 
     A hysteresis loop narrower than the noise of the pressure brings no gain, so a fit that starts

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class EffectPair:
+class _EffectPair:
     """Expected gain in chi-square of two effects together, and where a fit of them begins."""
 
     names: tuple[str, str]
@@ -73,11 +73,11 @@ def _left_by(at: Candidate, felt: list[EffectChange]) -> float:
     return float(at.rest @ at.rest - np.sum((kept.T @ at.rest) ** 2)) / at.count
 
 
-def pairs(at: Candidate) -> list[EffectPair]:
+def pairs(at: Candidate) -> list[_EffectPair]:
     """Every pair of effects that are not in ``at`` and help together, best first."""
     changes = _changes(at)
     gains, amounts = _gains(np.stack([change.own for change in changes]), at.rest)
-    best: dict[tuple[str, str], EffectPair] = {}
+    best: dict[tuple[str, str], _EffectPair] = {}
     for i, j in zip(*np.nonzero(np.triu(gains, 1)), strict=True):
         one, other = changes[i], changes[j]
         key = (one.name, other.name)
@@ -86,7 +86,7 @@ def pairs(at: Candidate) -> list[EffectPair]:
         start = np.concatenate(
             [at.x, begun(one.trial, amounts[i, j]), begun(other.trial, amounts[j, i])]
         )
-        best[key] = EffectPair(key, float(gains[i, j]), start)
+        best[key] = _EffectPair(key, float(gains[i, j]), start)
     return sorted(best.values(), key=lambda pair: -pair.gain)
 
 
@@ -111,5 +111,5 @@ def _gains(changes: Array, rest: Array) -> tuple[Array, Array]:
     return np.where((amount > 0.0) & (amount.T > 0.0), gains, 0.0), amount
 
 
-def _fitted(at: Candidate, jacobian: Array, pair: EffectPair) -> Candidate:
+def _fitted(at: Candidate, jacobian: Array, pair: _EffectPair) -> Candidate:
     return fit(at.problem, (*at.names, *pair.names), pair.start, jacobian=jacobian)

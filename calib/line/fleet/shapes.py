@@ -18,7 +18,7 @@ import numpy as np
 from calib.logs.log import Array
 
 SKEW = np.array([-0.9, -0.7, -0.5, -0.35, -0.2, 0.0, 0.2, 0.35, 0.5, 0.7, 0.9])
-SKEW_PRIOR = np.array([0.5, 0.5, 1.0, 1.5, 2.5, 988.0, 2.5, 1.5, 1.0, 0.5, 0.5]) / 1000.0
+_SKEW_PRIOR = np.array([0.5, 0.5, 1.0, 1.5, 2.5, 988.0, 2.5, 1.5, 1.0, 0.5, 0.5]) / 1000.0
 TAIL = np.array([0.0, 0.1, 0.2, 0.3])
 TAIL_PRIOR = np.array([0.70, 0.18, 0.08, 0.04])
 """Weight of each g and h before any value is seen (`tests/studies/results/fleet_alarms.md`): with
@@ -83,7 +83,7 @@ class Bulk:
         """Log evidence of each h, (4,), over g and B, the largest zero."""
         from scipy.special import logsumexp
 
-        out = logsumexp(self.log_likelihood + np.log(SKEW_PRIOR)[:, None, None], axis=(0, 2))
+        out = logsumexp(self.log_likelihood + np.log(_SKEW_PRIOR)[:, None, None], axis=(0, 2))
         return np.asarray(out - out.max())
 
     def two_sided(self, tail_prior: Array, distance: Array) -> Array:
@@ -93,7 +93,7 @@ class Bulk:
         """
         from scipy.special import ndtr, softmax
 
-        prior = np.log(SKEW_PRIOR)[:, None, None] + np.log(tail_prior)[None, :, None]
+        prior = np.log(_SKEW_PRIOR)[:, None, None] + np.log(tail_prior)[None, :, None]
         weight = softmax(self.log_likelihood + prior).reshape(-1, SCALES)
         used = weight.sum(axis=1) > 1e-9
         # the median is uncertain too: its variance is pi/2n of that of one car

@@ -42,7 +42,7 @@ class Outlier:
 
 
 @dataclass(frozen=True)
-class Apart:
+class _Apart:
     """A log that stands apart: ``p`` over all its metrics, and its reasons, the strongest first."""
 
     log: str
@@ -77,7 +77,7 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Failure:
+class _Failure:
     """Errors of one kind: the ``message`` of the first, their ``count``, some of their ``logs``.
 
     Messages that differ only in names and numbers are of one kind.
@@ -109,8 +109,8 @@ class Summary:
     status: dict[Status, int]
     looks: tuple[Look, ...]
     shares: tuple[Shares, ...]
-    apart: tuple[Apart, ...]
-    failures: tuple[Failure, ...]
+    apart: tuple[_Apart, ...]
+    failures: tuple[_Failure, ...]
     together: float = 1.0
     copies: tuple[tuple[str, ...], ...] = ()
 
@@ -211,7 +211,7 @@ def _shares(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[Shares]:
             yield Shares(metric, tuple(counts.most_common()))
 
 
-def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, ...]:
+def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[_Apart, ...]:
     """The logs that stand apart, each with its metrics; ``p`` (n,) of all logs."""
     reasons: dict[int, list[Outlier]] = {}
     for look in looks:
@@ -221,13 +221,13 @@ def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, 
             found = Outlier(fleet.logs[row], look.metric.name, *told)
             reasons.setdefault(row, []).append(found)
     cars = [
-        Apart(fleet.logs[row], float(p[row]), tuple(sorted(why, key=lambda o: (o.p, -abs(o.z)))))
+        _Apart(fleet.logs[row], float(p[row]), tuple(sorted(why, key=lambda o: (o.p, -abs(o.z)))))
         for row, why in reasons.items()
     ]
     return tuple(sorted(cars, key=lambda car: (car.p, -abs(car.reasons[0].z), car.log)))
 
 
-def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, ...]:
+def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
     """Errors grouped by kind, the most frequent first."""
     groups: dict[str, list[tuple[str, str]]] = {}
     for log, error in zip(logs, errors, strict=True):
@@ -235,7 +235,7 @@ def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, 
             groups.setdefault(kind_of(error, log), []).append((error, log))
     ranked = (groups[kind] for kind in sorted(groups, key=lambda kind: (-len(groups[kind]), kind)))
     return tuple(
-        Failure(group[0][0], len(group), tuple(log for _, log in group[:_EXAMPLES]))
+        _Failure(group[0][0], len(group), tuple(log for _, log in group[:_EXAMPLES]))
         for group in ranked
     )
 

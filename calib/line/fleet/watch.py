@@ -24,7 +24,7 @@ from calib.line.fleet.rows import Row, Status
 from calib.line.fleet.work import Job
 from calib.line.fleet.workers import Executor
 
-RETRY = 60.0
+_RETRY = 60.0
 """Time after which a log that could not be read, or killed its worker, is tried again [s]."""
 LATE = 30.0
 """Longest delay of the results file behind the journal while logs arrive [s]."""
@@ -64,7 +64,7 @@ def _stamp(path: str) -> tuple[int, ...] | None:
 
 
 @dataclass(frozen=True)
-class Watched:
+class _Watched:
     """Result of a watch: number of logs by status, and path of the results; None without logs."""
 
     results: Path | None
@@ -85,7 +85,7 @@ def watch(
     fresh: bool = False,
     each: Callable[[], None] = lambda: None,
     clock: Callable[[], float] = time.monotonic,
-) -> Watched:
+) -> _Watched:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
     ``folder`` is scanned each ``every`` [s], a log is complete after ``settle`` [s] without change;
@@ -124,7 +124,7 @@ def watch(
             sweep.work(given(logs))
             for row in filter(None, map(journal.row, logs)):
                 if row.digest is None or row.lost:
-                    settled.give(logs[row.log], clock() + RETRY)
+                    settled.give(logs[row.log], clock() + _RETRY)
             behind = behind or bool(ready)
             if behind and (not ready or stop.is_set() or clock() - written > LATE):
                 names = journal.logs()
@@ -133,4 +133,4 @@ def watch(
                 behind, written = False, clock()
             if not ready:
                 stop.wait(every)
-        return Watched(out / RESULTS if journal.logs() else None, journal.counts())
+        return _Watched(out / RESULTS if journal.logs() else None, journal.counts())

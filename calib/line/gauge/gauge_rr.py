@@ -45,12 +45,12 @@ _SIGMAS = 6.0
 _NDC = 1.41
 """Factor of ndc: the square root of 2 as rounded by AIAG."""
 
-DRAWS = 20_000
+_DRAWS = 20_000
 """Number of draws for an interval: the error of its ends is a few percent of its width."""
 
 
 @dataclass(frozen=True)
-class VarianceSource:
+class _VarianceSource:
     """One row of the table: ``ss``, ``ms`` in the metric's unit squared, ``df`` degrees of freedom.
 
     ``expected`` coefficients of the variances in the expected mean square; ``effective_df`` degrees
@@ -73,7 +73,7 @@ class VarianceSource:
 class Anova:
     """The table, and the estimated variances; a negative estimate stays negative."""
 
-    sources: tuple[VarianceSource, ...]
+    sources: tuple[_VarianceSource, ...]
     variances: dict[str, float]
 
     @property
@@ -118,7 +118,7 @@ def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = 
     solved = np.linalg.solve(np.array([*expected.values()]), [ss[n] / df[n] for n in names])
     variances = dict(zip(names, map(float, solved), strict=True))
     sources = (
-        VarianceSource(n, df[n], ss[n], expected[n], _effective_df(U, Z, variances))
+        _VarianceSource(n, df[n], ss[n], expected[n], _effective_df(U, Z, variances))
         for n, U in parts.items()
     )
     return Anova(tuple(sources), variances)
@@ -160,7 +160,7 @@ def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) ->
 
 
 @dataclass(frozen=True)
-class VarianceComponent:
+class _VarianceComponent:
     """``raw`` estimate, in the metric's unit squared; ``variance``: zero for a negative one.
 
     ``low``, ``high`` 95 % interval.
@@ -192,7 +192,7 @@ class GaugeRR:
     gauge over the tolerance's width [1], None without one; each with its 95 % interval.
     """
 
-    components: dict[str, VarianceComponent]
+    components: dict[str, _VarianceComponent]
     grr: float
     grr95: tuple[float, float]
     ndc: float
@@ -230,7 +230,7 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     point = _derived({name: np.maximum(x, 0.0) for name, x in variances.items()})
     spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(found).items()})
     components = {
-        name: VarianceComponent(float(point[name]), float(raw[name]), *_ends(spread[name]))
+        name: _VarianceComponent(float(point[name]), float(raw[name]), *_ends(spread[name]))
         for name in point
     }
     (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(spread)
@@ -243,7 +243,7 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
 
 
 def _drawn(found: Anova) -> dict[str, Array]:
-    """Draws of every variance, each (DRAWS,): C^-1 applied to nu MS/chi2(nu)."""
+    """Draws of every variance, each (_DRAWS,): C^-1 applied to nu MS/chi2(nu)."""
     ms = [
         source.ms * source.effective_df / _chi2(source.effective_df, i)
         for i, source in enumerate(found.sources)
@@ -254,8 +254,8 @@ def _drawn(found: Anova) -> dict[str, Array]:
 
 @lru_cache(maxsize=16)  # 160 kB each; unbalanced designs seldom repeat their degrees of freedom
 def _chi2(nu: float, stream: int) -> Array:
-    """Chi-square numbers (DRAWS,), always the same, so that a report is reproducible."""
-    return np.random.default_rng([20, stream]).chisquare(nu, DRAWS)
+    """Chi-square numbers (_DRAWS,), always the same, so that a report is reproducible."""
+    return np.random.default_rng([20, stream]).chisquare(nu, _DRAWS)
 
 
 def _derived(v: dict[str, Array]) -> dict[str, Array]:

@@ -38,7 +38,7 @@ REFERENCE = 0.0015
 """Default eta - 1 at which the curves are compared [1]: on the rising branch of all usual cars, and
 ten times the uncertainty of the zero of a good ramp."""
 
-GOOD_GRR = 0.10
+_GOOD_GRR = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
 
 FIGURES = ("grr", "ndc", "grr_of_tolerance")
@@ -263,7 +263,7 @@ def _result(
     elif not shares:
         verdict = GaugeVerdict.ALIKE
     else:
-        verdict = GaugeVerdict.GOOD if max(shares) <= GOOD_GRR else GaugeVerdict.MARGINAL
+        verdict = GaugeVerdict.GOOD if max(shares) <= _GOOD_GRR else GaugeVerdict.MARGINAL
     return GaugeResult(name, values, analysis, judged, judgements, verdict)
 
 

@@ -17,7 +17,7 @@ from calib.logs.source import Array
 if TYPE_CHECKING:
     from can import Message
 
-BROADCAST = 240
+_BROADCAST = 240
 """PDU formats from here on have no destination: the byte after belongs to the group."""
 
 
@@ -30,7 +30,7 @@ def group_of(identifier: int) -> int:
     ('0xfebf', '0x0')
     """
     group = identifier >> 8 & 0x3FFFF
-    return group if group >> 8 & 0xFF >= BROADCAST else group & 0x3FF00
+    return group if group >> 8 & 0xFF >= _BROADCAST else group & 0x3FF00
 
 
 def source_of(identifier: int) -> int:

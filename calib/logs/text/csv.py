@@ -29,8 +29,8 @@ from calib.logs.text.dialect import (
 )
 from calib.logs.text.encoding import GZIP, gunzip, head_text, to_utf8
 
-FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
-FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}
+_FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
+_FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}
 """Names of columns, in lower case: a table with one of each has frames in its rows."""
 
 
@@ -110,7 +110,7 @@ def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
 def _refuse_frames(columns: Sequence[Column], where: str) -> None:
     """Raise LogError for a table of bus frames, as programs for a CAN bus save it."""
     names = {column.name.lower() for column in columns}
-    if names & FRAME_ID and names & FRAME_LENGTH:
+    if names & _FRAME_ID and names & _FRAME_LENGTH:
         raise LogError(
             "the rows are frames of a bus, not samples of channels",
             where=where,

@@ -174,7 +174,7 @@ RUN = 3
 
 
 @dataclass(frozen=True)
-class Layout:
+class _Layout:
     """Lines of the header: ``names``, their ``units`` and ``more`` of them, empty if not there.
 
     ``start`` is the position of the first sample, ``above`` the number of lines above the header.
@@ -187,7 +187,7 @@ class Layout:
     above: int = 0
 
 
-def layout_of(data: bytes, begin: int, text_format: TextFormat) -> Layout:
+def layout_of(data: bytes, begin: int, text_format: TextFormat) -> _Layout:
     """The layout of a table from ``begin`` on.
 
     That of the separator that finds the most columns of numbers. Without a run of numbers below a
@@ -197,7 +197,7 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat) -> Layout:
     sample = sample_of(data, starts[0])
     found = [_found(lines, starts, sample, s) for s in text_format.separators]
     best = max(found, key=lambda pair: pair[0])
-    return best[1] or Layout(lines[0], starts[1])
+    return best[1] or _Layout(lines[0], starts[1])
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
@@ -218,7 +218,7 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
 
 def _found(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
-) -> tuple[int, Layout | None]:
+) -> tuple[int, _Layout | None]:
     """The number of columns with numbers, and the layout; None without a header over them."""
     dialect = Dialect(separator, ".")
     width, numbers, spare = _columns(dialect.cells(sample))
@@ -236,7 +236,7 @@ def _found(
     def line(index: int) -> bytes:
         return lines[index] + separator.encode() * (width - len(table[index]))
 
-    return len(numbers), Layout(
+    return len(numbers), _Layout(
         line(names),
         starts[first],
         b"" if units is None else line(units),

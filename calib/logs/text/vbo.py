@@ -23,7 +23,7 @@ from calib.logs.text.csv import TextRows
 from calib.logs.text.dialect import Dialect, TextFormat
 from calib.logs.text.encoding import head_text, to_utf8
 
-STANDARD = (
+_STANDARD = (
     *("satellites", "time", "latitude", "longitude", "velocity", "heading", "height"),
     *("vertical velocity", "event", "trigger event time", "event 1 time"),
     *("longitudinal acceleration", "lateral acceleration", "long accel", "lat accel"),
@@ -31,7 +31,7 @@ STANDARD = (
 )
 """Standard names: they have no line in [channel units]."""
 
-DIALECT = Dialect(" ", ".")
+_DIALECT = Dialect(" ", ".")
 
 _DATA = re.compile(rb"^\[\s*data\s*\][^\r\n]*\r?$", re.MULTILINE | re.IGNORECASE)
 
@@ -50,7 +50,7 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
     body = _single_blanks(body)
     if not body or body.isspace():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    rows = TextRows(body, 0, columns, DIALECT, where)
+    rows = TextRows(body, 0, columns, _DIALECT, where)
     end = rows.end()
 
     def read(indices: Sequence[int]) -> list[Array]:
@@ -110,7 +110,7 @@ def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...
 
 
 def _standard(name: str) -> bool:
-    return any(name.lower() == s or name.lower().startswith(f"{s} ") for s in STANDARD)
+    return any(name.lower() == s or name.lower().startswith(f"{s} ") for s in _STANDARD)
 
 
 def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], list[str]]:
