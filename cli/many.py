@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.plain import counted
+from calib.base.printable import printable
 from calib.line.fleet.rows import Command
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, emit_line, json_text, misuse, plain, progress, say, this_run
+from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.diagnose import stoppable
 from cli.options import (
     NO_VEHICLE,
@@ -28,13 +29,11 @@ from cli.options import (
     table_names,
 )
 from cli.outputs import check_folder, write_folder, writing
-from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.car.vehicle import Vehicle
     from calib.estimation.limits import Limit
     from calib.line.fleet.rows import Row
-    from calib.line.fleet.summary import Summary
     from calib.line.fleet.work import Job
     from calib.line.fleet.workers import Executor
 
@@ -53,18 +52,17 @@ JobCommand = Annotated[
     Command, typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log.")
 ]
 JobTable = Annotated[
-    str | None,
-    option("validate: name, name@version or path.", "TABLE", "--table", autocompletion=table_names),
+    str | None, option("validate: name, name@version or path.", "TABLE", autocompletion=table_names)
 ]
 JobCar = Annotated[
     "Vehicle | None",
     option(
         "fit, validate: vehicle file; of the settings for fit only.",
         "V.toml",
-        "--vehicle",
         typed=Path | None,
         make=READ_VEHICLE,
-        callback=from_settings("vehicle", when=_is(Command.FIT)),
+        setting="vehicle",
+        when=_is(Command.FIT),
     ),
 ]
 JobLimits = Annotated[
@@ -72,15 +70,13 @@ JobLimits = Annotated[
     option(
         "validate: limits for pass or fail.",
         "L.toml",
-        "--limits",
         typed=Path | None,
         make=limits_of_stops,
-        callback=from_settings("limits", when=_is(Command.VALIDATE)),
+        setting="limits",
+        when=_is(Command.VALIDATE),
     ),
 ]
-Out = Annotated[
-    Path, option("Write results.parquet and journal here.", "DIR", "--out", writes="folder")
-]
+Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
 Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
 
 
@@ -279,30 +275,9 @@ def _stopped() -> Iterator[Event]:
 
 
 def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
-    """The function that prints a row: its status and error, and the pads where it has them."""
-    from calib.line.fleet.rows import columns_of
-
-    names = [column.name for column in columns_of(command)]
-
-    def show(row: "Row") -> None:
-        metrics = dict(zip(names, row.cells, strict=False))
-        if json:
-            head = {"log": row.log, "digest": row.digest, "status": row.status, "error": row.error}
-            document = plain({**head, "figures": metrics})
-            emit_line(json_module.dumps(document, allow_nan=False))
-        elif row.error is not None:
-            emit_line(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
-        else:
-            broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
-            front, rear = metrics.get("pad_friction_f"), metrics.get("pad_friction_r")
-            known = isinstance(front, float) and isinstance(rear, float)
-            pads = f", pads {front:.3f} / {rear:.3f}" if known else ""
-            emit_line(f"{row.log}: {row.status}{broken}{pads}")
-
-    return show
-
-
-DOCUMENT, REPORT = "fleet.json", "report.html"
+    return lambda row: emit_line(
+        json_module.dumps(row.to_dict(command), allow_nan=False) if json else row.line(command)
+    )
 
 
 @command(
@@ -330,18 +305,27 @@ def fleet(
     """
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_page import document, facts
+    from calib.show.fleet_figure import DOCUMENT, earlier_pictures, pictures_of
+    from calib.show.fleet_page import document, facts, report
+    from calib.show.html import page_of
 
     if results.is_dir():
         if order or figure or out:
             raise misuse("a DIR takes no option: its pages are written there")
         return _index(results)
-    check_folder(out, (DOCUMENT, REPORT))
+    check_folder(out, (DOCUMENT, "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(figure))
     if out is not None:
-        _write_fleet(found, results, out)
+        looks = [look for look in found.looks if look.values.size]
+        with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
+            pictures = pictures_of(found, step)
+        title = printable(f"{results.absolute().parent.name}/{results.name}")
+        page = page_of(report(found, title)).encode()
+        written = json_text(document(found)).encode()
+        contents = {**pictures, DOCUMENT: written, "report.html": page}
+        write_folder(out, contents.items(), DOCUMENT, earlier_pictures)
     return Answer(document(found), facts(found))
 
 
@@ -359,34 +343,3 @@ def _index(folder: Path) -> Answer:
         number = write_index(folder)
     files = [folder / INDEX, folder / LIVE]
     return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")
-
-
-def _write_fleet(found: "Summary", results: Path, out: Path) -> None:
-    from calib.base.printable import printable
-    from calib.show.fleet_figure import picture_name, sheet
-    from calib.show.fleet_page import document, report
-    from calib.show.html import page_of
-    from calib.show.sheet import render
-
-    looks = [look for look in found.looks if look.values.size]
-    title = printable(f"{results.absolute().parent.name}/{results.name}")
-    contents = {}
-    with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
-        for look in looks:
-            picture = render(sheet(found, look).overview(), ".png")
-            contents[picture_name(look.metric.name)] = picture
-            step()
-    contents[DOCUMENT] = json_text(document(found)).encode()
-    contents[REPORT] = page_of(report(found, title)).encode()
-    write_folder(out, contents.items(), DOCUMENT, _earlier)
-
-
-def _earlier(out: Path) -> set[str]:
-    """Pictures of an earlier report here."""
-    from calib.show.fleet_figure import picture_name
-
-    try:
-        figures = json_module.loads((out / DOCUMENT).read_text(encoding="utf-8"))["figures"]
-        return {picture_name(name) for name in figures}
-    except (OSError, ValueError, TypeError, KeyError):
-        return set()

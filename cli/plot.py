@@ -27,16 +27,6 @@ if TYPE_CHECKING:
 
 ALL = "all"
 """Value of `--figure` for each figure on its own page."""
-_GONE = {
-    "budget": "brake-cal tables show TABLE",
-    "coverage": "--figure difference",
-    "force-sum": "--figure normalised-forces",
-    "pressure": "brake-cal plot LOG --figure pressure",
-    **{f"compensation-{axle}": f"--figure pad-{axle}" for axle in ("front", "rear")},
-    **{f"torque-{axle}-left": "--figure axle-torques" for axle in ("front", "rear")},
-    **{f"error-{axle}-left": "--figure error" for axle in ("front", "rear")},
-}
-"""Figures that there were once, and what to use instead."""
 
 
 @command(
@@ -135,9 +125,6 @@ def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str
         if figure is None:
             drawn.append((sheet, {"": sheet.overview()}))
             continue
-        if figure not in sheet.names and figure in _GONE:
-            gone = f"{figure!r} is gone. Use {_GONE[figure]}."
-            raise misuse(gone, "--figure")
         require_known(figure, (*sheet.names, ALL), "figure ")
         names = sheet.names if figure == ALL else [figure]
         drawn.append((sheet, {name: sheet.figure(name) for name in names}))

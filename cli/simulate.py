@@ -8,7 +8,6 @@ from cli.console import at_option, misuse, say
 from cli.logs import named, read
 from cli.options import READ_MAP, Car, OwnEffects, argument, option, quantity
 from cli.outputs import refuse_foreign, writing
-from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.car.model import Model
@@ -53,7 +52,8 @@ def simulate(
         "--map",
         typed=Path | None,
         make=READ_MAP,
-        callback=from_settings("map", when=lambda c: c.params.get("log") is not None),
+        setting="map",
+        when=lambda c: c.params.get("log") is not None,
     ),
 ) -> Answer:
     """Drive a model of a car by the pressure of a log.

@@ -26,8 +26,7 @@ from cli.options import (
     words,
 )
 from cli.outputs import check_folder, stems_of, write_file, writing
-from cli.project import from_settings
-from cli.signed import check_signed, key_of
+from cli.sign import check_signed, key_of
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
@@ -54,7 +53,7 @@ def station(
         typed=Path | None,
         make=limits_of_car,
         always=True,
-        callback=from_settings("limits"),
+        setting="limits",
     ),
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
@@ -62,7 +61,7 @@ def station(
         "Golden table of the model; a bare name is its newest released version.",
         "TABLE",
         autocompletion=table_names,
-        callback=from_settings("golden"),
+        setting="golden",
     ),
     accept_warnings: str | None = option(
         "Release a car with warnings, and say why.", "REASON", make=words
@@ -70,16 +69,14 @@ def station(
     by: By,
     serial: str | None = option("Serial number.", "S"),
     vin: str | None = option("Vehicle identification.", "V"),
-    name: str | None = option(
-        "Name of the station.", "NAME", "--station", callback=from_settings("station")
-    ),
+    name: str | None = option("Name of the station.", "NAME", "--station", setting="station"),
     rxswin: str | None = option("Software identification, UN R156.", "R"),
     mass: Mass,
     export: list[str] = option(
         "Export as `tables export`; repeatable.",
         "F",
         known="calib.exports.export:ENDINGS",
-        callback=from_settings("export"),
+        setting="export",
     ),
     date: str | None = option(
         "Date of the report and in a cdfx, which else has that of storing the table.",

@@ -22,7 +22,7 @@ from cli.options import (
     option,
 )
 from cli.outputs import check_folder, stems_of, writing
-from cli.signed import check_signed, key_of
+from cli.sign import check_signed, key_of
 
 if TYPE_CHECKING:
     from calib.base.errors import LogError
