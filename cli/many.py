@@ -13,15 +13,13 @@ import typer
 from calib.base.plain import counted
 from calib.base.printable import printable
 from calib.line.fleet.rows import Command
+from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.diagnose import stoppable
 from cli.options import (
     NO_VEHICLE,
     READ_VEHICLE,
-    Map,
-    Tables,
-    Workers,
     argument,
     limits_of_stops,
     option,
@@ -89,13 +87,13 @@ def batch(
     logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
     *,
     out: Out,
-    workers: Workers,
+    workers: options.Workers,
     scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
     table: JobTable,
-    store: Tables,
+    store: options.Tables,
     vehicle: JobCar,
     limits: JobLimits,
-    channel_map: Map,
+    channel_map: options.Map,
     fresh: Fresh,
 ) -> Answer:
     """Run one command on many logs, one row per log.
@@ -135,12 +133,12 @@ def watch(
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
     out: Out,
-    workers: Workers,
+    workers: options.Workers,
     table: JobTable,
-    store: Tables,
+    store: options.Tables,
     vehicle: JobCar,
     limits: JobLimits,
-    channel_map: Map,
+    channel_map: options.Map,
     fresh: Fresh,
     every: float = option("Seconds between scans.", "S", built_in=1.0, min=0.05),
     settle: float = option(
@@ -185,10 +183,10 @@ def _job(
     command: Command,
     out: Path,
     table: str | None,
-    store: Tables,
+    store: options.Tables,
     vehicle: JobCar,
     limits: JobLimits,
-    channel_map: Map,
+    channel_map: options.Map,
 ) -> "Job":
     """The inputs for all logs. Refuses missing inputs and those that are not used."""
     from calib.estimation.limits import DEFAULTS

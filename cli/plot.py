@@ -4,19 +4,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from calib.base.plain import counted
+from cli import options
 from cli.command import Answer, command
 from cli.console import misuse, progress, say
 from cli.logs import is_stdin, named, read
-from cli.options import (
-    Map,
-    OtherPads,
-    StopLimits,
-    Tables,
-    argument,
-    option,
-    require_known,
-    table_names,
-)
+from cli.options import argument, option, require_known, table_names
 from cli.outputs import writing
 
 if TYPE_CHECKING:
@@ -43,12 +35,12 @@ def plot(
     ),
     *,
     out: Path | None = option("File to write: .png, .svg or .pdf.", "FILE", writes="picture"),
-    store: Tables,
-    vehicle: OtherPads,
+    store: options.Tables,
+    vehicle: options.OtherPads,
     figure: str | None = option("One figure of the page; 'all': each on its own.", "NAME"),
-    limits: StopLimits,
+    limits: options.StopLimits,
     compare: bool = option("Draw other methods beside the estimate of a stop."),
-    channel_map: Map,
+    channel_map: options.Map,
 ) -> Answer:
     """Draw tables, logs and results.
 
@@ -80,7 +72,9 @@ def plot(
     return Answer({"files": list(files), "sheets": sheets}, "\n".join(map(str, files)))
 
 
-def _read(what: list[str], store: Tables, vehicle: OtherPads, channel_map: Map) -> "PlotInput":
+def _read(
+    what: list[str], store: options.Tables, vehicle: options.OtherPads, channel_map: options.Map
+) -> "PlotInput":
     """Read all inputs; a name that is no log and no result is a table."""
     from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
