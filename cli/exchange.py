@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 @command(
     "brake-cal tables export sedan-2up --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
-    "brake-cal tables export sedan-2up --out sedan.a2l",
 )
 def export(
     table: Table,

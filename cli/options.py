@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from calib.base.settings import STORE
 from cli.console import misuse
-from cli.project import STORE, find_project, from_settings
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.car.own_effects.own_effect import OwnEffect
@@ -134,6 +135,7 @@ def require_known(written: str, known: Collection[str], what: str = "") -> None:
 def _store_of(context: typer.Context) -> Path:
     """The store of the command line, of the settings, or the usual one."""
     from calib.base.errors import BrakeCalError
+    from calib.base.settings_file import find_project
 
     given = context.params.get("store")
     try:

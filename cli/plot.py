@@ -22,10 +22,8 @@ ALL = "all"
 
 
 @command(
-    "brake-cal plot sedan-2up",
     "brake-cal plot sedan-2up sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.pdf",
     "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv --compare",
-    "brake-cal plot sedan-2up@1 sedan-2up@2 --figure f1-f2 --out f1f2.svg",
 )
 def plot(
     what: list[str] = argument(

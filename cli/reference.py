@@ -8,7 +8,6 @@ import typer
 from cli.command import Answer, command
 from cli.console import Markdown, emit, emit_json, misuse, say
 from cli.options import OwnEffects, argument, require_known
-from cli.project import STORE, find_project
 
 if TYPE_CHECKING:
     from calib.car.effects.effect import Effect
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
 
 @command(
     "brake-cal effects",
-    "brake-cal effects hydraulic_lag",
     "brake-cal effects air_brake_flap --effect sample_logs/own_effect/air_brake_flap.py",
 )
 def effects(
@@ -54,7 +52,7 @@ def _kinds() -> list[str]:
     return [*FILES, *documents()]
 
 
-@command("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
+@command("brake-cal schema vehicle", "brake-cal schema fit-json")
 def schema(
     name: str | None = argument(
         "One kind of file; if not given, the list.", "NAME", autocompletion=_kinds
@@ -111,7 +109,8 @@ def settings() -> Answer:
     station  station: name is --station, golden is --golden, export is --export
     keys.public, require_signed, by   who signs and changes the state of tables
     """  # noqa: D301
-    from calib.base.settings import NAME, VARIABLE
+    from calib.base.settings import NAME, STORE, VARIABLE
+    from calib.base.settings_file import find_project
     from calib.show.facts import Facts, Table
     from calib.store.state import user
 

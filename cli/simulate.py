@@ -24,7 +24,6 @@ def _of(si: str, text: str) -> Any:
 
 @command(
     "brake-cal simulate --manoeuvre ramp --vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
-    "brake-cal simulate ramp.csv --vehicle sample_logs/sedan/vehicle.toml --out again.csv",
     "brake-cal simulate --manoeuvre stop --deceleration '0.4 g' --noise 1 "
     "--vehicle sample_logs/sedan/vehicle.toml --out stop.csv",
 )
