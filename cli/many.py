@@ -301,10 +301,11 @@ def fleet(
     which is the same page and loads itself again every 10 s. `watch --index DIR` keeps both up to
     date.
     """
+    from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
     from calib.show.fleet_figure import DOCUMENT, earlier_pictures, pictures_of
-    from calib.show.fleet_page import document, facts, report
+    from calib.show.fleet_page import facts, report
     from calib.show.html import page_of
 
     if results.is_dir():

@@ -30,7 +30,7 @@ def effects(
     With a NAME its card is printed. With --effect the file is checked, and its effect is among
     them.
     """
-    from calib.show.effects import card, cards
+    from calib.show.vehicle import card, cards
 
     known = {**_catalogue(), **{one.name: one.effect for one in effect}}
     if name is None:

@@ -72,19 +72,11 @@ class ChannelMap:
     """The mapped channels by canonical name, and the path of the map.
 
     ``text`` is the format of a text table; columns in ``ignore`` are not used, even if they have
-    the name of a channel; ``dbc`` files describe the frames of every bus, ``buses`` those of one,
-    ``j1939`` has source addresses, see `calib.logs.channel_map.Databases`.
+    the name of a channel.
     """
 
     where: str
     channels: dict[str, Mapping]
     text: TextFormat = LOOKED
     ignore: tuple[str, ...] = ()
-    dbc: tuple[DatabaseFile, ...] = ()
-    buses: tuple[tuple[str, tuple[DatabaseFile, ...]], ...] = ()
-    j1939: tuple[int, ...] | None = None
-
-    @property
-    def databases(self) -> Databases:
-        """The files that describe frames."""
-        return Databases(self.dbc, self.buses, self.j1939)
+    databases: Databases = Databases()

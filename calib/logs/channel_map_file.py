@@ -29,21 +29,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Field,
-    WithJsonSchema,
-    create_model,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from calib.base.errors import ChannelMapError
 from calib.base.names import CHANNELS
-from calib.base.record import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
+from calib.base.record import (
+    FileSchema,
+    OneOf,
+    QuantityMark,
+    Section,
+    by_name,
+    read_toml,
+    section,
+)
 from calib.base.record_errors import shown, wrong
 from calib.base.units import UnknownUnit, spellings, unit_of
-from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Mapping
+from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 
 
@@ -89,10 +90,9 @@ def _mapping_in(si: str) -> type[MappingSection]:
 
     examples = WithJsonSchema({"type": "string", "examples": spellings(si)})
     unit: Any = Annotated[str, AfterValidator(known), examples]
-    about = f"Source of a channel in {si}."
-    return create_model(
-        f"MappingSection[{si}]", __base__=MappingSection, __doc__=about, unit=(unit | None, None)
-    )
+    title, about = f"MappingSection[{si}]", f"Source of a channel in {si}."
+    made: type[MappingSection] = section(title, about, {"unit": (unit, None)}, MappingSection)
+    return made
 
 
 _MAPPINGS = {si: _mapping_in(si) for si in sorted({q.si for q in CHANNELS.values()})}
@@ -145,10 +145,9 @@ def _files(written: object) -> list[DatabaseFile]:
     """Files, relative to the map, or one bus of each."""
     found = []
     for one in written if isinstance(written, list) else [written]:
-        parts = {"file": one} if isinstance(one, str) else one
-        if not isinstance(parts, dict) or set(parts) not in ({"file"}, {"file", "bus"}):
-            raise wrong(f"{one!r}", _FILES)
-        if not all(isinstance(part, str) and part.strip() for part in parts.values()):
+        parts: Any = {"file": one} if isinstance(one, str) else one
+        known = isinstance(parts, dict) and set(parts) in ({"file"}, {"file", "bus"})
+        if not known or not all(isinstance(x, str) and x.strip() for x in parts.values()):
             raise wrong(f"{one!r}", _FILES)
         found.append(DatabaseFile(Path(parts["file"]), parts.get("bus")))
     return found
@@ -227,12 +226,11 @@ def read_channel_map(path: Path) -> ChannelMap:
         bus: tuple(replace(one, path=(path.parent / one.path).absolute()) for one in several)
         for bus, several in file.dbc.items()
     }
+    sources = None if file.j1939 is None else tuple(file.j1939)
     return ChannelMap(
         where=str(path),
         channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
         text=TextFormat(**dict(file.text or TextSection())),
         ignore=tuple(file.ignore),
-        dbc=files.pop("", ()),
-        buses=tuple(files.items()),
-        j1939=None if file.j1939 is None else tuple(file.j1939),
+        databases=Databases(files.pop("", ()), tuple(files.items()), sources),
     )

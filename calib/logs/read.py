@@ -46,7 +46,6 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
     path = Path(path)
     if ending_of(path) not in RECORDINGS:
         return open_bytes(log_bytes(path), path, channel_map)
-    refuse_no_log(path)
     digest = recording_digest(path)
     return Opened(as_source(opened_recording(path, channel_map), str(path)), digest)
 
@@ -73,7 +72,8 @@ def open_bytes(data: bytes, path: Path, channel_map: ChannelMap | None = None) -
 
 
 def recording_digest(path: Path) -> str:
-    """SHA-256 of the bytes of a log with several sample rates. Raises LogError."""
+    """SHA-256 of the bytes of a log with several sample rates. Raises as `refuse_no_log`."""
+    refuse_no_log(path)
     try:
         with open_bounded(path, RECORDING) as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -89,20 +89,12 @@ def read_log(
 ) -> Log:
     """Read one run.
 
-    Parameters
-    ----------
-    path : the log; its ending gives the format.
-    channel_map : names and units of foreign columns, as a path or already read.
-    require : channels that must be present and not empty. ``time`` is always required; an empty
-        channel that is not required is left out, with a note.
-
-    Returns
-    -------
-    The log in SI. Truth channels (``true_``) are separate from the measured ones.
+    The ending of ``path`` gives the format, ``channel_map`` names and units of foreign columns.
+    Channels in ``require``, and ``time``, must be there; others that are empty are left out, with a
+    note. The manoeuvre is not judged here, see `calib.run.check`.
 
     Raises LogError for a file that is not a valid log, see `calib.logs.verify` and
-    `calib.logs.assign`; ChannelMapError for a map that does not fit. The manoeuvre is not judged
-    here, see `calib.run.check`.
+    `calib.logs.assign`; ChannelMapError for a map that does not fit.
 
     >>> import calib
     >>> log = calib.read_log(calib.sample_logs() / "sedan" / "coast.csv")
@@ -110,11 +102,9 @@ def read_log(
     ('coast', 2000, 0.005)
     """
     path = Path(path)
-    refuse_no_log(path)
-    mapped = _as_map(channel_map)
     if ending_of(path) not in RECORDINGS:
-        return read_opened(open_log(path, mapped), path, mapped, require=require)
-    return _recorded(path, recording_digest(path), path, mapped, require)
+        return log_of(log_bytes(path), path, channel_map, require=require)
+    return _recorded(path, recording_digest(path), path, _as_map(channel_map), require)
 
 
 def read_opened(

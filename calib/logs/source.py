@@ -2,6 +2,7 @@
 
 import importlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from types import ModuleType
 
@@ -61,6 +62,19 @@ class ColumnSource:
     read: Callable[[Sequence[int]], list[Array]]
     notes: tuple[str, ...] = ()
     rates: Mapping[int, float] = field(default_factory=dict)
+
+    def each(self) -> list[Array | LogError]:
+        """Every column, or the error of one that holds no numbers."""
+        every = range(len(self.columns))
+        with suppress(LogError):
+            return [*self.read(every)]
+        return [self._one(index) for index in every]
+
+    def _one(self, index: int) -> Array | LogError:
+        try:
+            return self.read([index])[0]
+        except LogError as error:
+            return error
 
 
 CLOCK = Column("time", "s")

@@ -5,7 +5,6 @@ unit is changed: a column of the map has its canonical name, and the unit that t
 """
 
 from collections.abc import Collection
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,9 +24,8 @@ from calib.logs.read import (
     opened_recording,
     recorded_clock,
     recording_digest,
-    refuse_no_log,
 )
-from calib.logs.source import Column, ColumnSource
+from calib.logs.source import Column
 from calib.logs.verify import check_increasing
 
 TIME = "time"
@@ -71,11 +69,6 @@ class WholeLog:
                 return time
         raise LogError("no channel time with a unit", where=self.source, do=MAP_IT)
 
-    def rows(self, first: int, end: int) -> "WholeLog":
-        """The rows from ``first`` to before ``end``."""
-        part = (replace(c, values=c.values[first:end]) for c in self.columns)
-        return replace(self, columns=tuple(part))
-
     def only(self, names: Collection[str]) -> "WholeLog":
         """The clock and the columns of these names."""
         part = (c for c in self.columns if c.name in names or c.name == TIME)
@@ -92,7 +85,6 @@ def read_whole(
     ChannelMapError for a map that does not fit.
     """
     path = Path(path)
-    refuse_no_log(path)
     if ending_of(path) not in RECORDINGS:
         return whole_of(open_log(path, channel_map), path, channel_map, keep_names)
     digest, opened = recording_digest(path), opened_recording(path, channel_map)
@@ -113,7 +105,13 @@ def whole_of(
     """Every column of a log that was opened; ``path`` names it. Else like `read_whole`."""
     source = opened.source
     taken = {} if keep_names else _assigned(source.columns, channel_map, path)
-    values, notes = _numbers(source)
+    every = dict(enumerate(source.each()))
+    values = {i: x for i, x in every.items() if not isinstance(x, LogError)}
+    notes = [
+        f"{source.columns[i].full_name} was left out: {error.what}"
+        for i, error in every.items()
+        if isinstance(error, LogError)
+    ]
     if channel_map and not keep_names:  # under their own names they would be channels
         for index in [i for i in values if source.columns[i].name in channel_map.ignore]:
             del values[index]
@@ -131,27 +129,14 @@ def whole_of(
         columns.append(found)
     if not columns:
         raise LogError("no column holds numbers", where=path, expected="a log")
-    every = (*source.notes, *notes)
-    return WholeLog(stem_of(path), str(path), opened.digest, tuple(columns), every)
+    told = (*source.notes, *notes)
+    return WholeLog(stem_of(path), str(path), opened.digest, tuple(columns), told)
 
 
 def _assigned(
     columns: tuple[Column, ...], channel_map: ChannelMap | None, path: Path
 ) -> dict[int, Assigned]:
     return {item.index: item for item in assign(columns, channel_map, (), str(path))[0]}
-
-
-def _numbers(source: ColumnSource) -> tuple[dict[int, Array], list[str]]:
-    every = range(len(source.columns))
-    with suppress(LogError):
-        return dict(zip(every, source.read(list(every)), strict=True)), []
-    found, notes = dict[int, Array](), []
-    for index in every:
-        try:
-            found[index] = source.read([index])[0]
-        except LogError as error:
-            notes.append(f"{source.columns[index].full_name} was left out: {error.what}")
-    return found, notes
 
 
 def _unused(column: Column, names: set[str]) -> str:
@@ -192,7 +177,8 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
             where=log.source,
             expected=f"times from {time[0]:g} to {time[-1]:g} s",
         )
-    return log.rows(first, last)
+    rows = (replace(c, values=c.values[first:last]) for c in log.columns)
+    return replace(log, columns=tuple(rows))
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ STYLES: tuple[Stroke, Stroke] = (
 )
 COLOURS = {"f1": FRONT["color"], "f2": REAR["color"], "D": IDENTIFIED["color"], "g": BODY["color"]}
 _SYMBOLS = {"f1": "$f_1$", "f2": "$f_2$", "D": "$D$", "g": "force"}
-PANELS = {
+_PANELS = {
     "f1-f2": ("Normalised force curves", ("f1", "f2")),
     "difference": (r"Difference $D = F_f - F_r$", ("D",)),
     "tyre": ("Common tyre curve", ("g",)),
@@ -38,7 +38,7 @@ def sheet(a: Table, b: Table, name_a: str, name_b: str) -> Sheet:
     both = {key: (first[key], second[key]) for key in first}
     gaps = {gap.curve: gap for gap in found.curves}
     panels = []
-    for name, (title, keys) in PANELS.items():
+    for name, (title, keys) in _PANELS.items():
         panels.append(Panel(name, title, curves, (both, keys, (name_a, name_b)), 2))
         change = f"{name_b} less {name_a}"
         panels.append(Panel(f"{name}-gap", change, differences, (both, keys, gaps), 1))
@@ -51,7 +51,7 @@ def sheet(a: Table, b: Table, name_a: str, name_b: str) -> Sheet:
             "that of a difference takes the errors of the two tables as independent."
         ),
         panels=tuple(panels),
-        rows=tuple((name, f"{name}-gap") for name in PANELS),
+        rows=tuple((name, f"{name}-gap") for name in _PANELS),
         heights=(1.3, 1.0, 1.0),
         result=found.verdict.capitalize(),
     )

@@ -52,7 +52,7 @@ DRIVERS = {
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
 STATE = "Logs with other pads or on another road: a state of a log, no effect of the car."
 _OF_LOGS = "What each log has of its own; what all have in common is in it."
-UNSEEN = "What these logs could not show, and the drive in which it shows most."
+_UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
 
@@ -353,7 +353,7 @@ def _unseen(found: Diagnosis) -> Table:
         size = f"{spaced(strength.name)} {with_unit(usual, strength.unit)}"
         there = drive.name if drive.clear else f"none, most of all {drive.name}"
         rows.append((spaced(drive.effect), size, there, f"{drive.sigma:.0f} sigma"))
-    return Table(("effect", "usual size", "drive", "size there"), rows, UNSEEN)
+    return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
 
 
 def _noise(found: Diagnosis) -> str:

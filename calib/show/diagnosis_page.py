@@ -32,15 +32,6 @@ BASE = {
 }
 _SPEED = "Speed of the open-loop replays less the measured one."
 LARGEST = "Replay less measurement of the log with the largest gap; the band is the noise."
-MEASURED = (
-    "The gap is that of the hold-outs alone, replayed from their pressures and first speed. An "
-    "effect is named if it explains nearly all of the excess of the calibration logs over their "
-    "noise, and if the hold-outs get better with it.",
-    "Pads and tyres differ from car to car and day to day: they are identified, and no effect.",
-    "Beside this page: diagnosis.json (all numbers), model.toml (for brake-cal simulate --model), "
-    "and the replays in sim/before and sim/after.",
-)
-
 BEFORE: Stroke = {**REAR, "linewidth": 1.4}
 AFTER: Stroke = {**FRONT, "linewidth": 1.4}
 
@@ -66,7 +57,6 @@ def report(found: Diagnosis, title: str) -> Facts:
         _search(found),
         _gap(found, drawn, when),
         Facts("Base parameters", tables=[_base(found)]),
-        Facts("How it was measured", notes=MEASURED),
     ]
     return replace(told, pictures=[Picture(_SPEED, drawn, ("speed",))], parts=parts)
 
@@ -206,7 +196,7 @@ class Replay:
 
 def sheet(found: Diagnosis, name: str) -> Sheet:
     """Return the sheet of a diagnosis; ``name`` is that of the vehicle."""
-    logs = replays_of(found)
+    logs = _replays_of(found)
     worst = max(logs, key=lambda log: found.gap.by_log[log.measured.name][0])
     weights, words = split_of(found)
     same = found.verdict == "no_gap"
@@ -230,7 +220,7 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     )
 
 
-def replays_of(found: Diagnosis) -> list[Replay]:
+def _replays_of(found: Diagnosis) -> list[Replay]:
     """Hold-outs with their replays, in their order."""
     noise = {name: channel.noise for name, channel in found.gap.by_channel.items()}
     together = zip(found.measured, found.before, found.after, strict=True)

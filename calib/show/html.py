@@ -19,7 +19,7 @@ _GENERATOR = "brake-cal"
 """What every page says of the program that wrote it."""
 HEAD = 1000
 """Bytes at the begin of a page that hold its generator."""
-PANEL = (4.6, 3.1)
+_PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
 _AGAINST = "What speaks against the result, although it is given."
 
@@ -67,7 +67,7 @@ def _sources(one: Picture) -> list[str]:
     part, sources = replace(one.of, title="", result="", note=""), []
     for name in one.names or part.names:
         figure = part.figure(name)
-        figure.set_size_inches(*PANEL)
+        figure.set_size_inches(*_PANEL)
         sources.append(_inside(render(figure, ".svg")))
     return sources
 

@@ -49,7 +49,7 @@ _NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value i
 _DRIVEN = 0.05
 """Acceleration above which the wheels count as driven [g]."""
 _SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
-SPANS: dict[str, Stroke] = {
+_SPANS: dict[str, Stroke] = {
     LEAD_IN: {"facecolor": "#EBF6F1"},
     BRAKING: {"facecolor": "#EFEFEF"},
     STANDSTILL: {"facecolor": "#F8E6D8"},
@@ -204,7 +204,7 @@ def _marked(ax: Axes, time: Array, events: Sequence[RunEvent], named: bool) -> N
         if event.kind == BITES:
             ax.axvline(event.start, label=label, **_MARK)
         else:
-            span = SPANS[event.kind]
+            span = _SPANS[event.kind]
             ax.axvspan(event.start, event.end, zorder=0, lw=0.0, label=label, **span)
     ax.set(xlabel="time [s]", xlim=(time[0], time[-1]))
 

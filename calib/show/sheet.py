@@ -113,14 +113,14 @@ def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
 
 
 # No time and no version of matplotlib in a file: they would change the bytes.
-METADATA: dict[str, dict[str, Any]] = {
+_METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": None},
     ".svg": {"Date": None, "Creator": "brake-cal"},
     ".pdf": {"CreationDate": None, "Producer": "brake-cal", "Creator": "brake-cal"},
 }
 """Metadata of a file by ending; the keys are the endings that are known."""
 
-ENDINGS = tuple(METADATA)
+ENDINGS = tuple(_METADATA)
 
 
 _BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
@@ -136,7 +136,7 @@ def render(figure: Figure, ending: str) -> bytes:
     """Bytes of one figure as ``.png``, ``.svg`` or ``.pdf``. Raises KeyError for another ending."""
     with styled():
         buffer = io.BytesIO()
-        figure.savefig(buffer, format=ending[1:], metadata=METADATA[ending])
+        figure.savefig(buffer, format=ending[1:], metadata=_METADATA[ending])
         return buffer.getvalue()
 
 
@@ -145,7 +145,7 @@ def _render_pages(figures: list[Figure], done: Callable[[], None] = lambda: None
     from matplotlib.backends.backend_pdf import PdfPages
 
     buffer = io.BytesIO()
-    with styled(), PdfPages(buffer, metadata=METADATA[".pdf"]) as pages:
+    with styled(), PdfPages(buffer, metadata=_METADATA[".pdf"]) as pages:
         for figure in figures:
             figure.savefig(pages, format="pdf")
             done()

@@ -32,7 +32,7 @@ from calib.table.budget import advice_lines
 Change = tuple[float, float]
 """Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
 
-BY_STOP = (
+_BY_STOP = (
     "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
 )
 
@@ -119,7 +119,7 @@ def _by_stop(stored: Stored, results: list[Validation]) -> Table:
     since = "change"
     errors = ("error, front", "error, rear")[: len(truth)]
     heads = ("stop", "front pads", since, "rear pads", since, "valid", *errors, "verdict")
-    return Table(heads, rows, BY_STOP, [_verdict(r) for r in results])
+    return Table(heads, rows, _BY_STOP, [_verdict(r) for r in results])
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
@@ -149,10 +149,10 @@ def _limiting(results: list[Validation]) -> list[Row]:
 
 
 def sentences(r: Validation) -> list[str]:
-    """What the pads did, how well that is known, and which limits are not held, if any."""
+    """What the pads did, and which limits are not held, if any."""
     if r.role == CALIBRATION:
         return [NO_HOLDOUT]
-    return [_pads(r.estimate), _known(r), *broken(r)]
+    return [_pads(r.estimate), *broken(r)]
 
 
 def _verdict(r: Validation) -> str:
@@ -205,21 +205,6 @@ def _against(change: Change) -> str:
     size = 100.0 * abs(math.expm1(value))
     known = 100.0 * math.exp(value) * half
     return f"{size:.0f} +- {max(known, 1.0):.0f} % {'below' if value < 0.0 else 'above'}"
-
-
-def _known(r: Validation) -> str:
-    """How well the pad friction itself is known, and how much of the braking is valid."""
-    f = r.figures
-    parts = []
-    for name, what in (
-        ("interval", "their friction is known to"),
-        ("torque_error", "the torque is off the truth by"),
-    ):
-        front, rear = f[f"{name}_f"], f[f"{name}_r"]
-        if front is not None and rear is not None:
-            parts.append(f"{what} {_percent(front)} front and {_percent(rear)} rear")
-    parts.append(f"{100.0 * (f['valid_share'] or 0.0):.0f} % of the braking is valid")
-    return "; ".join(parts)
 
 
 def _percent(share: float) -> str:

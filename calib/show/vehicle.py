@@ -1,4 +1,4 @@
-"""The brake torques of a car's axles: of a vehicle file, and Fig. 2 of a table.
+"""A vehicle: its facts, the effects it may have, the torques of its axles, Fig. 2 of a table.
 
 T_r |  .-I-.     on the I curve both axles use the same friction;
     | /  ,-' beta  on the beta line the pads share one pressure;
@@ -6,10 +6,14 @@ T_r |  .-I-.     on the I curve both axles use the same friction;
     +-------- T_f
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from calib.base.intervals import Z95
+from calib.base.units import behind
 from calib.car.bias import friction_used, front_share, pressure_per_g
+from calib.car.effects.effect import Card
 from calib.car.forces import axle_loads, front_biased_up_to
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
@@ -87,6 +91,22 @@ def facts(vehicle: Vehicle) -> Facts:
         ],
         warnings=plausible(vehicle),
     )  # fmt: skip
+
+
+def cards(found: Sequence[Card]) -> Facts:
+    """Each effect with its cause."""
+    return Facts(tables=[Cells(("effect", "cause"), [(one.name, one.cause) for one in found])])
+
+
+def card(one: Card) -> Facts:
+    """The card of an effect; its parameters as expected value, spread and range."""
+    head = ("name", "cause", "equation", "source", "looks_like")
+    rows = [(name.replace("_", " "), str(getattr(one, name))) for name in head]
+    for p in one.parameters:
+        unit = behind(p.unit)
+        usual = f"{p.typical:g} +- {p.spread:g}{unit}, from {p.low:g} to {p.high:g}{unit}"
+        rows.append((p.name, usual))
+    return Facts(rows=rows)
 
 
 def sheet(vehicle: Vehicle) -> Sheet:

@@ -1,7 +1,5 @@
 """Find the columns for the car's speed, acceleration and pressure, and those by name alone."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from calib.base.names import G
@@ -9,8 +7,7 @@ from calib.logs.channel_map import Mapping
 from calib.logs.source import Array
 from calib.run.copies import factor_between, is_other_quantity
 from calib.run.limits import LIMITS
-from calib.suggest.columns import ColumnClock, Series, correlation, follows, lead
-from calib.suggest.search import Search
+from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows, lead
 from calib.suggest.words import (
     BRAKE,
     DECELERATION,
@@ -23,6 +20,7 @@ from calib.suggest.words import (
     SPEED,
     STEERING,
     TORQUE,
+    Words,
     axle,
     corner,
     score,
@@ -216,8 +214,8 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 
 def find_by_name(search: Search) -> None:
     """Find the channels that are not tested with physics."""
-    for channel, fits in BY_NAME.items():
-        found = [s for s in search.free() if s.name == channel or fits(s)]
+    for channel, (si, side, of) in BY_NAME.items():
+        found = [s for s in search.free() if s.name == channel or _fits(s, si, side, of)]
         found = [s for s in found if s.name == channel] or found
         if len(found) > 1:
             do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
@@ -229,6 +227,11 @@ def find_by_name(search: Search) -> None:
                 NOT_TESTED.get(channel, "not tested"),
             )
             search.propose(channel, Mapping(found[0].name), False, *reasons)
+
+
+def _fits(item: Series, si: str, side: str | None, of: tuple[Words, ...]) -> bool:
+    here = item.si == si and side in (None, axle(item.name))
+    return here and all(score(item.name, words_of) > 0 for words_of in of)
 
 
 def _brake_score(name: str) -> int:
@@ -249,28 +252,14 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
     return None
 
 
-def _disc(side: str) -> Callable[[Series], bool]:
-    return lambda s: s.si == "degC" and score(s.name, DISC) > 0 and axle(s.name) == side
-
-
-def _drive(side: str) -> Callable[[Series], bool]:
-    """Whether a column is the torque of an engine or motor of an axle, by name and unit."""
-
-    def fits(s: Series) -> bool:
-        named = score(s.name, TORQUE) > 0 and score(s.name, DRIVE) > 0
-        return s.si == "N*m" and named and axle(s.name) == side
-
-    return fits
-
-
-BY_NAME: dict[str, Callable[[Series], bool]] = {
-    "steering": lambda s: s.si == "rad" and score(s.name, STEERING) > 0,
-    "T_disc_f": _disc("f"),
-    "T_disc_r": _disc("r"),
-    "T_drive_f": _drive("f"),
-    "T_drive_r": _drive("r"),
+BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
+    "steering": ("rad", None, (STEERING,)),
+    "T_disc_f": ("degC", "f", (DISC,)),
+    "T_disc_r": ("degC", "r", (DISC,)),
+    "T_drive_f": ("N*m", "f", (TORQUE, DRIVE)),
+    "T_drive_r": ("N*m", "r", (TORQUE, DRIVE)),
 }
-"""What a column is by name and unit alone."""
+"""SI unit, axle and words of the channels that a column is by name and unit alone."""
 
 
 NOT_TESTED = dict.fromkeys(

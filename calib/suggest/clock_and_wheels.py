@@ -9,8 +9,18 @@ from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.source import Array
 from calib.run.limits import LIMITS
-from calib.suggest.columns import ColumnClock, Series, moving, rising, together, without_gaps
-from calib.suggest.search import Doubt, Search, rim_mapping, rim_reason
+from calib.suggest.columns import (
+    ColumnClock,
+    Doubt,
+    Search,
+    Series,
+    moving,
+    rim_mapping,
+    rim_reason,
+    rising,
+    together,
+    without_gaps,
+)
 from calib.suggest.words import TIME, loose_corner, words
 
 SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}

@@ -1,18 +1,19 @@
-"""The numeric columns of a log, in SI if their unit is known, and physical tests for them.
+"""The numeric columns of a log, physical tests for them, and what is known while one searches.
 
 speed        the four wheels and the car agree
 a_x          is the derivative of speed, up to a sign
 pressure     comes before the deceleration, and both rise and fall together
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
-from calib.base.units import UnknownUnit, is_unit, si_of, to_si
+from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
+from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.source import Array, Column, ColumnSource, address_of
@@ -46,10 +47,10 @@ class Series:
 def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[str, str]]:
     """The columns with a number in every row, those with gaps, and for the others the reason."""
     found, gapped, left = list[Series](), list[Series](), dict[str, str]()
-    for index, (column, values) in enumerate(zip(source.columns, _arrays(source), strict=True)):
+    for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
         name = address_of(column, source.columns)
-        if isinstance(values, str):
-            left[name] = values
+        if isinstance(values, LogError):
+            left[name] = values.what
         elif column.name.startswith("true_"):
             left[name] = "truth of a simulation"
         elif np.isnan(values).all():
@@ -60,21 +61,6 @@ def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[
             item = replace(_series(name, column, values), rate=source.rates.get(index))
             (gapped if np.isnan(values).any() else found).append(item)
     return found, gapped, left
-
-
-def _arrays(source: ColumnSource) -> list[Array] | list[Array | str]:
-    every = range(len(source.columns))
-    try:
-        return source.read(every)
-    except LogError:
-        return [_one(source, index) for index in every]
-
-
-def _one(source: ColumnSource, index: int) -> Array | str:
-    try:
-        return source.read([index])[0]
-    except LogError as error:
-        return error.what
 
 
 def _series(name: str, column: Column, values: Array) -> Series:
@@ -173,3 +159,100 @@ def moving(speed: Array, clock: ColumnClock) -> slice:
     margin = 2 * clock.width(SMOOTH)
     whole = end - start > 6 * margin
     return slice(start + margin, end - margin) if whole else slice(start, end)
+
+
+SURE, LIKELY = "sure", "likely"
+"""Sure: name, unit and physics agree. Likely: one is missing, and none contradicts."""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """Source of one channel, how ``sure`` it is, and the ``reasons`` in words."""
+
+    channel: str
+    mapping: Mapping
+    sure: str
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A question that only the user can answer: ``candidates`` for ``channel``, and ``why``."""
+
+    channel: str
+    candidates: tuple[str, ...]
+    why: str
+    do: str
+
+    def __str__(self) -> str:
+        names = f": {', '.join(self.candidates)}" if self.candidates else ""
+        return f"{self.why}{names}; {self.do}"
+
+
+def rim_mapping(
+    channel: str, source: str, unit: str | None, radius: float | None
+) -> Mapping | None:
+    """The mapping of a wheel speed that is written as a speed at the rim.
+
+    None for another channel, a unit that is not one of speed, or without the ``radius`` [m].
+    """
+    if not channel.startswith("omega_") or not unit or radius is None or not is_unit(unit, "m/s"):
+        return None
+    return Mapping(source, "rad/s", scale=to_si(1.0, unit, "m/s") / radius)
+
+
+def rim_reason(radius: float) -> str:
+    """How a speed at the rim became a wheel speed, in words."""
+    return f"divided by the given radius of {radius:g} m"
+
+
+@dataclass
+class Search:
+    """What is known so far; a column that is proposed or in ``left`` is not looked at again.
+
+    ``gapped`` columns have no value in some rows; ``told`` channels have no proposals but those of
+    the user.
+    """
+
+    series: list[Series]
+    gapped: list[Series]
+    left: dict[str, str]
+    told: dict[str, str]
+    radius: float | None
+    proposals: dict[str, Proposal] = field(default_factory=dict)
+    doubts: list[Doubt] = field(default_factory=list)
+    clock: ColumnClock | None = None
+
+    def free(self) -> list[Series]:
+        """Columns that are neither proposed nor refused."""
+        taken = {p.mapping.source for p in self.proposals.values()}
+        return [s for s in self.series if s.name not in taken and s.name not in self.left]
+
+    def refuse(self, item: Series, why: str) -> None:
+        """Leave a column, with the reason."""
+        self.left.setdefault(item.name, why)
+
+    def propose(self, channel: str, mapping: Mapping, sure: bool, *reasons: str) -> None:
+        """Propose a channel that the user did not give."""
+        if channel not in self.told:
+            self.proposals[channel] = Proposal(channel, mapping, SURE if sure else LIKELY, reasons)
+
+    def doubt(self, channel: str, candidates: list[Series], why: str, do: str) -> None:
+        """Ask about a channel that the user did not give."""
+        if channel not in self.told:
+            self.doubts.append(Doubt(channel, tuple(s.name for s in candidates), why, do))
+
+    def given(self, channel: str) -> Array | None:
+        """The values [SI] of the column that the user gave for a channel, or None."""
+        proposal = self.proposals.get(channel)
+        source = proposal.mapping.source if proposal else None
+        item = next((s for s in self.series if s.name == source), None)
+        if proposal is None or item is None:
+            return None
+        mapping, written = proposal.mapping, item.values
+        if mapping.unit is None:
+            return written
+        # A given unit overrides the file's: undo that conversion, then apply the given one.
+        if item.column.unit and item.si not in (None, "?"):
+            written = from_si(written, item.column.unit, str(item.si))
+        return mapping.to_si(written, mapping.unit, CHANNELS[channel].si)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from calib.base.errors import BrakeCalError, InputError
 from calib.base.names import CHANNELS
 from calib.base.units import UnknownUnit, is_unit, unit_of
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
@@ -28,8 +28,16 @@ from calib.suggest.clock_and_wheels import (
     find_wheels,
     while_moving,
 )
-from calib.suggest.columns import read_series
-from calib.suggest.search import LIKELY, SURE, Doubt, Proposal, Search, rim_mapping, rim_reason
+from calib.suggest.columns import (
+    LIKELY,
+    SURE,
+    Doubt,
+    Proposal,
+    Search,
+    read_series,
+    rim_mapping,
+    rim_reason,
+)
 
 if TYPE_CHECKING:
     from tomlkit.items import Array, Table
@@ -37,16 +45,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A proposed channel map.
+    """A channel map proposed for ``log``; it is written only if there are no ``doubts``.
 
-    Attributes
-    ----------
-    log : path of the log.
-    proposals : what is proposed, in the order of `calib.base.names.CHANNELS`.
-    doubts : questions to the user; a map is written only if there are none.
-    missing : required channels that this log does not have, with the reason.
-    left : columns that are not used, with the reason.
-    ignore : columns that have the name of a channel but another content.
+    ``missing`` required channels and ``left`` columns have a reason each; ``ignore`` columns have
+    the name of a channel and another content.
     """
 
     log: str
@@ -66,19 +68,10 @@ def suggest(
 ) -> Suggestion:
     """Propose a channel map for an opened log.
 
-    Parameters
-    ----------
-    source : of any format.
-    where : the file's path, for messages.
-    told : sources given by the user, by channel: ``Brake [bar]`` with or without a unit; empty
-        for a channel that must not be mapped.
-    radius : rolling radius [m] if the log has wheel speeds as speeds at the rim; used for those in
-        ``told``, too.
-
-    Returns
-    -------
-    The suggestion. A channel is missing if no column fits, and a doubt if several fit. Raises
-    InputError for a channel or column in ``told`` that does not exist.
+    ``told`` are sources given by the user, by channel: ``Brake [bar]`` with or without a unit;
+    empty for a channel that must not be mapped. ``radius`` [m] turns speeds at the rim into wheel
+    speeds. A channel is missing if no column fits, and a doubt if several fit. Raises InputError
+    for a channel or column in ``told`` that does not exist.
     """
     search = Search(*read_series(source), dict(told or {}), radius)
     for channel, cell in search.told.items():
@@ -212,11 +205,12 @@ def to_toml(
     document = tomlkit.document()
     document.add(tomlkit.comment(f"proposed from {_one_line(found.log)}"))
     document.add("schema", 1)
-    if read_with is not None and (read_with.buses or read_with.dbc):
-        by_bus = {bus: _files(files, folder) for bus, files in read_with.buses}
-        document.add("dbc", by_bus or _files(read_with.dbc, folder))
-    if read_with is not None and read_with.j1939 is not None:
-        document.add("j1939", list(read_with.j1939) or "any")
+    known = read_with.databases if read_with else Databases()
+    if known.buses or known.files:
+        by_bus = {bus: _files(files, folder) for bus, files in known.buses}
+        document.add("dbc", by_bus or _files(known.files, folder))
+    if known.sources is not None:
+        document.add("j1939", list(known.sources) or "any")
     if found.ignore:
         document.add("ignore", list(found.ignore))
     for name, why in found.missing.items():

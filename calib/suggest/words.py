@@ -52,10 +52,7 @@ _NO_BRAKE = _words(
     "tire tyre reifen oil oel öl fuel boost booster manifold rail baro ambient vacuum intake "
     "turbo clutch air park parking hand"
 )
-BRAKE = Words(
-    _words("brake brk pbk brakes bremse brems bremsdruck bremskraft"),
-    _NO_BRAKE,
-)
+BRAKE = Words(_words("brake brk pbk brakes bremse brems bremsdruck bremskraft"), _NO_BRAKE)
 MASTER = Words(
     _words(
         "mc tmc master mastercylinder hz thz hbz hauptbremszylinder hauptzylinder vordruck pmc "
@@ -101,9 +98,7 @@ TORQUE = Words(
     ),
 )
 """Not another torque, nor one that is only asked for or possible."""
-DISC = Words(
-    _words("disc disk rotor scheibe bremsscheibe"),
-)
+DISC = Words(_words("disc disk rotor scheibe bremsscheibe"))
 WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
 

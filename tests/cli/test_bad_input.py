@@ -15,6 +15,7 @@ import pytest
 
 from calib.logs.write import write_csv, write_parquet
 from calib.store.store import Store
+from tests.support.made_runs import changed
 from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, swapped, without
 
 WHEELS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
@@ -154,10 +155,6 @@ def test_parquet_that_is_damaged(attempt, bench, tmp_path, command, spoilt):
 
 def constant(channel):
     return lambda log: changed(log, **{channel: np.full(log.time.size, log[channel][0])})
-
-
-def changed(log, **channels):
-    return replace(log, channels={**log.channels, **channels})
 
 
 def standing(log):

@@ -3,13 +3,10 @@
 What they cost is measured by `tests/studies/hostile.py`, with the large ones as well.
 """
 
-import re
-
 import pytest
 
-from tests.support.hostile import CASES
+from tests.support.hostile import CASES, RAW
 
-RAW = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\u2028\u2029]")
 SMALL = [case for case in CASES if not case.large]
 
 

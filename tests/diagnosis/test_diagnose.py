@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.explanation.base import BASE
@@ -19,8 +19,6 @@ from calib.diagnosis.search.decide import decide
 from calib.diagnosis.written.document import to_dict
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase, draw
-
-Array = NDArray[np.float64]
 
 
 def answer(case: HiddenCase) -> Diagnosis:

@@ -13,14 +13,14 @@ from calib.estimation.settings import SETTINGS
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.run.check import check
-from tests.support.balanced import balanced
-from tests.support.one_axle import one_axle
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import (
     CAR,
     REAL,
     WET,
+    balanced,
     noisy,
+    one_axle,
     stop,
     swapped,
     with_pads,

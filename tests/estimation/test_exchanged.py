@@ -11,8 +11,7 @@ from calib.estimation.exchanged import exchanged
 from calib.estimation.settings import SETTINGS
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from tests.support.balanced import balanced
-from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, swapped, without
+from tests.support.reference_car import CAR, REAL, balanced, noisy, ramp, stop, swapped, without
 
 NEAR = balanced(CAR, 0.42)
 """Eta of the car rises by 0.1 % at most, and is 1 again at 0.42 g."""

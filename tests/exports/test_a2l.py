@@ -1,4 +1,4 @@
-"""A2L as a2ltool sees it (MIT or Apache 2.0), and decoded by a reader of the standard's keywords.
+"""A2L as a2ltool sees it (MIT or Apache 2.0), and decoded from the bytes of a program.
 
 The memory is that of a program that gcc made of the C header of the same export.
 """
@@ -116,7 +116,7 @@ def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
     if bits == 32:
         assert high - low == pytest.approx(2 * 1.959964 * mu.sigma, rel=1e-3)
     for block in module.all("AXIS_PTS", "CHARACTERISTIC"):
-        least, most = map(float, block.words["EXTENDED_LIMITS"])
+        least, most = map(float, block.after("EXTENDED_LIMITS", 2))
         low, high = found[block.given[0]][3]
         assert least <= low <= high <= most
 

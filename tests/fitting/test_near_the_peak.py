@@ -12,9 +12,8 @@ from calib.model.ramp import prepare
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from tests.support.one_axle import one_axle
 from tests.support.plant import magic
-from tests.support.reference_car import CAR, REAL, noisy, ramp
+from tests.support.reference_car import CAR, REAL, noisy, one_axle, ramp
 
 PEAK, SHAPE, STIFFNESS = 0.92, 1.65, 25.0
 

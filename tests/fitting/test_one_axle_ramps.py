@@ -9,8 +9,17 @@ import pytest
 from calib.base.errors import LogError
 from calib.fitting.fit import fit
 from calib.table.invariants import violations
-from tests.support.one_axle import one_axle
-from tests.support.reference_car import CAR, REAL, cut, noisy, ramp, swapped, with_ratio, without
+from tests.support.reference_car import (
+    CAR,
+    REAL,
+    cut,
+    noisy,
+    one_axle,
+    ramp,
+    swapped,
+    with_ratio,
+    without,
+)
 from tests.support.refusals import refusal
 
 SEEDS = range(4)

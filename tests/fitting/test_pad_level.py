@@ -13,8 +13,7 @@ from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from tests.support.one_axle import one_axle
-from tests.support.reference_car import CAR, IDEAL, noisy, ramp
+from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, ramp
 
 SHARE = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 """Of the front brakes in the force at one pressure, Table I."""

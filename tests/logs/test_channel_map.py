@@ -92,10 +92,10 @@ def test_slips_are_named(tmp_path, old, new, words):
 def test_dbc_files_are_relative_to_the_map(tmp_path):
     text = "schema = 1\ndbc = {}\n"
     one = read_channel_map(write_map(tmp_path, text.format('"a.dbc"')))
-    assert (one.dbc, one.channels) == ((DatabaseFile(tmp_path / "a.dbc"),), {})
+    assert (one.databases.files, one.channels) == ((DatabaseFile(tmp_path / "a.dbc"),), {})
     two = read_channel_map(write_map(tmp_path, text.format('["a.dbc", "/x/b.dbc"]')))
-    assert two.dbc == (DatabaseFile(tmp_path / "a.dbc"), DatabaseFile(Path("/x/b.dbc")))
-    assert read_channel_map(write_map(tmp_path, MAP)).dbc == ()
+    assert two.databases.files == (DatabaseFile(tmp_path / "a.dbc"), DatabaseFile(Path("/x/b.dbc")))
+    assert read_channel_map(write_map(tmp_path, MAP)).databases.files == ()
 
 
 @pytest.mark.parametrize(
@@ -120,12 +120,12 @@ def test_dbc_that_is_no_path(tmp_path, dbc):
 def test_a_dbc_for_each_bus(tmp_path):
     text = 'schema = 1\n[dbc]\n1 = "a.dbc"\ncan0 = ["b.kcd", "/x/c.arxml"]\n'
     found = read_channel_map(write_map(tmp_path, text))
-    assert found.dbc == ()
-    assert found.buses == (
+    assert found.databases.files == ()
+    assert found.databases.buses == (
         ("1", (DatabaseFile(tmp_path / "a.dbc"),)),
         ("can0", (DatabaseFile(tmp_path / "b.kcd"), DatabaseFile(Path("/x/c.arxml")))),
     )
-    assert found.databases.all == (*found.buses[0][1], *found.buses[1][1])
+    assert found.databases.all == (*found.databases.buses[0][1], *found.databases.buses[1][1])
 
 
 ONE_BUS = '{file = "car.kcd", bus = "Motor"}'
@@ -143,7 +143,9 @@ ONE_BUS = '{file = "car.kcd", bus = "Motor"}'
 def test_one_bus_of_a_file(tmp_path, written, bus):
     found = read_channel_map(write_map(tmp_path, f"schema = 1\ndbc = {written}\n"))
     file = DatabaseFile(tmp_path / "car.kcd", "Motor")
-    assert (found.dbc, found.buses) == (((), (("1", (file,)),)) if bus else ((file,), ()))
+    assert (found.databases.files, found.databases.buses) == (
+        ((), (("1", (file,)),)) if bus else ((file,), ())
+    )
 
 
 @pytest.mark.parametrize(

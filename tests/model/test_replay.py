@@ -19,7 +19,7 @@ from calib.model.replay import COAST_SECONDS, first_speed, replay
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
 from tests.support.plant import as_log, drive
-from tests.support.reference_car import CAR, REAL
+from tests.support.reference_car import CAR, REAL, without
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs/sedan"
 SEDAN = read_vehicle(SAMPLES / "vehicle.toml")
@@ -41,10 +41,6 @@ WHEEL_SPEEDS = tuple(f"omega_{w}" for w in WHEELS)
 def driven():
     plan = ramp(30.0)
     return simulate(MODEL, plan.time, plan.pressure, plan.v0, name="driven")
-
-
-def without(log, *channels):
-    return replace(log, channels={k: v for k, v in log.channels.items() if k not in channels})
 
 
 def test_a_simulated_log_replayed_by_its_model_is_itself(driven):

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks, braked_alone, braked_alone_in
 from tests.support.made_runs import changed, made_run
-from tests.support.one_axle import one_axle
-from tests.support.reference_car import IDEAL, noisy, ramp, without
+from tests.support.reference_car import IDEAL, noisy, one_axle, ramp, without
 from tests.support.tables import VEHICLE
 
 RUN = made_run()

@@ -5,13 +5,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from calib.car.balance import ForceBalance
 from calib.car.lag import first_order
 from calib.run.axle_signals import Signals
 from calib.run.brake_response import BrakeBalance, brake_response
-from tests.support.forces import made_balance
 
 TIME = np.arange(0.0, 8.0, 0.005)
 WEIGHT = 16000.0
+
+
+def made_balance(demanded):
+    """The balance of a car whose tyres carry ``demanded`` [N] (n,) and nothing else."""
+    none = np.zeros_like(demanded)
+    return ForceBalance(none + 9000.0, none + 7000.0, none, none, none, none, none, demanded)
 
 
 def pedal(t):

@@ -10,8 +10,7 @@ from calib.base.names import WHEELS, G
 from calib.logs.read import read_log
 from calib.run.check import check, facts, problems_for, to_dict
 from tests.support.made_runs import BAR_PER_G, changed, made_run, ramp, stop, with_slip
-from tests.support.one_axle import one_axle
-from tests.support.reference_car import REAL, noisy, swapped, without
+from tests.support.reference_car import REAL, noisy, one_axle, swapped, without
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 FIT = ["fit", "validate", "diagnose"]

@@ -29,17 +29,6 @@ def test_the_verdict_comes_first(log, says):
     assert "\n" not in line(findings)
 
 
-def test_a_stop_says_why_it_makes_no_table_and_a_coast_needs_not():
-    assert "; no fit: the brake is applied within" in line(check(made_run(stop())))
-    assert "no fit" not in line(check(made_run(standing_still)))
-
-
-def test_a_useless_log_says_what_to_do():
-    told = line(check(changed(made_run(), p_mc=None)))
-    assert "p_mc is missing: record it, in bar, at the master cylinder" in told
-    assert "; no fit" not in told
-
-
 def test_warnings_are_named_by_their_codes():
     told = line(check(made_run(ramp(start=0.7))))
     assert told.endswith("warning: lead_in")

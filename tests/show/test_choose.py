@@ -6,8 +6,7 @@ import pytest
 from calib.logs.read import read_log
 from calib.show.choose import PlotInput, sheets
 from calib.store.version import Stored
-from tests.show.conftest import SEDAN, SIMULATION
-from tests.support.stored_results import made_result
+from tests.show.conftest import SEDAN
 
 
 @pytest.fixture
@@ -36,21 +35,6 @@ def test_another_log_is_a_stop_even_under_the_name_of_a_parent(stored, ramp, tra
         ("table", stored.id),
         ("stop", transition.name),
     ]
-
-
-def test_truth_makes_it_a_simulation(stored):
-    run = read_log(SIMULATION / "stop_noisy.parquet")
-    assert kinds(tables=(stored,), logs=(run,)) == [("simulation", "stop_noisy")]
-
-
-def test_two_tables_are_compared(stored):
-    other = replace(stored, version=2)
-    assert kinds(tables=(stored, other)) == [("comparison", f"{stored.id}_{other.id}")]
-
-
-def test_a_log_or_a_result_alone(ramp):
-    assert kinds(logs=(ramp,)) == [("log", ramp.name)]
-    assert kinds(results=(made_result(),)) == [("stop", "stop")]
 
 
 def test_too_many_tables_are_an_error(stored, ramp):

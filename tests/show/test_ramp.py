@@ -41,16 +41,6 @@ def test_f1_and_f2_satisfy_18(table, run):
     assert (found.f1 - found.f2)[braked] == pytest.approx(found.D[braked])
 
 
-def test_what_is_measured_lies_around_the_curves(table, run):
-    found = measure(table, run)
-    inside = found.braked & (found.z_free < 0.9 * table.paper.z[-1])
-    gap = found.eta - np.interp(found.D, table.difference.D, table.difference.eta)
-    assert abs(np.mean(gap[inside])) < 1e-4  # a fiftieth of the signal
-    curve = np.interp(found.slip_f, table.tyre.slip, table.tyre.force)
-    hard = found.braked & (found.z > 0.15)
-    assert np.mean((curve - found.F_f)[hard]) == pytest.approx(0.0, abs=0.005)
-
-
 def test_a_group_is_the_mean_of_its_blocks():
     values = np.arange(2.0 * GROUP + 3.0)
     mask = np.ones(values.size, bool)

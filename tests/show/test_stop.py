@@ -50,16 +50,6 @@ def test_every_panel_marks_the_change_of_surface(trace):
     assert stop.CHANGED not in stop.sheet(replace(trace, changes=())).note
 
 
-def test_samples_that_are_not_valid_are_shaded(trace):
-    ax = axes()
-    stop.deceleration(ax, trace)
-    (area,) = ax.collections
-    first = trace.time[np.argmax(trace.valid)]
-    before = area.get_paths()[0].vertices[:, 0]
-    assert before.min() == trace.time[0]
-    assert before.max() == pytest.approx(first, abs=0.0051)
-
-
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(trace):
     nowhere = replace(trace, valid=np.zeros(trace.time.size, bool))
     assert len(stop.sheet(nowhere).overview().axes) == 8

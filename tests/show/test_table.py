@@ -4,9 +4,8 @@ import pytest
 from calib.show import table as figures
 from calib.show.ramp import measure
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
-from tests.support.one_axle import one_axle
 from tests.support.plot_lines import axes, drawn, labels, line
-from tests.support.reference_car import IDEAL
+from tests.support.reference_car import IDEAL, one_axle
 from tests.support.tables import C, made_table
 
 TABLE = made_table()

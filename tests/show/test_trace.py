@@ -2,10 +2,8 @@ import numpy as np
 import pytest
 
 from calib.car.vehicle_file import read_vehicle
-from calib.estimation.limits import Limit
 from calib.estimation.results import write_result
-from calib.estimation.validate import validate, validate_one
-from calib.show.judged import broken, word
+from calib.estimation.validate import validate
 from calib.show.result import read_result
 from calib.show.trace import from_result
 from tests.show.conftest import SEDAN, traced
@@ -50,12 +48,3 @@ def test_what_validate_writes_is_what_is_drawn(sedan, transition, trace, tmp_pat
 def test_each_sample_is_valid_or_has_a_reason(trace):
     reasons = np.any(list(trace.refused.values()), axis=0)
     assert np.array_equal(reasons, ~trace.valid)
-
-
-def test_the_verdict_is_that_of_the_validation(sedan, transition, trace):
-    assert trace.verdict.startswith("passed")
-    strict = (Limit("interval_f", None, 0.01), Limit("valid_share", 0.5, None))
-    failed = validate_one(sedan, transition, None, strict, baselines=False)
-    (told,) = broken(failed)
-    assert "interval_f" in told
-    assert word(failed).startswith("failed")

@@ -21,6 +21,7 @@ from calib.base.names import WHEELS, G
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.model.sensor_noise import NoiseLevel
+from tests.support.made_runs import changed
 from tests.support.plant import Plant, Pressure, per_pascal
 
 BAR = 1e5
@@ -449,11 +450,6 @@ def together(parts: list[Hidden]) -> Hidden:
         return of
 
     return Hidden(car, told, sense, levels)
-
-
-def changed(log: Log, **channels: np.ndarray) -> Log:
-    """The log with other readings."""
-    return replace(log, channels={**log.channels, **channels})
 
 
 CAUSES: dict[str, Callable[[Rng], Hidden]] = {

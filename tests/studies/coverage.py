@@ -19,7 +19,8 @@ from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.table.table import Table
 from tests.studies.ensemble import SURFACES, case
-from tests.studies.study import AgainstTruth, arguments, carried_out, pair, without_v
+from tests.studies.study import AgainstTruth, arguments, carried_out, pair
+from tests.support.reference_car import without
 
 METHODS = ("kalman", "nominal", "mean_gain", "temperature", "gradient_as_written", "gradient_paper")
 METHODS += ("rls_paper", "rls_difference", "rls_tyre")
@@ -43,8 +44,8 @@ def tried(job: tuple[int, int, bool]) -> list[Row]:
     """Fit the ramp of a car, run its stops: (seed, car, whether it has v)."""
     seed, number, keep_v = job
     of = case(np.random.default_rng([seed, number]), 3, seed * 1000 + number)
-    table = fit(of.vehicle, [of.ramp if keep_v else without_v(of.ramp)])
-    logs = [stop.log if keep_v else without_v(stop.log) for stop in of.stops]
+    table = fit(of.vehicle, [of.ramp if keep_v else without(of.ramp, "v")])
+    logs = [stop.log if keep_v else without(stop.log, "v") for stop in of.stops]
     return [
         row(number, table, log, stop.surface, stop.alike)
         for log, stop in zip(logs, of.stops, strict=True)

@@ -31,7 +31,8 @@ from calib.logs.log import Log
 from calib.table.table import Table
 from tests.studies.causes import CAUSES
 from tests.studies.ensemble import case
-from tests.studies.study import AgainstTruth, arguments, carried_out, pair, without_v
+from tests.studies.study import AgainstTruth, arguments, carried_out, pair
+from tests.support.reference_car import without
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def tried(job: tuple[str, int, int, bool]) -> list[Row]:
     runs = [log for log in (of.ramp, of.coast, *(stop.log for stop in of.stops)) if log]
     out = []
     for with_v in (True, False):
-        ramp, coast, *stops = runs if with_v else map(without_v, runs)
+        ramp, coast, *stops = runs if with_v else [without(run, "v") for run in runs]
         try:
             table = fit(car, [ramp, coast])
         except BrakeCalError as error:

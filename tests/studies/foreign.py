@@ -27,7 +27,7 @@ sys.path.insert(0, str(ROOT))
 
 from calib.base.bounded import POINTER  # noqa: E402
 from calib.base.errors import BrakeCalError, LogError  # noqa: E402
-from calib.logs.channel_map import ChannelMap, DatabaseFile  # noqa: E402
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases  # noqa: E402
 from calib.logs.formats import RECORDINGS, ending_of  # noqa: E402
 from calib.logs.read import opened_recording  # noqa: E402
 from calib.logs.source import Recording  # noqa: E402
@@ -66,7 +66,7 @@ def by_us(path: Path, identifiers: "list[tuple[int, bool]]", folder: Path) -> in
     if identifiers:
         (folder / "all.dbc").write_text(database(identifiers))
         files = (DatabaseFile(folder / "all.dbc"),)
-    opened = opened_recording(path, ChannelMap("map", {}, dbc=files))
+    opened = opened_recording(path, ChannelMap("map", {}, databases=Databases(files)))
     try:
         return sum(size_of(opened, index) for index in range(1, len(opened.columns)))
     finally:

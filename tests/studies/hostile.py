@@ -9,7 +9,6 @@ character, and leaves no file. ``--tree`` runs another checkout of the program.
 
 import argparse
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -19,10 +18,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from tests.support.hostile import CASES, Case  # noqa: E402
+from tests.support.hostile import CASES, RAW, Case  # noqa: E402
 
 SECONDS, MEGABYTES = 20.0, 1000.0
-RAW = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 MEASURED = """
 import os, resource, sys
 sys.argv[0] = "brake-cal"

@@ -2,12 +2,12 @@
 
     python tests/studies/naming.py --count 42 --seed 1
     python tests/studies/naming.py --count 9 --seed 5 --kind outside --rows rows.jsonl
-    python tests/studies/naming.py --count 21 --kind single --severity 0 --write /tmp/cases
+    python tests/studies/naming.py --count 21 --kind single --severity 0
     python tests/studies/naming.py --count 12 --seed 9 --radii 0.2
 
 ``--count`` cases of each kind; successive seeds go round the names. ``--radii`` is the sd of the
-vehicle file's rolling radii [%]; ``--rows`` appends every case to a file, one JSON a line;
-``--write`` writes the cases into a folder. Limits are Wilson's, 95 %. A case fails on its own: an
+vehicle file's rolling radii [%]; ``--rows`` appends every case to a file, one JSON a line.
+Limits are Wilson's, 95 %. A case fails on its own: an
 error of the program is an outcome like any other and is counted.
 """
 
@@ -26,9 +26,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.diagnosis.diagnose import Diagnosis, diagnose
+from tests.studies.score import FAINT, MOST_LEFT, Replays, Score, score
 from tests.studies.study import arguments, carried_out, share
-from tests.support.hidden.cases import KINDS, HiddenCase, draw, write
-from tests.support.hidden.score import FAINT, MOST_LEFT, Replays, Score, score
+from tests.support.hidden.cases import KINDS, HiddenCase, draw
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,6 @@ class Job:
     kind: str
     seed: int
     severity: int | None
-    folder: Path | None
     radii: float
 
 
@@ -57,12 +56,11 @@ def main() -> None:
     """Draw, diagnose, score, print."""
     asked = arguments(
         __doc__,
-        count=21, seed=0, severity=-1, radii=0.0, jobs=1, rows="", write="", kind=list(KINDS),
+        count=21, seed=0, severity=-1, radii=0.0, jobs=1, rows="", kind=list(KINDS),
     )  # fmt: skip
-    folder = Path(asked.write) if asked.write else None
     severity = None if asked.severity < 0 else asked.severity
     jobs = [
-        Job(kind, asked.seed + i, severity, folder, asked.radii)
+        Job(kind, asked.seed + i, severity, asked.radii)
         for kind in asked.kind
         for i in range(asked.count)
     ]
@@ -81,8 +79,6 @@ def carry_out(job: Job) -> Row:
     case = draw(job.kind, job.seed, severity=job.severity)
     off = 0.01 * job.radii * float(np.random.default_rng(job.seed).normal())
     case = replace(case, vehicle=case.vehicle.with_radii(1.0 + off))
-    if job.folder:
-        write(case, job.folder / f"{job.kind}_{job.seed}")
     start = time.perf_counter()
     try:
         answer, before, after = diagnosed(case)

@@ -1,14 +1,14 @@
 """What the studies share: their command line, the pool, shares, an estimate against the plant."""
 
 import argparse
-import math
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
+from scipy.stats import binomtest
 
 from calib.estimation.estimator import Estimate
 from calib.logs.log import Log
@@ -47,19 +47,11 @@ def carried_out(tried: Callable[[Job], Result], jobs: list[Job], workers: int) -
         yield from pool.map(tried, jobs)
 
 
-def wilson(hits: int, n: int, z: float = 1.959964) -> tuple[float, float]:
-    """95 % limits of a share by Wilson's score interval."""
-    share = hits / n
-    middle = (share + z * z / (2 * n)) / (1 + z * z / n)
-    half = z / (1 + z * z / n) * math.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return max(middle - half, 0.0), min(middle + half, 1.0)
-
-
 def share(hits: list[bool]) -> str:
-    """A share with its limits."""
+    """A share with 95 % limits by Wilson's score interval."""
     if not hits:
         return "none"
-    low, high = wilson(sum(hits), len(hits))
+    low, high = binomtest(sum(hits), len(hits)).proportion_ci(method="wilson")
     return f"{100 * sum(hits) / len(hits):.1f} % ({100 * low:.1f}-{100 * high:.1f}, n {len(hits)})"
 
 
@@ -67,11 +59,6 @@ def pair(values: np.ndarray, form: str = ".2f") -> str:
     """Front and rear."""
     front, rear = values
     return f"{front:{form}} / {rear:{form}}"
-
-
-def without_v(log: Log) -> Log:
-    """The log as a car without a reference speed writes it."""
-    return replace(log, channels={k: v for k, v in log.channels.items() if k != "v"})
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from calib.base.errors import InputError
-from calib.logs.channel_map import ChannelMap, DatabaseFile
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource
@@ -373,9 +373,9 @@ def test_databases_and_source_addresses_are_kept(tmp_path, sources, by_bus):
     for file in files:
         file.path.write_text("")
     buses = (("1", files[:1]), ("can0", files[1:])) if by_bus else ()
-    used = ChannelMap("old.toml", {}, dbc=() if by_bus else files, buses=buses, j1939=sources)
+    known = Databases(() if by_bus else files, buses, sources)
+    used = ChannelMap("old.toml", {}, databases=known)
     found = Suggestion("x.blf", (), (), {}, {}, ())
     written = tmp_path / "map.toml"
     written.write_text(to_toml(found, used, tmp_path) + '[channels.v]\nsource = "speed"\n')
-    again = read_channel_map(written)
-    assert (again.dbc, again.buses, again.j1939) == (used.dbc, used.buses, used.j1939)
+    assert read_channel_map(written).databases == known

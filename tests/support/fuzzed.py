@@ -10,16 +10,44 @@ import struct
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from importlib import import_module
+from functools import cache, partial
 from pathlib import Path
 
+import can
+import numpy as np
+import pyarrow.csv as pc
+import pyarrow.parquet as pq
+from asammdf import MDF, Signal
+
 from calib.base.errors import BrakeCalError
+from calib.base.settings_file import read_settings
+from calib.car.model import default_model
+from calib.car.model_file import read_model, write_model
+from calib.car.vehicle_file import read_vehicle
+from calib.estimation.limits_file import read_limits
+from calib.estimation.metrics import METRICS
+from calib.exports.export import export
+from calib.exports.read import read_back
+from calib.line.gauge.plan import read_plan
+from calib.logs.bus.dbc import read_dbc
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
+from calib.logs.channel_map_file import read_channel_map
+from calib.logs.read import open_log, read_log
+from calib.show.result import read_result
+from calib.store.evidence import read_evidence
+from calib.store.minisign import read_public_key, read_secret_key, read_signature, verify
+from calib.store.store import Store
+from calib.store.version import Stored, read_version
+from tests.support.databases import DATABASES
+from tests.support.recordings import CHANNELS, DBC, messages
+from tests.support.signing import ADA, secret_file
+from tests.support.trc import HEADS, trc
 
 ROOT = Path(__file__).parents[2]
 SEDAN = ROOT / "sample_logs" / "sedan"
 VERSION = ROOT / "tables" / "sedan-2up" / "v0002"
 NAME_OF_TABLE = "sedan-2up@2"
+CAR = SEDAN / "vehicle.toml"
 
 Seeds = Callable[[], list[bytes]]
 
@@ -31,11 +59,6 @@ class Reader:
     file: str
     read: Callable[[Path], object]
     seeds: Seeds
-
-
-def by(module: str, name: str, **how: object) -> Callable[[Path], object]:
-    """The function of a module, which is imported when it is called: a guided study looks on."""
-    return lambda path: getattr(import_module(module), name)(path, **how)
 
 
 def of_file(*paths: Path) -> Seeds:
@@ -62,63 +85,44 @@ def vbos() -> list[bytes]:
 
 
 def parquets() -> list[bytes]:
-    import pyarrow.csv as pc
-    import pyarrow.parquet as pq
-
     sink = io.BytesIO()
     pq.write_table(pc.read_csv(io.BytesIO(short_csv())), sink)
     return [sink.getvalue(), (VERSION / "tyre.parquet").read_bytes()]
 
 
 def on_bus(path: Path) -> object:
-    from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
-    from calib.logs.read import read_log
-    from tests.support.recordings import CHANNELS
-
     mapped = {ours: Mapping(theirs) for ours, theirs in CHANNELS.items()}
-    chart = ChannelMap("map.toml", mapped, dbc=(DatabaseFile(_beside(path)),), j1939=())
+    chart = ChannelMap(
+        "map.toml", mapped, databases=Databases((DatabaseFile(_beside(path)),), sources=())
+    )
     return read_log(path, chart, require=())
 
 
 def signals_of_a_bus(path: Path) -> object:
     """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
-    from calib.logs.channel_map import ChannelMap, DatabaseFile
-    from calib.logs.read import open_log
-
-    chart = ChannelMap("map.toml", {}, dbc=(DatabaseFile(_beside(path)),))
+    chart = ChannelMap("map.toml", {}, databases=Databases((DatabaseFile(_beside(path)),)))
     opened = open_log(path, chart).source
     return opened.read(range(len(opened.columns)))
+
+
+J1939 = """
+BO_ 2566843646 VI: 8 ESP
+ SG_ Last : 56|8@1+ (1,0) [0|255] "" ESP
+"""
 
 
 def _beside(path: Path) -> Path:
     """The DBC of the bus, beside a log."""
     dbc = path.with_name("chassis.dbc")
     if not dbc.exists():
-        dbc.write_text(_dbc() + LONG)
+        dbc.write_text(DBC + J1939)
     return dbc
-
-
-LONG = """
-BO_ 2566843646 VI: 8 ESP
- SG_ Last : 56|8@1+ (1,0) [0|255] "" ESP
-"""
-"""A J1939 message."""
-
-
-def _dbc() -> str:
-    from tests.support.recordings import DBC
-
-    return DBC
 
 
 def recorded(ending: str) -> Seeds:
     """The first frames of the run on a bus, by python-can."""
 
     def make() -> list[bytes]:
-        import can
-
-        from tests.support.recordings import messages
-
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"a{ending}"
             with can.Logger(path) as log:
@@ -136,17 +140,7 @@ def candumps() -> list[bytes]:
     return [run + f"({last + 0.05:.6f}) can0 18FEEC0B#5756575A5A5A314A R\n".encode()]
 
 
-def trcs() -> list[bytes]:
-    from tests.support.recordings import messages
-    from tests.support.trc import HEADS, trc
-
-    return [trc(version, messages()[:200]).encode() for version in HEADS]
-
-
 def mdfs() -> list[bytes]:
-    import numpy as np
-    from asammdf import MDF, Signal
-
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for version, compression in (("4.10", 0), ("4.10", 2), ("3.30", 0)):
@@ -159,75 +153,32 @@ def mdfs() -> list[bytes]:
     return found
 
 
-def read_a_dbc(path: Path) -> object:
-    from calib.logs.bus.dbc import read_dbc
-    from calib.logs.channel_map import DatabaseFile
-
-    return read_dbc([DatabaseFile(path)], "can", "a.blf")
-
-
-def described(kind: str) -> Seeds:
-    """A file of this kind that describes a bus."""
-
-    def make() -> list[bytes]:
-        from tests.support.databases import DATABASES
-
-        return [DATABASES[kind].encode()]
-
-    return make
-
-
 def maps() -> list[bytes]:
     text = 'schema = 1\nignore = ["a"]\n[text]\nseparator = ";"\nencoding = "latin-1"\n'
     return [f'{text}[channels.p_mc]\nsource = "P"\nunit = "kPa"\nsign = -1\nscale = 2.0\n'.encode()]
 
 
-def read_some_limits(path: Path) -> object:
-    from calib.estimation.limits_file import read_limits
-    from calib.estimation.metrics import METRICS
-
-    return read_limits(path, set(METRICS))
-
-
-def read_a_model(path: Path) -> object:
-    from calib.car.model_file import read_model
-    from calib.car.vehicle_file import read_vehicle
-
-    return read_model(path, read_vehicle(SEDAN / "vehicle.toml"))
-
-
 def models() -> list[bytes]:
-    from calib.car.model import default_model
-    from calib.car.model_file import write_model
-    from calib.car.vehicle_file import read_vehicle
-
     with tempfile.TemporaryDirectory() as folder:
-        write_model(default_model(read_vehicle(SEDAN / "vehicle.toml")), Path(folder) / "m.toml")
+        write_model(default_model(read_vehicle(CAR)), Path(folder) / "m.toml")
         return [(Path(folder) / "m.toml").read_bytes()]
 
 
-def settings() -> list[bytes]:
-    return [b'schema = 1\nstore = "t"\nby = "A"\n[station]\nname = "e"\nexport = ["dcm"]\n']
-
-
 @cache
-def _exports() -> tuple[bytes, bytes]:
-    from calib.exports.export import export
-    from calib.store.store import Store
+def _stored() -> Stored:
+    return Store(ROOT / "tables").load(NAME_OF_TABLE)
 
-    stored = Store(ROOT / "tables").load(NAME_OF_TABLE)
-    made = []
-    with tempfile.TemporaryDirectory() as folder:
-        for form in ("dcm", "cdfx"):
-            path = Path(folder) / form
-            export(stored, path, form, points=8, unreleased=True)
-            made.append(path.read_bytes())
-    return made[0], made[1]
+
+def exported(form: str) -> Seeds:
+    def make() -> list[bytes]:
+        with tempfile.TemporaryDirectory() as folder:
+            export(_stored(), Path(folder) / form, form, points=8, unreleased=True)
+            return [(Path(folder) / form).read_bytes()]
+
+    return make
 
 
 def read_a_record(path: Path) -> object:
-    from calib.store.version import read_version
-
     for name in ("difference", "paper", "tyre"):
         link = path.with_name(f"{name}.parquet")
         if not link.exists():
@@ -239,26 +190,11 @@ def of_store(missing: str) -> Callable[[Path], object]:
     """What the store is now, by a file and the sound other one."""
 
     def read(path: Path) -> object:
-        from calib.store.store import Store
-
         if not path.with_name(missing).exists():
             path.with_name(missing).symlink_to(ROOT / "tables" / missing)
         return Store(path.parent).now()
 
     return read
-
-
-def read_a_summary(path: Path) -> object:
-    from calib.store.evidence import read_evidence
-
-    return read_evidence(path, _stored())
-
-
-@cache
-def _stored():  # type: ignore[no-untyped-def]
-    from calib.store.store import Store
-
-    return Store(ROOT / "tables").load(NAME_OF_TABLE)
 
 
 def summaries() -> list[bytes]:
@@ -267,39 +203,11 @@ def summaries() -> list[bytes]:
     return [text.encode()]
 
 
-def read_a_secret(path: Path) -> object:
-    from calib.store.minisign import read_secret_key
-
-    return read_secret_key(path, lambda: "")
+def read_a_database(path: Path) -> object:
+    return read_dbc([DatabaseFile(path)], "can", "a.blf")
 
 
-def read_a_signature(path: Path) -> object:
-    from calib.store.minisign import read_signature, verify
-    from tests.support.signing import ADA
-
-    return verify(ADA.public, b"content", read_signature(path), path)
-
-
-def public() -> list[bytes]:
-    from tests.support.signing import ADA
-
-    return [ADA.public.file]
-
-
-def secrets() -> list[bytes]:
-    from tests.support.signing import secret_file
-
-    return [secret_file(b"adasline", bytes(range(32)))]
-
-
-def signatures() -> list[bytes]:
-    from tests.support.signing import ADA
-
-    return [ADA.sign(b"content", "table sedan")]
-
-
-READ_LOG = by("calib.logs.read", "read_log", require=())
-READ_BACK = by("calib.exports.read", "read_back")
+READ_LOG = partial(read_log, require=())
 READERS = {
     "csv": Reader("a.csv", READ_LOG, csvs),
     "csv.gz": Reader("a.csv.gz", READ_LOG, lambda: [gzip.compress(short_csv(), mtime=0)]),
@@ -309,20 +217,29 @@ READERS = {
     "blf": Reader("a.blf", on_bus, recorded(".blf")),
     "asc": Reader("a.asc", on_bus, recorded(".asc")),
     "candump": Reader("a.log", on_bus, candumps),
-    "trc": Reader("a.trc", signals_of_a_bus, trcs),
-    "dbc": Reader("a.dbc", read_a_dbc, lambda: [_dbc().encode()]),
-    "arxml": Reader("a.arxml", read_a_dbc, described("arxml")),
-    "kcd": Reader("a.kcd", read_a_dbc, described("kcd")),
-    "sym": Reader("a.sym", read_a_dbc, described("sym")),
-    "map": Reader("a.toml", by("calib.logs.channel_map_file", "read_channel_map"), maps),
-    "vehicle": Reader(
-        "a.toml", by("calib.car.vehicle_file", "read_vehicle"), of_file(SEDAN / "vehicle.toml")
+    "trc": Reader(
+        "a.trc", signals_of_a_bus, lambda: [trc(v, messages()[:200]).encode() for v in HEADS]
     ),
-    "limits": Reader("a.toml", read_some_limits, of_file(ROOT / "sample_logs" / "limits.toml")),
-    "model": Reader("a.toml", read_a_model, models),
-    "settings": Reader("a.toml", by("calib.base.settings_file", "read_settings"), settings),
-    "dcm": Reader("a.dcm", READ_BACK, lambda: [_exports()[0]]),
-    "cdfx": Reader("a.cdfx", READ_BACK, lambda: [_exports()[1]]),
+    "dbc": Reader("a.dbc", read_a_database, lambda: [DBC.encode()]),
+    **{
+        kind: Reader(f"a.{kind}", read_a_database, lambda kind=kind: [DATABASES[kind].encode()])
+        for kind in ("arxml", "kcd", "sym")
+    },
+    "map": Reader("a.toml", read_channel_map, maps),
+    "vehicle": Reader("a.toml", read_vehicle, of_file(CAR)),
+    "limits": Reader(
+        "a.toml",
+        partial(read_limits, known=set(METRICS)),
+        of_file(ROOT / "sample_logs" / "limits.toml"),
+    ),
+    "model": Reader("a.toml", lambda path: read_model(path, read_vehicle(CAR)), models),
+    "settings": Reader(
+        "a.toml",
+        read_settings,
+        lambda: [b'schema = 1\nstore = "t"\nby = "A"\n[station]\nname = "e"\nexport = ["dcm"]\n'],
+    ),
+    "dcm": Reader("a.dcm", read_back, exported("dcm")),
+    "cdfx": Reader("a.cdfx", read_back, exported("cdfx")),
     "record": Reader("record.json", read_a_record, of_file(VERSION / "record.json")),
     "journal": Reader(
         "journal.jsonl", of_store("journal.head"), of_file(ROOT / "tables" / "journal.jsonl")
@@ -330,16 +247,24 @@ READERS = {
     "head": Reader(
         "journal.head", of_store("journal.jsonl"), of_file(ROOT / "tables" / "journal.head")
     ),
-    "summary": Reader("summary.json", read_a_summary, summaries),
+    "summary": Reader("summary.json", lambda path: read_evidence(path, _stored()), summaries),
     "plan": Reader(
         "plan.csv",
-        by("calib.line.gauge.plan", "read_plan"),
+        read_plan,
         lambda: [b"log,car,station\na.csv,1,x\nb.csv,2,x\n"],
     ),
-    "result": Reader("a.parquet", by("calib.show.result", "read_result"), parquets),
-    "public key": Reader("a.pub", by("calib.store.minisign", "read_public_key"), public),
-    "secret key": Reader("a.key", read_a_secret, secrets),
-    "signature": Reader("a.minisig", read_a_signature, signatures),
+    "result": Reader("a.parquet", read_result, parquets),
+    "public key": Reader("a.pub", read_public_key, lambda: [ADA.public.file]),
+    "secret key": Reader(
+        "a.key",
+        lambda path: read_secret_key(path, lambda: ""),
+        lambda: [secret_file(b"adasline", bytes(range(32)))],
+    ),
+    "signature": Reader(
+        "a.minisig",
+        lambda path: verify(ADA.public, b"content", read_signature(path), path),
+        lambda: [ADA.sign(b"content", "table sedan")],
+    ),
 }
 
 

@@ -4,12 +4,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.names import G
 from calib.logs.log import Log
-
-Array = NDArray[np.float64]
 
 BAR_PER_G = 70.0
 RADIUS = 0.32

@@ -67,55 +67,35 @@ def brush(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float = 0.0
 
 @dataclass(frozen=True)
 class Plant:
-    """The car as it really is; what ``vehicle`` says is what the program is told.
-
-    Attributes
-    ----------
-    vehicle : nominal car.
-    tyre : see `magic` and `brush`.
-    pads : friction of the front and the rear pads [1] at a time [s]; nominal if None.
-    drag_area : c_d A [m^2].
-    rolling_resistance : c_rr [1], a moment on the wheels.
-    radius_scale : true over nominal rolling radius, front and rear [1].
-    radius_load : share by which a rolling radius falls when the load of its axle doubles [1].
-    rear_stiffness : stiffness of the rear tyres over that of the front ones [1].
-    mass_scale : true over nominal mass [1].
-    surface : stiffness and peak factors [1] of the road at a distance [m]; None if all alike.
-    pitch_frequency : eigenfrequency [Hz] of the load transfer; 0 if it follows at once.
-    pitch_damping : its damping ratio [1].
-    pitch_felt : angle by which the nose dips per g [rad]; it tilts the accelerometer.
-    grade : sine of the slope [1], positive uphill; the accelerometer feels it.
-    hills : what is added to it at a distance [m]; None on a road of one slope.
-    bumps : factor on the load of an axle [1] at a distance [m]; None on an even road.
-    motor : torque of a motor at both wheels of the front and of the rear axle together [N m],
-        negative where it slows, at a time [s]; None for a car that rolls freely.
-    motor_share : share of that torque that the motor gives at a speed [m/s]; all of it if None.
-    hydraulic_lag : time constant [s] of the wheels' pressures behind that of the master cylinder.
-    curvature : of the path [1/m] at a time [s], positive to the left; straight if None.
-    relaxation : way [m] over which a tyre builds up its force: sigma d lambda'/dt = v (lambda -
-        lambda'), and the force is that of lambda' (Pacejka, Tyre and Vehicle Dynamics, ch. 7).
-    """
+    """The car as it really is; what ``vehicle`` says is what the program is told."""
 
     vehicle: Vehicle
-    tyre: Tyre = field(default_factory=magic)
+    tyre: Tyre = field(default_factory=magic)  # see `magic` and `brush`
+    # Friction of the front and the rear pads [1] at a time [s]; nominal if None.
     pads: Callable[[float], tuple[float, float]] | None = None
-    drag_area: float = 0.0
-    rolling_resistance: float = 0.0
-    radius_scale: tuple[float, float] = (1.0, 1.0)
-    radius_load: float = 0.0
-    rear_stiffness: float = 1.0
-    mass_scale: float = 1.0
+    drag_area: float = 0.0  # c_d A [m^2]
+    rolling_resistance: float = 0.0  # c_rr [1], a moment on the wheels
+    radius_scale: tuple[float, float] = (1.0, 1.0)  # true over nominal, front and rear [1]
+    radius_load: float = 0.0  # share by which a radius falls when its axle's load doubles [1]
+    rear_stiffness: float = 1.0  # of the rear tyres over that of the front ones [1]
+    mass_scale: float = 1.0  # true over nominal mass [1]
+    # Stiffness and peak factors [1] of the road at a distance [m]; all alike if None.
     surface: Callable[[float], tuple[float, float]] | None = None
-    pitch_frequency: float = 0.0
-    pitch_damping: float = 0.3
-    pitch_felt: float = 0.0
-    grade: float = 0.0
-    hills: Callable[[float], float] | None = None
+    pitch_frequency: float = 0.0  # of the load transfer [Hz]; 0 if it follows at once
+    pitch_damping: float = 0.3  # its damping ratio [1]
+    pitch_felt: float = 0.0  # angle by which the nose dips per g [rad]; it tilts the accelerometer
+    grade: float = 0.0  # sine of the slope [1], positive uphill; the accelerometer feels it
+    hills: Callable[[float], float] | None = None  # what is added to it at a distance [m]
+    # Factor on the load of an axle [1] at a distance [m].
     bumps: Callable[[float], float] | None = None
+    # Torque of a motor at both wheels of the front and of the rear axle together [N m], negative
+    # where it slows, at a time [s]; and the share of it that is left at a speed [m/s].
     motor: Callable[[float], tuple[float, float]] | None = None
     motor_share: Callable[[float], float] | None = None
-    hydraulic_lag: float = 0.0
-    curvature: Callable[[float], float] | None = None
+    hydraulic_lag: float = 0.0  # time constant of the wheels' pressures [s]
+    curvature: Callable[[float], float] | None = None  # of the path [1/m] at a time [s], + left
+    # Way [m] over which a tyre builds up its force: sigma d lambda'/dt = v (lambda - lambda'), and
+    # the force is that of lambda' (Pacejka, Tyre and Vehicle Dynamics, ch. 7).
     relaxation: float = 0.0
 
 

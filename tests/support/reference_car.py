@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
-from tests.support.plant import Plant, as_log, drive, magic
+from tests.support.plant import WHEELS, Plant, as_log, drive, magic
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
 CAR = replace(read_vehicle(SEDAN / "vehicle.toml"), mass_tolerance=0.005)
@@ -37,10 +38,42 @@ def with_ratio(plant: Plant, ratio: float) -> Plant:
     return with_pads(plant, CAR.front.pad_friction * half, CAR.rear.pad_friction / half)
 
 
+def balanced(car: Vehicle, z: float) -> Vehicle:
+    """The car with rear pistons that brake as hard for their load as the front ones at ``z`` [1].
+
+    The front share of the brake force is then that of the load: it is front-biased below ``z``.
+    """
+    share = (car.cg_to_rear_axle + z * car.cg_height) / car.wheelbase
+    front, rear = (
+        a.torque_gain * a.pad_friction / a.rolling_radius / a.piston_area
+        for a in (car.front, car.rear)
+    )
+    area = car.front.piston_area * front / rear * (1.0 - share) / share
+    return replace(car, rear=replace(car.rear, piston_area=area))
+
+
 def ramp(plant: Plant = IDEAL, slope: float = 5e5, name: str = "ramp") -> Log:
     """A ramp of ``slope`` [Pa/s] for 8 s after 1.5 s of rolling, from 33 m/s; 5e5 makes 0.57 g."""
     run = drive(plant, lambda t: slope * max(t - 1.5, 0.0), 33.0, duration=9.5, stop_speed=8.0)
     return as_log(run, name)
+
+
+SLOPE = {"f": 5e5, "r": 8e5}
+"""Rise of the pressure [Pa/s]: to 0.43 g with the front axle, to 0.19 g with the rear one."""
+
+
+def one_axle(plant: Plant, axle: str, faster: float = 1.0, held: float = 0.0) -> Log:
+    """A ramp with the brakes of one axle, wheel pressures logged; the other is ``held`` [Pa].
+
+    ``faster`` factor on the slope [1].
+    """
+
+    def pressure(t: float) -> float:
+        return faster * SLOPE[axle] * max(t - 1.5, 0.0)
+
+    own = {w: pressure if w[0] == axle else lambda t: held for w in WHEELS}
+    run = drive(plant, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=own)
+    return as_log(run, f"ramp_{axle}")
 
 
 def stop(plant: Plant = REAL, pressure: float = 25e5, name: str = "stop", **how: float) -> Log:

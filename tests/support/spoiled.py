@@ -11,11 +11,13 @@ import tempfile
 import traceback
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import BrakeCalError, NotFiniteError
 from calib.base.names import CHANNELS
 from calib.base.units import from_si
@@ -28,7 +30,6 @@ from calib.table.table import Table
 from cli.console import json_text
 from tests.support.reference_car import CAR
 
-Array = NDArray[np.float64]
 Spoil = Callable[[np.random.Generator, Array], Array]
 
 NOT_A_NUMBER = re.compile(r"(?<![A-Za-z_])(nan|inf|NaN|Infinity)(?![A-Za-z_])")
@@ -65,17 +66,13 @@ SPOILS: dict[str, Spoil] = {
 }
 
 
+@np.errstate(all="ignore")  # spoils of spoils
 def spoiled(log: Log, rng: np.random.Generator) -> tuple[str, str]:
     """What was done, and the log as CSV with one to three channels spoiled, rows cut or columns
     swapped."""
     columns = {
         name: from_si(x, CHANNELS[name].unit, CHANNELS[name].si) for name, x in log.channels.items()
     }
-    with np.errstate(all="ignore"):  # spoils of spoils
-        return _spoiled(columns, rng)
-
-
-def _spoiled(columns: dict[str, Array], rng: np.random.Generator) -> tuple[str, str]:
     done = []
     for _ in range(int(rng.integers(1, 4))):
         kind = str(rng.choice([*SPOILS, "swapped", "cut"]))
@@ -101,21 +98,13 @@ def findings(text: str, table: Table, ramp: bool) -> list[str]:
         warnings.simplefilter("error")
         path = Path(folder) / "spoiled.csv"
         path.write_text(text)
-        try:
-            log = read_log(path, require=())
-        except BrakeCalError as error:
-            return _wrong(str(error))
-        except Exception as error:
-            return [_place(error)]
-        return [
-            *_of(lambda: _checked(log)),
-            *_of((lambda: _fitted(path)) if ramp else (lambda: _validated(table, path))),
-        ]
+        works = (_checked, _fitted if ramp else partial(_validated, table))
+        return [flaw for work in works for flaw in _flaws(work, path)]
 
 
-def _of(work: Callable[[], list[str]]) -> list[str]:
+def _flaws(work: Callable[[Path], list[str]], path: Path) -> list[str]:
     try:
-        return [flaw for told in work() for flaw in _wrong(told)]
+        return [flaw for told in work(path) for flaw in _wrong(told)]
     except NotFiniteError as error:
         return [f"not finite: {error.what}"]
     except BrakeCalError as error:
@@ -124,19 +113,15 @@ def _of(work: Callable[[], list[str]]) -> list[str]:
         return [_place(error)]
 
 
-def _checked(log: Log) -> list[str]:
-    found = check(log)
+def _checked(path: Path) -> list[str]:
+    found = check(read_log(path, require=()))
     return [repr(found), json_text(to_dict(found)), *map(str, found.warnings)]
 
 
 def _fitted(path: Path) -> list[str]:
     table = fit(CAR, [read_log(path)])
-    return [
-        repr(table),
-        json.dumps(table.content()[0]),
-        *map(str, table.warnings),
-        *table.remarks,
-    ]
+    content = json.dumps(table.content()[0])
+    return [repr(table), content, *map(str, table.warnings), *table.remarks]
 
 
 def _validated(table: Table, path: Path) -> list[str]:

@@ -12,7 +12,6 @@ from tests.studies.causes import CAUSES, RAMP, STOP
 from tests.studies.ensemble import LEVELS
 from tests.studies.made_lines import RUNS, Line, line, recorded
 from tests.studies.made_mistakes import KINDS
-from tests.studies.scored_mistakes import answer
 from tests.support.reference_car import IDEAL
 
 OF_THE_FILE = {
@@ -48,15 +47,6 @@ def test_a_mistake_sits_where_it_says(name):
         assert any(not np.array_equal(channels[c], logs[run][c]) for c in channels)
     assert mistake.size
     re.compile(kind.named)
-
-
-def test_a_mistake_goes_through_the_commands(tmp_path):
-    drawn, logs = good()
-    called_bar = KINDS["p_mc in MPa called bar"].make(np.random.default_rng(5)).logs(logs)
-    said = answer(drawn.file, called_bar, tmp_path).said
-    assert not any(one.crash for one in said.values())
-    assert said["fit"].anything
-    assert said["station"].anything
 
 
 @pytest.mark.parametrize("name", CAUSES)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.support.cornering import GRAVITY
-from tests.support.plant import Plant, drive, lagged
+from tests.support.plant import Plant, drive
 from tests.support.reference_car import CAR, IDEAL
 
 COASTING = {"duration": 2.0, "rate": 100.0}
@@ -24,15 +24,6 @@ def test_a_slope_slows_the_car_and_the_accelerometer_does_not_see_it():
     assert run["v"][-1] == pytest.approx(25.0 - 2.0 * slowed, abs=1e-3)
     # what the wheels' inertia pushes is all that it feels
     assert run["a_x"][100] == pytest.approx(GRAVITY * 0.03 - slowed, abs=1e-3)
-
-
-def test_a_motor_brakes_by_its_torque_over_the_radius():
-    torque = -160.0
-    run = drive(replace(IDEAL, motor=lambda t: (torque, 0.0)), no_pressure, 25.0, **COASTING)
-    inertia = sum(2 * a.wheel_inertia / a.rolling_radius**2 for a in (CAR.front, CAR.rear))
-    expected = torque / CAR.front.rolling_radius / (CAR.mass + inertia)
-    assert np.diff(run["v"])[100] * 100.0 == pytest.approx(expected, rel=0.01)
-    assert run["omega_fl"][100] < run["omega_rl"][100]  # it is in front that it brakes
 
 
 def test_a_motor_gives_what_its_share_leaves_it_at_a_speed():
@@ -69,13 +60,6 @@ def test_a_tyre_builds_up_its_force_over_its_relaxation():
     inside = (run["time"] > 0.55) & (run["time"] < 0.95)
     assert slip[inside] == pytest.approx(built[inside], rel=1e-3)
     assert np.max(slip[inside] / carried[inside]) > 1.05
-
-
-def test_a_lag_is_an_exponential():
-    trace = lagged(lambda t: 1e5 if t > 0.0 else 0.0, 0.15, 1.0)
-    assert trace(0.0) == 0.0
-    for t in (0.1, 0.15, 0.6):
-        assert trace(t) == pytest.approx(1e5 * (1.0 - math.exp(-t / 0.15)), rel=0.01)
 
 
 def test_the_brakes_lag_and_the_log_does_not():

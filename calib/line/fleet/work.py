@@ -60,10 +60,11 @@ class Job:
 
 def _of_map(mapped: ChannelMap) -> str:
     """Digest of a map and of the content of the files that describe frames, not of their paths."""
-    content = asdict(mapped)
-    del content["where"]
-    content["dbc"] = [_of_file(file) for file in mapped.dbc]
-    content["buses"] = [(bus, [_of_file(file) for file in files]) for bus, files in mapped.buses]
+    content, known = asdict(mapped), mapped.databases
+    del content["where"], content["databases"]
+    content["dbc"] = [_of_file(file) for file in known.files]
+    content["buses"] = [(bus, [_of_file(file) for file in files]) for bus, files in known.buses]
+    content["j1939"] = known.sources
     return _digest(content)
 
 

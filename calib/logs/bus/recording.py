@@ -9,7 +9,6 @@ byte 1 15 . . . . . . 8                       byte 1 15 . . . . . . 8
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -40,18 +39,6 @@ LONGEST = 64
 """Bits of the longest signal that is a number; longer ones are text or raw bytes."""
 _REAL = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
 """Types of raw integers and of the IEEE 754 numbers in them, by bits."""
-
-
-@dataclass(frozen=True)
-class Decoded:
-    """A signal: ``time`` [s] of the frames that carry it, and its ``values`` in its unit.
-
-    Raw values that are named as invalid are NaN. ``state`` is true if every value has a name.
-    """
-
-    time: Array
-    values: Array
-    state: bool
 
 
 def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
@@ -102,7 +89,13 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
         )
     if found.errors:
         more.append(f"{found.errors} error frames were ignored")
-    return of_frames(frames, dbc, (*notes, *wrapped, *more, *doubled))
+    columns, signals = described(frames, dbc)
+
+    def read(indices: Sequence[int]) -> list[ChannelTrace]:
+        return [trace(*signals[i - 1]) for i in indices]
+
+    every = (*dbc.notes, *notes, *wrapped, *more, *doubled)
+    return Recording((CLOCK, *columns), read, every)
 
 
 def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
@@ -115,16 +108,6 @@ def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: s
             expected="one of " + ", ".join(dbc.names[:10]),
             do="is it the DBC of this bus?",
         )
-
-
-def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recording:
-    """Make the recording from frames and a DBC."""
-    columns, signals = described(frames, dbc)
-
-    def read(indices: Sequence[int]) -> list[ChannelTrace]:
-        return [trace(*signals[i - 1]) for i in indices]
-
-    return Recording((CLOCK, *columns), read, (*dbc.notes, *notes))
 
 
 def described(frames: list[Frames], dbc: Dbc) -> "tuple[list[Column], list[Place]]":
@@ -167,26 +150,25 @@ def trace(
     """Decode one signal. Raises LogError if its message has a flaw in the DBC."""
     if isinstance(message, Flawed):
         raise message.error(signal.name)
-    decoded = decode(frames, message, cast("Signal", signal))
-    clock = f"message {message.name} of bus {frames.bus}"
-    if frames.key[0] != message.frame_id:
-        clock += f" from address {source_of(frames.key[0]):#04x}"
-    if decoded.time.size < frames.time.size:
-        clock += f", frames with {signal.name}"
-    return ChannelTrace(clock, decoded.time, decoded.values, decoded.state)
+    return decode(frames, message, cast("Signal", signal))
 
 
-def decode(frames: Frames, message: "Message", signal: "Signal") -> Decoded:
-    """Decode one signal from all frames of its message.
+def decode(frames: Frames, message: "Message", signal: "Signal") -> ChannelTrace:
+    """Decode one signal from all frames of its message; a state if every value has a name.
 
-    A multiplexed signal has samples only in frames where its multiplexer selects it. Frames that
-    are too short for the signal have no sample either.
+    Raw values that are named as invalid are NaN. There are no samples in frames that are too short,
+    nor in those where the multiplexer does not select the signal.
     """
     chosen = _present(frames, message, signal)
     data = frames.data if chosen.all() else frames.data[chosen]
-    little = signal.byte_order == "little_endian"
+    clock = f"message {message.name} of bus {frames.bus}"
+    if frames.key[0] != message.frame_id:
+        clock += f" from address {source_of(frames.key[0]):#04x}"
+    if not chosen.all():
+        clock += f", frames with {signal.name}"
     if not len(data):
-        return Decoded(frames.time[chosen], np.zeros(0), False)
+        return ChannelTrace(clock, frames.time[chosen], np.zeros(0))
+    little = signal.byte_order == "little_endian"
     bits = raw(data, signal.start, signal.length, little)
     codes = number(bits, signal.length, signal.is_signed, signal.is_float)
     values = codes * float(signal.scale) + float(signal.offset)
@@ -195,7 +177,7 @@ def decode(frames: Frames, message: "Message", signal: "Signal") -> Decoded:
     none = [code for code, name in names.items() if INVALID.search(name)]
     if none:
         values[np.isin(codes, none)] = np.nan
-    return Decoded(frames.time[chosen], values, state)
+    return ChannelTrace(clock, frames.time[chosen], values, state)
 
 
 def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np.bool_]:

@@ -14,7 +14,6 @@ half a day.
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -134,11 +133,6 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
             )
         out.append(Column(column.name, column.unit or unit or None, column.full))
     return out
-
-
-def with_more(column: Column, more: str) -> Column:
-    """A column with what a further header row says of it in its full name."""
-    return replace(column, full=f"{column.full or column.name} {more}") if more else column
 
 
 DAY, HOUR = 86400.0, 3600.0

@@ -14,7 +14,6 @@ from calib.logs.text.cells import (
     column_from_cell,
     is_clock,
     is_unit_row,
-    with_more,
     with_unit_row,
 )
 from calib.logs.text.dialect import (
@@ -81,7 +80,10 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     if units:
         columns = with_unit_row(columns, units, where)
     if more:
-        columns = [with_more(c, text) for c, text in zip(columns, more, strict=True)]
+        columns = [
+            replace(c, full=f"{c.full_name} {text}" if text else c.full)
+            for c, text in zip(columns, more, strict=True)
+        ]
     rows = dialect.cells(sample_of(data, start))
     clocks = [
         i for i in range(len(columns)) if mostly(is_clock, [r[i] for r in rows if len(r) > i])

@@ -20,7 +20,7 @@ from calib.line.fleet.batch import AHEAD, run_batch
 from calib.line.fleet.journal import NAME, BatchJournal
 from calib.line.fleet.work import Job, run_items
 from calib.line.fleet.workers import Pool
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.read import read_log
 from calib.logs.text.dialect import TextFormat
 from calib.store.store import Store
@@ -178,10 +178,10 @@ MAPS = (
     {"channels": {"p_mc": Mapping("p", unit="bar")}},
     {"text": TextFormat(decimal=",")},
     {"ignore": ("v",)},
-    {"j1939": ()},
-    {"buses": ("a.dbc",)},
-    {"dbc": "chassis"},
-    {"dbc": None},
+    {"databases": lambda file: Databases(sources=())},
+    {"databases": lambda file: Databases(buses=(("1", (DatabaseFile(file),)),))},
+    {"databases": lambda file: Databases((DatabaseFile(file, "chassis"),))},
+    {"databases": lambda file: Databases((DatabaseFile(file),))},
 )
 
 
@@ -191,10 +191,8 @@ def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
 
     def settings(**told):
         told = {"channels": {}, **told}
-        if "dbc" in told:
-            told["dbc"] = (DatabaseFile(bus, told["dbc"]),)
-        if "buses" in told:
-            told["buses"] = (("1", (DatabaseFile(bus),)),)
+        if "databases" in told:
+            told["databases"] = told["databases"](bus)
         return Job("check", channel_map=ChannelMap("m.toml", **told)).settings()["map"]
 
     found = [settings(), *(settings(**told) for told in MAPS)]

@@ -1,4 +1,4 @@
-"""Draw a case in which something is hidden, and write it as a folder.
+"""Draw a case in which something is hidden.
 
     case = draw("single", 7)
     case.calibration, case.holdout, case.vehicle     what the program may see
@@ -7,13 +7,11 @@
 The same seed gives the same case. Nothing in names, order or metadata tells what is hidden.
 """
 
-import json
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from calib.model.sensor_noise import NoiseLevel, add_noise
@@ -24,9 +22,6 @@ from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
 from tests.support.hidden.variety import Ground, Variety, grouped, offset, unlike, varied
 from tests.support.plant import Tyre, brush, magic
-from tests.support.vehicle_files import write_vehicle
-
-Array = NDArray[np.float64]
 
 KINDS = (
     "single",
@@ -236,42 +231,3 @@ def answer(kind: str, effects: tuple[str, ...], car: Car, surface: str) -> dict[
         },
         "settings": {k: v for k, v in asdict(car.hidden).items() if v != bare[k]},
     }
-
-
-# How the logs print: name, unit, format, and the unit in SI.
-COLUMNS = (
-    ("time", "s", "%.3f", 1.0),
-    ("p_mc", "bar", "%.2f", BAR),
-    ("a_x", "m/s^2", "%.4f", 1.0),
-    *((f"omega_{w}", "rad/s", "%.4f", 1.0) for w in ("fl", "fr", "rl", "rr")),
-    ("v", "m/s", "%.3f", 1.0),
-    ("T_disc_f", "degC", "%.0f", 1.0),
-    ("T_disc_r", "degC", "%.0f", 1.0),
-)
-
-
-def write(case: HiddenCase, folder: Path) -> None:
-    """Write vehicle.toml, calibration/, holdout/, answer.json and truth/ (for scores only)."""
-    for part, logs in (("calibration", case.calibration), ("holdout", case.holdout)):
-        (folder / part).mkdir(parents=True, exist_ok=True)
-        for log in logs:
-            table(folder / part / f"{log.name}.csv", log.channels)
-    (folder / "truth").mkdir(exist_ok=True)
-    for name, channels in case.truth.items():
-        table(folder / "truth" / f"{name}.csv", channels, "%.7g")
-    write_vehicle(case.vehicle, folder / "vehicle.toml")
-    (folder / "answer.json").write_text(json.dumps(case.answer, indent=1) + "\n")
-
-
-def table(path: Path, channels: dict[str, Array], precise: str | None = None) -> None:
-    """One CSV in user units."""
-    columns = [c for c in COLUMNS if c[0] in channels]
-    header = ",".join(f"{name} [{unit}]" for name, unit, _, _ in columns)
-    np.savetxt(
-        path,
-        np.column_stack([channels[name] / scale for name, _, _, scale in columns]),
-        fmt=[precise or form for _, _, form, _ in columns],
-        delimiter=",",
-        header=header,
-        comments="",
-    )

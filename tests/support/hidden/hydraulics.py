@@ -6,12 +6,10 @@ p_mc --> delay --> lag --> knee (rear) --> threshold --> loop --> applications -
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from calib.base.arrays import Array
 from tests.support.hidden.settings import Hidden
-
-Array = NDArray[np.float64]
 
 STEP = 1e-3
 """Clock of the pressures [s]."""

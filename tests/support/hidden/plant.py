@@ -10,16 +10,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import integrate, interpolate, signal
 from scipy.integrate import solve_ivp
 
+from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
 from tests.support.hidden.hydraulics import STEP, Lines
 from tests.support.hidden.settings import Hidden
 from tests.support.plant import AIR, GRAVITY, Tyre
-
-Array = NDArray[np.float64]
 
 AMBIENT = 20.0
 CAPACITY = (13.4e3, 8.1e3)

@@ -150,19 +150,3 @@ ABSORBED: dict[str, Draw] = {
 }
 """What has no name of its own: pads and tyre take it up, or a parameter of another name. Drawn only
 by name; see `tests/studies/results/absorbed.md`."""
-
-WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
-    "abs_modulation": (frozenset({"front", "both"}), frozenset({"slip", "deceleration", "force"})),
-    "stiffness_over_speed": (frozenset({"both", "front", "rear"}), frozenset({"speed"})),
-    "tyre_warming": (
-        frozenset({"both", "front", "rear"}),
-        frozenset({"energy", "time", "elapsed", "temperature"}),
-    ),
-    "tank_slosh": (frozenset({"both", "body"}), frozenset({"time", "frequency", "deceleration"})),
-    "weaker_applications": (
-        frozenset({"both"}),
-        frozenset({"time", "elapsed", "application", "energy"}),
-    ),
-    "seized_wheel": (frozenset({"rear"}), frozenset({"always", "time", "speed", "constant"})),
-}
-"""Right answers about an unknown: where, and on what it depends."""

@@ -6,23 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.hidden.cases import CARS, NOISE, TRUTH, draw
+from tests.studies.score import outcome, score
+from tests.support.hidden.cases import CARS, draw
 from tests.support.hidden.hydraulics import lines
 from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, Manoeuvre, manoeuvre
 from tests.support.hidden.plant import AMBIENT, COOLING, Car, Start, drive
-from tests.support.hidden.score import outcome, score
 from tests.support.hidden.settings import Hidden
-from tests.support.hidden.severities import CATALOGUE, OUTSIDE, hide
 from tests.support.plant import magic
 
 HERE = Path(__file__).parent
 TYRE = magic(26.0, 1.0)
-SHOWN_BY = {
-    "pad_thermal_fade": "hot",
-    "abs_modulation": "hot_stop",
-    "aerodynamic_drag": "coast",
-    "tone_ring_runout": "coast",
-}
 
 
 @cache
@@ -88,42 +81,6 @@ def test_discs_warm_with_what_the_car_loses():
     assert heat == pytest.approx(lost, rel=0.03)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [*CATALOGUE, *OUTSIDE])
-def test_every_effect_is_seen_even_when_modest(name):
-    hidden = hide(Hidden(), name, 0, np.random.default_rng(1))
-    assert hidden != Hidden()
-    run = SHOWN_BY.get(name, "release")
-    with_it, without = driven(hidden, run), bare(run)
-    n = min(with_it["time"].size, without["time"].size)
-    seen = max(
-        np.sqrt(np.sum(((with_it[c][:n] - without[c][:n]) / NOISE[c].sd) ** 2))
-        for c in TRUTH
-        if c != "time"
-    )
-    assert seen > 10.0
-
-
-@pytest.mark.parametrize("name", [*CATALOGUE, *OUTSIDE])
-def test_a_higher_severity_is_stronger(name):
-    def change(severity: int) -> np.ndarray:
-        hidden = hide(Hidden(), name, severity, np.random.default_rng(4))
-        first = next(k for k, v in vars(hidden).items() if v != getattr(Hidden(), k))
-        field = {"rear_proportioning": "knee_slope", "pitch_coupling": "pitch_gain"}.get(
-            name, first
-        )
-        return abs(getattr(hidden, field))
-
-    falling = name in (
-        "abs_modulation",
-        "rear_proportioning",
-        "hydraulic_oscillation",
-        "accelerometer_lag",
-    )
-    steps = np.diff([change(severity) for severity in range(3)])
-    assert np.all(steps < 0.0 if falling else steps > 0.0)
-
-
 @pytest.fixture(scope="module")
 def bare_case():
     return draw("none", 5)
@@ -158,35 +115,29 @@ def named(*names: str, verdict: str = "named", rivals: tuple[str, ...] = ()) -> 
     return {"verdict": verdict, "effects": effects}
 
 
+PAIR = ("aerodynamic_drag", "hydraulic_lag")
+
+
 @pytest.mark.parametrize(
-    ("told", "word"),
+    ("kind", "effects", "told", "word"),
     [
-        (named("aerodynamic_drag"), "exact"),
-        (named("rolling_resistance"), "wrong"),
-        (named("engine_drag", verdict="ambiguous", rivals=("aerodynamic_drag",)), "set"),
-        (named("aerodynamic_drag", verdict="ambiguous", rivals=("engine_drag",)), "set"),
-        (named("aerodynamic_drag", "engine_drag"), "set"),
-        (named(verdict="no_gap"), "no_gap"),
-        (named(verdict="unknown"), "unknown"),
+        ("single", PAIR[:1], named("aerodynamic_drag"), "exact"),
+        ("single", PAIR[:1], named("rolling_resistance"), "wrong"),
+        ("single", PAIR[:1], named("engine_drag", verdict="ambiguous", rivals=PAIR[:1]), "set"),
+        ("single", PAIR[:1], named("aerodynamic_drag", "engine_drag"), "set"),
+        ("single", PAIR[:1], named(verdict="no_gap"), "no_gap"),
+        ("single", PAIR[:1], named(verdict="unknown"), "unknown"),
+        ("double", PAIR, named(*PAIR), "exact"),
+        ("double", PAIR, named("hydraulic_lag"), "partial"),
+        ("double", PAIR, named("hydraulic_lag", "engine_drag"), "wrong"),
+        ("none", (), named(verdict="no_gap"), "exact"),
+        ("none", (), named("hydraulic_lag", verdict="ambiguous"), "wrong"),
+        ("outside", ("tank_slosh",), named(verdict="unknown"), "exact"),
+        ("outside", ("tank_slosh",), named("aerodynamic_drag"), "wrong"),
     ],
 )
-def test_outcomes_of_a_single_effect(case, told, word):
-    assert case.effects == ("aerodynamic_drag",)
-    assert outcome(case, told) == word
-
-
-def test_outcomes_of_the_other_kinds(case):
-    pair = replace(case, kind="double", effects=("aerodynamic_drag", "hydraulic_lag"))
-    assert outcome(pair, named("hydraulic_lag", "aerodynamic_drag")) == "exact"
-    assert outcome(pair, named("hydraulic_lag")) == "partial"
-    assert outcome(pair, named("hydraulic_lag", "engine_drag")) == "wrong"
-    none = replace(case, kind="none", effects=())
-    assert outcome(none, named(verdict="no_gap")) == "exact"
-    assert outcome(none, named("hydraulic_lag", verdict="ambiguous")) == "wrong"
-    assert outcome(none, named(verdict="unknown")) == "unknown"
-    outside = replace(case, kind="outside", effects=("tank_slosh",))
-    assert outcome(outside, named(verdict="unknown")) == "exact"
-    assert outcome(outside, named("aerodynamic_drag")) == "wrong"
+def test_outcomes(case, kind, effects, told, word):
+    assert outcome(replace(case, kind=kind, effects=effects), told) == word
 
 
 def test_the_gap_closed_and_the_intervals_are_those_of_the_truth(case):

@@ -19,13 +19,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from tests.support.hidden.cases import NOISE, HiddenCase
 from tests.support.hidden.settings import Hidden
-from tests.support.hidden.severities import WHERE
 
-Array = NDArray[np.float64]
 Replays = Mapping[str, Mapping[str, Array]]
 
 BAR = 1e5
@@ -276,6 +274,22 @@ def distances(case: HiddenCase, replays: Replays) -> dict[str, float]:
             squares[c] += float(np.mean(off**2)) / len(case.truth)
     return squares
 
+
+WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
+    "abs_modulation": (frozenset({"front", "both"}), frozenset({"slip", "deceleration", "force"})),
+    "stiffness_over_speed": (frozenset({"both", "front", "rear"}), frozenset({"speed"})),
+    "tyre_warming": (
+        frozenset({"both", "front", "rear"}),
+        frozenset({"energy", "time", "elapsed", "temperature"}),
+    ),
+    "tank_slosh": (frozenset({"both", "body"}), frozenset({"time", "frequency", "deceleration"})),
+    "weaker_applications": (
+        frozenset({"both"}),
+        frozenset({"time", "elapsed", "application", "energy"}),
+    ),
+    "seized_wheel": (frozenset({"rear"}), frozenset({"always", "time", "speed", "constant"})),
+}
+"""Right answers about an unknown: where, and on what it depends."""
 
 AXLES = {"f": "front", "r": "rear", "vehicle": "body", "car": "body", "all": "both"}
 

@@ -1,0 +1,105 @@
+"""The JSON document of a fleet, and the fleet in one sentence."""
+
+from typing import Any
+
+from calib.base.plain import counted, plain
+from calib.line.fleet import control_chart, outliers
+from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
+from calib.line.fleet.summary import Look, Summary
+
+
+def headline(found: Summary) -> str:
+    """The fleet in one sentence."""
+    errors = sum(failure.count for failure in found.failures)
+    failed = f"; {counted(errors, 'log')} with an error" if errors else ""
+    if too_few(found):
+        some = any(look.spread.count for look in found.looks)
+        why = "too few to judge outliers or drift" if some else "none has a metric"
+        return f"{counted(len(found.logs), 'log')}: {why}{failed}."
+    names, logs = [name_of(look) for look in found.looks if look.drifts], len(found.apart)
+    drift = "No drift" if drift_tested(found) else "Drift not tested"
+    if names:
+        drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
+    apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
+    return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
+
+
+def too_few(found: Summary) -> bool:
+    """Whether no metric has enough logs to be judged."""
+    counts = [look.spread.count for look in found.looks]
+    return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
+
+
+def drift_tested(found: Summary) -> bool:
+    """Whether any metric has enough logs to tell a drift."""
+    return any(look.change is not None for look in found.looks)
+
+
+def name_of(look: Look) -> str:
+    """The plain name of a metric."""
+    return plain(look.metric.name, look.metric.unit).name
+
+
+def _by_chance(look: Look, rule: int) -> float | None:
+    """How often a steady line would break ``rule``; None where there are too few logs to say."""
+    n = look.values.size
+    return BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None
+
+
+def document(found: Summary) -> dict[str, Any]:
+    """The whole summary as one JSON-able document."""
+    return {
+        "schema": 1,
+        "logs": len(found.logs),
+        "ordered_by": found.ordered_by,
+        "status": found.status,
+        "headline": headline(found),
+        "errors": found.failures,
+        "copies": found.copies,
+        "outliers": [
+            {"log": o.log, "figure": o.metric, "value": o.value, "z": o.z, "p": o.p}
+            for o in found.outliers
+        ],
+        "outliers_by_chance": outliers.SHARE * len(found.outliers),
+        "apart": [
+            {"log": car.log, "p": car.p, "figures": [o.metric for o in car.reasons]}
+            for car in found.apart
+        ],
+        "figures": {look.metric.name: _entry(found, look) for look in found.looks},
+        "classes": {s.metric.name: dict(s.counts) for s in found.shares},
+    }
+
+
+def _entry(found: Summary, look: Look) -> dict[str, Any]:
+    s, c = look.spread, look.change
+    return {
+        "unit": look.metric.unit,
+        "count": s.count,
+        "median": s.median,
+        "scale": s.scale,
+        "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
+        "beyond_3": {"count": s.beyond, "by_chance": s.expected},
+        "outliers": int(look.outlying.sum()),
+        "named_beyond": s.edges,
+        "chart": look.chart
+        and {
+            "centre": look.chart.centre,
+            "limits": look.chart.limits,
+            "rules": {
+                str(rule): {
+                    "broken": int(look.chart.alarms[rule].sum()),
+                    "by_chance": _by_chance(look, rule),
+                }
+                for rule in RULES
+            },
+        },
+        "change": c
+        and {
+            "drifts": look.drifts,
+            "p": c.p,
+            "first_log": found.logs[look.rows[c.first]],
+            "number": int(look.rows[c.first]) + 1,
+            "before": c.before,
+            "after": c.after,
+        },
+    }
