@@ -4,7 +4,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.base.plain import counted
 from calib.base.program import PROGRAM, VERSION
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress, say
@@ -84,6 +83,7 @@ def qualify(
     Writes the environment and the checks with their results. Exit code 0 if all checks hold. Takes
     about 5 s of computing.
     """
+    from calib.base.plain import counted
     from calib.help.checks import SUITE
     from calib.help.qualify import facts, to_dict
     from calib.help.qualify import qualify as made

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calib.base.plain import counted
 from calib.base.printable import printable
 from calib.line.fleet.rows import Command
 from cli import options
@@ -103,6 +102,7 @@ def batch(
     started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
     if none could be read, 130 if stopped.
     """
+    from calib.base.plain import counted
     from calib.line.fleet.batch import run_batch
 
     if workers is not None and scheduler is not None:
@@ -301,6 +301,7 @@ def fleet(
     which is the same page and loads itself again every 10 s. `watch --index DIR` keeps both up to
     date.
     """
+    from calib.base.plain import counted
     from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
@@ -335,6 +336,7 @@ def _metrics() -> Any:
 
 
 def _index(folder: Path) -> Answer:
+    from calib.base.plain import counted
     from calib.line.station.index import INDEX, LIVE
     from calib.show.station_index import write_index
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.base.plain import counted
 from cli import options
 from cli.command import Answer, command
 from cli.console import misuse, progress, say
@@ -52,6 +51,7 @@ def plot(
     """
     from dataclasses import replace
 
+    from calib.base.plain import counted
     from calib.show.sheet import save
 
     given = _read(what, store, vehicle, channel_map)

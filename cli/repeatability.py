@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.base.plain import counted
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress, say
 from cli.logs import read
@@ -109,6 +108,7 @@ def _readings(
     reference: float,
     names: list[str],
 ) -> "tuple[GaugeReading, ...]":
+    from calib.base.plain import counted
     from calib.car.vehicle_file import read_vehicle
     from calib.fitting.fit import fit
     from calib.line.gauge.study import GaugeReading, metrics_of, refuse_repeated

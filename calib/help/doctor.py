@@ -18,7 +18,6 @@ from calib.base.plain import counted
 from calib.base.processes import cores
 from calib.base.program import NAME
 from calib.base.settings import STORE
-from calib.base.settings_file import find_project
 from calib.help.samples import sample_logs
 from calib.store.folders import names_in, unplaced, versions_in
 
@@ -158,6 +157,8 @@ def examine(store: Path | None = None) -> tuple[Finding, ...]:
 
 def _settings() -> tuple[Finding, Path | None]:
     """The settings file, and the store that it names."""
+    from calib.base.settings_file import find_project
+
     try:
         project = find_project()
     except SettingsError as error:

@@ -14,14 +14,12 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from calib.base.record import Section
-from calib.estimation.limits_file import limits_schema
-from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.help.page import FOLDER
-from calib.line.gauge.study import known_limits
-from calib.line.station.metrics import METRICS as OF_CAR
+
+if TYPE_CHECKING:
+    from calib.base.record import Section
 
 FILE = Path(__file__).with_name("documents.toml")
 PAGE = FOLDER / "reference.md"
@@ -152,8 +150,13 @@ FILES = {
 """Kinds of files: their content, and where their class stands."""
 
 
-def section(name: str) -> type[Section]:
+def section(name: str) -> "type[Section]":
     """The class of a kind of file."""
+    from calib.estimation.limits_file import limits_schema
+    from calib.estimation.metrics import METRICS as OF_STOPS
+    from calib.line.gauge.study import known_limits
+    from calib.line.station.metrics import METRICS as OF_CAR
+
     if name == "limits":
         return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
     module, _, kind = FILES[name][1].partition(":")

@@ -315,7 +315,13 @@ def to_dict(found: GaugeStudy) -> dict[str, object]:
         "reference_eta_rise": found.reference,
         "notes": found.notes,
         "ramps": [
-            {k: getattr(r, k) for k in ("log", "car", "station", "digest")} | {"figures": r.metrics}
+            {
+                "log": r.log,
+                "car": r.car,
+                "station": r.station,
+                "figures": r.metrics,
+                "digest": r.digest,
+            }
             for r in found.readings
         ],
         "quantities": {result.name: _entry(result) for result in found.results},
