@@ -120,7 +120,7 @@ def run_batch(
 class Sweep:
     """Submits ``total`` logs to the workers, and writes their rows into the journal.
 
-    ``report`` is called with the pace after each chunk, ``tell`` with its new rows.
+    ``report`` is called with the pace after each chunk, ``tell`` with each of its new rows.
     """
 
     def __init__(
@@ -130,7 +130,7 @@ class Sweep:
         executor: Executor,
         total: int,
         report: Callable[[Pace], None] = lambda pace: None,
-        tell: Callable[[list[Row]], None] = lambda rows: None,
+        tell: Callable[[Row], None] = lambda row: None,
     ):
         self.packed, self.journal, self.executor = job.packed(), journal, executor
         self.most, self.total, self.report, self.tell = CHUNK[job.command], total, report, tell
@@ -140,7 +140,7 @@ class Sweep:
         self.start = time.monotonic()
 
     def pace(self) -> Pace:
-        """The progress so far."""
+        """So far."""
         elapsed = time.monotonic() - self.start
         errors = self.counts[Status.ERROR]
         return Pace(self.total, self.counts.total(), self.fresh, errors, elapsed)
@@ -224,8 +224,8 @@ class Sweep:
         stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
         self.counts.update(row.status for row in (*computed, *self.journal.rows(stored)))
         self.report(self.pace())
-        if new:
-            self.tell(new)
+        for row in new:
+            self.tell(row)
 
 
 def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator[str]:
@@ -236,19 +236,18 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
     folder within an argument, so is all its content. Raises LogError for a pattern or folder
     without logs, and for a missing path; a missing file with the ending of a log is returned.
     """
+    folders = command == Command.DIAGNOSE
     for argument in arguments:
-        path = None
-        for path in _of(argument, command, out):
-            yield path
-        if path is None:
+        found = list(_of(argument, command, out))
+        if not found:
+            wanted = f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
             raise LogError(
                 "no log found",
                 where=argument,
-                expected=f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
-                if command == Command.DIAGNOSE
-                else f"files that end in {', '.join(FORMATS)}",
+                expected=wanted if folders else f"files that end in {', '.join(FORMATS)}",
                 do="check the path; put a pattern in quotes",
             )
+        yield from found
 
 
 def _of(argument: str, command: Command, out: Path) -> Iterator[str]:
@@ -261,10 +260,8 @@ def _of(argument: str, command: Command, out: Path) -> Iterator[str]:
         for path in sorted(glob.iglob(argument, recursive=True)):
             if os.path.isdir(path):
                 yield from logs_below(path, command, out)
-            elif (
-                command != Command.DIAGNOSE and _is_log(path) and os.path.realpath(path) != results
-            ):
-                yield path
+            elif command != Command.DIAGNOSE and _is_log(path):
+                yield from () if os.path.realpath(path) == results else (path,)
 
 
 def _refuse(error: OSError) -> None:

@@ -7,12 +7,11 @@ Technometrics 29, 1987). The decision is made by one test over the whole order, 
 
     K = max_k |S_k|,   S_k = sum of (rank - mean rank) up to car k
 
-Neighbours may be alike without a drift: logs of one car, one after the other. K is divided by
-sqrt((1 + r)/(1 - r)), for the effective number of independent values (Bayley and Hammersley,
-Supplement to the J. of the Royal Statistical Society 8, 1946), r the correlation of neighbours
-after the drift itself is taken out (Serinaldi and Kilsby, Stochastic Environmental Research and
-Risk Assessment 30, 2016). This holds for up to about four logs a car and ten cars. The chart
-assumes cars that are independent of each other.
+Neighbours may be alike without a drift: logs of one car. K is divided by sqrt((1 + r)/(1 - r))
+(Bayley and Hammersley, Supplement to the J. of the Royal Statistical Society 8, 1946), r the
+correlation of neighbours without the drift itself (Serinaldi and Kilsby, Stochastic Environmental
+Research and Risk Assessment 30, 2016): good for up to about four logs a car and ten cars. The chart
+assumes independent cars.
 """
 
 from dataclasses import dataclass
@@ -38,7 +37,7 @@ FEWEST_BY_CHANCE = 200
 FEWEST = 10
 """Fewest cars of a chart."""
 
-ALIKE = 0.95
+_ALIKE = 0.95
 """Largest correlation of neighbours that is counted: 39 logs then say as much as one."""
 
 _MEDIAN_RANGE = 0.9539
@@ -76,8 +75,7 @@ class LevelChange:
 def chart(values: Array) -> Chart | None:
     """Individuals chart of ``values`` (n,) in order, all finite; None below `FEWEST` or no scatter.
 
-    Centre and sigma are of the same cars, so the chart judges uniformity, not a target. Sigma is
-    from car to car: a slow drift does not increase it.
+    It judges uniformity, not a target; sigma is from car to car, so a slow drift adds nothing.
     """
     if values.size < FEWEST:
         return None
@@ -130,7 +128,7 @@ def change(values: Array) -> LevelChange | None:
 
 
 def likeness(ranks: Array, first: int) -> float:
-    """Correlation of neighbours in ``ranks`` (n,) about their mean, at least 0 and at most `ALIKE`.
+    """Correlation of neighbours in ``ranks`` (n,) about their mean, from 0 to `_ALIKE`.
 
     What is left of a step at ``first``, or of a straight line if that explains more: a drift alone
     makes no neighbours alike. The estimate is too small by (2 + 4 r)/n (van Giersbergen, Economics
@@ -145,7 +143,7 @@ def likeness(ranks: Array, first: int) -> float:
     if size <= 1e-12 * float(ranks @ ranks):
         return 0.0
     r = float(rest[1:] @ rest[:-1]) / size
-    return min(max((n * r + 2.0) / (n - 4.0), 0.0), ALIKE)
+    return min(max((n * r + 2.0) / (n - 4.0), 0.0), _ALIKE)
 
 
 def least_p(n: int) -> float:

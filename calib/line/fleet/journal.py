@@ -22,9 +22,9 @@ from calib.base.errors import BatchError
 from calib.line.fleet.rows import Row, Status
 
 NAME = "journal.sqlite"
-SCHEMA = "2"
-ANEW = "name another --out, or start again with --fresh"
-TABLES = """
+_SCHEMA = "2"
+_ANEW = "name another --out, or start again with --fresh"
+_TABLES = """
 CREATE TABLE IF NOT EXISTS settings (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL,
     error TEXT, cells TEXT NOT NULL, lost INTEGER NOT NULL);
@@ -42,7 +42,7 @@ class BatchJournal:
     """
 
     def __init__(self, folder: Path, settings: dict[str, str], fresh: bool = False):
-        self._path, ours = folder / NAME, {"schema": SCHEMA, **settings}
+        self._path, ours = folder / NAME, {"schema": _SCHEMA, **settings}
         try:
             self._db, stored = _locked(self._path)
         except _Unusable:
@@ -55,10 +55,10 @@ class BatchJournal:
         if stored and differ and not fresh:
             self.close()
             what = f"holds results of other settings: {', '.join(sorted(differ))}"
-            raise BatchError(what, where=folder, do=ANEW)
+            raise BatchError(what, where=folder, do=_ANEW)
         if fresh or not stored:
             with _explained(self._path), self._db:
-                self._db.executescript(f"BEGIN; {TABLES}")
+                self._db.executescript(f"BEGIN; {_TABLES}")
                 self._db.executemany("INSERT INTO settings VALUES (?, ?)", ours.items())
 
     def add(self, rows: Iterable[Row]) -> None:
@@ -140,7 +140,7 @@ def _explained(path: Path) -> Iterator[None]:
             raise BatchError("another run uses this folder", where=path.parent, do=do) from cause
         if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT):
             what = "damaged, or not the journal of a batch of this version"
-            raise _Unusable(what, where=path, do=ANEW) from cause
+            raise _Unusable(what, where=path, do=_ANEW) from cause
         if code == sqlite3.SQLITE_CANTOPEN:
             path.open("ab").close()  # raises OSError with the reason
         number = errno.ENOSPC if code == sqlite3.SQLITE_FULL else errno.EIO

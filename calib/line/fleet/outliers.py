@@ -1,8 +1,7 @@
 """Cars that stand apart in a fleet, with a limited share of false ones over the whole fleet.
 
-Each metric gives each car a p-value, from what the bulk of the cars says of the scale and the tails
-of that metric, see `calib.line.fleet.shapes`. One metric of few cars says little of its tails; all
-metrics together say more, so each is judged with what the others say too.
+Each metric gives each car a p-value, from what the bulk of the cars says of its scale and, with the
+other metrics, of its tails: see `calib.line.fleet.shapes`.
 
     p of a car     the least p of its metrics, times the number of metrics that say new things
     named cars     by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
@@ -14,10 +13,9 @@ Epidemiology 33, 2009), from the rank correlations. A car is named once, with al
 Differences below the least one that matters, `least`, name no car. Where half of the cars or more
 have one value, such as a prior's, the other cars are judged among themselves.
 
-No rule finds bad cars and is right for every distribution: ranks alone cannot, since one car is
-always the farthest. What is assumed is that good cars have tails about as long as those of a t
-distribution with 4 degrees of freedom, or shorter. `tests/studies/results/fleet_alarms.md` says how
-often a fleet of good cars names one, and how often a bad car is found.
+Assumed are good cars with tails about as long as those of a t distribution with 4 degrees of
+freedom, or shorter. `tests/studies/results/fleet_alarms.md` says how often a fleet of good cars
+names one, and how often a bad car is found.
 """
 
 from collections.abc import Sequence
@@ -36,28 +34,28 @@ SHARE = 0.03
 """Expected share of false ones among the named cars, and of normal fleets that name a good one.
 Fleets with long tails name one more often: with 0.05 more than 8 % of them do."""
 
-REASON = 0.01
+_REASON = 0.01
 """p over its metrics at which a further metric of a named car is told as a reason, too."""
 
-MANY = 30
+_MANY = 30
 """Cars from which on `SHARE` holds; of fewer the tails are so little known that less is named."""
 
 FEWEST = 8
 """Fewest cars for a scale that can name outliers."""
 
-FAR = 3.0
+_FAR = 3.0
 """|z| beyond which cars are counted and compared with the number by chance."""
 
-OUTSIDE = 0.1
+_OUTSIDE = 0.1
 """Share of the cars, the outermost, that must prove that they belong to the bulk."""
 
-ALONE = 0.03
+_ALONE = 0.03
 """Weight of the prior against what the other metrics say of the tails of this one."""
 
-SPIKE = 0.05
+_SPIKE = 0.05
 """Width of the narrowest half of the cars, over that of 5 to 95 %, below which it is one value."""
 
-REACH = 1000.0
+_REACH = 1000.0
 """Scales from the median up to which the edges of a metric are sought."""
 
 _MAD = 1.4826
@@ -69,7 +67,7 @@ class MetricSpread:
 
     ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) the normal
     number that is as rare, NaN if the metric is not known or not judged; ``p`` two-sided (n,), NaN
-    likewise; ``beyond`` cars past `FAR`, ``expected`` as many by chance; ``quantiles`` 5, 25, 75
+    likewise; ``beyond`` cars past `_FAR`, ``expected`` as many by chance; ``quantiles`` 5, 25, 75
     and 95 %; ``edges``: a car below the first or above the second is named for this metric alone,
     None if the metric is not judged.
     """
@@ -115,7 +113,7 @@ def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
     cars = named(car, _share(n))
-    limit = max(REASON, float(car[cars].max())) if cars.any() else 0.0
+    limit = max(_REASON, float(car[cars].max())) if cars.any() else 0.0
     # what the rule asks of the last car that it names, or of the first one
     edge = _share(n) * max(int(cars.sum()), 1) / max(int(some.sum()), 1) / max(together, 1.0)
     edges = {i: m.edges(prior, edge) for i, m, prior in zip(known, metrics, priors, strict=True)}
@@ -138,7 +136,7 @@ def named(p: Array, share: float = SHARE) -> Mask:
 
 
 def _share(n: int) -> float:
-    return SHARE * min(1.0, n / MANY)
+    return SHARE * min(1.0, n / _MANY)
 
 
 def effective(values: Array) -> float:
@@ -200,9 +198,9 @@ class _Metric:
     def edges(self, prior: Array, limit: float) -> tuple[float, float]:
         """Values at which p is ``limit`` for a car that is not in the bulk.
 
-        Infinite past `REACH` scales.
+        Infinite past `_REACH` scales.
         """
-        far = self.scale * np.geomspace(0.3, REACH, 600)
+        far = self.scale * np.geomspace(0.3, _REACH, 600)
         below = replace(self.bulk, below=max(self.bulk.below, 1))
         above = replace(self.bulk, above=max(self.bulk.above, 1))
         ends = []
@@ -235,7 +233,7 @@ def _start(values: Array, least: float) -> _Metric | None:
             return None
         low, high = _narrowest_half(x)
         five, ninety = np.quantile(x, [0.05, 0.95])
-        if high - low > max(SPIKE * (ninety - five), least):
+        if high - low > max(_SPIKE * (ninety - five), least):
             break
         if ninety - five <= least:  # all cars alike: none is far unless it matters
             break
@@ -252,7 +250,7 @@ def _start(values: Array, least: float) -> _Metric | None:
     scale = max(float(half) / QUARTILE, least, 1e-12 * abs(float(np.median(values[rows]))))
     if scale <= 1e-12 * abs(float(np.median(values[rows]))):
         return None
-    outside = max(1, int(np.ceil(OUTSIDE * x.size)))
+    outside = max(1, int(np.ceil(_OUTSIDE * x.size)))
     up, down = max(quarter[2], scale / 2), max(-quarter[0], scale / 2)
     far = np.where(x > 0, x / up, -x / (up if spiked else down))
     inside = np.ones(x.size, dtype=np.bool_)
@@ -276,7 +274,7 @@ def _priors(evidences: list[Array], together: float) -> list[Array]:
     for own in evidences:
         others = (every - own) * together / len(evidences) + np.log(TAIL_PRIOR)
         said = np.exp(others - others.max())
-        out.append(ALONE * TAIL_PRIOR + (1.0 - ALONE) * said / said.sum())
+        out.append(_ALONE * TAIL_PRIOR + (1.0 - _ALONE) * said / said.sum())
     return out
 
 
@@ -289,7 +287,7 @@ def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> Metri
     median = float(np.median(known))
     scale = _MAD * float(np.median(np.abs(known - median)))
     z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
-    beyond = int(np.sum(np.abs(z) > FAR))
+    beyond = int(np.sum(np.abs(z) > _FAR))
     expected = 0.0027 * int(np.isfinite(p).sum())
     q = [float(x) for x in np.quantile(known, [0.05, 0.25, 0.75, 0.95])]
     quantiles = (q[0], q[1], q[2], q[3])

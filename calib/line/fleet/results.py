@@ -22,10 +22,10 @@ from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
 from calib.logs.log import Array
 
 NAME = "results.parquet"
-GROUP = 5000
+_GROUP = 5000
 """Number of rows in memory at a time."""
 
-EXPECTED = "results.parquet of `brake-cal batch`"
+_EXPECTED = "results.parquet of `brake-cal batch`"
 
 
 def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> Path:
@@ -41,7 +41,7 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     rest = iter(rows)
     try:
         with pq.ParquetWriter(new, schema, compression="zstd") as writer:
-            while group := list(itertools.islice(rest, GROUP)):
+            while group := list(itertools.islice(rest, _GROUP)):
                 writer.write_table(_table(group, schema))
         sync(new)
         os.replace(new, path)
@@ -108,7 +108,7 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
             raise InputError(
                 f"no column {name!r}",
                 where=path,
-                expected=EXPECTED if name != order else f"one of {', '.join(table.column_names)}",
+                expected=_EXPECTED if name != order else f"one of {', '.join(table.column_names)}",
                 do=did_you_mean(name, table.column_names),
             )
     odd = sorted(set(map(str, table.column("status").to_pylist())) - {*Status})
@@ -160,7 +160,7 @@ def _read(path: Path) -> Any:
         opened = open_bounded(path, RESULT)
     except OSError as cause:
         what = f"cannot be read ({cause.strerror})"
-        raise InputError(what, where=path, expected=EXPECTED) from cause
+        raise InputError(what, where=path, expected=_EXPECTED) from cause
     try:
         # pyarrow cannot open paths that are not UTF-8
         with opened, pq.ParquetFile(opened) as file:

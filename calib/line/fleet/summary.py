@@ -20,11 +20,14 @@ from calib.logs.log import Array
 DRIFT = 0.01
 """Expected share of false ones among the metrics with a drift [1]."""
 
-EXAMPLES = 3
+_EXAMPLES = 3
 """Most logs that are named for a kind of error."""
 
-SHORTEST = 3
+_SHORTEST = 3
 """Fewest characters of a log's name, without ending, that is replaced in a message."""
+
+_MANY = 20
+"""A text column with more different values than this is not a class: names, digests."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +162,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
 
 
 def _real(name: str, spread: MetricSpread) -> MetricSpread:
-    """The spread of the metric ``name`` without edges that no value of it can pass."""
+    """Without edges that no value of the metric can pass."""
     if spread.edges is None:
         return spread
     (low, high), one = spread.edges, plain(name)
@@ -194,26 +197,17 @@ def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[boo
 
 def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
     known = {metric.name: metric for metric in fleet.metrics}
-    for name in wanted:
-        if name not in known:
-            raise InputError(
-                f"no metric {name!r}",
-                where=fleet.path,
-                expected=f"one of {', '.join(known)}",
-                do=did_you_mean(name, known),
-            )
+    for name in (name for name in wanted if name not in known):
+        names, near = f"one of {', '.join(known)}", did_you_mean(name, known)
+        raise InputError(f"no metric {name!r}", where=fleet.path, expected=names, do=near)
     return tuple(known[name] for name in wanted) or fleet.metrics
-
-
-MANY = 20
-"""A text column with more different values than this is not a class: names, digests."""
 
 
 def _shares(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[Shares]:
     words: dict[object, str] = {True: "yes", False: "no", None: "none"}
     for metric in (m for m in metrics if m.kind is not float):
         counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
-        if metric.kind is bool or len(counts) <= MANY:
+        if metric.kind is bool or len(counts) <= _MANY:
             yield Shares(metric, tuple(counts.most_common()))
 
 
@@ -235,15 +229,15 @@ def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, 
 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, ...]:
     """Errors grouped by kind, the most frequent first."""
-    groups: dict[str, list[str]] = {}
-    messages: dict[str, str] = {}
+    groups: dict[str, list[tuple[str, str]]] = {}
     for log, error in zip(logs, errors, strict=True):
         if isinstance(error, str):
-            kind = kind_of(error, log)
-            groups.setdefault(kind, []).append(log)
-            messages.setdefault(kind, error)
-    ranked = sorted(groups.items(), key=lambda item: (-len(item[1]), item[0]))
-    return tuple(Failure(messages[k], len(logs), tuple(logs[:EXAMPLES])) for k, logs in ranked)
+            groups.setdefault(kind_of(error, log), []).append((error, log))
+    ranked = (groups[kind] for kind in sorted(groups, key=lambda kind: (-len(groups[kind]), kind)))
+    return tuple(
+        Failure(group[0][0], len(group), tuple(log for _, log in group[:_EXAMPLES]))
+        for group in ranked
+    )
 
 
 def copies(logs: tuple[str, ...], digests: Sequence[object]) -> tuple[tuple[str, ...], ...]:
@@ -270,7 +264,7 @@ def kind_of(error: str, log: str) -> str:
     """
     name = re.split(r"[/\\]", log)[-1]
     stem = name.rpartition(".")[0]
-    own = [log, name] + [stem] * (len(stem) >= SHORTEST and not stem.isdecimal())
+    own = [log, name] + [stem] * (len(stem) >= _SHORTEST and not stem.isdecimal())
     for text in filter(None, own):
         error = re.sub(rf"""([^\s'"]*[/\\])?(?<![\w-]){re.escape(text)}(?![\w-])""", "LOG", error)
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)

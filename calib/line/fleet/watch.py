@@ -20,7 +20,7 @@ from calib.line.fleet.batch import Sweep, logs_below
 from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import NAME as RESULTS
 from calib.line.fleet.results import write_results
-from calib.line.fleet.rows import Command, Row, Status
+from calib.line.fleet.rows import Row, Status
 from calib.line.fleet.work import Job
 from calib.line.fleet.workers import Executor
 
@@ -88,33 +88,19 @@ def watch(
 ) -> Watched:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
-    Parameters
-    ----------
-    job : the job; "diagnose" is refused, because its logs are folders without a sign of completion.
-    folder, out : where logs appear; where journal and results.parquet are kept, as in `run_batch`.
-        Rows are named by their path within ``folder``.
-    executor : workers.
-    tell : called with the row of each log, after it is on the disk. After a crash before the call,
-        the row is not reported later.
-    trouble : called once when a folder cannot be read, and again only after it was readable.
-    every, settle : time between two scans [s]; time for which a file must not change [s].
-    fresh : delete earlier results in ``out``.
-    each : called after each scan of the folder.
-    clock : monotonic time [s].
+    ``folder`` is scanned each ``every`` [s], a log is complete after ``settle`` [s] without change;
+    ``out`` keeps journal and results.parquet as in `run_batch`, rows named by their path within
+    ``folder``, and ``fresh`` deletes them. ``tell`` is called with each row after it is on the
+    disk, ``trouble`` once when a folder cannot be read, ``each`` after each scan; ``clock`` [s].
 
     A log is repeated only if its digest has changed, so a watch that was stopped or killed
-    continues. A log that was deleted keeps its row. Raises BatchError like `run_batch` and when
-    ``out`` belongs to another folder, OSError when it cannot be written.
+    continues. A log that was deleted keeps its row. The job is not "diagnose": its logs are folders
+    without a sign of completion. Raises BatchError like `run_batch` and when ``out`` belongs to
+    another folder, OSError when it cannot be written.
     """
-    if job.command == Command.DIAGNOSE:
-        raise ValueError("a folder of logs has no sign that it is complete")
     out.mkdir(parents=True, exist_ok=True)
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     settled, troubled, written, behind = Settled(settle), set[str](), -math.inf, True
-
-    def told(rows: list[Row]) -> None:
-        for row in rows:
-            tell(row)
 
     def given(logs: dict[str, str]) -> Iterator[tuple[str, str]]:
         for name, path in logs.items():
@@ -134,7 +120,7 @@ def watch(
             troubled = found
             each()
             logs = {printable(os.path.relpath(path, folder)): path for path in ready}
-            sweep = Sweep(job, journal, executor, len(logs), tell=told)
+            sweep = Sweep(job, journal, executor, len(logs), tell=tell)
             sweep.work(given(logs))
             for row in filter(None, map(journal.row, logs)):
                 if row.digest is None or row.lost:

@@ -69,12 +69,15 @@ def _of_map(mapped: ChannelMap) -> str:
 
 
 def _of_file(file: DatabaseFile) -> tuple[str, str | None]:
-    return hashlib.sha256(log_bytes(file.path, any_format=True)).hexdigest(), file.bus
+    return _sha256(log_bytes(file.path, any_format=True)), file.bus
 
 
 def _digest(value: object) -> str:
-    text = json.dumps(value, sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return _sha256(json.dumps(value, sort_keys=True, default=str).encode())
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -109,31 +112,31 @@ _unpacked = lru_cache(maxsize=2)(pickle.loads)
 
 def _run_item(job: Job, item: WorkItem) -> Row | None:
     digest = None
+    lost = False
     try:
         files = _contents(job, item)
         digest = _digest_of(files)
         if digest == item.known:
             return None
         status, cells = _RUNS[job.command](job, item, files)
+        return Row(item.name, digest, status, None, cells)
     except BrakeCalError as error:
-        text = printable(str(error).replace(item.path, item.name))
-        return Row(item.name, digest, Status.ERROR, text)
+        text = str(error)
     except MemoryError:
-        text = f"{item.name}: not enough memory; the next run tries it again"
-        return Row(item.name, digest, Status.ERROR, text, lost=True)
+        text, lost = f"{item.name}: not enough memory; the next run tries it again", True
     except Exception as error:
         # a bug in the program on one log must not stop the others
-        text = printable(f"{item.name}: the program failed: {type(error).__name__}: {error}")
-        return Row(item.name, digest, Status.ERROR, text.replace(item.path, item.name))
-    return Row(item.name, digest, status, None, cells)
+        text = f"{item.name}: the program failed: {type(error).__name__}: {error}"
+    text = printable(text.replace(item.path, item.name))
+    return Row(item.name, digest, Status.ERROR, text, lost=lost)
 
 
 def _digest_of(files: Files) -> str:
     """SHA-256 of a log's bytes; of names and digests of its files if it is a folder."""
     if len(files) == 1:
-        return hashlib.sha256(next(iter(files.values()))).hexdigest()
-    lines = [f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in files.items()]
-    return hashlib.sha256("".join(lines).encode()).hexdigest()
+        return _sha256(*files.values())
+    lines = (f"{_sha256(data)}  {name}\n" for name, data in files.items())
+    return _sha256("".join(lines).encode())
 
 
 def _contents(job: Job, item: WorkItem) -> Files:
@@ -151,8 +154,8 @@ def _contents(job: Job, item: WorkItem) -> Files:
 
 def _log(job: Job, item: WorkItem, files: Files, require: tuple[str, ...] = REQUIRED) -> Log:
     (data,) = files.values()
-    name, file = Path(item.name), Path(item.path)
-    return log_of(data, name, job.channel_map, require=require, file=file)
+    path = Path(item.path)
+    return log_of(data, Path(item.name), job.channel_map, require=require, file=path)
 
 
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -189,13 +192,10 @@ def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.run.observation import figures
 
     found = check(_log(job, item, files, require=()))
-    usable = tuple(verdict.usable for verdict in found.verdicts)
+    usable = (verdict.usable for verdict in found.verdicts)
     metrics = map(finite, figures(found.seen).values())
-    return Status.PASSED if found.usable else Status.FAILED, (
-        *usable,
-        *metrics,
-        _codes(found.warnings),
-    )
+    cells = (*usable, *metrics, _codes(found.warnings))
+    return Status.PASSED if found.usable else Status.FAILED, cells
 
 
 def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:

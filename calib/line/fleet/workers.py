@@ -5,7 +5,7 @@ import socket
 import time
 from concurrent.futures import Future
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from calib.base.errors import BatchError
 from calib.base.processes import end, workers
@@ -14,7 +14,7 @@ from calib.line.fleet.work import WorkItem, run_items
 
 Rows = list[Row | None]
 
-PRELOADED = (
+_PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
     *("scipy.special", "calib.run.check", "calib.fitting.fit", "calib.estimation.validate"),
     *("calib.diagnosis.diagnose", "calib.line.fleet.work"),
@@ -25,38 +25,21 @@ PATIENCE = "10s"
 """Longest wait for an answer of the scheduler [s]."""
 
 
-class Executor(Protocol):
-    """Computes rows on this machine or a cluster. A future fails if its worker died."""
-
-    @property
-    def workers(self) -> int:
-        """Number of logs at a time."""
-
-    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Compute the rows of some logs, see `calib.line.fleet.work.run_items`."""
-
-    def renew(self) -> None:
-        """Replace the workers. Unfinished logs are lost."""
-
-    def close(self) -> None:
-        """Release the workers; unfinished logs are dropped."""
-
-
 class Pool:
     """Processes of this machine, ``workers`` of them."""
 
     def __init__(self, count: int):
         self.workers = count
-        self._pool = workers(count, *PRELOADED)
+        self._pool = workers(count, *_PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Submit logs to the next free worker."""
+        """Compute the rows of some logs, see `calib.line.fleet.work.run_items`."""
         return self._pool.submit(run_items, packed, items)
 
     def renew(self) -> None:
-        """End the workers and start others."""
+        """End the workers and start others. Unfinished logs are lost."""
         self._pool.shutdown(wait=True, cancel_futures=True)
-        self._pool = workers(self.workers, *PRELOADED)
+        self._pool = workers(self.workers, *_PRELOADED)
 
     def close(self) -> None:
         """End the workers, also during a log; it has no row and the next run repeats it."""
@@ -143,6 +126,10 @@ class Cluster:
     def close(self) -> None:
         """Disconnect from the cluster; unfinished logs are dropped."""
         self._client.close()
+
+
+Executor = Pool | Cluster
+"""Computes rows on this machine or a cluster. A future fails if its worker died."""
 
 
 def _knock(address: str) -> None:

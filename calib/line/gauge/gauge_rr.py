@@ -9,22 +9,19 @@ before it (type I, Henderson's third method). The expected mean squares are line
 
 In a full design with equal repeats this is the textbook table (AIAG, Measurement Systems Analysis,
 4th ed., app. A; Montgomery, Design and Analysis of Experiments, ch. 13). With unequal numbers or
-missing cells the estimates are still unbiased, but the intervals become approximate: the mean
-squares then follow approximately a chi-square distribution with the degrees of freedom of
-Satterthwaite (1946), and are not exactly independent.
+missing cells the estimates stay unbiased and the intervals are approximate, with the degrees of
+freedom of Satterthwaite (1946).
 
     GRR^2 = EV^2 + AV^2          scatter of the measurement: repeatability and reproducibility
     TV^2 = GRR^2 + PV^2          PV: the cars themselves
     %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG)
     %GRR of the tolerance = 6 GRR/(USL - LSL)                    (the same, ch. III, section B)
 
-%GRR and ndc compare the gauge with the cars of the study. Where the cars do not differ, %GRR is
-near 100 % for any gauge and has no meaning; that of the tolerance still has.
-
+Where the cars do not differ, %GRR is near 100 % for any gauge; that of the tolerance has a meaning.
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
-Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): draws of
-nu MS/chi2(nu) replace each expected mean square, and the 2.5 and 97.5 % points of the results are
-the ends. `tests/studies/results/repeatability_coverage.md` says how often they contain the truth.
+Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): the 2.5 and 97.5 % points
+of draws of nu MS/chi2(nu) for each expected mean square. How often they contain the truth:
+`tests/studies/results/repeatability_coverage.md`.
 """
 
 from dataclasses import dataclass
@@ -40,12 +37,12 @@ Codes = NDArray[np.int64]
 CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
 
-RANK = 1e-9
+_RANK = 1e-9
 """Share of the largest singular value below which a direction is ignored."""
 
-SIGMAS = 6.0
+_SIGMAS = 6.0
 """Standard deviations across a process, which AIAG compares with the tolerance."""
-NDC = 1.41
+_NDC = 1.41
 """Factor of ndc: the square root of 2 as rounded by AIAG."""
 
 DRAWS = 20_000
@@ -88,8 +85,7 @@ class Anova:
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
     """Causes that the design can separate, in order; ``car``, ``station`` codes (n,).
 
-    If no cell has a repeat, the interaction is part of the repeatability. Stations that share no
-    car cannot be separated from the cars.
+    Not the interaction without a repeat in a cell, nor stations that share no car.
     """
     names, every = [CAR], _columns(car)
     for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
@@ -135,7 +131,7 @@ def _partition(Z: dict[str, Array]) -> dict[str, Array]:
     parts: dict[str, Array] = {}
     for name, columns in Z.items():
         U, size, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
-        least = RANK * max(1.0, float(np.max(np.abs(columns).sum(axis=0))))
+        least = _RANK * max(1.0, float(np.max(np.abs(columns).sum(axis=0))))
         parts[name] = U[:, size > least]
         if parts[name].shape[1] == 0:
             raise ValueError(f"no degree of freedom left for {name}")
@@ -165,10 +161,9 @@ def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) ->
 
 @dataclass(frozen=True)
 class VarianceComponent:
-    """A variance in the metric's unit squared.
+    """``raw`` estimate, in the metric's unit squared; ``variance``: zero for a negative one.
 
-    ``raw`` estimate; ``variance`` the same, or zero if it is negative; ``low``, ``high`` 95 %
-    interval.
+    ``low``, ``high`` 95 % interval.
     """
 
     variance: float
@@ -192,10 +187,9 @@ class GaugeRR:
     """Components of a metric's scatter.
 
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
-    ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1];
-    ``ndc`` number of distinct categories, not rounded [1]; each with its 95 % interval.
-    ``tolerance`` six standard deviations of the gauge over the tolerance's width [1], and
-    its interval; None without a tolerance.
+    ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1]; ``ndc``
+    number of distinct categories, not rounded [1]; ``tolerance`` six standard deviations of the
+    gauge over the tolerance's width [1], None without one; each with its 95 % interval.
     """
 
     components: dict[str, VarianceComponent]
@@ -243,7 +237,7 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     shares = float(grr), _ends(grrs), float(ndc), _ends(ndcs)
     if tolerance is None:
         return GaugeRR(components, *shares)
-    gauge, per = components[GAUGE], SIGMAS / tolerance
+    gauge, per = components[GAUGE], _SIGMAS / tolerance
     low, high = gauge.sd95
     return GaugeRR(components, *shares, per * gauge.sd, (per * low, per * high))
 
@@ -265,7 +259,6 @@ def _chi2(nu: float, stream: int) -> Array:
 
 
 def _derived(v: dict[str, Array]) -> dict[str, Array]:
-    """Variances and their sums."""
     stations = {n: v[n] for n in (STATION, INTERACTION) if n in v}
     out = {REPEATABILITY: v[REPEATABILITY], **stations}
     if stations:
@@ -275,8 +268,7 @@ def _derived(v: dict[str, Array]) -> dict[str, Array]:
 
 
 def _ratios(v: dict[str, Array]) -> tuple[Array, Array]:
-    """%GRR and ndc."""
-    return np.sqrt(v[GAUGE] / v[TOTAL]), NDC * np.sqrt(v[CAR] / v[GAUGE])
+    return np.sqrt(v[GAUGE] / v[TOTAL]), _NDC * np.sqrt(v[CAR] / v[GAUGE])
 
 
 def _ends(draws: Array) -> tuple[float, float]:

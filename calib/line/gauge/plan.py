@@ -103,12 +103,10 @@ def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Pl
     if road is None and len(roads) < 2:
         return places
     if road not in roads:
-        raise InputError(
-            f"no ramp on road {road!r}" if road else f"ramps of {len(roads)} roads",
-            where=plan,
-            expected=f"one road: {', '.join(roads)}" if roads else "a column road",
-            do="" if road else "choose one with --road: ramps of two roads are no repeats",
-        )
+        what = f"no ramp on road {road!r}" if road else f"ramps of {len(roads)} roads"
+        known = f"one road: {', '.join(roads)}" if roads else "a column road"
+        do = "" if road else "choose one with --road: ramps of two roads are no repeats"
+        raise InputError(what, where=plan, expected=known, do=do)
     return tuple(place for place in places if place.road == road)
 
 
@@ -129,7 +127,7 @@ def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
 
 
 def _folders(log: Path) -> tuple[str, ...]:
-    """Names of the folders above ``log`` as given: links are not resolved."""
+    # as given: links are not resolved
     return Path(os.path.abspath(log)).parent.parts[1:]
 
 

@@ -135,9 +135,8 @@ class GaugeStudy:
 def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str, float]:
     """Metrics of one ramp from its ``table``, with the curves at eta - 1 = ``reference`` [1].
 
-    At a given eta the curves are what the ECU reads. At a given deceleration they would depend only
-    on the pad ratio, which a ramp determines poorly. Raises InputError if the curves do not reach
-    ``reference``.
+    At a given eta the curves are what the ECU reads; at a given deceleration they depend on the pad
+    ratio alone, which a ramp determines poorly. Raises InputError beyond the end of the curves.
     """
     paper, eta = table.paper, 1.0 + reference
     if not paper.eta[0] <= eta <= paper.eta[-1]:
@@ -170,10 +169,7 @@ def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
 
 
 def known_limits() -> set[str]:
-    """Names allowed in a limits file.
-
-    `FIGURES` of all metrics, or of one as ``NAME_grr``; a metric itself: its tolerance.
-    """
+    """In a limits file: `FIGURES` of all metrics, ``NAME_grr`` of one, NAME for its tolerance."""
     return {*FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in FIGURES}
 
 
@@ -226,8 +222,14 @@ def study(
         values = np.array([r.metrics[name] for r in readings])
         analysis = anova(values, car, station, terms)
         results.append(_result(name, values, analysis, held, tolerances.get(name)))
-    notes = (*_notes(car, station, terms), *_alike(results))
-    return GaugeStudy(readings, tuple(results), reference, notes)
+    notes = _notes(car, station, terms)
+    alike = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
+    if alike:
+        notes.append(
+            f"the cars do not differ in {', '.join(alike)}: %GRR would be near 100 % for any "
+            "gauge; take cars that differ, or give the tolerance in --limits"
+        )
+    return GaugeStudy(readings, tuple(results), reference, tuple(notes))
 
 
 def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes) -> None:
@@ -266,14 +268,12 @@ def _result(
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
-    """The limits of one metric: its own if given, else the common ones."""
     by_name = {limit.figure: limit for limit in limits}
     both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in FIGURES]
     return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 
 def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
-    """Quantities that the design cannot determine, or only roughly."""
     ramps = np.zeros((int(car.max()) + 1, int(station.max()) + 1), dtype=np.int64)
     np.add.at(ramps, (car, station), 1)
     cars, stations = ramps.shape
@@ -298,12 +298,6 @@ def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
             "variances from their expectations, intervals approximate"
         )
     return notes
-
-
-def _alike(results: list[GaugeResult]) -> list[str]:
-    names = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
-    why = f"the cars do not differ in {', '.join(names)}: %GRR would be near 100 % for any gauge; "
-    return [why + "take cars that differ, or give the tolerance in --limits"] if names else []
 
 
 def to_dict(found: GaugeStudy) -> dict[str, object]:

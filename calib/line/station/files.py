@@ -57,15 +57,11 @@ def publish_run(work: Path, out: Path) -> list[Path]:
 
 
 def _stale(out: Path) -> set[str]:
-    return _listed(out) | EXPORTS | {REFUSED}
-
-
-def _listed(out: Path) -> set[str]:
-    """File names that the verdict in ``out`` lists; none where it cannot be read."""
+    found = {*EXPORTS, REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
-        return {n for n in names if isinstance(n, str) and n == Path(n).name and n not in FIXED}
-    return set()
+        found |= {n for n in names if isinstance(n, str) and n == Path(n).name and n not in FIXED}
+    return found
 
 
 def write_refusal(

@@ -7,12 +7,9 @@ Against a golden table that is the mean of several cars, also in sigma of their 
 
     t = (car - mean)/sqrt(between^2 + error of the mean^2 + own error of the car^2)
 
-With few cars the scatter between them is hardly known, so t is of Student's distribution with one
-degree of freedom less than the golden table has cars. It is turned into the number of sigma that is
-as rare in a normal distribution: 3 sigma are one good car in 370, whatever the number of cars.
-
-What the car and the cars of the golden table share (vehicle file, track, method) is in both and
-cancels. It does not where they were measured in other ways, as with and without v.
+t is of Student's distribution with one degree of freedom less than the golden table has cars, and
+is told as the sigma that is as rare in a normal one: 3 sigma are one good car in 370. What the car
+and the fleet share (vehicle file, track, method) cancels; not so with and without v.
 """
 
 import math
@@ -33,13 +30,11 @@ from calib.store.own_errors import (
 from calib.table.budget import pad_levels
 from calib.table.table import FleetScatter, Scatter, Table
 
-OVERLAP = 0.5
+_OVERLAP = 0.5
 """Share of the golden table's range of eta that must be common for a distance to mean anything."""
 
-Metrics = dict[str, float]
 
-
-def golden_metrics(table: Table, golden: Table) -> Metrics:
+def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
     """The metrics of the car with `golden` in their names, as far as both tables give them.
 
     Those of D need half of the golden range of eta; sigma needs a golden table of several cars.
@@ -53,7 +48,7 @@ def golden_metrics(table: Table, golden: Table) -> Metrics:
     }
     golden_end = float(golden.difference.eta[-1])
     end = min(float(table.difference.eta[-1]), golden_end)
-    common = end - 1.0 >= OVERLAP * (golden_end - 1.0)
+    common = end - 1.0 >= _OVERLAP * (golden_end - 1.0)
     if common:
         found |= _distance(table, golden, end)
     if golden.spread is not None:
@@ -63,7 +58,7 @@ def golden_metrics(table: Table, golden: Table) -> Metrics:
     return found
 
 
-def _distance(table: Table, golden: Table, end: float) -> Metrics:
+def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
     """Largest departure of D up to ``end``: over the golden peak, and over the 95 % half widths.
 
     The latter at the same eta, since near 1 both widths go to zero; infinite without any band.
@@ -83,7 +78,7 @@ def _distance(table: Table, golden: Table, end: float) -> Metrics:
     }
 
 
-def _sigma_of_pads(table: Table, golden: Table, spread: FleetScatter) -> Metrics:
+def _sigma_of_pads(table: Table, golden: Table, spread: FleetScatter) -> dict[str, float]:
     ours = pad_levels(table.vehicle, table.calibration)
     theirs = pad_levels(golden.vehicle, golden.calibration)
     parts = {

@@ -28,8 +28,6 @@ UNREADABLE = "not readable"
 NO_VERDICT = "refused"
 """Verdict of a car that could not be judged."""
 
-Trend = dict[str, float | None]
-
 
 @dataclass(frozen=True)
 class IndexedRun:
@@ -49,7 +47,7 @@ class IndexedRun:
     table: str = ""
     bad: int = 0
     why: tuple[str, str, float | None, str] | None = None
-    trend: Trend | None = None
+    trend: dict[str, float | None] | None = None
     limits: dict[str, tuple[float | None, float | None]] | None = None
     refusal: str = ""
 
@@ -102,24 +100,18 @@ def read_run(path: Path, place: str, at: float) -> IndexedRun:
     """One run from what it wrote; if that is damaged, its verdict is `UNREADABLE`."""
     try:
         told = json.loads(read_bounded(path, VALIDATION))
-        return _refused(told, place, at) if path.name == REFUSED else _judged(told, place, at)
+        identity = told["identity"]
+        car = str(identity.get("vin") or identity.get("serial") or "")
+        station = str(identity.get("station", ""))
+        if path.name == REFUSED:
+            why = str(told["error"]["message"])
+            return IndexedRun(place, at, NO_VERDICT, car, station, bad=1, refusal=why)
+        return _judged(told, place, at, car, station)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return IndexedRun(place, at, UNREADABLE)
 
 
-def _refused(told: dict[str, Any], place: str, at: float) -> IndexedRun:
-    of = _identity(told["identity"])
-    return IndexedRun(place, at, NO_VERDICT, *of, bad=1, refusal=str(told["error"]["message"]))
-
-
-def _identity(identity: dict[str, Any]) -> tuple[str, str]:
-    """VIN or serial number of the car, and the station; empty where they are not given."""
-    car = str(identity.get("vin") or identity.get("serial") or "")
-    return car, str(identity.get("station", ""))
-
-
-def _judged(told: dict[str, Any], place: str, at: float) -> IndexedRun:
-    car, station = _identity(told["identity"])
+def _judged(told: dict[str, Any], place: str, at: float, car: str, station: str) -> IndexedRun:
     checks = told["checks"]
     bad = [c for word in ("failed", "warning") for c in checks if c["verdict"] == word]
     first = bad[0] if bad else None
@@ -132,23 +124,17 @@ def _judged(told: dict[str, Any], place: str, at: float) -> IndexedRun:
         str(told["table"]["id"]),
         len(bad) + len(told["warnings"]),
         first and (first["figure"], first["scope"], first["value"], first["action"] or ""),
-        _trend(told),
+        {name: _trend(told, name) for name in TRENDS},
         {c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
     )
 
 
-def _trend(told: dict[str, object]) -> Trend:
-    """The metrics of `TRENDS`; the pads are means over the stops."""
-    figures, validation = told["figures"], told["validation"]
-    assert isinstance(figures, dict)
-    assert isinstance(validation, dict)
-    out: Trend = {}
-    for name in TRENDS:
-        stops = [log["figures"].get(name) for log in validation["logs"]]
-        known = [x for x in stops if x is not None]
-        value = figures.get(name)
-        out[name] = sum(known) / len(known) if value is None and known else value
-    return out
+def _trend(told: dict[str, Any], name: str) -> float | None:
+    """Of the car; where it has none, the mean over the stops."""
+    value: float | None = told["figures"].get(name)
+    stops = [log["figures"].get(name) for log in told["validation"]["logs"]]
+    known = [x for x in stops if x is not None]
+    return sum(known) / len(known) if value is None and known else value
 
 
 def _known(folder: Path) -> dict[str, list[object]]:

@@ -89,9 +89,6 @@ TITLES = {
 }
 """Names of the identifiers in a report."""
 
-CAR = "car"
-"""Scope of a check of the car as a whole."""
-
 
 @dataclass(frozen=True)
 class StationCheck:
@@ -107,8 +104,8 @@ class StationCheck:
 
     @property
     def scope(self) -> str:
-        """`CAR` or the name of the hold-out; a hold-out may be named like `CAR`."""
-        return CAR if self.stop is None else self.stop
+        """Name of the hold-out, or "car"; a hold-out may have that name as well."""
+        return "car" if self.stop is None else self.stop
 
     @property
     def figure(self) -> str:
@@ -138,14 +135,13 @@ class StationCheck:
 
 @dataclass(frozen=True)
 class StationOutcome:
-    """All results of a car after its run at the station.
+    """All results of a car after its run at the station; words are "" where there is nothing.
 
-    ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
-    ``caveats`` warnings of `brake-cal check` on a log, which are no verdict on the car; ``golden``
-    the id of the golden table, "" without one; ``golden_cars`` of how many cars it is the mean, 0
-    for a table of one car; ``accepted`` the reason why warnings are accepted, "" where they are
-    not; ``by`` the person who answers for it, "" for the user of the computer; ``limits`` the file
-    of limits with its digest, in words, "" for those of the program.
+    ``results`` of the hold-outs in their order; ``caveats`` warnings of `brake-cal check` on a log,
+    which are no verdict on the car; ``golden`` the id of the golden table, the mean of
+    ``golden_cars``, 0 for a table of one; ``accepted`` why warnings are accepted; ``by`` the person
+    who answers for it, else the user of the computer; ``limits`` the file of limits with its
+    digest, else those of the program.
     """
 
     table: Table
@@ -262,10 +258,7 @@ def outcome(
     by: str = "",
     limits_file: str = "",
 ) -> StationOutcome:
-    """Judge the car and collect all results. ``golden`` is the id of ``car.golden``.
-
-    ``accepted``, ``by`` as in `StationOutcome`; ``limits_file`` is its ``limits``.
-    """
+    """Judge the car and collect all results; the words are those of `StationOutcome`."""
     logs = (*car.ramps, *coasts, *car.stops)
     figures = metrics_of(car)
     of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)

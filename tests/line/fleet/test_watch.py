@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from calib.line.fleet.batch import run_batch
 from calib.line.fleet.journal import NAME
 from calib.line.fleet.watch import Settled, watch
-from calib.line.fleet.work import Job
 from tests.support.fleet_logs import Here, validating
 
 
@@ -44,11 +43,11 @@ def seen(fitted, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("in").mkdir()
 
-    def run(*acts, settle=2.0, executor=None, job=None):
+    def run(*acts, settle=2.0):
         bench, told, trouble = Bench(*acts), [], []
-        executor = executor or Here()
+        executor = Here()
         ended = watch(
-            job or validating(fitted),
+            validating(fitted),
             Path("in"),
             Path("out"),
             executor,
@@ -70,15 +69,6 @@ def dropped(name, data):
     return act
 
 
-def test_a_log_is_done_once_when_it_is_whole(seen, six):
-    data = Path(six, "car_00000.csv").read_bytes()
-    parts = [dropped("a.csv", data[: len(data) * i // 4]) for i in (1, 2, 3, 4)]
-    told, done, _, ended = seen(*parts, *[idle] * 10)
-    assert [(row.log, row.status) for row in told] == [("a.csv", "passed")]
-    assert done == ["a.csv"]
-    assert ended.counts == {"passed": 1}
-
-
 def test_rows_are_those_of_a_batch(seen, six, fitted, monkeypatch):
     acts = [dropped(path.name, path.read_bytes()) for path in sorted(Path(six).iterdir())]
     told, done, _, ended = seen(*acts, *[idle] * 5)
@@ -90,20 +80,12 @@ def test_rows_are_those_of_a_batch(seen, six, fitted, monkeypatch):
     assert pq.read_table(ended.results).equals(pq.read_table("batch/results.parquet"))
 
 
-def test_what_was_done_is_not_done_again_after_a_stop(seen, six):
-    data = Path(six, "car_00000.csv").read_bytes()
-    seen(dropped("a.csv", data), idle, idle, idle)
-    journal = Path("out", NAME).read_bytes()
-    told, _, _, ended = seen(*[idle] * 4)
-    assert told == []
-    assert Path("out", NAME).read_bytes() == journal
-    assert ended.counts == {"passed": 1}
-
-
 def test_a_row_that_a_crash_took_away_is_made_again(seen, six):
     data = Path(six, "car_00000.csv").read_bytes()
     _, _, _, whole = seen(dropped("a.csv", data), idle, idle, idle)
     results = whole.results.read_bytes()
+    told, done, _, _ = seen(*[idle] * 4)
+    assert (told, done) == ([], ["a.csv"])  # read again after a stop, and its row is there
     journal = sqlite3.connect(Path("out", NAME))
     journal.execute("DELETE FROM rows")
     journal.commit()
@@ -132,21 +114,6 @@ def test_a_folder_that_is_away_for_a_while_is_told_once(seen, six):
     assert [row.log for row in told] == ["a.csv"]
     assert len(trouble) == 2
     assert "in" in trouble[0]
-
-
-def test_results_may_lie_in_the_folder_and_are_no_logs(fitted, six, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    bench, told = Bench(*[idle] * 5), []
-    job = validating(fitted)
-    folder = Path(six)
-    ended = watch(job, folder, folder / "out", Here(), bench, told.append, clock=lambda: bench.time)
-    assert len(told) == 6
-    assert ended.results == folder / "out" / "results.parquet"
-
-
-def test_diagnose_is_refused(seen):
-    with pytest.raises(ValueError, match="complete"):
-        seen(job=Job("diagnose"))
 
 
 @given(st.lists(st.integers(0, 3), min_size=1, max_size=30), st.integers(1, 4))

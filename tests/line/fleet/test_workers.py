@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from tests.support.fleet_logs import validating
-from tests.support.fleet_results import journalled
 
 pytest.importorskip("distributed", reason="dask[distributed], the extra `dist`, is not installed")
 
@@ -52,20 +51,14 @@ def started(*arguments):
 
 
 @pytest.fixture
-def scheduler(tmp_path):
-    """A scheduler that was just started."""
+def address(tmp_path):
+    """Of a scheduler that was just started."""
     module = "distributed.cli.dask_scheduler"
     file = tmp_path / "scheduler.json"
     process = started(module, *LOCAL, "--port", 0, "--scheduler-file", file)
-    yield process
+    yield waited_for(lambda: file.exists() and address_in(file.read_text()))
     process.kill()
     process.wait()
-
-
-@pytest.fixture
-def address(scheduler, tmp_path):
-    file = tmp_path / "scheduler.json"
-    return waited_for(lambda: file.exists() and address_in(file.read_text()))
 
 
 @pytest.fixture
@@ -118,22 +111,3 @@ def test_the_command_says_that_nobody_answers(tmp_path, fleet):
     assert ran.returncode == 2
     assert "Traceback" not in ran.stderr
     assert not (tmp_path / "out").exists()
-
-
-# The scheduler is killed when four logs are done.
-GONE = DRIVE.replace("cluster.close()", "").replace("assert cluster.workers == 2", "")
-
-
-def test_a_scheduler_that_dies_ends_the_run_and_keeps_what_is_done(
-    fitted, fleet, address, workers, tmp_path, scheduler
-):
-    out = tmp_path / "out"
-    said = pickle.dumps((validating(fitted), str(fleet), str(out), address, scheduler.pid))
-    ran = subprocess.run(
-        [sys.executable, "-c", GONE], cwd=ROOT, input=said, capture_output=True, timeout=120
-    )
-    assert ran.returncode == 1
-    assert b"BatchError" in ran.stderr, ran.stderr.decode()
-    errors = journalled(out)
-    assert 4 <= len(errors) < 24
-    assert not any("died on it" in error for error in errors.values() if error)

@@ -72,13 +72,6 @@ def test_the_published_table():
         assert found[name].ms == pytest.approx(ms, abs=6e-6)
 
 
-def test_the_published_components_with_the_interaction_pooled():
-    found = anova(*aiag(), terms=(CAR, STATION, REPEATABILITY)).variances
-    published = {REPEATABILITY: 0.039973, STATION: 0.051455, CAR: 1.086446}
-    for name, variance in published.items():
-        assert found[name] == pytest.approx(variance, abs=1e-6)
-
-
 def test_one_way_with_unequal_numbers_by_hand():
     # n = 1, 2, 3: n0 = (6 - 14/6)/2 = 11/6 (Searle, Casella, McCulloch, Variance Components).
     car = np.array([0, 1, 1, 2, 2, 2])
