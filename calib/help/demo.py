@@ -6,13 +6,14 @@ counts there whether the pad friction is as expected and the same in all stops o
 """
 
 import shutil
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
@@ -32,115 +33,95 @@ from calib.store.version import Stored
 
 if TYPE_CHECKING:
     from calib.diagnosis.diagnose import Diagnosis
+    from calib.show.sheet import Sheet
 
-Say = Callable[[str], None]
-
-HIDDEN = "hidden/case_2"
-"""A car with an effect that its vehicle file does not have."""
+_Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class _PaperStudy:
-    """One car of the samples: folder, ramps and coasts, hold-outs, vehicle of the validation."""
+    """One car of the samples; ``before``: a ramp from which alone it gets an earlier version."""
 
     folder: str
-    fitted: tuple[str, ...]
-    held_out: tuple[str, ...]
+    fitted: str
+    held_out: str
     vehicle: str = "vehicle.toml"
-    before: tuple[str, ...] = ()
-    """Logs of an earlier version of the table, fitted from one ramp alone."""
+    before: str = ""
 
 
 _STUDIES = (
     _PaperStudy(
         "sedan",
-        ("ramp_wet_asphalt.csv", "ramp_wet_asphalt_repeat.csv", "coast.csv"),
-        (
-            "dry_asphalt_stop.csv",
-            "transition_dry_to_basalt.csv",
-            "basalt_wet_pads.csv",
-            "wet_tile_wet_pads.csv",
-        ),
-        before=("ramp_wet_asphalt.csv",),
+        "ramp_wet_asphalt.csv ramp_wet_asphalt_repeat.csv coast.csv",
+        "dry_asphalt_stop.csv transition_dry_to_basalt.csv basalt_wet_pads.csv "
+        "wet_tile_wet_pads.csv",
+        before="ramp_wet_asphalt.csv",
     ),
     _PaperStudy(
-        "simulation_study",
-        ("ramp_noisy.parquet",),
-        ("stop_noisy.parquet",),
-        "vehicle_wrong_pads.toml",
+        "simulation_study", "ramp_noisy.parquet", "stop_noisy.parquet", "vehicle_wrong_pads.toml"
     ),
     _PaperStudy(
         "third_party",
-        ("cal_ramp.parquet",),
-        (
-            "hold1_const_mu30.parquet",
-            "hold2_steps_muf25_mur33.parquet",
-            "hold3_const_fade35_22.parquet",
-            "hold4_driver_mu28.parquet",
-        ),
+        "cal_ramp.parquet",
+        "hold1_const_mu30.parquet hold2_steps_muf25_mur33.parquet hold3_const_fade35_22.parquet "
+        "hold4_driver_mu28.parquet",
     ),
 )
 
 
 @dataclass(frozen=True)
 class _StudyOutcome:
-    """Result of one study: the table, the validations, the figures drawn."""
-
     study: _PaperStudy
     stored: Stored
-    results: tuple[Validation, ...]
-    logs: tuple[Log, ...]
+    results: list[Validation]
+    logs: list[Log]
 
 
-def run(out: Path, say: Say) -> list[_StudyOutcome]:
+def run(out: Path, say: _Say) -> list[_StudyOutcome]:
     """Run every study below ``out``: sample_logs/, tables/, results/, figures/."""
     logs = out / "sample_logs"
     shutil.copytree(sample_logs(), logs, dirs_exist_ok=True)
     return [_run_study(study, logs / study.folder, out, say) for study in _STUDIES]
 
 
-def _run_study(study: _PaperStudy, source: Path, out: Path, say: Say) -> _StudyOutcome:
+def _run_study(study: _PaperStudy, source: Path, out: Path, say: _Say) -> _StudyOutcome:
     """Check, fit, validate and draw one study."""
-    fitted = [read_log(source / name) for name in study.fitted]
-    held = [read_log(source / name) for name in study.held_out]
+    from calib.show.choose import PlotInput, sheets
+
+    fitted, held = (
+        [read_log(source / name) for name in names.split()]
+        for names in (study.fitted, study.held_out)
+    )
     for log in fitted + held:
         usable = [v.purpose for v in check(log).verdicts if v.usable]
         say(f"checked {study.folder}/{log.name}: good for {', '.join(usable)}")
     car, store = read_vehicle(source / "vehicle.toml"), Store(out / "tables")
     if study.before:
-        first = [log for log in fitted if log.source.endswith(study.before)]
-        say(f"fitted {store.save(fit(car, first)).id} from {study.before[0]} alone")
+        first = fit(car, [read_log(source / study.before)])
+        say(f"fitted {store.save(first).id} from {study.before} alone")
     stored = store.save(fit(car, fitted))
     say(f"fitted {stored.id} from {', '.join(log.name for log in fitted)}")
-    other = None
-    if study.vehicle != "vehicle.toml":
-        other = read_vehicle(source / study.vehicle)
+    other = None if study.vehicle == "vehicle.toml" else read_vehicle(source / study.vehicle)
     results = validate(stored.table, held, other, DEFAULTS)
     write_results(results, to_dict(stored, results), out / "results" / study.folder)
     say(f"validated {stored.id} on {', '.join(log.name for log in held)}")
-    draw(stored, fitted, held, other, out / "figures")
-    return _StudyOutcome(study, stored, tuple(results), tuple(held))
-
-
-def draw(
-    stored: Stored, fitted: list[Log], held: list[Log], other: Vehicle | None, where: Path
-) -> None:
-    """One page for the table with its ramps, one for each hold-out, as PNG."""
-    from calib.show.choose import PlotInput, sheets
-    from calib.show.sheet import save as save_figures
-
-    where.mkdir(parents=True, exist_ok=True)
     ramps = tuple(log for log in fitted if "coast" not in log.name)
-    pages = [
-        *sheets(PlotInput(tables=(stored,), logs=ramps)),
-        *sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)),
-    ]
-    save_figures({where / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
+    _draw(sheets(PlotInput(tables=(stored,), logs=ramps)), out)
+    _draw(sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)), out)
+    return _StudyOutcome(study, stored, results, held)
+
+
+def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
+    from calib.show.sheet import save
+
+    folder = out / "figures"
+    folder.mkdir(parents=True, exist_ok=True)
+    save({folder / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
 
 
 @dataclass(frozen=True)
 class SectionFour:
-    """One line of Section IV: a method, its final pad frictions and its torque error [N m rms]."""
+    """A method of Section IV: its final pad frictions and its torque error [N m rms]."""
 
     method: str
     final_f: float
@@ -148,7 +129,7 @@ class SectionFour:
     torque_rms: float
 
 
-METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
+_METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
 
 
 def section_four(outcome: _StudyOutcome) -> list[SectionFour]:
@@ -159,7 +140,7 @@ def section_four(outcome: _StudyOutcome) -> list[SectionFour]:
     assert truth is not None
     braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
     last = int(np.flatnonzero(braked)[-1])
-    pads = {name: e.baselines[name] for name in METHODS if name in e.baselines}
+    pads = {name: e.baselines[name] for name in _METHODS if name in e.baselines}
     pads["kalman"] = (e.front.pad_friction, e.rear.pad_friction)
     rows = []
     for name, (front, rear) in pads.items():
@@ -177,10 +158,9 @@ def section_four(outcome: _StudyOutcome) -> list[SectionFour]:
 
 @dataclass(frozen=True)
 class SectionFive:
-    """One stop of Section V: pad friction with the half width of its 95 % interval, and the sums.
+    """A stop of Section V: pad friction with the half width of its 95 % interval, and the sums.
 
-    ``sum_nominal``, ``sum_compensated`` mean braking force over M a_x with nominal and with
-    compensated pads [1]; the second is near one for any table.
+    ``sum_...``: mean braking force over M a_x with nominal and with compensated pads [1].
     """
 
     log: str
@@ -199,9 +179,8 @@ def section_five(outcome: _StudyOutcome) -> list[SectionFive]:
 
 def _stop(result: Validation, car: Vehicle) -> SectionFive:
     e, figures = result.estimate, result.figures
-    demand = car.weight * e.z[e.valid]
 
-    def share(front: np.ndarray, rear: np.ndarray) -> float:
+    def share(front: Array, rear: Array) -> float:
         total = sum(
             2.0 * mu[e.valid] * axle.torque_gain * p[e.valid] / axle.rolling_radius
             for mu, axle, p in (
@@ -209,27 +188,19 @@ def _stop(result: Validation, car: Vehicle) -> SectionFive:
                 (rear, car.rear, e.pressure_r),
             )
         )
-        return float(np.mean(total / demand))
+        return float(np.mean(total / (car.weight * e.z[e.valid])))
 
-    pads = [figures[f"pad_friction_{side}"] or np.nan for side in "fr"]
-    widths = [figures[f"interval_{side}"] or np.nan for side in "fr"]
-    return SectionFive(
-        log=result.log,
-        pads_f=pads[0],
-        width_f=pads[0] * widths[0],
-        pads_r=pads[1],
-        width_r=pads[1] * widths[1],
-        sum_nominal=share(*e.baselines["nominal"]),
-        sum_compensated=share(e.front.pad_friction, e.rear.pad_friction),
-    )
+    front, rear = (figures[f"pad_friction_{side}"] or np.nan for side in "fr")
+    wide_f, wide_r = (figures[f"interval_{side}"] or np.nan for side in "fr")
+    nominal = share(*e.baselines["nominal"])
+    compensated = share(e.front.pad_friction, e.rear.pad_friction)
+    return SectionFive(result.log, front, front * wide_f, rear, rear * wide_r, nominal, compensated)
 
 
 @dataclass(frozen=True)
 class Story:
-    """A car with a hidden effect: the diagnosis, and how the pads of the stops agree.
-
-    ``blind`` with a table fitted without the effect, ``told`` with one fitted with the model of the
-    diagnosis.
+    """A car with a hidden effect, and how its stops agree by a table without (``blind``) and with
+    (``told``) the model of the diagnosis.
     """
 
     found: "Diagnosis"
@@ -237,7 +208,7 @@ class Story:
     told: Agreement
 
 
-def hidden_story(out: Path, say: Say) -> Story:
+def hidden_story(out: Path, say: _Say) -> Story:
     """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
     from calib.car.model import with_model
     from calib.diagnosis.diagnose import diagnose
@@ -245,9 +216,8 @@ def hidden_story(out: Path, say: Say) -> Story:
     from calib.diagnosis.written.folder import write_folder
     from calib.show.diagnosis_page import report, sheet
     from calib.show.html import page_of
-    from calib.show.sheet import save as save_figures
 
-    source = out / "sample_logs" / HIDDEN
+    source = out / "sample_logs" / "hidden/case_2"
     car = read_vehicle(source / "vehicle.toml")
     searched = [read_log(path) for path in sorted((source / "calibration").iterdir())]
     held = [read_log(path) for path in sorted((source / "holdout").iterdir())]
@@ -255,7 +225,7 @@ def hidden_story(out: Path, say: Say) -> Story:
     say(f"diagnosing {car.name}: searching {logs}, proving on {len(held)}")
     found = diagnose(car, searched, held)
     write_folder(found, text_of(found), page_of(report(found, car.name)), out / "diagnosis")
-    save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})
+    _draw([replace(sheet(found, car.name), name="diagnosis")], out)
     fitted = [log for log in searched if log.name in ("ramp", "coast")]
     pads = []
     for vehicle in (car, with_model(car, found.model_after)):
@@ -269,43 +239,30 @@ def facts(four: list[SectionFour], five: list[SectionFive], story: Story, out: P
     """The paper's two studies, the car with a hidden effect, and where all files are."""
     nominal = next(row.torque_rms for row in four if row.method == "nominal")
     methods = [
-        (
-            *(row.method, f"{row.final_f:.3f}", f"{row.final_r:.3f}", f"{row.torque_rms:.1f}"),
-            f"{nominal / row.torque_rms:.1f} x",
-        )
-        for row in four
-    ]
+        (m.method, f"{m.final_f:.3f}", f"{m.final_r:.3f}", f"{m.torque_rms:.1f}",
+         f"{nominal / m.torque_rms:.1f} x")
+        for m in four
+    ]  # fmt: skip
     stops = [
-        (
-            *(row.log, plus_minus(row.pads_f, row.width_f), plus_minus(row.pads_r, row.width_r)),
-            *(f"{row.sum_nominal:.2f}", f"{row.sum_compensated:.2f}"),
-        )
-        for row in five
-    ]
+        (s.log, plus_minus(s.pads_f, s.width_f), plus_minus(s.pads_r, s.width_r),
+         f"{s.sum_nominal:.2f}", f"{s.sum_compensated:.2f}")
+        for s in five
+    ]  # fmt: skip
     blind, told = (
         f"{100 * one.spread_f:.1f} % front, {100 * one.spread_r:.1f} % rear"
         for one in (story.blind, story.told)
     )
+    by_method = ("method", "final front", "final rear", "torque error [N m]", "better by")
+    by_stop = ("stop", "front pads", "rear pads", "sum, nominal pads", "sum, compensated")
     return Facts(
         parts=[
             Facts(
                 "Section IV: pads are 0.4, the vehicle file says 0.5 and 0.6",
-                tables=[
-                    Table(
-                        ("method", "final front", "final rear", "torque error [N m]", "better by"),
-                        methods,
-                    )
-                ],
+                tables=[Table(by_method, methods)],
             ),
             Facts(
                 "Section V: stops of the reference car, nominal pads 0.38",
-                tables=[
-                    Table(
-                        ("stop", "front pads", "rear pads", "sum, nominal pads",
-                         "sum, compensated"),
-                        stops,
-                    )
-                ],
+                tables=[Table(by_stop, stops)],
                 notes=["The last column is near 1 for any table; it validates nothing."],
             ),
             Facts(
@@ -318,9 +275,7 @@ def facts(four: list[SectionFour], five: list[SectionFive], story: Story, out: P
             ),
         ],
         rows=[
-            ("tables", str(out / "tables")),
-            ("results", str(out / "results")),
-            ("figures", str(out / "figures")),
+            *((name, str(out / name)) for name in ("tables", "results", "figures")),
             ("diagnosis", str(out / "diagnosis" / "report.html")),
         ],
-    )  # fmt: skip
+    )

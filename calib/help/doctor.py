@@ -9,6 +9,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
@@ -40,31 +41,23 @@ _LEAST_MEMORY = 1.0
 
 def environment() -> dict[str, str]:
     """Names and values of what the program runs on; a value may be empty where it is not told."""
+    processor = platform.processor()
+    with suppress(OSError):  # Linux tells its name here alone
+        text = Path("/proc/cpuinfo").read_text()
+        named = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+        processor = named[1] if named else processor
     return {
         "interpreter": f"{platform.python_implementation()} {platform.python_version()}",
         "compiler": platform.python_compiler(),
         "operating system": platform.platform(),
         "machine": platform.machine(),
-        "processor": _processor(),
+        "processor": processor,
     }
-
-
-def _processor() -> str:
-    """Name of the processor, as Linux tells it; elsewhere what Python knows."""
-    try:
-        text = Path("/proc/cpuinfo").read_text()
-    except OSError:
-        return platform.processor()
-    named = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
-    return named[1] if named else platform.processor()
 
 
 @dataclass(frozen=True)
 class Need:
-    """A package: the ``lowest`` version that is declared, the one ``found``, "" for none.
-
-    ``extra`` that it belongs to, "" for one that is always needed.
-    """
+    """A package: ``lowest`` version declared, the one ``found``, its ``extra``; "" for none."""
 
     package: str
     lowest: str
@@ -73,7 +66,7 @@ class Need:
 
     @property
     def met(self) -> bool:
-        """Whether the package is there in a version that holds."""
+        """Whether it is there in a version that holds."""
         return bool(self.found) and _number(self.found) >= _number(self.lowest)
 
     def __str__(self) -> str:
@@ -82,23 +75,15 @@ class Need:
 
 
 def needs() -> tuple[Need, ...]:
-    """Python, and every package that the program declares for users.
-
-    Empty but for Python where the program runs from a folder without being installed.
-    """
-    try:
+    """Python and every package that is declared for users; not installed, Python alone."""
+    lowest = ""
+    with suppress(PackageNotFoundError):
         lowest = metadata(NAME)["Requires-Python"].removeprefix(">=")
-    except PackageNotFoundError:
-        lowest = ""
     return Need("python", lowest, platform.python_version()), *_declared(NAME, _EXTRAS)
 
 
 def packages() -> dict[str, str]:
-    """Version of every installed package that the program may load, by name.
-
-    Those that it declares, with those that they declare in turn. Empty where the program runs from
-    a folder without being installed.
-    """
+    """Version of every installed package that is declared, or by one of those in turn."""
     found: dict[str, str] = {}
     waiting = [*_declared(NAME, _EXTRAS)]
     while waiting:
@@ -112,24 +97,17 @@ def packages() -> dict[str, str]:
 
 def _declared(name: str, extras: Collection[str]) -> Iterator[Need]:
     """What a package declares, with that of its ``extras``; nothing if it is not installed."""
-    try:
+    lines: list[str] = []
+    with suppress(PackageNotFoundError):
         lines = requires(name) or []
-    except PackageNotFoundError:
-        return
     for line in lines:
         extra = re.search(r"extra\s*==\s*['\"]([^'\"]+)", line)
         word = re.match(r"[\w.-]+", line)
         if word and (extra is None or extra[1] in extras):
-            lowest = re.search(r">=\s*([\w.]+)", line.partition(";")[0])
-            installed = _installed(word[0])
-            yield Need(word[0], lowest[1] if lowest else "", installed, extra[1] if extra else "")
-
-
-def _installed(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return ""
+            lowest, found = re.search(r">=\s*([\w.]+)", line.partition(";")[0]), ""
+            with suppress(PackageNotFoundError):
+                found = version(word[0])
+            yield Need(word[0], lowest[1] if lowest else "", found, extra[1] if extra else "")
 
 
 def _number(written: str) -> tuple[int, ...]:
@@ -148,10 +126,14 @@ class Finding:
     do: str = ""
 
 
+def _judged(name: str, good: bool, what: str, do: str, otherwise: str = NOTE) -> Finding:
+    return Finding(name, FINE if good else otherwise, what, "" if good else do)
+
+
 def examine(store: Path | None = None) -> tuple[Finding, ...]:
     """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
     settings, usual = _settings()
-    found = (*_packages(), *_pictures(), *_machine(), *_store(store or usual or STORE), *_samples())
+    found = (*_packages(), *_machine(), *_store(store or usual or STORE), *_samples())
     return (*found, settings, *_terminal())
 
 
@@ -176,52 +158,32 @@ def _terminal() -> Iterator[Finding]:
 
 
 def _packages() -> Iterator[Finding]:
-    by_extra: dict[str, list[Need]] = {name: [] for name in _EXTRAS}
-    for need in needs():
-        if need.extra:
-            by_extra[need.extra].append(need)
-            continue
-        state = FINE if need.met else WRONG
-        do = "" if need.met else "install brake-cal again: pip install --upgrade brake-cal"
-        yield Finding(need.package, state, str(need), do)
-    for name, given in by_extra.items():
-        if given:
-            there = all(need.met for need in given)
-            do = "" if there else f"if you need it: pip install 'brake-cal[{name}]'"
-            what = f"{_EXTRAS[name]}: {', '.join(map(str, given))}"
-            yield Finding(f"[{name}]", FINE if there else NOTE, what, do)
-
-
-def _pictures() -> Iterator[Finding]:
-    spec = importlib.util.find_spec("matplotlib")
-    if spec is None or spec.origin is None:
-        return  # told among the packages
-    if (Path(spec.origin).parent / _FONT).is_file():
-        yield Finding("font", FINE, "DejaVu Sans, of matplotlib")
-    else:
-        what = "DejaVu Sans is missing in matplotlib"
-        yield Finding("font", NOTE, what, "install matplotlib again")
+    given = needs()
+    again = "install brake-cal again: pip install --upgrade brake-cal"
+    for need in given:
+        if not need.extra:
+            yield _judged(need.package, need.met, str(need), again, WRONG)
+    for extra, gives in _EXTRAS.items():
+        if its := [need for need in given if need.extra == extra]:
+            do = f"if you need it: pip install 'brake-cal[{extra}]'"
+            what = f"{gives}: {', '.join(map(str, its))}"
+            yield _judged(f"[{extra}]", all(need.met for need in its), what, do)
 
 
 def _machine() -> Iterator[Finding]:
+    matplotlib = importlib.util.find_spec("matplotlib")
+    if matplotlib and matplotlib.origin:
+        there = (Path(matplotlib.origin).parent / _FONT).is_file()
+        what = f"DejaVu Sans{', of' if there else ' is missing in'} matplotlib"
+        yield _judged("font", there, what, "install matplotlib again")
     yield Finding("cores", FINE, f"{cores()} for this process")
-    memory = _free_memory()
-    if memory is not None:
-        enough = memory >= _LEAST_MEMORY
-        do = "" if enough else "large logs need up to 1 GB"
-        yield Finding("memory", FINE if enough else NOTE, f"{memory:.1f} GB free", do)
-    folder = Path(tempfile.gettempdir())
-    good = os.access(folder, os.W_OK)
-    do = "" if good else "name another one by the variable TMPDIR"
-    yield Finding("temporary files", FINE if good else WRONG, str(folder), do)
-
-
-def _free_memory() -> float | None:
-    """Memory that can be used [GB]; None where the system does not tell."""
-    try:
-        return float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")) / 1e9
-    except (AttributeError, ValueError, OSError):
-        return None
+    with suppress(AttributeError, ValueError, OSError):  # the system does not tell
+        free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
+        enough = free >= _LEAST_MEMORY
+        yield _judged("memory", enough, f"{free:.1f} GB free", "large logs need up to 1 GB")
+    folder = tempfile.gettempdir()
+    do = "name another one by the variable TMPDIR"
+    yield _judged("temporary files", os.access(folder, os.W_OK), folder, do, WRONG)
 
 
 def _store(store: Path) -> Iterator[Finding]:
@@ -233,18 +195,18 @@ def _store(store: Path) -> Iterator[Finding]:
         yield Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
         return
     versions = [len(versions_in(store / name)) for name in names_in(store)]
-    what = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
-    writable = os.access(store, os.W_OK)
-    what += "" if writable else ", read only"
-    what += ", being written by another process" if _is_locked(store) else ""
-    left = len(unplaced(store))
-    what += f", {left} unfinished" if left else ""
-    do = "" if writable else "no table can be stored or released here"
-    yield Finding("store", FINE if writable else NOTE, what, do)
+    writable, left = os.access(store, os.W_OK), len(unplaced(store))
+    parts = [
+        f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}",
+        "" if writable else "read only",
+        "being written by another process" if _is_locked(store) else "",
+        f"{left} unfinished" if left else "",
+    ]
+    do = "no table can be stored or released here"
+    yield _judged("store", writable, ", ".join(filter(None, parts)), do)
 
 
 def _is_locked(store: Path) -> bool:
-    """Whether another process writes in the store now."""
     handle = os.open(store, os.O_RDONLY)
     try:
         fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)

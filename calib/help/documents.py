@@ -24,20 +24,19 @@ if TYPE_CHECKING:
 FILE = Path(__file__).with_name("documents.toml")
 PAGE = FOLDER / "reference.md"
 
-TYPES: dict[str, dict[str, Any]] = {
-    "text": {"type": "string"},
-    "number": {"type": "number"},
-    "whole number": {"type": "integer"},
-    "true or false": {"type": "boolean"},
-    "object": {"type": "object"},
-    "list": {"type": "array"},
-    "list of text": {"type": "array", "items": {"type": "string"}},
-    "list of numbers": {"type": "array", "items": {"type": "number"}},
-    "list of objects": {"type": "array", "items": {"type": "object"}},
+_TYPES = {
+    "text": "string",
+    "number": "number",
+    "whole number": "integer",
+    "true or false": "boolean",
+    "object": "object",
+    "list": "array",
+    "list of text": "string",
+    "list of numbers": "number",
+    "list of objects": "object",
 }
-"""The words of the page for a type."""
+"""The type of a value or, after "list of", of each item, by the words of the page."""
 
-OR_NULL = " or null"
 SEVERAL = " ..."
 """End of a key that stands for several which begin alike."""
 
@@ -53,10 +52,12 @@ class DocumentKey:
     @property
     def schema(self) -> dict[str, Any]:
         """The JSON Schema of its value."""
-        bare = self.type.removesuffix(OR_NULL)
-        one = TYPES[bare]
-        kind = [one["type"], "null"] if bare != self.type else one["type"]
-        return {**one, "type": kind, "description": self.meaning}
+        bare = self.type.removesuffix(" or null")
+        several = bare.startswith("list of ")
+        kind = "array" if several else _TYPES[bare]
+        items = {"items": {"type": _TYPES[bare]}} if several else {}
+        null = bare != self.type
+        return {"type": [kind, "null"] if null else kind, **items, "description": self.meaning}
 
 
 @dataclass(frozen=True)
@@ -74,12 +75,13 @@ class Document:
     @property
     def schema(self) -> dict[str, Any]:
         """Its JSON Schema, draft 2020-12; further keys are allowed."""
-        plain = {key.name: key.schema for key in self.keys if not key.name.endswith(SEVERAL)}
-        several = {
-            f"^{re.escape(key.name.removesuffix(SEVERAL))} ": key.schema
-            for key in self.keys
-            if key.name.endswith(SEVERAL)
-        }
+        plain: dict[str, Any] = {}
+        several: dict[str, Any] = {}
+        for key in self.keys:
+            if key.name.endswith(SEVERAL):
+                several[f"^{re.escape(key.name.removesuffix(SEVERAL))} "] = key.schema
+            else:
+                plain[key.name] = key.schema
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": self.title.replace("`", ""),

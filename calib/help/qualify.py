@@ -11,7 +11,6 @@ from typing import Any
 
 from calib.base.digest import canonical_json
 from calib.base.program import NAME, PROGRAM, VERSION
-from calib.base.units import behind
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.estimation.estimator import Estimate
@@ -26,9 +25,8 @@ from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.table import Table
 
-SCHEMA = 1
-TOLD = ("name", "quantity", "unit", "expected", "tolerance", "truth")
-"""What the document tells of a check, beside its outcome."""
+_SCHEMA = 1
+_TOLD = ("name", "quantity", "unit", "expected", "tolerance", "truth")
 RAMPS = {"simulation_study": "ramp_noisy.parquet", "third_party": "cal_ramp.parquet"}
 """The folder of a car and its ramp."""
 
@@ -67,17 +65,16 @@ class Material:
         return self.samples / file
 
     def _table(self, folder: str) -> Table:
-        """The table of the car in ``folder``, fitted from its ramp alone."""
         return fit(self.vehicle(f"{folder}/vehicle.toml"), [self.log(f"{folder}/{RAMPS[folder]}")])
 
     def _stop(self, stop: str, vehicle: str = "vehicle.toml") -> Estimate:
-        """What is estimated of one hold-out with the table of its folder."""
+        """One hold-out by the table of its folder."""
         folder = stop.split("/")[0]
         told = self.vehicle(f"{folder}/{vehicle}")
         return validate(self.table(folder), [self.log(stop)], told)[0].estimate
 
     def _diagnosis(self, case: str) -> Diagnosis:
-        """The diagnosis of a hidden case from two logs, enough to see its cause, and a hold-out."""
+        """A hidden case by two logs, enough to see its cause, and one hold-out."""
         searched = [self.log(f"{case}/calibration/{name}.parquet") for name in ("ramp", "coast")]
         held = self.log(f"{case}/holdout/stop_a.parquet")
         return diagnose(self.vehicle(f"{case}/vehicle.toml"), searched, [held])
@@ -85,10 +82,9 @@ class Material:
 
 @dataclass(frozen=True)
 class Check:
-    """What is computed, and what must come out.
+    """A ``quantity`` and what must come out: ``expected`` +- ``tolerance`` above zero [``unit``].
 
-    ``quantity`` in words; ``expected`` and ``tolerance`` [``unit``], the tolerance above zero;
-    ``truth`` where the expected value comes from; ``measure`` computes the value.
+    ``truth``: where the expected value comes from.
     """
 
     name: str
@@ -109,21 +105,20 @@ class Outcome:
     error: str = ""
 
     @property
-    def deviation(self) -> float | None:
-        """Value less the expected one, over the tolerance [1]; None without a finite value."""
-        if self.value is None or not math.isfinite(self.value):
-            return None
-        return (self.value - self.check.expected) / self.check.tolerance
+    def _deviation(self) -> float:
+        """Value less the expected one [tolerances]."""
+        value = math.nan if self.value is None else self.value
+        return (value - self.check.expected) / self.check.tolerance
 
     @property
     def held(self) -> bool:
         """Whether the value is within the tolerance."""
-        return self.deviation is not None and abs(self.deviation) <= 1.0
+        return abs(self._deviation) <= 1.0
 
     @property
     def rounded(self) -> int | None:
-        """The deviation in whole tolerances [1], equal where machines differ by rounding only."""
-        return None if self.deviation is None else round(self.deviation)
+        """Deviation in whole tolerances, equal where machines differ by rounding only."""
+        return round(self._deviation) if math.isfinite(self._deviation) else None
 
 
 @dataclass(frozen=True)
@@ -144,55 +139,39 @@ class Qualification:
         return "failed" if self.failed else "passed"
 
     @property
-    def headline(self) -> str:
-        """The result in one sentence."""
-        names, number = ", ".join(one.check.name for one in self.failed), len(self.outcomes)
-        if not names:
-            return f"All {number} checks hold."
-        does = "do" if len(self.failed) > 1 else "does"
-        return f"{len(self.failed)} of {number} checks {does} not hold: {names}."
-
-    @property
     def digest(self) -> str:
         """SHA-256 [hex] over the outcomes, each rounded to its tolerance.
 
-        Equal on machines whose libraries round differently, as long as a value is not at the border
-        between two steps; it changes with a check, an expected value, or a result that moves by one
-        tolerance.
+        Equal on machines whose libraries round differently, but for a value between two steps.
         """
         results = [
             [o.check.name, o.check.expected, o.check.tolerance, o.held, o.rounded]
             for o in self.outcomes
         ]
-        return hashlib.sha256(canonical_json({"schema": SCHEMA, "results": results})).hexdigest()
+        return hashlib.sha256(canonical_json({"schema": _SCHEMA, "results": results})).hexdigest()
 
 
 def qualify(checks: Iterable[Check], done: Callable[[], None] = lambda: None) -> Qualification:
-    """Make all ``checks`` on the shipped sample logs; one that ends with an error has failed.
+    """Make all ``checks`` on the sample logs, in a temporary folder; an error fails its check.
 
-    ``done`` is called after each check. Writes into a temporary folder, which is deleted. Raises
-    InputError when the program was installed without its sample logs.
+    ``done`` is called after each. Raises InputError without sample logs.
     """
     samples, outcomes = sample_logs(), []
     with tempfile.TemporaryDirectory(prefix="brake-cal-qualify-") as scratch:
         material = Material(samples, Path(scratch))
         for check in checks:
-            outcomes.append(_outcome(check, material))
+            try:
+                outcomes.append(Outcome(check, float(check.measure(material))))
+            except Exception as error:  # a finding, which must not end the others
+                outcomes.append(Outcome(check, None, f"{type(error).__name__}: {error}"))
             done()
         return Qualification(tuple(outcomes), material.files())
-
-
-def _outcome(check: Check, material: Material) -> Outcome:
-    try:
-        return Outcome(check, float(check.measure(material)))
-    except Exception as error:  # whatever breaks is a finding here, and must not end the others
-        return Outcome(check, None, f"{type(error).__name__}: {error}")
 
 
 def to_dict(found: Qualification, date: str) -> dict[str, Any]:
     """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine."""
     return {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "tool": NAME,
         "version": VERSION,
         "date": date,
@@ -201,12 +180,8 @@ def to_dict(found: Qualification, date: str) -> dict[str, Any]:
         "environment": environment(),
         "packages": packages(),
         "checks": [
-            {
-                **{name: getattr(o.check, name) for name in TOLD},
-                "value": o.value,
-                "held": o.held,
-                "error": o.error,
-            }
+            {name: getattr(o.check, name) for name in _TOLD}
+            | {"value": o.value, "held": o.held, "error": o.error}
             for o in found.outcomes
         ],
         "files": found.files,
@@ -215,31 +190,35 @@ def to_dict(found: Qualification, date: str) -> dict[str, Any]:
 
 def facts(found: Qualification, document: dict[str, Any]) -> Facts:
     """What `to_dict` says, for a terminal and for a page."""
-    of = document["environment"].items()
-    failures = [_failure(one) for one in found.failed]
-    truths = [
-        (o.check.name, f"{o.check.quantity} [{o.check.unit}]. Truth: {o.check.truth}.")
-        for o in found.outcomes
-    ]
+    number, names = len(found.outcomes), ", ".join(one.check.name for one in found.failed)
+    headline = f"{len(found.failed)} of {number} checks fail: {names}."
     heads = ("check", "expected", "result", "value", "tolerance", "unit")
-    kinds = ["passed" if one.held else "failed" for one in found.outcomes]
-    rows = [_row(one) for one in found.outcomes]
     return Facts(
         f"Qualification of {PROGRAM} on this machine",
-        headline=found.headline,
+        headline=headline if names else f"All {number} checks hold.",
         verdict=found.verdict,
         word=found.verdict.upper(),
         rows=[
             ("Date", document["date"]),
             ("Results, SHA-256", found.digest),
-            *((name.capitalize(), text) for name, text in of if text),
+            *((name.capitalize(), text) for name, text in document["environment"].items() if text),
         ],
         tables=[
-            Cells(("check", "what", "expected", "came"), failures, "Checks that do not hold."),
-            Cells(heads, rows, "A check holds within the tolerance of its expected value.", kinds),
+            Cells(
+                heads,
+                [_row(one) for one in found.outcomes],
+                "A check holds within the tolerance of its expected value.",
+                ["passed" if one.held else "failed" for one in found.outcomes],
+            )
         ],
         parts=[
-            Facts("What each check computes, and where its truth comes from", rows=truths),
+            Facts(
+                "What each check computes, and where its truth comes from",
+                rows=[
+                    (c.name, f"{c.quantity} [{c.unit}]. Truth: {c.truth}.")
+                    for c in (one.check for one in found.outcomes)
+                ],
+            ),
             Facts("Packages", rows=list(document["packages"].items())),
             Facts("Sample logs, with their SHA-256", rows=list(found.files.items()), folded=True),
         ],
@@ -247,12 +226,6 @@ def facts(found: Qualification, document: dict[str, Any]) -> Facts:
 
 
 def _row(one: Outcome) -> tuple[str, ...]:
-    check, value = one.check, "none" if one.value is None else f"{one.value:.6g}"
+    check, value = one.check, one.error if one.value is None else f"{one.value:.6g}"
     result = "holds" if one.held else "fails"
     return check.name, f"{check.expected:.6g}", result, value, f"{check.tolerance:.3g}", check.unit
-
-
-def _failure(one: Outcome) -> tuple[str, ...]:
-    check, unit = one.check, behind(one.check.unit)
-    came = one.error if one.value is None else f"{one.value:.6g}{unit}"
-    return check.name, check.quantity, f"{check.expected:.6g} +- {check.tolerance:.3g}{unit}", came

@@ -29,14 +29,9 @@ class LogVerdict:
 
 
 @dataclass(frozen=True)
-class _Taken:
-    """Source of a channel: SI value = factor * written + offset; ``low``, ``high`` in SI."""
+class _Taken(Origin):
+    """The source of a channel with its range ``low`` to ``high`` [``si``]."""
 
-    channel: str
-    source: str
-    unit: str
-    factor: float
-    offset: float
     si: str
     low: float
     high: float
@@ -105,18 +100,9 @@ class Findings:
 def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     """Check a log and judge it for each purpose.
 
-    Works on every `Log`, also if channels are missing (``require=()`` of `read_log`). It judges the
-    driving and the sensors, not whether the vehicle file fits the car.
-
-    Parameters
-    ----------
-    log : the run.
-    copies : pressures of the log that were computed from another column, see
-        `calib.run.copies`; they make it unusable for every purpose.
-
-    Returns
-    -------
-    The findings; ``repr`` gives the text that the command prints.
+    Channels may be missing (``require=()`` of `read_log`). It judges the driving and the sensors,
+    not whether the vehicle file fits the car. ``copies`` are pressures that were computed from
+    another column: they make the log unusable.
 
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
@@ -140,27 +126,19 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
         notes=log.notes,
         warnings=(*impossible_samples(log), *warnings_of(log.name, seen)),
         verdicts=tuple(verdicts),
-        taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
+        taken=tuple(_taken(log, one) for one in log.origins if one.channel in CHANNELS),
         uses=tuple(uses(seen)),
         bridged=log.bridged,
     )
 
 
 def _taken(log: Log, origin: Origin) -> _Taken:
-    values = log[origin.channel]
-    return _Taken(
-        **asdict(origin),
-        si=CHANNELS[origin.channel].si,
-        low=float(values.min()),
-        high=float(values.max()),
-    )
+    values, si = log[origin.channel], CHANNELS[origin.channel].si
+    return _Taken(**asdict(origin), si=si, low=float(values.min()), high=float(values.max()))
 
 
 def problems_for(log: Log, purpose: str) -> list[str]:
-    """Reasons to refuse a log for one of `PURPOSES`; empty if it is usable.
-
-    For "fit" a log must contain a ramp; the coast logs of a fit are judged as "coast".
-    """
+    """Reasons to refuse a log for one of `PURPOSES`; empty if it is usable."""
     return problems(observe(log, noise=False), purpose)
 
 
@@ -195,7 +173,6 @@ def facts(findings: Findings) -> Iterator[tuple[str, str]]:
 
 
 def _driving(findings: Findings) -> Iterator[tuple[str, str]]:
-    """Findings on the driving, if ``a_x`` and the wheel speeds are logged."""
     seen = findings.seen
     if seen.axles is None:
         return

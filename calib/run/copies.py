@@ -73,7 +73,7 @@ def _alike(x: Array) -> float:
 
 
 def rough(log: Log, channel: str) -> Array:
-    """Second differences of a channel, of length 1 as a vector."""
+    """Second differences of a channel, as a unit vector."""
     differences = _differences(log, channel)
     size = float(np.linalg.norm(differences))
     return differences / size if size > 0.0 else differences
@@ -101,7 +101,7 @@ def _is_noise(log: Log, channel: str) -> bool:
 CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
 """Those that a diagnosis compares, or is driven by."""
 
-FEWEST = 20
+_FEWEST = 20
 """Changes of a channel from which on its period can be told."""
 
 _SOONER = 0.1
@@ -120,7 +120,7 @@ LONGEST = 0.25
 def period_of(x: Array) -> float:
     """Samples [1] for which a channel (n,) keeps each value; 1 where it changes with its clock."""
     ahead = np.diff(np.flatnonzero(np.diff(x)))
-    if ahead.size < FEWEST:
+    if ahead.size < _FEWEST:
         return 1.0
     shortest = float(np.quantile(ahead, _SOONER, method="lower"))
     if shortest < 2.0:
@@ -169,9 +169,6 @@ PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
 """The channels that are checked. The bus of some cars has the demanded brake torque and no
 pressure, and some decoders divide this torque by a constant to get a pressure."""
 
-COUNTS = ("1", "-")
-"""Units of a bare number."""
-
 
 @dataclass(frozen=True)
 class ComputedChannel:
@@ -204,10 +201,7 @@ def factor_between(channel: Array, other: Array) -> float | None:
 
 
 def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, ...]:
-    """The pressures of a log that equal a column of another quantity times a number.
-
-    ``source`` is the opened file of ``log``. Only columns of `is_other_quantity` count as sources.
-    """
+    """The pressures of a log that are a column of its ``source``, no pressure, times a number."""
     return tuple(_copies(log, source))
 
 
@@ -234,6 +228,7 @@ def is_other_quantity(unit: str | None) -> bool:
     count of the converter that the pressure was scaled from.
     """
     try:
-        return unit is not None and spelling(unit) not in COUNTS and si_of(unit) not in ("Pa", "s")
+        bare = unit is None or spelling(unit) in ("1", "-")
+        return not bare and si_of(str(unit)) not in ("Pa", "s")
     except UnknownUnit:
         return False

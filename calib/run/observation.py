@@ -51,7 +51,7 @@ class Clock:
     gaps: tuple[tuple[float, float], ...]
 
 
-REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
+_REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
 
 
@@ -109,7 +109,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
     With ``noise`` false, noise and resolution of the sensors are NaN; no verdict depends on them.
     """
     present = tuple(name for name in CHANNELS if name in log)
-    missing = tuple(name for name in REQUIRED if name not in log)
+    missing = tuple(name for name in _REQUIRED if name not in log)
     clock = clock_of(log.time)
     if set(missing) - {"p_mc"}:
         return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
@@ -145,11 +145,10 @@ _SLOWS = 1.5 * BITE_Z
 """Deceleration [g] that counts as braking whatever the pressure is: an engine in a low gear stays
 below it."""
 
-GREATEST = 1.5 * G
+_GREATEST = 1.5 * G
 """Deceleration [m/s^2] that no road car reaches: a sample past it is a glitch of a_x."""
 
-
-DELAYS = np.arange(-0.2, 0.51, 0.05)
+_DELAYS = np.arange(-0.2, 0.51, 0.05)
 """Delays of the deceleration against the pressure that are tried [s]: clocks may be early."""
 
 
@@ -169,7 +168,7 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
         return None
     before = np.arange(z.size) < int(np.argmax(active))
     rolling = before & (np.abs(driving.z) < STEADY)
-    glitch = (np.abs(log["a_x"]) > GREATEST).astype(float)
+    glitch = (np.abs(log["a_x"]) > _GREATEST).astype(float)
     use = (driving.speed > MOVING) & (centred_mean(glitch, width) == 0.0)
     enough = (use & active).sum() * step >= LIMITS.pressure_braked and (
         use & rolling
@@ -188,8 +187,8 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
 
 
 def _fitted(clock: Array, pressures: list[Array], time: Array, y: Array) -> Array:
-    """Sum of squares of ``y`` at ``time`` that the pressures explain, for each of `DELAYS`."""
-    earlier = time - DELAYS[:, None]
+    """Sum of squares of ``y`` at ``time`` that the pressures explain, for each of `_DELAYS`."""
+    earlier = time - _DELAYS[:, None]
     age = time - float(time.mean())
     columns = [np.ones_like(earlier)]
     for pressure in pressures:

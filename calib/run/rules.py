@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from itertools import permutations
 
-from calib.base.names import AXLE_NAMES
+from calib.base.names import AXLE_NAMES, WHEELS
 from calib.run.driving_record import BITE_Z, NOMINAL_RADIUS, BrakeEvent
 from calib.run.limits import LIMITS
 from calib.run.observation import Observation
@@ -14,7 +14,8 @@ from calib.run.wheels import CORRECT, crossed_side
 PURPOSES = ("fit", "validate", "coast", "diagnose")
 """What a log may serve for; "coast": a fit, in addition to its ramps."""
 
-GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
+_OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
+_GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 
 _SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
 """Units of speed that are taken for each other [m/s]."""
@@ -25,31 +26,19 @@ that between the closest two, 1.61 and 2.24, where the radius of the tyre is onl
 
 
 def problems(seen: Observation, purpose: str) -> list[str]:
-    """Reasons why a log is not usable for a purpose, each with what to do; empty if it is.
-
-    ``purpose`` is one of `PURPOSES`.
-    """
-    rules = {
-        "fit": _not_for_fit,
-        "validate": _not_for_validate,
-        "coast": _not_for_coast,
-        "diagnose": _not_for_diagnose,
-    }
+    """Reasons why a log is not usable for one of `PURPOSES`, each with what to do."""
     basic = list(_unusable(seen))
-    return basic if seen.missing else basic + list(rules[purpose](seen))
+    return basic if seen.missing else basic + list(_RULES[purpose](seen))
 
 
 def wrong_channels(seen: Observation) -> list[str]:
-    """Reasons why the channels of a log must not be searched for effects; empty if they may be.
-
-    A log that was driven too short, or that begins while braking, shows less and is no mistake.
-    """
+    """Reasons why a log must not be searched for effects: its channels are wrong."""
     basic = list(_unusable(seen))
     return basic if seen.missing else basic + list(_without_speed(seen))
 
 
 def _unusable(seen: Observation) -> Iterator[str]:
-    """Reasons why a log is unusable for every purpose."""
+    """For every purpose."""
     for name in seen.missing:
         yield f"{name} is missing: record it" + (
             ", in bar, at the master cylinder" if name == "p_mc" else ""
@@ -61,10 +50,10 @@ def _unusable(seen: Observation) -> Iterator[str]:
     if seen.speed < 3.0:
         yield f"the car is too slow ({seen.speed:.1f} m/s at most): drive at 30 km/h or more"
     for sensor in seen.sensors:
-        if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_wheels(seen)):
+        if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_OMEGAS):
             yield f"{hanging(sensor)}: repair the sensor and drive again"
     for sensor in seen.sensors:
-        top = GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
+        top = _GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
         if top is not None and max(sensor.high, -sensor.low) > top:
             yield (
                 f"{sensor.channel} reaches {max(sensor.high, -sensor.low):.4g}; no road car does: "
@@ -77,10 +66,6 @@ def _unusable(seen: Observation) -> Iterator[str]:
     crossed = crossed_side(seen.wheels, seen.alone)
     if crossed is not None:
         yield f"{crossed}: {CORRECT}, or look for a brake circuit without pressure"
-
-
-def _wheels(seen: Observation) -> list[str]:
-    return [name for name in seen.present if name.startswith("omega")]
 
 
 def hanging(sensor: Sensor) -> str:
@@ -170,7 +155,7 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
         yield "no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition"
         return
     yield from _short_lead_in(seen, LIMITS.lead_in_fit, "ramp")
-    ramp = ramp_of(seen)
+    ramp = _ramp_of(seen)
     if ramp is None:
         yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z), _least_span(seen))
         ramp = max(seen.events, key=lambda e: e.braking)
@@ -192,7 +177,7 @@ def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[st
         )
 
 
-def ramp_of(seen: Observation) -> BrakeEvent | None:
+def _ramp_of(seen: Observation) -> BrakeEvent | None:
     """The ramp with the widest range, or None if no braking rises steadily, long and far enough."""
     good = [e for e in seen.events if e.braking >= LIMITS.ramp_time and e.rise >= LIMITS.ramp_rise]
     best = max(good, key=lambda e: e.rise_z, default=None)
@@ -200,7 +185,6 @@ def ramp_of(seen: Observation) -> BrakeEvent | None:
 
 
 def _least_span(seen: Observation) -> float:
-    """Range of deceleration [1] that a ramp needs."""
     return LIMITS.one_axle_z if seen.alone else LIMITS.ramp_z
 
 
@@ -248,14 +232,13 @@ def _blurred_eta(seen: Observation) -> Iterator[str]:
 
 
 def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
-    """Reasons why a ramp is not usable."""
     slips = seen.slipping
     if slips and any(ramp.start <= t <= ramp.end for _, t in slips.cycles):
         when = min(t for _, t in slips.cycles if t >= ramp.start)
         yield f"ABS works from {when:.2f} s on: end the ramp earlier, or use a road with more grip"
     if slips and slips.locked:
         yield f"wheel {', '.join(slips.locked)} locks: end the ramp earlier"
-    for name in ("p_mc", "a_x", *_wheels(seen)):
+    for name in ("p_mc", "a_x", *_OMEGAS):
         sensor = seen.sensor(name)
         if sensor and sensor.saturated:
             yield f"{name} is at the end of its range for {sensor.saturated:.2f} s: widen the range"
@@ -303,6 +286,14 @@ def _not_for_diagnose(seen: Observation) -> Iterator[str]:
             f"no braking, and only {seen.coasting:.1f} s of coasting: drive a stop, or coast for "
             f"{LIMITS.coasting:g} s or more"
         )
+
+
+_RULES = {
+    "fit": _not_for_fit,
+    "validate": _not_for_validate,
+    "coast": _not_for_coast,
+    "diagnose": _not_for_diagnose,
+}
 
 
 def uses(seen: Observation) -> Iterator[str]:

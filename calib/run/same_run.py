@@ -33,23 +33,13 @@ COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
 
 _NORMAL = 1.4826
 """Standard deviation over the median of the absolute values, of normal noise [1]."""
-
-
 _ROUNDS = 3
 """Steps of Newton's method to a lag between the samples."""
-
-
 _View = dict[str, Array]
 """Channels [SI] on an even clock, and the mean of the ``wheels``."""
-
-
 VERSION = 1
-
-
 FINE = 0.25
 """Unit of the whole numbers over the noise [1]: rounding adds 0.3 % to the noise's square."""
-
-
 MOST = 2.0**40
 """Largest whole number of a channel that has no noise."""
 
@@ -161,14 +151,12 @@ def _alike(one: _View, other: _View, lag: int) -> bool:
 
 
 def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
-    """The parts of two channels that lie over each other."""
     a, b = one[max(lag, 0) :], other[max(-lag, 0) :]
     n = min(a.size, b.size)
     return a[:n], b[:n]
 
 
 def _apart(a: Array, b: Array) -> float:
-    """D of a channel."""
     between = spread(a - b) ** 2
     noise = noise_of(a) ** 2 + noise_of(b) ** 2
     if noise == 0.0:
@@ -217,11 +205,8 @@ def _best_lag(a: Array, b: Array) -> int:
 def fingerprint_of(log: Log) -> Fingerprint:
     """The fingerprint of a run, which must have its wheel speeds."""
     view = _view_of(log, LIMITS.run_means, means=True)
-    return Fingerprint(
-        VERSION,
-        LIMITS.run_means,
-        tuple(_channel(name, view[name]) for name in COMPARED if name in view),
-    )
+    channels = tuple(_channel(name, view[name]) for name in COMPARED if name in view)
+    return Fingerprint(VERSION, LIMITS.run_means, channels)
 
 
 def _channel(name: str, x: Array) -> _FingerprintChannel:
@@ -258,7 +243,6 @@ def _view_of(log: Log, step: float, *, means: bool, offset: float = 0.0) -> _Vie
 
 
 def _with_wheels(channels: dict[str, Array]) -> _View:
-    """The channels with the mean of the wheel speeds."""
     return channels | {"wheels": np.mean([channels[f"omega_{w}"] for w in WHEELS], axis=0)}
 
 

@@ -62,6 +62,7 @@ BINS = 2000
 """Parts of a long log; a page has some 1000 pixels."""
 _PANEL = 0.62
 """Height of a panel of all columns, over that of a usual panel."""
+_PRESSURE = "pressure [bar]"
 MOST = 40
 """Panels of one picture; more are not readable."""
 Row = tuple[Array, Stroke, str]
@@ -120,7 +121,7 @@ def sheet(log: Log) -> Sheet:
     panels: list[Panel] = []
     for name, title, unit, rows, where in (
         ("speeds", "Speeds", "wheel speed [rad/s]", _speeds(log), everywhere),
-        ("pressure", "Brake pressure", "pressure [bar]", _pressures(log), everywhere),
+        ("pressure", "Brake pressure", _PRESSURE, _pressures(log), everywhere),
         ("deceleration", "Deceleration", "deceleration [g]", _deceleration(log), everywhere),
         ("eta", "Speed ratio, raw", r"$\eta - 1$ [%]", _eta(log), shown),
     ):
@@ -192,6 +193,8 @@ def _measured(
     """Lines with their means over time; those ``where`` it is true set the range."""
     lines(ax, time, rows, where=where)
     _marked(ax, time, events, named)
+    if unit == _PRESSURE:  # 1 bar at least, so that noise stays small
+        ax.set_ylim(top=max(1.0, ax.get_ylim()[1]))
     ax.set(ylabel=unit)
 
 

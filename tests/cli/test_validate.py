@@ -309,5 +309,7 @@ def test_a_report_has_a_section_for_each_stop(brake_cal, bench):
     assert ran.code == 0, ran.err
     text = page.read_text()
     assert "<h1>Validation of" in text
-    assert html.escape(ran.out.splitlines()[-1].partition(": ")[2]) in text
+    assert (
+        html.escape(ran.out.splitlines()[-1].partition(": ")[2][1:]) in text
+    )  # begins with a capital
     assert [text.count(f">{path.stem}: passed") for path in stops] == [1, 1]

@@ -25,7 +25,7 @@ def spoiled(names, value, first, count, rate=100.0):
     return channels, log.channels
 
 
-@pytest.mark.parametrize("rate", [40.0, 100.0, 200.0, 1000.0])
+@pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
 @pytest.mark.parametrize(
     ("names", "value"),
     [
@@ -66,20 +66,13 @@ def test_at_the_ends_they_are_left_open(first, count):
         )
 
 
-@pytest.mark.parametrize(("first", "count"), [(100, 40), (250, 250)])
-def test_many_are_refused_by_channel_and_time(first, count):
-    channels, _ = spoiled(["omega_rr"], 0.0, first, count)
+@pytest.mark.parametrize("rows", [slice(100, 140), slice(250, None), slice(50, None, 20)])
+def test_many_are_refused(rows):
+    channels, _ = spoiled([], 0.0, 0, 0)
+    channels["omega_rr"][rows] = 0.0
     with pytest.raises(LogError) as caught:
         without_impossible(channels, "log")
     assert str(caught.value.where) == "log: omega_rr"
-    assert "omega_rr reads 0 rad/s at" in caught.value.what
-
-
-def test_rows_all_over_the_log_are_refused():
-    channels, _ = spoiled(["omega_rr"], 0.0, 0, 0)
-    channels["omega_rr"][50::20] = 0.0
-    with pytest.raises(LogError):
-        without_impossible(channels, "log")
 
 
 def test_a_speed_without_satellites_at_first_is_left_open():
@@ -88,10 +81,10 @@ def test_a_speed_without_satellites_at_first_is_left_open():
     assert np.isnan(found["v"]).sum() == 200
 
 
-@pytest.mark.parametrize("rate", [40.0, 100.0, 1000.0])
+@pytest.mark.parametrize("rate", [40.0, 1000.0])
 def test_wheels_that_lock_and_spin_up_again_are_possible(rate):
     ice = replace(REAL, tyre=magic(20.0, 0.12))
-    run = drive(ice, lambda t: 6e6 if t % 1.0 > 0.5 else 0.0, 25.0, duration=4.0, rate=rate)
+    run = drive(ice, lambda t: 6e6 if t % 1.0 > 0.5 else 0.0, 25.0, duration=2.5, rate=rate)
     assert min(run[name].min() for name in OMEGAS) < 0.1  # they do lock
     assert not without_impossible(run, "log")[1]
 

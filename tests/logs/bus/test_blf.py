@@ -14,7 +14,7 @@ from calib.logs.bus.blf import check_whole, open_blf
 from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log
 from tests.support.blf import HEADER, RESTORE, blf, block, container, frame, header
-from tests.support.recordings import messages, ramp, write_bus
+from tests.support.recordings import messages, write_bus
 from tests.support.refusals import refusal
 
 
@@ -31,79 +31,57 @@ def refused(folder, data, name="cut.blf"):
     return refusal(read_log, path, folder / "map.toml", kind=LogError)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
-@given(share=st.floats(0.0, 1.0, exclude_max=True))
-def test_a_file_cut_anywhere_is_refused(folder, share):
-    data = (folder / "whole.blf").read_bytes()
-    left = int(share * len(data))
-    message = refused(folder, data[:left])
-    if left >= 144:
-        assert f"{len(data) - left} are missing" in message
-
-
-def test_the_library_reads_half_a_file_in_silence(folder):
-    """What the gate is for; should python-can begin to say so, this test tells."""
-    write = can.BLFWriter(folder / "many.blf", max_container_size=8192)
-    with write as log:
+@pytest.fixture(scope="module")
+def many(folder):
+    """A file of several containers, and the byte where one in its middle begins."""
+    with can.BLFWriter(folder / "many.blf", max_container_size=8192) as log:
         for message in messages(1.7e9):
             log.on_message_received(message)
     data = (folder / "many.blf").read_bytes()
-    cut = data.index(b"LOBJ", len(data) // 2)  # where a container ends
-    (folder / "half.blf").write_bytes(data[:cut])
-    with can.BLFReader(folder / "half.blf") as reader:
-        assert 1000 < sum(1 for _ in reader) < len(messages(1.7e9)) - 1000
-    assert f"{len(data) - cut} are missing" in refused(folder, data[:cut])
+    return data, data.index(b"LOBJ", len(data) // 2)
 
 
-def test_a_header_that_was_mended_does_not_hide_lost_objects(folder):
-    data = (folder / "many.blf").read_bytes()
-    cut = data.index(b"LOBJ", len(data) // 2)
-    mended = data[:16] + struct.pack("<Q", cut) + data[24:cut]
-    message = refused(folder, mended)
-    assert f"of {len(messages(1.7e9))} objects:" in message
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@given(share=st.floats(0.0, 1.0, exclude_max=True))
+def test_a_file_cut_anywhere_is_refused(folder, many, share):
+    """Also where a container ends: python-can reads such a half in silence."""
+    data, end = many
+    for left in (int(share * len(data)), end):
+        message = refused(folder, data[:left])
+        assert left < HEADER or f"{len(data) - left} are missing" in message
 
 
-def test_a_recorder_that_did_not_finish(folder):
-    data = (folder / "whole.blf").read_bytes()
-    assert "did not finish" in refused(folder, data[:16] + bytes(20) + data[36:])
+def mended(data, end):
+    """The header has the size of what is left."""
+    return data[:16] + struct.pack("<Q", end) + data[24:end]
 
 
-def test_a_container_that_cannot_be_unpacked(folder):
-    data = bytearray((folder / "whole.blf").read_bytes())
-    for place in range(300, 340):
-        data[place] ^= 0xFF
-    assert "unpacked" in refused(folder, bytes(data)) or "objects:" in refused(folder, bytes(data))
+def unfinished(data, _):
+    return data[:16] + bytes(20) + data[36:]
 
 
-SHORT_HEADER = struct.pack("<4sL8xQQL", b"LOGG", 36, 36, 36, 1)
-"""Its sizes are right, and the times of start and end are missing."""
+def flipped(data, _):
+    return data[:300] + bytes(byte ^ 0xFF for byte in data[300:340]) + data[340:]
 
 
-@pytest.mark.parametrize("data", [b"", b"LOGG", b"time [s],p_mc [bar]\n" * 20, SHORT_HEADER])
-def test_what_is_no_blf(folder, data):
-    assert "not a BLF file" in refused(folder, data)
+@pytest.mark.parametrize("damage", [mended, unfinished, flipped])
+def test_a_damaged_file_is_refused(folder, many, damage):
+    refused(folder, damage(*many))
 
 
 def test_other_objects_are_counted_but_are_no_frames(folder):
     """A marker, an error frame and a remote frame between the frames."""
-    path = folder / "more.blf"
+    path, known = folder / "more.blf", messages(1.7e9)
+    at = known[100].timestamp
+    remote = {"arbitration_id": 256, "is_extended_id": False, "is_remote_frame": True}
     with can.BLFWriter(path) as log:
-        for number, message in enumerate(messages(1.7e9)):
+        for number, message in enumerate(known):
             log.on_message_received(message)
             if number == 100:
-                log.log_event("brakes on", message.timestamp)
-                log.on_message_received(
-                    can.Message(timestamp=message.timestamp, is_error_frame=True)
-                )
-                log.on_message_received(
-                    can.Message(
-                        timestamp=message.timestamp,
-                        arbitration_id=256,
-                        is_extended_id=False,
-                        is_remote_frame=True,
-                    )
-                )
-    assert check_whole(path) == (len(messages(1.7e9)) + 2, ())
+                log.log_event("brakes on", at)
+                log.on_message_received(can.Message(timestamp=at, is_error_frame=True))
+                log.on_message_received(can.Message(timestamp=at, **remote))
+    assert check_whole(path) == (len(known) + 2, ())
     log = read_log(path, folder / "map.toml")
     assert "1 error frames were ignored" in log.notes
     whole = read_log(folder / "whole.blf", folder / "map.toml")
@@ -111,30 +89,13 @@ def test_other_objects_are_counted_but_are_no_frames(folder):
 
 
 def test_a_clock_of_32_bits_that_wraps(folder):
-    """A recorder that counts microseconds in 32 bits and begins 3 s before they are full.
-
-    One container is taken apart and put together anew; the time lies 24 bytes into an object.
-    """
-    with can.BLFWriter(folder / "one.blf", max_container_size=10**7) as log:
-        for message in messages(1.7e9):
-            log.on_message_received(message)
-    data = (folder / "one.blf").read_bytes()
-    objects, place = bytearray(zlib.decompress(data[144 + 32 :])), 0
-    while (place := objects.find(b"LOBJ", place)) >= 0:
-        (time,) = struct.unpack_from("<Q", objects, place + 24)
-        counted = (time // 1000 + 2**32 - 3_000_000) % 2**32
-        struct.pack_into("<Q", objects, place + 24, counted * 1000)
-        place += 32
-    packed = zlib.compress(objects)
-    container = data[144:152] + struct.pack("<L", 32 + len(packed)) + data[156:176] + packed
-    container += bytes(len(container) % 4)
-    size = struct.pack("<Q", 144 + len(container))
-    (folder / "wrapped.blf").write_bytes(data[:16] + size + data[24:144] + container)
-    log = read_log(folder / "wrapped.blf", folder / "map.toml")
-    whole = read_log(folder / "whole.blf", folder / "map.toml")
-    assert any("32 bits of microseconds" in note for note in log.notes)
-    np.testing.assert_allclose(log.time, whole.time, atol=2e-6)
-    assert log.time[-1] == pytest.approx(ramp().time[-1], abs=0.02)
+    """A recorder that counts microseconds in 32 bits and begins 1 s before they are full."""
+    time = 0.01 * np.arange(300)
+    counted = (np.round(1e6 * time) + 2**32 - 1e6) % 2**32 / 1e6
+    rows = [frame(t, 256, bytes([0, i % 200] * 4)) for i, t in enumerate(counted)]
+    wheel, notes = opened(folder, blf([b"".join(rows)], 300))
+    np.testing.assert_allclose(wheel.time, time, atol=2e-6)
+    assert any("4294.967296 s" in note for note in notes)
 
 
 def vector(**more):
@@ -145,60 +106,74 @@ def vector(**more):
     return blf([rows[:half], rows[half:], ends], 300, **more)
 
 
+def opened(folder, data):
+    """The first wheel, and the notes."""
+    path = folder / "made.blf"
+    path.write_bytes(data)
+    found = open_blf(path, Databases((DatabaseFile(folder / "chassis.dbc"),)))
+    return found.read([1])[0], found.notes
+
+
 @pytest.mark.parametrize("compressed", [False, True])
 def test_objects_that_the_writer_does_not_count(folder, compressed):
     """Six of six files of Vector's programs in the tests of python-can are like this."""
-    path = folder / "vector.blf"
-    path.write_bytes(vector(compressed=compressed))
-    assert check_whole(path)[0] == 300
-    opened = open_blf(path, Databases((DatabaseFile(folder / "chassis.dbc"),)))
-    (wheel,) = opened.read([1])
+    wheel, notes = opened(folder, vector(compressed=compressed))
     np.testing.assert_allclose(wheel.time, 0.01 * np.arange(300), atol=5e-7)
     np.testing.assert_allclose(wheel.values, 0.005 * (np.arange(300) % 200))
-    assert any("counts 300 objects, the file has 302" in note for note in opened.notes)
+    assert any("300" in note and "302" in note for note in notes)
+    assert check_whole(folder / "made.blf")[0] == 300
 
 
-@pytest.mark.parametrize("compressed", [False, True])
-def test_a_lost_container_shows_in_the_unpacked_size(folder, compressed):
-    parts = [frame(0.01 * i, 256, bytes(8)) for i in range(3)]
-    body = b"".join(container(part, compressed) for part in parts[:2])
-    message = refused(folder, header(len(body), parts, 2) + body)
-    assert "of 384 bytes (unpacked) and 2 of 2 objects" in message
-
-
-def test_without_an_unpacked_size_the_count_decides(folder):
-    whole = blf([frame(0.0, 256, bytes(8))], 1, unpacked=0)
-    (folder / "plain.blf").write_bytes(whole)
-    assert check_whole(folder / "plain.blf") == (1, ())
-    cut = blf([frame(0.0, 256, bytes(8))], 3, unpacked=0)
-    assert "the file has 1 of 3 objects: some are missing" in refused(folder, cut)
-
-
-def test_padding_may_be_counted_or_not(folder):
-    part = block(65, bytes(19)) + frame(0.0, 256, bytes(8))
-    for unpacked in (None, HEADER + 32 + len(part) + (32 + len(part)) % 4):
-        (folder / "padded.blf").write_bytes(blf([part], 2, unpacked=unpacked))
-        assert check_whole(folder / "padded.blf") == (1, ())
+ONE = frame(0.0, 256, bytes(8))
+PADDED = block(65, bytes(19)) + ONE
 
 
 @pytest.mark.parametrize(
-    ("body", "words"),
+    "data",
     [
-        (container(frame(0.0, 256, bytes(8)), stated=90), "it holds 48 of 90 bytes"),
-        (container(frame(0.0, 256, bytes(8)) + block(1, bytes(20), 48)), "after 1 whole ones"),
-        (container(frame(0.0, 256, bytes(8)) + b"x" * 40), "no object after 1 whole ones"),
-        (container(block(1, b"", 4)), "an object of 4 bytes"),
-        (block(10, b"\2\0"), "it has no header"),
+        blf([ONE], 1, unpacked=0),
+        blf([PADDED], 2),
+        blf([PADDED], 2, unpacked=HEADER + 32 + len(PADDED) + (32 + len(PADDED)) % 4),
     ],
-    ids=["content", "object", "no object", "size", "head"],
+    ids=["no unpacked size", "padding that is not counted", "padding that is counted"],
 )
-def test_what_is_not_whole_inside_a_container(folder, body, words):
-    assert words in refused(folder, header(len(body), [], 1, unpacked=HEADER) + body)
+def test_what_a_writer_may_leave_out(folder, data):
+    (folder / "plain.blf").write_bytes(data)
+    assert check_whole(folder / "plain.blf") == (1, ())
 
 
-def test_a_compressed_container_that_ends_early(folder):
+def lost(compressed):
+    """Two of three containers."""
+    body = b"".join(container(ONE, compressed) for _ in range(2))
+    return header(len(body), [ONE] * 3, 2) + body
+
+
+def inside(body):
+    return header(len(body), [], 1, unpacked=HEADER) + body
+
+
+def ends_early():
     content = b"".join(frame(0.01 * i, 256, bytes([i] * 8)) for i in range(50))
-    packed = zlib.compress(content)[:-30]
-    body = block(10, struct.pack("<H6xL4x", 2, len(content)) + packed)
-    message = refused(folder, header(len(body), [content], 50) + body)
-    assert "cannot be unpacked: it ends after" in message
+    body = block(10, struct.pack("<H6xL4x", 2, len(content)) + zlib.compress(content)[:-30])
+    return header(len(body), [content], 50) + body
+
+
+REFUSED = {
+    "empty": (b"", "BLF"),
+    "another format": (b"time [s],p_mc [bar]\n" * 20, "BLF"),
+    "no times in the header": (struct.pack("<4sL8xQQL", b"LOGG", 36, 36, 36, 1), "BLF"),
+    "fewer objects": (blf([ONE], 3, unpacked=0), "1 of 3"),
+    "lost container": (lost(False), "384 bytes"),
+    "lost, packed": (lost(True), "384 bytes"),
+    "content": (inside(container(ONE, stated=90)), "48 of 90 bytes"),
+    "object": (inside(container(ONE + block(1, bytes(20), 48))), "after 1 whole"),
+    "no object": (inside(container(ONE + b"x" * 40)), "after 1 whole"),
+    "size": (inside(container(block(1, b"", 4))), "4 bytes"),
+    "head": (inside(block(10, b"\2\0")), "header"),
+    "packed content": (ends_early(), "unpacked"),
+}
+
+
+@pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
+def test_what_is_not_whole(folder, data, says):
+    assert says in refused(folder, data)

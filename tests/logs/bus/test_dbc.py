@@ -70,41 +70,41 @@ def test_nested_multiplexers_are_those_of_cantools(tmp_path, rows, name):
     np.testing.assert_allclose(found.values[there], [x for _, x in expected], rtol=1e-15)
 
 
-def test_what_has_a_name_for_every_value_is_a_state(tmp_path, rows):
+def test_names_of_values_and_short_frames(tmp_path, rows):
+    """Named throughout it is a state; one value named as none is none; cut off is not there."""
     dbc = known(tmp_path, MUX)
-    assert decoded(dbc, "Gear", rows).state
-    assert not decoded(dbc, "Speed", rows).state
-    assert not decoded(dbc, "Deep", rows).state
+    states = [name for name in ("Gear", "Speed", "Deep") if decoded(dbc, name, rows).state]
+    assert states == ["Gear"]
+    found = decoded(dbc, "Speed", [b"\0\0\0\0\xfe\0\0\0", b"\xff" * 8, bytes(4), bytes(5)])
+    np.testing.assert_array_equal(found.time, [0.0, 1.0, 3.0])
+    np.testing.assert_array_equal(found.values, [127.0, np.nan, 0.0])
 
 
-def test_a_value_that_is_named_as_none_is_none(tmp_path):
-    found = decoded(known(tmp_path, MUX), "Speed", [bytes([0, 0, 0, 0, 254, 0, 0, 0]), b"\xff" * 8])
-    np.testing.assert_array_equal(found.values, [127.0, np.nan])
+A_TEXT = 'CM_ "{}";\n'
 
 
-def test_a_signal_behind_the_end_of_a_short_frame_is_not_there(tmp_path):
-    found = decoded(known(tmp_path, MUX), "Speed", [bytes(8), bytes(4), bytes(5)])
-    np.testing.assert_array_equal(found.time, [0.0, 2.0])
-
-
-def test_the_files_are_named_with_their_digest(tmp_path):
-    (note,) = known(tmp_path, DBC, "chassis.dbc").notes
-    assert note.startswith("frames decoded by chassis.dbc (SHA-256 ")
-
-
-@pytest.mark.parametrize("text", ["", "BO_ 1 M: 8\n", "\0\1\2"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "BO_ 1 M: 8\n",
+        "\0\1\2",
+        *(DBC + A_TEXT.format(part * 400_000) for part in ("aaa", 'a\\"')),
+    ],
+    ids=["empty", "no messages", "bytes", "text without end", "escapes without end"],
+)
 def test_what_is_no_dbc(tmp_path, text):
-    with pytest.raises(ChannelMapError, match=r"not a valid DBC|no messages"):
+    """A text that never ends is refused before it costs memory."""
+    with pytest.raises(ChannelMapError):
         known(tmp_path, text)
 
 
-def test_two_that_describe_one_frame(tmp_path):
+def test_files_that_describe_one_frame_or_are_not_there(tmp_path):
     for name in ("a.dbc", "b.dbc"):
         (tmp_path / name).write_text(MUX)
-    with pytest.raises(ChannelMapError, match="M has the identifier 0x1 of M"):
-        read_dbc([DatabaseFile(tmp_path / f"{n}.dbc") for n in "ab"], "can", "run.blf")
-    with pytest.raises(ChannelMapError, match="no such file"):
-        read_dbc([DatabaseFile(tmp_path / "c.dbc")], "can", "run.blf")
+    for names in (["a.dbc", "b.dbc"], ["c.dbc"]):
+        with pytest.raises(ChannelMapError):
+            read_dbc([DatabaseFile(tmp_path / name) for name in names], "can", "run.blf")
 
 
 OTHER = "BO_ 9 OTHER: 2 A\n"
@@ -138,9 +138,8 @@ def test_a_flaw_costs_its_message(tmp_path, flaw):
 
 def test_an_identifier_past_11_bits_is_of_29(tmp_path):
     text = MUX.replace(" 1 ", " 419360256 ")
-    (key,) = known(tmp_path, text).messages
+    ((key, message),) = known(tmp_path, text).messages.items()
     assert key == (419360256, True)
-    (message,) = known(tmp_path, text).messages.values()
     assert message.get_signal_by_name("Speed").choices
 
 
@@ -162,16 +161,8 @@ def test_names_of_more_than_32_characters(tmp_path):
     assert known(tmp_path, text).messages[1, False].get_signal_by_name(long).unit == "km/h"
 
 
-@pytest.mark.parametrize("kind", [*DATABASES, "KCD"])
-def test_every_format_that_describes_a_bus(tmp_path, kind):
-    dbc = known(tmp_path, DATABASES[kind.lower()], f"chassis.{kind}")
-    rows = [np.asarray([i, 1000 * i, 0, 0], "<u2").tobytes() for i in range(60)]
-    frames = frames_of("0", (256, False), np.arange(60.0), rows)
-    columns, signals = described([frames], dbc)
-    assert [(c.name, c.unit) for c in columns] == [("WhlFL", "rad/s"), ("WhlFR", "rad/s")]
-    left, right = (decode(*signal).values for signal in signals)
-    np.testing.assert_allclose(left, 0.005 * np.arange(60))
-    np.testing.assert_allclose(right, 5.0 * np.arange(60))
+def test_an_ending_in_capitals(tmp_path):
+    assert known(tmp_path, DATABASES["kcd"], "chassis.KCD").messages.keys() == {(256, False)}
 
 
 def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):
@@ -180,10 +171,3 @@ def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):
     dbc = known(tmp_path, text)
     columns, _ = described([frames_of("0", (1, False), np.zeros(1), [bytes(16)])], dbc)
     assert [c.name for c in columns] == ["Speed"]
-
-
-@pytest.mark.parametrize("part", ["aaa", 'a\\"'])
-def test_a_text_without_end_is_refused_before_it_costs_memory(tmp_path, part):
-    text = DBC + f'CM_ "{part * 400_000}";\n'
-    with pytest.raises(ChannelMapError, match=r"a text in quotes has \d+ characters.*1000000"):
-        known(tmp_path, text)

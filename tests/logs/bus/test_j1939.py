@@ -45,71 +45,46 @@ def frame(time, identifier, speed):
     return f"({time:.6f}) can0 {name}#00{raw & 255:02X}{raw >> 8:02X}0000000000\n"
 
 
-def opened(folder, frames, sources):
-    (folder / "j.dbc").write_text(DBC)
+def opened(folder, frames, sources=(), dbc=DBC):
+    """The values by the name of each signal."""
+    (folder / "j.dbc").write_text(dbc)
     (folder / "run.log").write_text("".join(frame(*row) for row in frames))
-    return open_candump(
-        folder / "run.log", Databases((DatabaseFile(folder / "j.dbc"),), (), sources)
-    )
+    databases = Databases((DatabaseFile(folder / "j.dbc"),), (), sources)
+    found = open_candump(folder / "run.log", databases)
+    traces = found.read(range(1, len(found.columns)))
+    return {c.full: t.values for c, t in zip(found.columns[1:], traces, strict=True)}
 
 
-def names(found):
-    return [column.full for column in found.columns[1:]]
+ONE = [(0.1 * i, 0x18FEF10B, 50.0) for i in range(60)]
+TWO = [(0.1 * i, 0x18FEF100 + s, 50.0 + s) for i in range(60) for s in (0x0B, 0x21)]
+OTHERS = [  # priorities 6 and 3; TSC1 to 0 and to 0x29
+    *((0.1 * i, 0x18FEF10B if i % 2 else 0x0CFEF10B, 50.0) for i in range(60)),
+    *((0.1 * i + 0.05, 0x0C000003 if i % 3 else 0x0C002903, 125 / 256) for i in range(60)),
+]
+SHORT = [(0.1 * i, 0x100, 50.0) for i in range(60)] + [(7.0, 0x101, 50.0)]
+OWN = 'BO_ 2566844683 OWN: 8 A\n SG_ Speed : 8|8@1+ (1,0) [0|250] "km/h" A\n'
 
 
-def test_the_identifier_must_be_equal_unless_the_map_asks(tmp_path):
-    rows = [(0.1 * i, 0x18FEF10B, 50.0) for i in range(60)]
-    with pytest.raises(LogError, match="no frame of the log is in the DBC"):
-        opened(tmp_path, rows, None)
-    found = opened(tmp_path, rows, ())
-    assert names(found) == ["CCVS1.Speed"]
-    assert any("from any address" in note for note in found.notes)
-    (trace,) = found.read([1])
-    np.testing.assert_array_equal(trace.values, np.full(60, 50.0))
+@pytest.mark.parametrize(
+    ("rows", "sources", "dbc", "expected"),
+    [
+        (ONE, (), DBC, {"CCVS1.Speed": 50.0}),
+        (TWO, (0x21,), DBC, {"CCVS1.Speed": 83.0}),
+        (TWO, (), DBC, {"CCVS1@0B.Speed": 61.0, "CCVS1@21.Speed": 83.0}),
+        (sorted(OTHERS), (), DBC, {"TSC1.Torque": -125.0, "CCVS1.Speed": 50.0}),
+        (SHORT, (), DBC, {"Plain.Level": 0.0}),
+        (ONE, (), DBC + OWN, {"OWN.Speed": 0.0}),
+    ],
+    ids=["any", "one of two", "two", "priority and destination", "11 bits", "equal identifier"],
+)
+def test_signals_by_parameter_group(tmp_path, rows, sources, dbc, expected):
+    found = opened(tmp_path, rows, sources, dbc)
+    assert found.keys() == expected.keys()
+    for name, value in expected.items():
+        np.testing.assert_array_equal(found[name], np.full(found[name].size, value))
 
 
-def test_only_the_addresses_of_the_map(tmp_path):
-    rows = [(0.1 * i, 0x18FEF100 + s, 50.0 + s) for i in range(60) for s in (0x0B, 0x21)]
-    found = opened(tmp_path, rows, (0x21,))
-    assert names(found) == ["CCVS1.Speed"]
-    assert any("from 0x21" in note for note in found.notes)
-    np.testing.assert_array_equal(found.read([1])[0].values, np.full(60, 83.0))
-    with pytest.raises(LogError, match="no frame of the log"):
-        opened(tmp_path, rows, (0x22,))
-
-
-def test_two_addresses_are_two_signals(tmp_path):
-    rows = [(0.1 * i, 0x18FEF100 + s, 50.0 + s) for i in range(60) for s in (0x0B, 0x21)]
-    found = opened(tmp_path, rows, ())
-    assert names(found) == ["CCVS1@0B.Speed", "CCVS1@21.Speed"]
-    left, right = found.read([1, 2])
-    np.testing.assert_array_equal(left.values, np.full(60, 61.0))
-    np.testing.assert_array_equal(right.values, np.full(60, 83.0))
-    assert left.clock != right.clock
-
-
-def test_priority_and_destination_make_no_other_signal(tmp_path):
-    """CCVS1 at priorities 6 and 3, TSC1 to 0 and to 0x29, from one address each."""
-    rows = [(0.1 * i, 0x18FEF10B if i % 2 else 0x0CFEF10B, float(i)) for i in range(60)]
-    rows += [(0.1 * i + 0.05, 0x0C000003 if i % 3 else 0x0C002903, 0.0) for i in range(60)]
-    found = opened(tmp_path, sorted(rows), ())
-    assert sorted(names(found)) == ["CCVS1.Speed", "TSC1.Torque"]
-    (speed,) = found.read([1 + names(found).index("CCVS1.Speed")])
-    np.testing.assert_array_equal(speed.values, np.arange(60.0))
-    np.testing.assert_allclose(speed.time, 0.1 * np.arange(60), atol=1e-6)
-
-
-def test_short_identifiers_are_no_j1939(tmp_path):
-    rows = [(0.1 * i, 0x100, 50.0) for i in range(60)] + [(7.0, 0x101, 50.0)]
-    assert names(opened(tmp_path, rows, ())) == ["Plain.Level"]
-
-
-def test_an_equal_identifier_comes_before_the_group(tmp_path):
-    other = 'BO_ 2566844684 OWN: 8 A\n SG_ Speed : 8|8@1+ (1,0) [0|250] "km/h" A\n'
-    rows = [(0.1 * i, 0x18FEF10C, 50.0) for i in range(60)]
-    (tmp_path / "both.dbc").write_text(DBC + other)
-    (tmp_path / "run.log").write_text("".join(frame(*row) for row in rows))
-    found = open_candump(
-        tmp_path / "run.log", Databases((DatabaseFile(tmp_path / "both.dbc"),), (), ())
-    )
-    assert names(found) == ["OWN.Speed"]
+@pytest.mark.parametrize(("rows", "sources"), [(ONE, None), (TWO, (0x22,))])
+def test_no_group_is_taken_that_the_map_does_not_ask_for(tmp_path, rows, sources):
+    with pytest.raises(LogError):
+        opened(tmp_path, rows, sources)

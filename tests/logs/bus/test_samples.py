@@ -2,7 +2,6 @@
 
 import logging
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +10,8 @@ from calib.logs.bus.dbc import read_dbc
 from calib.logs.bus.frames import frames_of
 from calib.logs.bus.recording import decode
 from calib.logs.channel_map import DatabaseFile
+from tests.support.databases import SAMPLES
 
-SAMPLES = Path(__file__).parent / "samples"
 TWIN = "comments_hex_and_motorola"
 """A SYM that canmatrix cannot decode; beside it is the same as DBC, made by another program."""
 
@@ -76,20 +75,3 @@ def test_a_sym_is_what_was_made_of_it_as_dbc():
         assert twins.keys() == {signal.name for signal in message.signals}
         for signal in message.signals:
             assert ours(frames, message, signal) == ours(frames, other[key], twins[signal.name])
-
-
-def test_a_frame_in_the_readme_of_cantools():
-    """80 4A 0F ... is told there as 255.92 degK, 0.0 m, Enabled."""
-    dbc = read_dbc([DatabaseFile(SAMPLES / "motohawk.dbc")], "can", "x")
-    ((key, message),) = dbc.messages.items()
-    frames = frames_of("0", key, np.zeros(1), [bytes.fromhex("804A0F0000000000")])
-    found = {signal.name: ours(frames, message, signal)[0] for signal in message.signals}
-    assert found == pytest.approx({"Temperature": 255.92, "AverageRadius": 0.0, "Enable": 1.0})
-
-
-def test_each_sample_has_its_source():
-    told = (SAMPLES / "SOURCES.txt").read_text().split()
-    assert {path.name for path in SAMPLES.iterdir()} - {"SOURCES.txt"} <= {
-        *told,
-        "LICENSE.cantools",
-    }

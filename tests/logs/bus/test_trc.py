@@ -48,69 +48,47 @@ def test_frames_are_those_of_the_run(folder, texts, version):
     np.testing.assert_allclose(pressure.time, [m.timestamp - begin for m in mine], atol=1.1 * tick)
 
 
-@pytest.mark.parametrize("version", ["2.0", "2.1"])
-def test_a_log_with_fd_frames(folder, texts, version):
-    path = folder / f"v{version[0]}{version[2]}.trc"
-    path.write_text(texts[version])
-    log, whole = (read_log(folder / n, folder / "map.toml") for n in (path.name, "whole.log"))
-    assert any("no footer" in note for note in log.notes)
+def test_a_log_with_fd_frames(folder, texts):
+    (folder / "run.trc").write_text(texts["2.1"])
+    log, whole = (read_log(folder / n, folder / "map.toml") for n in ("run.trc", "whole.log"))
     for name in ("omega_fl", "p_mc", "a_x", "v"):
         np.testing.assert_allclose(log[name], whole[name], rtol=1e-4, atol=1e-9)
 
 
-@pytest.mark.parametrize("version", VERSIONS)
-def test_a_lost_line_shows_in_the_numbers(folder, texts, version):
-    lines = texts[version].splitlines(keepends=True)
-    message = refused(folder, "".join(lines[:300] + lines[301:]))
-    assert "after message " in message
+DAMAGE = {
+    "lost": lambda row: "",
+    "type": lambda row: row.replace("Rx", "Qx").replace("DT", "DQ").replace("FB", "FQ"),
+    "data": lambda row: row.rstrip().rsplit(maxsplit=1)[0] + "\n",
+    "text": lambda row: row.rstrip()[:-1] + "*\n",
+    "half": lambda row: row[:17] + "\n",
+}
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("cut", [1, 2, 7, 13])
-def test_a_last_line_that_is_cut_off(folder, texts, version, cut):
-    """Without its end of line a line is whole, and PEAK-Converter leaves it out."""
-    lines = texts[version].splitlines(keepends=True)
-    count = len(opened(folder, "".join(lines[:300])).read([1])[0].time)
-    text = "".join(lines[:301])
-    if cut == 1:
-        assert len(opened(folder, text[:-1]).read([1])[0].time) in (count, count + 1)
-    else:
-        message = refused(folder, text[:-cut])
-        assert "cut off" in message or "missing" in message or "bytes" in message
-
-
-@pytest.mark.parametrize(
-    ("version", "damage"),
-    [
-        (version, damage)
-        for version in VERSIONS
-        for damage in ("type", "data", "text", "half")
-        if (version, damage) != ("1.0", "type")  # it has no types
-    ],
-)
+@pytest.mark.parametrize("damage", DAMAGE)
 def test_a_damaged_line(folder, texts, version, damage):
+    if (version, damage) == ("1.0", "type"):
+        pytest.skip("it has no types")
     lines = texts[version].splitlines(keepends=True)
-    row = lines[300]
-    head, last = row.rstrip().rsplit(maxsplit=1)
-    lines[300] = {
-        "type": row.replace("Rx", "Qx").replace("DT", "DQ").replace("FB", "FQ"),
-        "data": head + "\n",
-        "text": f"{head} {last[0]}*\n",
-        "half": row[:17] + "\n",
-    }[damage]
-    message = refused(folder, "".join(lines))
-    assert "missing" in message or "not readable" in message or "bytes" in message
+    lines[300] = DAMAGE[damage](lines[300])
+    refused(folder, "".join(lines))
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_last_line_that_is_cut_off(folder, texts, version):
+    """Without its end of line a line is whole, and PEAK-Converter leaves it out."""
+    lines = texts[version].splitlines(keepends=True)[:301]
+    count = len(opened(folder, "".join(lines[:300])).read([1])[0].time)
+    text = "".join(lines)
+    assert len(opened(folder, text[:-1]).read([1])[0].time) in (count, count + 1)
+    for cut in (2, 7, 13):
+        refused(folder, text[:-cut])
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("", "no frames"),
-        ("time [s],p_mc [bar]\n0,1\n", "not a TRC file"),
-        (";$FILEVERSION=1.2\n;\n", "version 1.2 of TRC"),
-        (";$FILEVERSION=3.0\n;\n", "expected one of 1.0, 1.1, 1.3, 2.0, 2.1"),
-        (HEADS["2.1"], "no frames"),
-    ],
-)
-def test_what_is_no_trc(folder, text, words):
-    assert words in refused(folder, text)
+    "text",
+    ["", "time [s],p_mc [bar]\n0,1\n", ";$FILEVERSION=1.2\n;\n", ";$FILEVERSION=3.0\n;\n",
+     HEADS["2.1"]],
+)  # fmt: skip
+def test_what_is_no_trc(folder, text):
+    refused(folder, text)

@@ -41,23 +41,20 @@ def test_the_header_is_what_stands_over_the_numbers(above, header):
     np.testing.assert_allclose(brake, np.arange(60) / 10)
 
 
-def test_a_row_below_the_units_tells_columns_of_one_name_apart():
-    text = "time,v,v\ns,m/s,m/s\n,gps,calc\n" + ROWS
-    columns = open_csv(text.encode(), "run.csv").columns
-    assert columns[1:] == (Column("v", "m/s", "v gps"), Column("v", "m/s", "v calc"))
-    channel_map = ChannelMap("map", {"v": Mapping("v calc")})
-    taken, _ = assign(columns, channel_map, ("time",), "run.csv")
-    assert {item.channel: item.index for item in taken} == {"time": 0, "v": 2}
-
-
-def test_the_unit_tells_columns_of_one_name_apart():
-    columns = (Column("Time", "s"), Column("Time", "min"))
-    for unit, index in (("s", 0), ("min", 1)):
-        channel_map = ChannelMap("map", {"time": Mapping(f"Time [{unit}]")})
-        ((item,), _) = assign(columns, channel_map, ("time",), "run.csv")
-        assert item.index == index
-    with pytest.raises(LogError, match=r"'Time \[s\]', 'Time \[min\]'"):
-        assign(columns, ChannelMap("map", {"time": Mapping("Time")}), ("time",), "run.csv")
+def test_what_tells_columns_of_one_name_apart():
+    """A row below the units, or the unit."""
+    below = open_csv(("time,v,v\ns,m/s,m/s\n,gps,calc\n" + ROWS).encode(), "run.csv").columns
+    assert [column.full for column in below[1:]] == ["v gps", "v calc"]
+    units = (Column("v", "m/s"), Column("v", "km/h"))
+    for columns, cell, index in (
+        (below, "v calc", 2),
+        (units, "v [m/s]", 0),
+        (units, "v [km/h]", 1),
+    ):
+        taken, _ = assign(columns, ChannelMap("map", {"v": Mapping(cell)}), ("v",), "run.csv")
+        assert next(item.index for item in taken if item.channel == "v") == index
+    with pytest.raises(LogError):
+        assign(units, ChannelMap("map", {"v": Mapping("v")}), ("v",), "run.csv")
 
 
 @pytest.mark.parametrize("header", HEADERS)
