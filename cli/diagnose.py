@@ -8,8 +8,6 @@ from typing import Any
 
 from typer.core import TyperCommand
 
-from calib.base.plain import counted
-from calib.diagnosis.gates import GATES
 from cli.command import Answer, command
 from cli.console import progress, say
 from cli.logs import named, read_all
@@ -56,9 +54,11 @@ def diagnose(
     is a copy, swapped wheel speeds, a pressure of another run. Exit code 0, or 130 if stopped by
     Ctrl-C or SIGTERM.
     """
+    from calib.base.plain import counted
     from calib.base.processes import cores, side_by_side
     from calib.car.own_effects.own_effect import with_own
     from calib.diagnosis.diagnose import diagnose as find
+    from calib.diagnosis.gates import GATES
     from calib.diagnosis.written.document import text_of, to_dict
     from calib.diagnosis.written.folder import files_of, write_folder
     from calib.show.diagnosis import facts

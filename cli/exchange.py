@@ -1,14 +1,14 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import calib
 from cli.command import Answer, command
-from cli.console import misuse, say
+from cli.console import at_option, misuse, say
 from cli.options import Required, SignedBy, Table, Tables, argument, option, table_versions
 from cli.outputs import refuse_foreign, writing
-from cli.signed import check_signed, key_of
+from cli.sign import check_signed, key_of
 
 if TYPE_CHECKING:
     from calib.exports.export import Exported
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 @command(
     "brake-cal tables export sedan-2up --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
-    "brake-cal tables export sedan-2up --out sedan.a2l",
 )
 def export(
     table: Table,
@@ -53,14 +52,11 @@ def export(
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED
-    try:
-        with writing(out):
-            written = calib.export(
+    with at_option("--points, --fixed-point", ExchangeError), writing(out):
+        written = calib.export(
                 stored, out, form,
                 points=points, bits=bits, elf=elf, quality=quality, unreleased=unreleased,
             )  # fmt: skip
-    except ExchangeError as error:
-        raise misuse(str(error), "--points, --fixed-point") from None
     return _answer(written)
 
 
@@ -69,10 +65,8 @@ def _form(form: str | None, out: Path, bits: int | None, elf: Path | None) -> st
     from calib.base.errors import ExchangeError
     from calib.exports.export import ADDRESSED, FIXED_POINT, format_named, format_of
 
-    try:
+    with at_option("--format", ExchangeError):
         form = format_of(out.name) if form is None else format_named(form)
-    except ExchangeError as error:
-        raise misuse(str(error), "--format") from None
     for option_, value, forms in (("--fixed-point", bits, FIXED_POINT), ("--elf", elf, ADDRESSED)):
         if value is not None and form not in forms:
             raise misuse(f"only with {', '.join(forms)}", option_)
@@ -82,48 +76,14 @@ def _form(form: str | None, out: Path, bits: int | None, elf: Path | None) -> st
 
 
 def _answer(written: "Exported") -> Answer:
-    data = written.data
-    rounded: list[dict[str, Any]] = [
-        {
-            "label": one.label,
-            "step": one.fixed.step,
-            "error": one.fixed.error,
-            "read_error": getattr(one, "fixed_misfit", None),
-        }
-        for one in data.objects
-        if one.fixed is not None
-    ]
-    for axis in data.axes:
+    for axis in written.data.axes:
         say(f"{axis.label}: {axis.placed}")
-    for row in rounded:
+    for row in written.rounded:
         if row["read_error"] is not None:
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
     for remark in written.remarks:
         say(remark)
-    axes = [
-        {
-            "label": axis.label,
-            "points": len(axis.values),
-            "rows": axis.rows,
-            "curves": [curve.label for curve in data.curves if curve.axis.label == axis.label],
-            "worst": axis.misfit.worst,
-            "worst_at": axis.misfit.at,
-            "rms": axis.misfit.rms,
-        }
-        for axis in data.axes
-    ]
-    document = {
-        **data.facts(),
-        "version": data.stored.version,
-        "format": written.form,
-        "out": written.path,
-        "bytes": len(written.content),
-        "sha256": written.sha256,
-        "axes": axes,
-        "remarks": list(written.remarks),
-        "fixed_point": {"bits": data.bits, "objects": rounded} if rounded else None,
-    }
-    return Answer(document, repr(written))
+    return Answer(written.to_dict(), repr(written))
 
 
 @command("brake-cal tables compare sedan.dcm")

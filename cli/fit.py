@@ -41,7 +41,7 @@ def fit(
     from calib.car.model_file import read_model
     from calib.car.own_effects.own_effect import with_own
     from calib.fitting.fit import fit as fit_table
-    from calib.show.fit import facts, report
+    from calib.show.fit import document, facts, report
     from calib.show.html import page_of
 
     car = with_own(vehicle, effect)
@@ -57,32 +57,10 @@ def fit(
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
     return Answer(
-        _document(stored) | {"mass": used},
+        document(stored, used),
         facts(stored, used),
         page=lambda: page_of(report(stored, ramps, used, origin("vehicle", "model"))),
     )
-
-
-def _document(stored: "Stored") -> dict[str, object]:
-    from calib.base.warning import to_dict
-    from calib.store.answer import answer
-    from calib.table.budget import pads_budget, summary
-
-    table = stored.table
-    return {
-        "table": stored.id,
-        "digest": stored.digest,
-        "path": stored.path,
-        "state": stored.state.word,
-        "new": not stored.existed,
-        "answer": answer(stored),
-        "calibration": table.calibration,
-        "budget": summary(*pads_budget(table)),
-        "effects": table.effect_values,
-        "quality": table.quality,
-        "remarks": table.remarks,
-        "warnings": [to_dict(warning) for warning in table.warnings],
-    }
 
 
 def tell_kin(store: Tables, stored: "Stored") -> None:

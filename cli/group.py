@@ -1,6 +1,7 @@
 """A group of commands: its help by subject, and what there was once."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 from typer.core import TyperGroup
@@ -35,6 +36,22 @@ GONE = {
     "log cut": "log LOG --out FILE --from TIME --until TIME",
     "log convert": "log LOG... --out FILE",
     "manual --html": "manual PAGE",
+    "plot --figure budget": "tables show TABLE",
+    "plot --figure coverage": "plot TABLE LOG --figure difference",
+    "plot --figure force-sum": "plot TABLE LOG --figure normalised-forces",
+    "plot --figure pressure": "plot LOG --figure pressure",
+    **{
+        f"plot --figure compensation-{axle}": f"plot TABLE LOG --figure pad-{axle}"
+        for axle in ("front", "rear")
+    },
+    **{
+        f"plot --figure torque-{axle}-left": "plot TABLE LOG --figure axle-torques"
+        for axle in ("front", "rear")
+    },
+    **{
+        f"plot --figure error-{axle}-left": "plot TABLE LOG --figure error"
+        for axle in ("front", "rear")
+    },
     **{f"manual {old}": f"manual {new}" for new in PAGES for old in PAGES[new]},
 }
 """Commands, arguments and options that there were once, and what to use instead."""
@@ -65,8 +82,10 @@ class Group(TyperGroup):
         """The command that was typed; one that stands in a group below is named with its group."""
         typed = args[0]
         path = " ".join([*ctx.command_path.split()[1:], typed])
-        options = [word.partition("=")[0] for word in args[1:] if word.startswith("-")]
-        for words in (path, *(f"{path} {word}" for word in (*args[1:2], *options))):
+        after = " ".join(args[1:]).replace("=", " ").split()
+        options = [word for word in after if word.startswith("-")]
+        values = [f"{name} {value}" for name, value in pairwise(after) if name in options]
+        for words in (path, *(f"{path} {word}" for word in (*after[:1], *options, *values))):
             if instead := GONE.get(words):
                 ctx.fail(f"{words!r} is gone. Use 'brake-cal {instead}'.")
         if typed not in self.commands:

@@ -62,7 +62,7 @@ def log(
     from calib.logs.whole import channels_log, cut, inventory
     from calib.run.driving_record import run_events
     from calib.show.facts import Facts
-    from calib.show.log import facts
+    from calib.show.log import document, facts
 
     this_run().force = force
     if start is not None and until is not None and start >= until:
@@ -85,7 +85,7 @@ def log(
     if out is not None:
         _draw(*looked[0], out)
     return Answer(
-        {"out": out, "logs": [_document(*one) for one in looked]},
+        {"out": out, "logs": [document(*one) for one in looked]},
         Facts(parts=[facts(*one) for one in looked]),
     )
 
@@ -95,15 +95,16 @@ def _write(
 ) -> list[dict[str, Any]]:
     """Write logs one by one, all or none; what is in each."""
     from calib.logs.write import WRITERS
+    from calib.show.log import written
 
-    written: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
 
     def contents(step: Step) -> Iterator[tuple[str, bytes]]:
         for path, name in zip(logs, names, strict=True):
             log, place = read(path), out / name if folder else out
             content = WRITERS[place.suffix.lower()](log)
             refuse_foreign(place, content.__eq__)
-            written.append(_written(log, place))
+            rows.append(written(log, place))
             yield name, content
             step()
             for note in log.notes:
@@ -114,7 +115,7 @@ def _write(
             write_folder(out, contents(step), names[-1])
         else:
             write_file(out, next(contents(step))[1])
-    return written
+    return rows
 
 
 def _checked(out: Path | None, to: str | None, logs: list[Path]) -> list[str]:
@@ -157,29 +158,3 @@ def _draw(
     picture = out.suffix.lower() in ENDINGS
     drawn = render(figure(log, events), out.suffix.lower() if picture else ".png")
     write_file(out, drawn if picture else page_of(facts(log, columns, events, drawn)).encode())
-
-
-def _written(log: "WholeLog", out: Path) -> dict[str, Any]:
-    return {
-        "log": log.source,
-        "out": out,
-        "rows": int(log.columns[0].values.size),
-        "columns": [{"name": column.name, "unit": column.unit} for column in log.columns],
-        "notes": log.notes,
-    }
-
-
-def _document(
-    log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]"
-) -> dict[str, object]:
-    return {
-        "log": log.name,
-        "source": log.source,
-        "digest": log.digest,
-        "rows": log.time.size,
-        "start": log.time[0],
-        "end": log.time[-1],
-        "columns": columns,
-        "events": events,
-        "notes": log.notes,
-    }

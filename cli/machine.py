@@ -1,22 +1,17 @@
 """`brake-cal demo`, `doctor` and `qualify`: the program tried out, on this machine."""
 
-import shutil
-import sys
-from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.base.plain import counted
 from calib.base.program import PROGRAM, VERSION
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress, say
 from cli.options import option
 from cli.outputs import check_folder, write_folder
-from cli.project import STORE, find_project
 
 if TYPE_CHECKING:
-    from calib.help.doctor import Finding
+    pass
 
 DOCUMENT, REPORT = "qualification.json", "qualification.html"
 
@@ -67,8 +62,7 @@ def doctor(
     from calib.help.doctor import FINE, WRONG, examine
     from calib.show.facts import Facts, Table
 
-    settings, usual = _settings()
-    found = [*examine(store or usual or STORE), settings, *_terminal()]
+    found = examine(store)
     wrong = [one.name for one in found if one.state == WRONG]
     can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
     rows = [(x.name, x.state, "; ".join(filter(None, (x.what, x.do)))) for x in found]
@@ -80,29 +74,6 @@ def doctor(
     )
 
 
-def _settings() -> "tuple[Finding, Path | None]":
-    """The settings file, and the store that it names."""
-    from calib.base.errors import SettingsError
-    from calib.help.doctor import FINE, WRONG, Finding
-
-    try:
-        project = find_project()
-    except SettingsError as error:
-        return Finding("settings", WRONG, str(error), "mend the file"), None
-    what = str(project.file) if project.file else "no brake-cal.toml: the usual values"
-    return Finding("settings", FINE, what), project.settings.store
-
-
-def _terminal() -> "Iterator[Finding]":
-    from calib.help.doctor import FINE, NOTE, Finding
-
-    width, kind = shutil.get_terminal_size().columns, "terminal" if sys.stdout.isatty() else "pipe"
-    encoding = sys.stdout.encoding or "unknown"
-    plain = encoding.lower().replace("-", "") == "utf8"
-    do = "" if plain else "set PYTHONUTF8=1 for names with other letters"
-    yield Finding("output", FINE if plain else NOTE, f"{kind}, {width} columns, {encoding}", do)
-
-
 @command("brake-cal qualify --out qualification")
 def qualify(
     *, out: Path = option(f"Write {DOCUMENT} and {REPORT} here.", "DIR", writes="folder")
@@ -112,6 +83,7 @@ def qualify(
     Writes the environment and the checks with their results. Exit code 0 if all checks hold. Takes
     about 5 s of computing.
     """
+    from calib.base.plain import counted
     from calib.help.checks import SUITE
     from calib.help.qualify import facts, to_dict
     from calib.help.qualify import qualify as made

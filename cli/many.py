@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calib.base.plain import counted
+from calib.base.printable import printable
 from calib.line.fleet.rows import Command
+from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, emit_line, json_text, misuse, plain, progress, say, this_run
+from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.diagnose import stoppable
 from cli.options import (
     NO_VEHICLE,
     READ_VEHICLE,
-    Map,
-    Tables,
-    Workers,
     argument,
     limits_of_stops,
     option,
@@ -28,13 +26,11 @@ from cli.options import (
     table_names,
 )
 from cli.outputs import check_folder, write_folder, writing
-from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.car.vehicle import Vehicle
     from calib.estimation.limits import Limit
     from calib.line.fleet.rows import Row
-    from calib.line.fleet.summary import Summary
     from calib.line.fleet.work import Job
     from calib.line.fleet.workers import Executor
 
@@ -49,39 +45,36 @@ def _command(written: str) -> Command:
     return Command(written)
 
 
-_JobCommand = Annotated[
+JobCommand = Annotated[
     Command, typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log.")
 ]
-_JobTable = Annotated[
-    str | None,
-    option("validate: name, name@version or path.", "TABLE", "--table", autocompletion=table_names),
+JobTable = Annotated[
+    str | None, option("validate: name, name@version or path.", "TABLE", autocompletion=table_names)
 ]
-_JobCar = Annotated[
+JobCar = Annotated[
     "Vehicle | None",
     option(
         "fit, validate: vehicle file; of the settings for fit only.",
         "V.toml",
-        "--vehicle",
         typed=Path | None,
         make=READ_VEHICLE,
-        callback=from_settings("vehicle", when=_is(Command.FIT)),
+        setting="vehicle",
+        when=_is(Command.FIT),
     ),
 ]
-_JobLimits = Annotated[
+JobLimits = Annotated[
     "tuple[Limit, ...] | None",
     option(
         "validate: limits for pass or fail.",
         "L.toml",
-        "--limits",
         typed=Path | None,
         make=limits_of_stops,
-        callback=from_settings("limits", when=_is(Command.VALIDATE)),
+        setting="limits",
+        when=_is(Command.VALIDATE),
     ),
 ]
-_Out = Annotated[
-    Path, option("Write results.parquet and journal here.", "DIR", "--out", writes="folder")
-]
-_Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
+Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
+Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
 
 
 @command(
@@ -89,18 +82,18 @@ _Fresh = Annotated[bool, option("Delete the results in DIR of --out and start ag
     "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
 )
 def batch(
-    command: _JobCommand,
+    command: JobCommand,
     logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
     *,
-    out: _Out,
-    workers: Workers,
+    out: Out,
+    workers: options.Workers,
     scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
-    table: _JobTable,
-    store: Tables,
-    vehicle: _JobCar,
-    limits: _JobLimits,
-    channel_map: Map,
-    fresh: _Fresh,
+    table: JobTable,
+    store: options.Tables,
+    vehicle: JobCar,
+    limits: JobLimits,
+    channel_map: options.Map,
+    fresh: Fresh,
 ) -> Answer:
     """Run one command on many logs, one row per log.
 
@@ -109,6 +102,7 @@ def batch(
     started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
     if none could be read, 130 if stopped.
     """
+    from calib.base.plain import counted
     from calib.line.fleet.batch import run_batch
 
     if workers is not None and scheduler is not None:
@@ -135,17 +129,17 @@ def batch(
 
 @command("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
-    command: _JobCommand,
+    command: JobCommand,
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
-    out: _Out,
-    workers: Workers,
-    table: _JobTable,
-    store: Tables,
-    vehicle: _JobCar,
-    limits: _JobLimits,
-    channel_map: Map,
-    fresh: _Fresh,
+    out: Out,
+    workers: options.Workers,
+    table: JobTable,
+    store: options.Tables,
+    vehicle: JobCar,
+    limits: JobLimits,
+    channel_map: options.Map,
+    fresh: Fresh,
     every: float = option("Seconds between scans.", "S", built_in=1.0, min=0.05),
     settle: float = option(
         "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
@@ -189,10 +183,10 @@ def _job(
     command: Command,
     out: Path,
     table: str | None,
-    store: Tables,
-    vehicle: _JobCar,
-    limits: _JobLimits,
-    channel_map: Map,
+    store: options.Tables,
+    vehicle: JobCar,
+    limits: JobLimits,
+    channel_map: options.Map,
 ) -> "Job":
     """The inputs for all logs. Refuses missing inputs and those that are not used."""
     from calib.estimation.limits import DEFAULTS
@@ -279,30 +273,9 @@ def _stopped() -> Iterator[Event]:
 
 
 def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
-    """The function that prints a row: its status and error, and the pads where it has them."""
-    from calib.line.fleet.rows import columns_of
-
-    names = [column.name for column in columns_of(command)]
-
-    def show(row: "Row") -> None:
-        metrics = dict(zip(names, row.cells, strict=False))
-        if json:
-            head = {"log": row.log, "digest": row.digest, "status": row.status, "error": row.error}
-            document = plain({**head, "figures": metrics})
-            emit_line(json_module.dumps(document, allow_nan=False))
-        elif row.error is not None:
-            emit_line(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
-        else:
-            broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
-            front, rear = metrics.get("pad_friction_f"), metrics.get("pad_friction_r")
-            known = isinstance(front, float) and isinstance(rear, float)
-            pads = f", pads {front:.3f} / {rear:.3f}" if known else ""
-            emit_line(f"{row.log}: {row.status}{broken}{pads}")
-
-    return show
-
-
-DOCUMENT, REPORT = "fleet.json", "report.html"
+    return lambda row: emit_line(
+        json_module.dumps(row.to_dict(command), allow_nan=False) if json else row.line(command)
+    )
 
 
 @command(
@@ -328,21 +301,31 @@ def fleet(
     which is the same page and loads itself again every 10 s. `watch --index DIR` keeps both up to
     date.
     """
+    from calib.base.plain import counted
     from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_page import facts
+    from calib.show.fleet_figure import DOCUMENT, earlier_pictures, pictures_of
+    from calib.show.fleet_page import facts, report
+    from calib.show.html import page_of
 
     if results.is_dir():
         if order or figure or out:
             raise misuse("a DIR takes no option: its pages are written there")
         return _index(results)
-    check_folder(out, (DOCUMENT, REPORT))
+    check_folder(out, (DOCUMENT, "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(figure))
     if out is not None:
-        _write_fleet(found, results, out)
+        looks = [look for look in found.looks if look.values.size]
+        with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
+            pictures = pictures_of(found, step)
+        title = printable(f"{results.absolute().parent.name}/{results.name}")
+        page = page_of(report(found, title)).encode()
+        written = json_text(document(found)).encode()
+        contents = {**pictures, DOCUMENT: written, "report.html": page}
+        write_folder(out, contents.items(), DOCUMENT, earlier_pictures)
     return Answer(document(found), facts(found))
 
 
@@ -353,6 +336,7 @@ def _metrics() -> Any:
 
 
 def _index(folder: Path) -> Answer:
+    from calib.base.plain import counted
     from calib.line.station.index import INDEX, LIVE
     from calib.show.station_index import write_index
 
@@ -360,35 +344,3 @@ def _index(folder: Path) -> Answer:
         number = write_index(folder)
     files = [folder / INDEX, folder / LIVE]
     return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")
-
-
-def _write_fleet(found: "Summary", results: Path, out: Path) -> None:
-    from calib.base.printable import printable
-    from calib.line.fleet.document import document
-    from calib.show.fleet_figure import picture_name, sheet
-    from calib.show.fleet_page import report
-    from calib.show.html import page_of
-    from calib.show.sheet import render
-
-    looks = [look for look in found.looks if look.values.size]
-    title = printable(f"{results.absolute().parent.name}/{results.name}")
-    contents = {}
-    with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
-        for look in looks:
-            picture = render(sheet(found, look).overview(), ".png")
-            contents[picture_name(look.metric.name)] = picture
-            step()
-    contents[DOCUMENT] = json_text(document(found)).encode()
-    contents[REPORT] = page_of(report(found, title)).encode()
-    write_folder(out, contents.items(), DOCUMENT, _earlier)
-
-
-def _earlier(out: Path) -> set[str]:
-    """Pictures of an earlier report here."""
-    from calib.show.fleet_figure import picture_name
-
-    try:
-        figures = json_module.loads((out / DOCUMENT).read_text(encoding="utf-8"))["figures"]
-        return {picture_name(name) for name in figures}
-    except (OSError, ValueError, TypeError, KeyError):
-        return set()

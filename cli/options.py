@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from calib.base.settings import STORE
 from cli.console import misuse
-from cli.project import STORE, find_project, from_settings
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.car.own_effects.own_effect import OwnEffect
@@ -44,6 +45,9 @@ def option(
     known: str = "",
     writes: str | None = None,
     built_in: Any = None,
+    setting: str = "",
+    needed: str = "",
+    when: Callable[[typer.Context], bool] = lambda context: True,
     **more: Any,
 ) -> Any:
     """An option with its help ``text``.
@@ -56,8 +60,11 @@ def option(
     known : "module:NAME" of a collection of the library; its names are completed, others refused.
     writes : kind of the file that is written there, see `cli.outputs`, or "folder".
     built_in : its value where nothing else gives one.
+    setting, needed, when : see `cli.project.from_settings`.
     more : for typer.
     """
+    if setting:
+        more["callback"] = from_settings(setting, needed, when)
     as_typer_has_it: Any = typer.Option  # to its types the first flag is a default
     made = as_typer_has_it(*flags, **_given(text, metavar, known), **more)
     return _with(made, make, known, typed, flags=flags, always=always, writes=writes,
@@ -128,6 +135,7 @@ def require_known(written: str, known: Collection[str], what: str = "") -> None:
 def _store_of(context: typer.Context) -> Path:
     """The store of the command line, of the settings, or the usual one."""
     from calib.base.errors import BrakeCalError
+    from calib.base.settings_file import find_project
 
     given = context.params.get("store")
     try:
@@ -271,11 +279,10 @@ Tables = Annotated[
     option(
         "Directory of the tables.",
         "DIR",
-        "--store",
         typed=Path,
         make="calib:Store",
         built_in=STORE,
-        callback=from_settings("store"),
+        setting="store",
     ),
 ]
 Car = Annotated[
@@ -283,23 +290,18 @@ Car = Annotated[
     option(
         "Vehicle file; else that of the settings.",
         "V.toml",
-        "--vehicle",
         typed=Path,
         make=READ_VEHICLE,
         default_factory=lambda: None,
         show_default=False,
-        callback=from_settings("vehicle", f"missing; {NO_VEHICLE}"),
+        setting="vehicle",
+        needed=f"missing; {NO_VEHICLE}",
     ),
 ]
 Map = Annotated[
     "ChannelMap | None",
     option(
-        "Channel map, and DBC.",
-        "M.toml",
-        "--map",
-        typed=Path | None,
-        make=READ_MAP,
-        callback=from_settings("map"),
+        "Channel map, and DBC.", "M.toml", "--map", typed=Path | None, make=READ_MAP, setting="map"
     ),
 ]
 Mass = Annotated[
@@ -317,7 +319,6 @@ OwnEffects = Annotated[
         "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The "
         "file is executed as Python: give only files that you trust.",
         "FILE.py",
-        "--effect",
         typed=list[Path],
         make="calib.car.own_effects.read:read_own_effects",
     ),
@@ -327,11 +328,10 @@ StopLimits = Annotated[
     option(
         "Limits that decide pass or fail.",
         "L.toml",
-        "--limits",
         typed=Path | None,
         make=limits_of_stops,
         always=True,
-        callback=from_settings("limits"),
+        setting="limits",
     ),
 ]
 OtherPads = Annotated[
@@ -339,27 +339,23 @@ OtherPads = Annotated[
     option(
         "Other nominal pads than the table's; never the settings' vehicle.",
         "V.toml",
-        "--vehicle",
         typed=Path | None,
         make=READ_VEHICLE,
     ),
 ]
 KnownModel = Annotated[
-    Path | None, option("Model of `diagnose`, whose effects are then known.", "M.toml", "--model")
+    Path | None, option("Model of `diagnose`, whose effects are then known.", "M.toml")
 ]
-Workers = Annotated[
-    int | None, option("Processes; else all cores.", "N", "--workers", min=1, max=512)
-]
+Workers = Annotated[int | None, option("Processes; else all cores.", "N", min=1, max=512)]
 By = Annotated[
     str | None,
     option(
         "Who says so; else the person of the settings, or the user of this computer.",
         "NAME",
-        "--by",
-        callback=from_settings("by"),
+        setting="by",
     ),
 ]
-Reason = Annotated[str, option("Why, for the journal.", "TEXT", "--reason", make=words)]
+Reason = Annotated[str, option("Why, for the journal.", "TEXT", make=words)]
 Table = Annotated[
     str, argument("name, name@version or path of a version", "TABLE", autocompletion=table_names)
 ]
@@ -367,31 +363,17 @@ Version = Annotated[
     str, argument("name@version", "TABLE@N", make=_version, autocompletion=table_versions)
 ]
 PublicKey = Annotated[
-    str | None,
-    option(
-        "Public key: its file, or its text.",
-        "PUBLIC",
-        "--key",
-        callback=from_settings("public_key"),
-    ),
+    str | None, option("Public key: its file, or its text.", "PUBLIC", setting="public_key")
 ]
 Required = Annotated[
-    bool,
-    option(
-        "Refuse a table without a signature that holds.",
-        None,
-        "--require-signed",
-        callback=from_settings("require_signed"),
-    ),
+    bool, option("Refuse a table without a signature that holds.", None, setting="require_signed")
 ]
 SignedBy = Annotated[
     str | None,
     option(
         "Public key that must have signed: its file, or its text.",
         "PUBLIC",
-        "--key",
-        callback=from_settings(
-            "public_key", when=lambda asked: bool(asked.params["require_signed"])
-        ),
+        setting="public_key",
+        when=lambda asked: bool(asked.params["require_signed"]),
     ),
 ]

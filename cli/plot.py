@@ -3,20 +3,11 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.base.plain import counted
+from cli import options
 from cli.command import Answer, command
 from cli.console import misuse, progress, say
 from cli.logs import is_stdin, named, read
-from cli.options import (
-    Map,
-    OtherPads,
-    StopLimits,
-    Tables,
-    argument,
-    option,
-    require_known,
-    table_names,
-)
+from cli.options import argument, option, require_known, table_names
 from cli.outputs import writing
 
 if TYPE_CHECKING:
@@ -27,23 +18,11 @@ if TYPE_CHECKING:
 
 ALL = "all"
 """Value of `--figure` for each figure on its own page."""
-_GONE = {
-    "budget": "brake-cal tables show TABLE",
-    "coverage": "--figure difference",
-    "force-sum": "--figure normalised-forces",
-    "pressure": "brake-cal plot LOG --figure pressure",
-    **{f"compensation-{axle}": f"--figure pad-{axle}" for axle in ("front", "rear")},
-    **{f"torque-{axle}-left": "--figure axle-torques" for axle in ("front", "rear")},
-    **{f"error-{axle}-left": "--figure error" for axle in ("front", "rear")},
-}
-"""Figures that there were once, and what to use instead."""
 
 
 @command(
-    "brake-cal plot sedan-2up",
     "brake-cal plot sedan-2up sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.pdf",
     "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv --compare",
-    "brake-cal plot sedan-2up@1 sedan-2up@2 --figure f1-f2 --out f1f2.svg",
 )
 def plot(
     what: list[str] = argument(
@@ -53,12 +32,12 @@ def plot(
     ),
     *,
     out: Path | None = option("File to write: .png, .svg or .pdf.", "FILE", writes="picture"),
-    store: Tables,
-    vehicle: OtherPads,
+    store: options.Tables,
+    vehicle: options.OtherPads,
     figure: str | None = option("One figure of the page; 'all': each on its own.", "NAME"),
-    limits: StopLimits,
+    limits: options.StopLimits,
     compare: bool = option("Draw other methods beside the estimate of a stop."),
-    channel_map: Map,
+    channel_map: options.Map,
 ) -> Answer:
     """Draw tables, logs and results.
 
@@ -72,6 +51,7 @@ def plot(
     """
     from dataclasses import replace
 
+    from calib.base.plain import counted
     from calib.show.sheet import save
 
     given = _read(what, store, vehicle, channel_map)
@@ -90,7 +70,9 @@ def plot(
     return Answer({"files": list(files), "sheets": sheets}, "\n".join(map(str, files)))
 
 
-def _read(what: list[str], store: Tables, vehicle: OtherPads, channel_map: Map) -> "PlotInput":
+def _read(
+    what: list[str], store: options.Tables, vehicle: options.OtherPads, channel_map: options.Map
+) -> "PlotInput":
     """Read all inputs; a name that is no log and no result is a table."""
     from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
@@ -135,9 +117,6 @@ def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str
         if figure is None:
             drawn.append((sheet, {"": sheet.overview()}))
             continue
-        if figure not in sheet.names and figure in _GONE:
-            gone = f"{figure!r} is gone. Use {_GONE[figure]}."
-            raise misuse(gone, "--figure")
         require_known(figure, (*sheet.names, ALL), "figure ")
         names = sheet.names if figure == ALL else [figure]
         drawn.append((sheet, {name: sheet.figure(name) for name in names}))

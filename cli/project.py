@@ -4,57 +4,14 @@ An option asks for its value through `from_settings`, so no command looks for a 
 file is read once in a run of the program, and only if an option asks.
 """
 
-import os
 from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
 from cli.console import say
 
-if TYPE_CHECKING:
-    from calib.base.settings import Settings
-
 KEY = "cli.project"
-
-STORE = Path("tables")
-"""The store where neither the command line nor the settings file names one."""
-
-
-@dataclass(frozen=True)
-class _Project:
-    """The settings that count here; ``file`` is None where none was found.
-
-    ``named`` tells whether the environment names the file. ``searched``: the folders that were
-    looked into.
-    """
-
-    settings: "Settings"
-    file: Path | None
-    named: bool
-    searched: tuple[Path, ...]
-
-
-def find_project() -> _Project:
-    """Find and read the settings file. Raises SettingsError if it is not valid."""
-    from calib.base.settings import VARIABLE, Settings, find_settings, folders_to_search
-    from calib.base.settings_file import read_settings
-
-    named, here = os.environ.get(VARIABLE), None
-    if named is not None:
-        file = Path(named) if named else None
-    else:
-        with suppress(FileNotFoundError):  # somebody has deleted the working folder
-            here = Path.cwd()
-        found = find_settings(here) if here else None
-        file = Path(os.path.relpath(found)) if found else None
-    settings = read_settings(file) if file else Settings()
-    return _Project(
-        settings, file, named is not None, tuple(folders_to_search(here)) if here else ()
-    )
 
 
 def from_settings(
@@ -75,6 +32,8 @@ def from_settings(
             return value
         if when(context):
             if KEY not in context.meta:  # which all contexts of a run share
+                from calib.base.settings_file import find_project
+
                 context.meta[KEY] = find_project()
             setting = getattr(context.meta[KEY].settings, name)
             if setting is not None:

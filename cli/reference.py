@@ -1,7 +1,6 @@
 """`brake-cal effects`, `schema`, `settings` and `manual`: what can be looked up."""
 
 from dataclasses import fields
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 import typer
@@ -9,17 +8,14 @@ import typer
 from cli.command import Answer, command
 from cli.console import Markdown, emit, emit_json, misuse, say
 from cli.options import OwnEffects, argument, require_known
-from cli.project import STORE, find_project
 
 if TYPE_CHECKING:
-    from calib.base.record import Section
     from calib.car.effects.effect import Effect
     from calib.help.page import Page
 
 
 @command(
     "brake-cal effects",
-    "brake-cal effects hydraulic_lag",
     "brake-cal effects air_brake_flap --effect sample_logs/own_effect/air_brake_flap.py",
 )
 def effects(
@@ -50,65 +46,13 @@ def _catalogue() -> "dict[str, Effect]":
     return dict(CATALOGUE)
 
 
-SCHEMAS = {
-    "vehicle": (
-        "vehicle.toml: masses, lengths and brakes of a car",
-        "calib.car.vehicle_file:VehicleFile",
-    ),
-    "model": (
-        "model.toml: pads, tyre, effects and roads of a simulation",
-        "calib.car.model_file:ModelFile",
-    ),
-    "limits": ("limits.toml: the allowed range of each metric", ""),
-    "channel-map": (
-        "map.toml: which column of a foreign log is which channel",
-        "calib.logs.channel_map_file:ChannelMapFile",
-    ),
-    "settings": (
-        "brake-cal.toml: what options say that are not given",
-        "calib.base.settings_file:SettingsFile",
-    ),
-    "table": (
-        "record.json: a stored table without its curves",
-        "calib.store.record_file:RecordFile",
-    ),
-    "summary": (
-        "summary.json of a validation, as far as an export reads it",
-        "calib.store.record_file:SummaryFile",
-    ),
-    "vehicle-facts": (
-        "what `vehicle show --json` prints of a vehicle file",
-        "calib.car.facts_file:VehicleFactsFile",
-    ),
-    "error": (
-        "what a command with --json prints where it ends with an error",
-        "calib.base.record:ErrorFile",
-    ),
-}
-"""Kinds of files: their content, and where their class stands."""
-
-
-def section(name: str) -> "type[Section]":
-    """The class of a kind of file."""
-    from calib.estimation.limits_file import limits_schema
-    from calib.estimation.metrics import METRICS as OF_STOPS
-    from calib.line.gauge.study import known_limits
-    from calib.line.station.metrics import METRICS as OF_CAR
-
-    if name == "limits":
-        return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
-    module, _, kind = SCHEMAS[name][1].partition(":")
-    found: type[Section] = getattr(import_module(module), kind)
-    return found
-
-
 def _kinds() -> list[str]:
-    from calib.help.documents import documents
+    from calib.help.documents import FILES, documents
 
-    return [*SCHEMAS, *documents()]
+    return [*FILES, *documents()]
 
 
-@command("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
+@command("brake-cal schema vehicle", "brake-cal schema fit-json")
 def schema(
     name: str | None = argument(
         "One kind of file; if not given, the list.", "NAME", autocompletion=_kinds
@@ -124,14 +68,14 @@ def schema(
     the keys of the first level.
     """
     from calib.base.record import json_schema
-    from calib.help.documents import documents
+    from calib.help.documents import FILES, documents, section
     from calib.show.facts import Facts
 
-    files = {name: about for name, (about, _) in SCHEMAS.items()}
+    files = {name: about for name, (about, _) in FILES.items()}
     written = {name: one.title.replace("`", "") for name, one in documents().items()}
     if name is not None:
         require_known(name, _kinds(), "file ")
-        emit_json(json_schema(section(name)) if name in SCHEMAS else documents()[name].schema)
+        emit_json(json_schema(section(name)) if name in FILES else documents()[name].schema)
     elif json:
         emit_json({"schema": 1, "files": files, "documents": written})
     else:
@@ -165,7 +109,8 @@ def settings() -> Answer:
     station  station: name is --station, golden is --golden, export is --export
     keys.public, require_signed, by   who signs and changes the state of tables
     """  # noqa: D301
-    from calib.base.settings import NAME, VARIABLE
+    from calib.base.settings import NAME, STORE, VARIABLE
+    from calib.base.settings_file import find_project
     from calib.show.facts import Facts, Table
     from calib.store.state import user
 

@@ -3,18 +3,16 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.base.plain import counted
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress, say
 from cli.logs import read
 from cli.options import Map, argument, option
 from cli.outputs import check_folder, write_folder
-from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.car.vehicle import Vehicle
     from calib.line.gauge.plan import Place
-    from calib.line.gauge.study import GaugeReading, GaugeResult, GaugeStudy
+    from calib.line.gauge.study import GaugeReading
     from calib.table.table import LogReference
 
 DOCUMENT, PICTURE = "repeatability.json", "repeatability.png"
@@ -30,7 +28,7 @@ def repeatability(
     vehicle: Path | None = option(
         "Vehicle, if the plan names none per log; else that of the settings.",
         "V.toml",
-        callback=from_settings("vehicle"),
+        setting="vehicle",
     ),
     plan: Path | None = option("Columns log,car,station,road,vehicle.", "P.csv"),
     road: str | None = option("Judge the ramps of this road of the plan.", "NAME"),
@@ -56,7 +54,7 @@ def repeatability(
     up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
     is then given of that too.
     """
-    from calib.line.gauge.study import METRICS, read_gauge_limits, study
+    from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict
     from calib.show.repeatability import facts, sheet
     from calib.show.sheet import render
 
@@ -65,7 +63,7 @@ def repeatability(
     places = _places(logs or [], plan, road, folders)
     readings = _readings(places, vehicle, channel_map, eta / 100.0, quantity or list(METRICS))
     found = study(readings, held, eta / 100.0)
-    document = _document(found)
+    document = to_dict(found)
     if out is not None:
         written = json_text({"schema": 1, **document}).encode()
         picture = render(sheet(found).overview(), ".png")
@@ -110,6 +108,7 @@ def _readings(
     reference: float,
     names: list[str],
 ) -> "tuple[GaugeReading, ...]":
+    from calib.base.plain import counted
     from calib.car.vehicle_file import read_vehicle
     from calib.fitting.fit import fit
     from calib.line.gauge.study import GaugeReading, metrics_of, refuse_repeated
@@ -133,45 +132,3 @@ def _readings(
             )
             step()
     return tuple(readings)
-
-
-def _document(found: "GaugeStudy") -> dict[str, object]:
-    return {
-        "passed": found.passed,
-        "cars": found.cars,
-        "stations": found.stations,
-        "reference_eta_rise": found.reference,
-        "notes": found.notes,
-        "ramps": [
-            {k: getattr(r, k) for k in ("log", "car", "station", "digest")} | {"figures": r.metrics}
-            for r in found.readings
-        ],
-        "quantities": {result.name: _entry(result) for result in found.results},
-    }
-
-
-def _entry(result: "GaugeResult") -> dict[str, object]:
-    entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
-    if result.analysis is None or result.gauge is None:
-        return entry | dict.fromkeys(
-            ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
-        )
-    g = result.gauge
-    return entry | {
-        "mean": float(result.values.mean()),
-        "anova": [
-            {"source": s.name, "df": s.df, "ss": s.ss, "ms": s.ms, "effective_df": s.effective_df}
-            for s in result.analysis.sources
-        ],
-        "components": {
-            name: {"sd": c.sd, "ci95": c.sd95, "variance": c.variance, "raw_variance": c.raw}
-            for name, c in g.components.items()
-        },
-        "negative": g.negative,
-        "grr": {"value": g.grr, "ci95": g.grr95},
-        "ndc": {"value": g.categories, "uncut": g.ndc, "ci95": g.ndc95},
-        "grr_of_tolerance": None
-        if g.tolerance is None
-        else {"value": g.tolerance, "ci95": g.tolerance95},
-        "cars_differ": g.cars_differ,
-    }

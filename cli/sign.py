@@ -1,13 +1,17 @@
-"""`brake-cal tables sign`: a person signs a version of a table, or makes the keys for it."""
+"""`brake-cal tables sign`, and what other commands ask of signatures by --require-signed."""
 
 import sys
 from getpass import getpass
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from cli.command import Answer, command
 from cli.console import misuse, say
 from cli.options import By, Tables, argument, option, table_versions
+
+if TYPE_CHECKING:
+    from calib.store.minisign import PublicKey
+    from calib.store.version import Stored
 
 
 @command(
@@ -107,3 +111,30 @@ def _typed(prompt: str) -> str:
 
 def _refuse() -> NoReturn:
     raise misuse("no password was typed") from None
+
+
+def key_of(required: bool, key: str | None) -> "PublicKey | None":
+    """The key that must have signed; None where no signature is asked for."""
+    from calib.store.minisign import read_public_key
+
+    if key and not required:
+        raise misuse("only with --require-signed", "--key")
+    if required and not key:
+        raise misuse(
+            "needs --key PUBLIC, or public under [keys] of brake-cal.toml", "--require-signed"
+        )
+    return read_public_key(key) if key else None
+
+
+def check_signed(table: str, stored: "Stored", public: "PublicKey | None") -> None:
+    """Raise SignatureRefused unless a signature of the key holds; None asks for none.
+
+    ``table`` is what was typed: a bare name means the newest version that may be used.
+    """
+    from calib.store.signature import require_signed
+
+    if public is not None:
+        found = require_signed(stored, public, newest=table == stored.name)
+        say(f"{stored.id} is signed as {found.statement.state} by key {public.key_id}")
+        if found.note:
+            say(found.note)

@@ -8,7 +8,6 @@ from cli.console import at_option, misuse, say
 from cli.logs import named, read
 from cli.options import READ_MAP, Car, OwnEffects, argument, option, quantity
 from cli.outputs import refuse_foreign, writing
-from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.car.model import Model
@@ -25,7 +24,6 @@ def _of(si: str, text: str) -> Any:
 
 @command(
     "brake-cal simulate --manoeuvre ramp --vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
-    "brake-cal simulate ramp.csv --vehicle sample_logs/sedan/vehicle.toml --out again.csv",
     "brake-cal simulate --manoeuvre stop --deceleration '0.4 g' --noise 1 "
     "--vehicle sample_logs/sedan/vehicle.toml --out stop.csv",
 )
@@ -53,7 +51,8 @@ def simulate(
         "--map",
         typed=Path | None,
         make=READ_MAP,
-        callback=from_settings("map", when=lambda c: c.params.get("log") is not None),
+        setting="map",
+        when=lambda c: c.params.get("log") is not None,
     ),
 ) -> Answer:
     """Drive a model of a car by the pressure of a log.

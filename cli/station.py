@@ -5,29 +5,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cli import options
 from cli.command import FAILED, Answer, command
 from cli.console import misuse, progress, say, this_run
 from cli.fit import tell_kin
 from cli.logs import read
-from cli.options import (
-    By,
-    Car,
-    Map,
-    Mass,
-    Required,
-    SignedBy,
-    Tables,
-    argument,
-    day,
-    limits_of_car,
-    logs_by_name,
-    option,
-    table_names,
-    words,
-)
+from cli.options import argument, day, limits_of_car, logs_by_name, option, table_names, words
 from cli.outputs import check_folder, stems_of, write_file, writing
-from cli.project import from_settings
-from cli.signed import check_signed, key_of
+from cli.sign import check_signed, key_of
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
@@ -46,7 +31,7 @@ def station(
     ramp: Path = argument("Ramp for the fit of the table.", "RAMP"),
     holdouts: list[Path] = logs_by_name("Stops to validate it on.", "HOLDOUT..."),
     *,
-    vehicle: Car,
+    vehicle: options.Car,
     out: Path = option("Write all files here.", "DIR", writes="folder"),
     limits: "tuple[Limit, ...]" = option(
         "Limits, see `brake-cal limits`.",
@@ -54,7 +39,7 @@ def station(
         typed=Path | None,
         make=limits_of_car,
         always=True,
-        callback=from_settings("limits"),
+        setting="limits",
     ),
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
@@ -62,34 +47,32 @@ def station(
         "Golden table of the model; a bare name is its newest released version.",
         "TABLE",
         autocompletion=table_names,
-        callback=from_settings("golden"),
+        setting="golden",
     ),
     accept_warnings: str | None = option(
         "Release a car with warnings, and say why.", "REASON", make=words
     ),
-    by: By,
+    by: options.By,
     serial: str | None = option("Serial number.", "S"),
     vin: str | None = option("Vehicle identification.", "V"),
-    name: str | None = option(
-        "Name of the station.", "NAME", "--station", callback=from_settings("station")
-    ),
+    name: str | None = option("Name of the station.", "NAME", "--station", setting="station"),
     rxswin: str | None = option("Software identification, UN R156.", "R"),
-    mass: Mass,
+    mass: options.Mass,
     export: list[str] = option(
         "Export as `tables export`; repeatable.",
         "F",
         known="calib.exports.export:ENDINGS",
-        callback=from_settings("export"),
+        setting="export",
     ),
     date: str | None = option(
         "Date of the report and in a cdfx, which else has that of storing the table.",
         "YYYY-MM-DD",
         make=day,
     ),
-    store: Tables,
-    channel_map: Map,
-    require_signed: Required,
-    key: SignedBy,
+    store: options.Tables,
+    channel_map: options.Map,
+    require_signed: options.Required,
+    key: options.SignedBy,
 ) -> Answer:
     """Fit, validate and judge one car at the end of the line.
 
@@ -162,7 +145,7 @@ def station(
     return Answer(document, facts(found, stored), FAILED * (not found.passed))
 
 
-def _golden(store: Tables, reference: str) -> "Stored":
+def _golden(store: options.Tables, reference: str) -> "Stored":
     """The table by which others are measured: released, or a draft that is named by its version."""
     from calib.base.errors import StoreError
 

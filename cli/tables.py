@@ -3,21 +3,11 @@
 from pathlib import Path
 from typing import Annotated
 
+from cli import options
 from cli.command import DAMAGED, Answer, add, command, group
 from cli.console import misuse, say
 from cli.exchange import compare, export, merge
-from cli.options import (
-    By,
-    PublicKey,
-    Reason,
-    Table,
-    Tables,
-    Version,
-    argument,
-    day,
-    option,
-    table_names,
-)
+from cli.options import argument, day, option, table_names
 from cli.sign import sign
 
 
@@ -30,7 +20,7 @@ def list_(
     serial: str | None = option("Serial number.", "S"),
     vin: str | None = option("Vehicle identification.", "V"),
     since: str | None = option("Stored on this day or later.", "YYYY-MM-DD", make=day),
-    store: Tables,
+    store: options.Tables,
 ) -> Answer:
     """List every version of every table, or those of a car."""
     from calib.show.store import listed
@@ -43,7 +33,7 @@ def list_(
 
 
 @command("brake-cal tables show sedan-2up")
-def show(table: Table, *, store: Tables) -> Answer:
+def show(table: options.Table, *, store: options.Tables) -> Answer:
     """Say whether a table may be used, and how good it is.
 
     Prints its quality, its origin and its curves, and last the verdict.
@@ -72,7 +62,7 @@ def show(table: Table, *, store: Tables) -> Answer:
 def log(
     table: str = argument("name, or name@version", "TABLE", autocompletion=table_names),
     *,
-    store: Tables,
+    store: options.Tables,
 ) -> Answer:
     """Print what happened to a table: when, by whom and why."""
     from calib.show.store import history
@@ -92,7 +82,7 @@ def diff(
     a: str = argument("name, name@version or path", "A", autocompletion=table_names),
     b: str = argument("name, name@version or path", "B", autocompletion=table_names),
     *,
-    store: Tables,
+    store: options.Tables,
 ) -> Answer:
     """Say whether and where two tables differ.
 
@@ -120,8 +110,8 @@ def diff(
 def verify(
     name: str | None = argument("one table; if not given, all", "NAME", autocompletion=table_names),
     *,
-    key: PublicKey,
-    store: Tables,
+    key: options.PublicKey,
+    store: options.Tables,
 ) -> Answer:
     """Say which versions of a store are damaged.
 
@@ -155,7 +145,7 @@ def verify(
     return Answer(document, verified(verdicts, bool(key)) if rows else none, DAMAGED * (not sound))
 
 
-_Proof = Annotated[
+Proof = Annotated[
     Path | None, option("summary.json of a validation, or station.json.", "FILE", "--evidence")
 ]
 
@@ -164,7 +154,14 @@ _Proof = Annotated[
     'brake-cal tables release sedan-2up@2 --reason "four stops agree" '
     "--evidence results/sedan/summary.json"
 )
-def release(table: Version, *, reason: Reason, evidence: _Proof, by: By, store: Tables) -> Answer:
+def release(
+    table: options.Version,
+    *,
+    reason: options.Reason,
+    evidence: Proof,
+    by: options.By,
+    store: options.Tables,
+) -> Answer:
     """Release a version, so that it may be exported.
 
     Others are measured by it, too. With --evidence the file must be of this version and must not
@@ -174,7 +171,14 @@ def release(table: Version, *, reason: Reason, evidence: _Proof, by: By, store: 
 
 
 @command('brake-cal tables reject sedan-2up@1 --reason "one ramp only"')
-def reject(table: Version, *, reason: Reason, evidence: _Proof, by: By, store: Tables) -> Answer:
+def reject(
+    table: options.Version,
+    *,
+    reason: options.Reason,
+    evidence: Proof,
+    by: options.By,
+    store: options.Tables,
+) -> Answer:
     """Reject a version, so that it is no longer used.
 
     A bare name never means it, and it is not exported.
@@ -183,7 +187,9 @@ def reject(table: Version, *, reason: Reason, evidence: _Proof, by: By, store: T
 
 
 @command('brake-cal tables withdraw sedan-2up@1 --reason "brake pads recalled"')
-def withdraw(table: Version, *, reason: Reason, by: By, store: Tables) -> Answer:
+def withdraw(
+    table: options.Version, *, reason: options.Reason, by: options.By, store: options.Tables
+) -> Answer:
     """Withdraw a version for good.
 
     A bare name never means it, and it is not exported. A version that is missing and cannot be
@@ -198,7 +204,7 @@ def withdraw(table: Version, *, reason: Reason, by: By, store: Tables) -> Answer
 
 
 def _judged(
-    store: Tables, table: str, word: str, reason: str, by: str | None, evidence: Path | None
+    store: options.Tables, table: str, word: str, reason: str, by: str | None, evidence: Path | None
 ) -> Answer:
     from calib.store.evidence import read_evidence
     from calib.store.state import StateDecision

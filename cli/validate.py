@@ -3,26 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cli import options
 from cli.command import FAILED, Answer, command
 from cli.console import complain, progress, say, this_run
 from cli.fit import origin
 from cli.logs import named, read
-from cli.options import (
-    KnownModel,
-    Map,
-    Mass,
-    OtherPads,
-    OwnEffects,
-    Required,
-    SignedBy,
-    StopLimits,
-    Table,
-    Tables,
-    logs,
-    option,
-)
+from cli.options import logs, option
 from cli.outputs import check_folder, stems_of, writing
-from cli.signed import check_signed, key_of
+from cli.sign import check_signed, key_of
 
 if TYPE_CHECKING:
     from calib.base.errors import LogError
@@ -36,19 +24,19 @@ if TYPE_CHECKING:
     report=True,
 )
 def validate(
-    table: Table,
+    table: options.Table,
     logs: list[Path] = logs("Hold-out logs."),
     *,
-    store: Tables,
-    vehicle: OtherPads,
-    model: KnownModel,
-    effect: OwnEffects,
-    mass: Mass,
-    limits: StopLimits,
+    store: options.Tables,
+    vehicle: options.OtherPads,
+    model: options.KnownModel,
+    effect: options.OwnEffects,
+    mass: options.Mass,
+    limits: options.StopLimits,
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
-    channel_map: Map,
-    require_signed: Required,
-    key: SignedBy,
+    channel_map: options.Map,
+    require_signed: options.Required,
+    key: options.SignedBy,
 ) -> Answer:
     """Run the estimator with a table on other logs, and judge it.
 

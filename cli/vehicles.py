@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from calib.base.plain import counted
 from cli.command import FAILED, UNREADABLE, Answer, add, command, group
 from cli.console import complain, misuse, say, this_run, warn
 from cli.options import argument, option
@@ -100,6 +99,7 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     as a mass that is 10 % wrong, is not seen.
     """
     from calib.base.errors import InputError
+    from calib.base.plain import counted
     from calib.base.warning import to_dict
     from calib.car.plausible import plausible, to_confirm
     from calib.car.vehicle_file import read_vehicle

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 NAME = "brake-cal.toml"
+STORE = Path("tables")
+"""The store where neither the command line nor the settings file names one."""
 VARIABLE = "BRAKE_CAL_SETTINGS"
 """Environment variable: the path of a settings file; empty for none."""
 

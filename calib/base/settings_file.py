@@ -1,6 +1,8 @@
 """`brake-cal.toml`: the settings of a project; `brake-cal schema settings` has its keys."""
 
 import os
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +11,7 @@ from pydantic import BeforeValidator
 from calib.base.errors import SettingsError
 from calib.base.record import FileSchema, Section, read_toml
 from calib.base.record_errors import shown, wrong
-from calib.base.settings import Settings, is_key
+from calib.base.settings import VARIABLE, Settings, find_settings, folders_to_search, is_key
 
 
 def _text(written: object) -> object:
@@ -72,4 +74,34 @@ def read_settings(path: Path) -> Settings:
         public_key=public if public and is_key(public) else place(public),
         require_signed=file.require_signed,
         by=file.by,
+    )
+
+
+@dataclass(frozen=True)
+class Project:
+    """The settings that count here; ``file`` is None where none was found.
+
+    ``named`` tells whether the environment names the file. ``searched``: the folders that were
+    looked into.
+    """
+
+    settings: Settings
+    file: Path | None
+    named: bool
+    searched: tuple[Path, ...]
+
+
+def find_project() -> Project:
+    """Find and read the settings file. Raises SettingsError if it is not valid."""
+    named, here = os.environ.get(VARIABLE), None
+    if named is not None:
+        file = Path(named) if named else None
+    else:
+        with suppress(FileNotFoundError):  # somebody has deleted the working folder
+            here = Path.cwd()
+        found = find_settings(here) if here else None
+        file = Path(os.path.relpath(found)) if found else None
+    settings = read_settings(file) if file else Settings()
+    return Project(
+        settings, file, named is not None, tuple(folders_to_search(here)) if here else ()
     )

@@ -4,6 +4,7 @@ import hashlib
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
@@ -71,6 +72,47 @@ class Exported:
     def sha256(self) -> str:
         """SHA-256 of the file [hex]."""
         return hashlib.sha256(self.content).hexdigest()
+
+    @property
+    def rounded(self) -> list[dict[str, Any]]:
+        """Each object of a fixed point: its step, and the errors of rounding and of reading."""
+        return [
+            {
+                "label": one.label,
+                "step": one.fixed.step,
+                "error": one.fixed.error,
+                "read_error": getattr(one, "fixed_misfit", None),
+            }
+            for one in self.data.objects
+            if one.fixed is not None
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON document of an export."""
+        data, rounded = self.data, self.rounded
+        axes = [
+            {
+                "label": axis.label,
+                "points": len(axis.values),
+                "rows": axis.rows,
+                "curves": [curve.label for curve in data.curves if curve.axis.label == axis.label],
+                "worst": axis.misfit.worst,
+                "worst_at": axis.misfit.at,
+                "rms": axis.misfit.rms,
+            }
+            for axis in data.axes
+        ]
+        return {
+            **data.facts(),
+            "version": data.stored.version,
+            "format": self.form,
+            "out": self.path,
+            "bytes": len(self.content),
+            "sha256": self.sha256,
+            "axes": axes,
+            "remarks": list(self.remarks),
+            "fixed_point": {"bits": data.bits, "objects": rounded} if rounded else None,
+        }
 
 
 def export(

@@ -5,6 +5,8 @@ import importlib.util
 import os
 import platform
 import re
+import shutil
+import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import suppress
@@ -12,10 +14,11 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
-from calib.base.errors import InputError
+from calib.base.errors import InputError, SettingsError
 from calib.base.plain import counted
 from calib.base.processes import cores
 from calib.base.program import NAME
+from calib.base.settings import STORE
 from calib.help.samples import sample_logs
 from calib.store.folders import names_in, unplaced, versions_in
 
@@ -127,9 +130,31 @@ def _judged(name: str, good: bool, what: str, do: str, otherwise: str = NOTE) ->
     return Finding(name, FINE if good else otherwise, what, "" if good else do)
 
 
-def examine(store: Path) -> tuple[Finding, ...]:
-    """Look at everything but settings and terminal, which are the command line's."""
-    return (*_packages(), *_machine(), *_store(store), *_samples())
+def examine(store: Path | None = None) -> tuple[Finding, ...]:
+    """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
+    settings, usual = _settings()
+    found = (*_packages(), *_machine(), *_store(store or usual or STORE), *_samples())
+    return (*found, settings, *_terminal())
+
+
+def _settings() -> tuple[Finding, Path | None]:
+    """The settings file, and the store that it names."""
+    from calib.base.settings_file import find_project
+
+    try:
+        project = find_project()
+    except SettingsError as error:
+        return Finding("settings", WRONG, str(error), "mend the file"), None
+    what = str(project.file) if project.file else "no brake-cal.toml: the usual values"
+    return Finding("settings", FINE, what), project.settings.store
+
+
+def _terminal() -> Iterator[Finding]:
+    width, kind = shutil.get_terminal_size().columns, "terminal" if sys.stdout.isatty() else "pipe"
+    encoding = sys.stdout.encoding or "unknown"
+    plain = encoding.lower().replace("-", "") == "utf8"
+    do = "" if plain else "set PYTHONUTF8=1 for names with other letters"
+    yield Finding("output", FINE if plain else NOTE, f"{kind}, {width} columns, {encoding}", do)
 
 
 def _packages() -> Iterator[Finding]:

@@ -12,10 +12,14 @@ import re
 import tomllib
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from calib.help.page import FOLDER
+
+if TYPE_CHECKING:
+    from calib.base.record import Section
 
 FILE = Path(__file__).with_name("documents.toml")
 PAGE = FOLDER / "reference.md"
@@ -108,6 +112,58 @@ def documents() -> dict[str, Document]:
         )
         for name, one in written.items()
     }
+
+
+FILES = {
+    "vehicle": (
+        "vehicle.toml: masses, lengths and brakes of a car",
+        "calib.car.vehicle_file:VehicleFile",
+    ),
+    "model": (
+        "model.toml: pads, tyre, effects and roads of a simulation",
+        "calib.car.model_file:ModelFile",
+    ),
+    "limits": ("limits.toml: the allowed range of each metric", ""),
+    "channel-map": (
+        "map.toml: which column of a foreign log is which channel",
+        "calib.logs.channel_map_file:ChannelMapFile",
+    ),
+    "settings": (
+        "brake-cal.toml: what options say that are not given",
+        "calib.base.settings_file:SettingsFile",
+    ),
+    "table": (
+        "record.json: a stored table without its curves",
+        "calib.store.record_file:RecordFile",
+    ),
+    "summary": (
+        "summary.json of a validation, as far as an export reads it",
+        "calib.store.record_file:SummaryFile",
+    ),
+    "vehicle-facts": (
+        "what `vehicle show --json` prints of a vehicle file",
+        "calib.car.facts_file:VehicleFactsFile",
+    ),
+    "error": (
+        "what a command with --json prints where it ends with an error",
+        "calib.base.record:ErrorFile",
+    ),
+}
+"""Kinds of files: their content, and where their class stands."""
+
+
+def section(name: str) -> "type[Section]":
+    """The class of a kind of file."""
+    from calib.estimation.limits_file import limits_schema
+    from calib.estimation.metrics import METRICS as OF_STOPS
+    from calib.line.gauge.study import known_limits
+    from calib.line.station.metrics import METRICS as OF_CAR
+
+    if name == "limits":
+        return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
+    module, _, kind = FILES[name][1].partition(":")
+    found: type[Section] = getattr(import_module(module), kind)
+    return found
 
 
 def page_of(text: str) -> str:

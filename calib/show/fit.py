@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plus_minus
+from calib.base.warning import to_dict
 from calib.car.mass import MassUsed
 from calib.logs.log import Log
 from calib.show.facts import PASSED, WARNING, Facts, Picture, Table
@@ -15,6 +16,7 @@ from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, pads_budget
+from calib.table.budget import summary as budget_summary
 
 CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
 
@@ -83,3 +85,23 @@ def _figures(stored: Stored) -> Table:
         ("Front axle locks first up to", f"{q['front_biased_up_to']:.2f}", "", "g"),
     ]
     return Table(("figure", "value", "95 % interval", "unit"), rows, "What was estimated.")
+
+
+def document(stored: Stored, mass: MassUsed) -> dict[str, object]:
+    """The JSON document of a fit."""
+    table = stored.table
+    return {
+        "table": stored.id,
+        "digest": stored.digest,
+        "path": stored.path,
+        "state": stored.state.word,
+        "new": not stored.existed,
+        "answer": answer(stored),
+        "calibration": table.calibration,
+        "budget": budget_summary(*pads_budget(table)),
+        "effects": table.effect_values,
+        "quality": table.quality,
+        "remarks": table.remarks,
+        "warnings": [to_dict(warning) for warning in table.warnings],
+        "mass": mass,
+    }

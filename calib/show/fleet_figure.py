@@ -6,17 +6,19 @@ in order       cars as points, centre and the same limits; where the level chang
                3 sigma of a steady line and the alarms of the run rules
 """
 
+import json
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from calib.base.plain import plain
 from calib.line.fleet.control_chart import FEWEST, RULES
 from calib.line.fleet.summary import Look, Summary, in_words
-from calib.show.sheet import Panel, Sheet
+from calib.show.sheet import Panel, Sheet, render
 from calib.show.style import (
     BODY,
     DASHED,
@@ -44,6 +46,8 @@ LINE = 32
 TAIL, WIDEST = 6.0, 20.0
 """Range of the axes about the median, in scales; a value beyond is a mark at the edge. It grows to
 the second one where the limits beyond which a log is named are wider."""
+DOCUMENT = "fleet.json"
+"""The document of a report, beside its pictures."""
 
 
 def sheet(found: Summary, look: Look) -> Sheet:
@@ -188,3 +192,21 @@ def _axis(look: Look) -> str:
 def picture_name(figure: str) -> str:
     """File name of the picture of a metric; valid for any column name."""
     return re.sub(r"[^\w.-]", "_", figure) + ".png"
+
+
+def pictures_of(found: Summary, step: Callable[[], None]) -> dict[str, bytes]:
+    """A PNG of each metric with values, by its file name."""
+    pictures = {}
+    for look in (look for look in found.looks if look.values.size):
+        pictures[picture_name(look.metric.name)] = render(sheet(found, look).overview(), ".png")
+        step()
+    return pictures
+
+
+def earlier_pictures(out: Path) -> set[str]:
+    """File names of the pictures of an earlier report in ``out``."""
+    try:
+        figures = json.loads((out / DOCUMENT).read_text(encoding="utf-8"))["figures"]
+        return {picture_name(name) for name in figures}
+    except (OSError, ValueError, TypeError, KeyError):
+        return set()

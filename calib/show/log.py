@@ -6,6 +6,8 @@ so that no peak is lost.
 """
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -271,3 +273,31 @@ def envelope(time: Array, values: Array) -> tuple[Array, Array]:
     ends = [np.minimum.reduceat(low, edges[:-1]), np.maximum.reduceat(high, edges[:-1])]
     drawn = np.ravel(ends, order="F")
     return at, np.where(np.isfinite(drawn), drawn, np.nan)
+
+
+def written(log: WholeLog, out: Path) -> dict[str, Any]:
+    """What the JSON document says of a log that was written to ``out``."""
+    return {
+        "log": log.source,
+        "out": out,
+        "rows": int(log.columns[0].values.size),
+        "columns": [{"name": column.name, "unit": column.unit} for column in log.columns],
+        "notes": log.notes,
+    }
+
+
+def document(
+    log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]
+) -> dict[str, object]:
+    """What the JSON document says of a log and its columns."""
+    return {
+        "log": log.name,
+        "source": log.source,
+        "digest": log.digest,
+        "rows": log.time.size,
+        "start": log.time[0],
+        "end": log.time[-1],
+        "columns": columns,
+        "events": events,
+        "notes": log.notes,
+    }

@@ -149,7 +149,7 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
         (("sedan@1", "--vehicle", WRONG), 2, "only with a TABLE and a LOG"),
         (("sedan@1", "--compare"), 2, "only with a TABLE and a LOG"),
         (("sedan@1", "--out", f"{STOP}/a.png"), 2, "not a directory"),
-        (("sedan@1", "--figure", "coverage"), 2, "Use --figure difference"),
+        (("sedan@1", "--figure", "coverage"), 2, "--figure difference"),
         (("nothing.csv",), 3, "no such file"),
         (("sedna",), 2, "did you mean 'sedan'"),
     ],

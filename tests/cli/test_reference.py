@@ -13,9 +13,8 @@ from jsonschema import Draft202012Validator
 from calib.car import forces
 from calib.car.effects.catalogue import CATALOGUE
 from calib.help import checks
-from calib.help.documents import documents
+from calib.help.documents import FILES, documents
 from calib.help.page import contents
-from cli.reference import SCHEMAS
 from tests.cli.conftest import told
 from tests.test_layers import HEAVY
 
@@ -49,7 +48,7 @@ def refusals():
         Draft202012Validator.check_schema(schema)
         return Draft202012Validator(schema)
 
-    validators = {kind: validator(kind) for kind in SCHEMAS}
+    validators = {kind: validator(kind) for kind in FILES}
     return lambda kind, document: [
         ".".join(map(str, error.path)) for error in validators[kind].iter_errors(document)
     ]
@@ -57,8 +56,8 @@ def refusals():
 
 def test_schemas_are_listed_and_those_of_documents_printed(brake_cal):
     listed = told(brake_cal("schema", "--json"))
-    assert (list(listed["files"]), list(listed["documents"])) == ([*SCHEMAS], [*documents()])
-    assert len(brake_cal("schema").out.splitlines()) == len(SCHEMAS) + len(documents())
+    assert (list(listed["files"]), list(listed["documents"])) == ([*FILES], [*documents()])
+    assert len(brake_cal("schema").out.splitlines()) == len(FILES) + len(documents())
     assert json.loads(brake_cal("schema", "fit-json").out) == documents()["fit-json"].schema
 
 

@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from calib.base.record import json_schema
-from cli.reference import section
+from calib.help.documents import section
 from tests.support.manual import LANGUAGES, PAGES, examples, run, working_folder
 
 RUN = [page for page in PAGES if any(example.is_run for example in examples(page))]

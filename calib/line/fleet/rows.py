@@ -50,6 +50,26 @@ class Row:
     cells: tuple[Cell, ...] = ()
     lost: bool = False
 
+    def to_dict(self, command: Command) -> dict[str, object]:
+        """The row of a command as one JSON document."""
+        head = {"log": self.log, "digest": self.digest, "status": self.status, "error": self.error}
+        return {**head, "figures": self._metrics(command)}
+
+    def line(self, command: Command) -> str:
+        """The row of a command in one line: its status or error, and the pads where it has them."""
+        if self.error is not None:
+            return f"{self.log}: error: {self.error.removeprefix(f'{self.log}: ')}"
+        metrics = self._metrics(command)
+        broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
+        front, rear = metrics.get("pad_friction_f"), metrics.get("pad_friction_r")
+        known = isinstance(front, float) and isinstance(rear, float)
+        pads = f", pads {front:.3f} / {rear:.3f}" if known else ""
+        return f"{self.log}: {self.status}{broken}{pads}"
+
+    def _metrics(self, command: Command) -> dict[str, Cell]:
+        names = (column.name for column in columns_of(command))
+        return dict(zip(names, self.cells, strict=False))
+
 
 def finite(value: float | None) -> float | None:
     """A float, or None if ``value`` is None or not finite."""

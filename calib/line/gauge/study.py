@@ -298,3 +298,52 @@ def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
             "variances from their expectations, intervals approximate"
         )
     return notes
+
+
+def to_dict(found: GaugeStudy) -> dict[str, object]:
+    """The JSON document of a study."""
+    return {
+        "passed": found.passed,
+        "cars": found.cars,
+        "stations": found.stations,
+        "reference_eta_rise": found.reference,
+        "notes": found.notes,
+        "ramps": [
+            {
+                "log": r.log,
+                "car": r.car,
+                "station": r.station,
+                "figures": r.metrics,
+                "digest": r.digest,
+            }
+            for r in found.readings
+        ],
+        "quantities": {result.name: _entry(result) for result in found.results},
+    }
+
+
+def _entry(result: GaugeResult) -> dict[str, object]:
+    entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
+    if result.analysis is None or result.gauge is None:
+        return entry | dict.fromkeys(
+            ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
+        )
+    g = result.gauge
+    return entry | {
+        "mean": float(result.values.mean()),
+        "anova": [
+            {"source": s.name, "df": s.df, "ss": s.ss, "ms": s.ms, "effective_df": s.effective_df}
+            for s in result.analysis.sources
+        ],
+        "components": {
+            name: {"sd": c.sd, "ci95": c.sd95, "variance": c.variance, "raw_variance": c.raw}
+            for name, c in g.components.items()
+        },
+        "negative": g.negative,
+        "grr": {"value": g.grr, "ci95": g.grr95},
+        "ndc": {"value": g.categories, "uncut": g.ndc, "ci95": g.ndc95},
+        "grr_of_tolerance": None
+        if g.tolerance is None
+        else {"value": g.tolerance, "ci95": g.tolerance95},
+        "cars_differ": g.cars_differ,
+    }
