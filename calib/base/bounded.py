@@ -19,7 +19,7 @@ from pathlib import Path
 from calib.base.errors import BrakeCalError, SettingsError
 
 _MEGA = 1_000_000
-VARIABLE = "BRAKE_CAL_MOST_"
+_VARIABLE = "BRAKE_CAL_MOST_"
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class FileKind:
     @property
     def variable(self) -> str:
         """The variable of the environment that gives another bound, in MB."""
-        return f"{VARIABLE}{self.name.upper()}"
+        return f"{_VARIABLE}{self.name.upper()}"
 
     @property
     def most(self) -> int:

@@ -93,16 +93,16 @@ def mixture_posterior(
 # A quantity that is not below zero where it is there: half of a normal distribution of ``spread`` M
 # there, zero where not; seen as x with the same ``sigma`` u. h = hypot(u, M).
 
-MOST = 300.0
+_MOST = 300.0
 """Largest logarithm of a ratio: more is sure."""
 
-FAR = -5.0
+_FAR = -5.0
 """Standard deviations below zero from which the quantity is as good as none."""
 
 
 def likelihood_ratio(x: float, sigma: float, spread: float) -> float:
     """How much likelier x is where the quantity is there than where it is not; at most e^300."""
-    return math.exp(min(log_likelihood_ratio(x, sigma, spread), MOST))
+    return math.exp(min(log_likelihood_ratio(x, sigma, spread), _MOST))
 
 
 def log_likelihood_ratio(x: float, sigma: float, spread: float) -> float:
@@ -127,7 +127,7 @@ def mean_square(x: float, sigma: float, spread: float) -> float:
     """
     h = math.hypot(sigma, spread)
     s = sigma * spread / h
-    t = max(x / sigma * spread / h, FAR)
+    t = max(x / sigma * spread / h, _FAR)
     m = s * t
     ratio = math.exp(-0.5 * t**2) / math.sqrt(0.5 * math.pi) / math.erfc(-t / math.sqrt(2.0))
     return s**2 + m**2 + m * s * ratio

@@ -21,7 +21,7 @@ WHEELS = ("fl", "fr", "rl", "rr")
 
 
 @dataclass(frozen=True)
-class Quantity:
+class _Quantity:
     """One logged quantity: canonical ``name``, ``symbol`` in the paper, ``meaning`` with the sign.
 
     ``unit`` of the canonical log file; ``si`` inside the program; ``required`` of every log.
@@ -37,29 +37,29 @@ class Quantity:
 
 def _per_wheel(
     name: str, symbol: str, unit: str, si: str, meaning: str, required: bool = False
-) -> list[Quantity]:
+) -> list[_Quantity]:
     return [
-        Quantity(f"{name}_{w}", f"{symbol}_{w}", unit, si, f"{meaning}, {w}", required)
+        _Quantity(f"{name}_{w}", f"{symbol}_{w}", unit, si, f"{meaning}, {w}", required)
         for w in WHEELS
     ]
 
 
-CHANNELS: dict[str, Quantity] = {
+CHANNELS: dict[str, _Quantity] = {
     q.name: q
     for q in [
-        Quantity("time", "t", "s", "s", "time, increasing", True),
-        Quantity("p_mc", "P_mc", "bar", "Pa", "master-cylinder pressure", True),
-        Quantity(
+        _Quantity("time", "t", "s", "s", "time, increasing", True),
+        _Quantity("p_mc", "P_mc", "bar", "Pa", "master-cylinder pressure", True),
+        _Quantity(
             "a_x", "a_x", "m/s^2", "m/s^2", "acceleration at the c.g., forward positive", True
         ),
         *_per_wheel("omega", "omega", "rad/s", "rad/s", "wheel speed", True),
-        Quantity("v", "V", "m/s", "m/s", "reference speed over ground"),
+        _Quantity("v", "V", "m/s", "m/s", "reference speed over ground"),
         *_per_wheel("p", "P", "bar", "Pa", "wheel pressure"),
-        Quantity("T_disc_f", "T_f", "degC", "degC", "front disc temperature"),
-        Quantity("T_disc_r", "T_r", "degC", "degC", "rear disc temperature"),
-        Quantity("steering", "delta", "rad", "rad", "steering-wheel angle, left positive"),
+        _Quantity("T_disc_f", "T_f", "degC", "degC", "front disc temperature"),
+        _Quantity("T_disc_r", "T_r", "degC", "degC", "rear disc temperature"),
+        _Quantity("steering", "delta", "rad", "rad", "steering-wheel angle, left positive"),
         *[
-            Quantity(
+            _Quantity(
                 f"T_drive_{axle}",
                 f"T_d{axle}",
                 "N*m",

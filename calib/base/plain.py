@@ -43,7 +43,7 @@ def signed_percent(share: float) -> str:
 
 
 @dataclass(frozen=True)
-class Plain:
+class _Plain:
     """A metric; None where an end is open.
 
     ``of``: "car" for one of the station, "stop" for one of a validation, else "". ``unit`` is the
@@ -81,7 +81,7 @@ class Plain:
     def value(self, value: float | None, digits: int = 4) -> str:
         """A value in the unit shown, without the unit.
 
-        >>> Plain("Valid samples", "%", 100.0, 0.002).value(0.9516)
+        >>> _Plain("Valid samples", "%", 100.0, 0.002).value(0.9516)
         '95.2'
         """
         if value is None or not math.isfinite(value):
@@ -102,7 +102,7 @@ class Plain:
     def bounds(self, low: float | None, high: float | None) -> str:
         r"""A range in the unit shown, as it was written: `step` rounds no limit.
 
-        >>> Plain("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
+        >>> _Plain("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
         'at least 12.5\xa0%'
         """
         unit = f"{NBSP}{self.unit}" if self.unit else ""
@@ -114,7 +114,7 @@ class Plain:
         return f"{ends[0]} to {ends[1]}{unit}"
 
 
-TEXTS = ("key", "of", "name", "unit", "meaning", "reason", "action")
+_TEXTS = ("key", "of", "name", "unit", "meaning", "reason", "action")
 
 
 def rows(file: str) -> list[dict[str, str]]:
@@ -123,16 +123,16 @@ def rows(file: str) -> list[dict[str, str]]:
     return list(csv.DictReader(text.splitlines()))
 
 
-def _read(row: dict[str, str]) -> Plain:
+def _read(row: dict[str, str]) -> _Plain:
     given: dict[str, Any] = {
-        name: row[name] if name in TEXTS else float(row[name])
+        name: row[name] if name in _TEXTS else float(row[name])
         for name in row
         if row[name] and name not in ("key", "judged", "required")
     }
-    return Plain(**given, judged=int(row["judged"] or 0), required=row["required"] == "yes")
+    return _Plain(**given, judged=int(row["judged"] or 0), required=row["required"] == "yes")
 
 
-METRICS: dict[str, Plain] = {row["key"]: _read(row) for row in rows("metrics.csv")}
+METRICS: dict[str, _Plain] = {row["key"]: _read(row) for row in rows("metrics.csv")}
 """Each metric by its key."""
 
 
@@ -146,6 +146,6 @@ def bound(key: str, end: str) -> float:
     return float(getattr(METRICS[key], end))
 
 
-def plain(key: str, unit: str = "1") -> Plain:
+def plain(key: str, unit: str = "1") -> _Plain:
     """How a metric is shown; one that is not known by its key with its ``unit``."""
-    return METRICS.get(key) or Plain(key, "" if unit == "1" else unit)
+    return METRICS.get(key) or _Plain(key, "" if unit == "1" else unit)

@@ -22,10 +22,10 @@ import numpy as np
 from calib.base.intervals import Z95
 from calib.base.names import Array
 
-STEPS = 500
+_STEPS = 500
 """Most steps of the iteration; it takes 5 to 50."""
 
-SETTLED = 1e-12
+_SETTLED = 1e-12
 """Last step, relative to the whole variance, at which it has settled."""
 
 _LEAST_TAIL = 1e-300
@@ -102,13 +102,13 @@ def between_variance(values: Array, variances: Array) -> Array:
     x, v = np.asarray(values, float), np.asarray(variances, float)
     scale = _scale(x, v)
     between = np.maximum(x.var(axis=0, ddof=1) - v.mean(axis=0), 0.0)
-    for _ in range(STEPS):
-        w = 1.0 / np.maximum(between + v, SETTLED * scale)
+    for _ in range(_STEPS):
+        w = 1.0 / np.maximum(between + v, _SETTLED * scale)
         mean = (w * x).sum(axis=0) / w.sum(axis=0)
         # the fixed point of the restricted likelihood
         new = (w**2 * ((x - mean) ** 2 - v)).sum(axis=0) / (w**2).sum(axis=0) + 1.0 / w.sum(axis=0)
         new = np.maximum(new, 0.0)
-        done = np.all(np.abs(new - between) <= SETTLED * scale)
+        done = np.all(np.abs(new - between) <= _SETTLED * scale)
         between = new
         if done:
             break
@@ -147,5 +147,5 @@ def _scale(x: Array, v: Array) -> Array:
 
 
 def _weights(v: Array, between: Array, scale: Array) -> Array:
-    w = 1.0 / np.maximum(between + v, SETTLED * scale)
+    w = 1.0 / np.maximum(between + v, _SETTLED * scale)
     return np.asarray(w / w.sum(axis=0))

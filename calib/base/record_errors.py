@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from calib.base.errors import BrakeCalError
 from calib.base.toml import did_you_mean, nearest
 
-SHOWN = 60
+_SHOWN = 60
 """Characters of a wrong value that a message shows."""
 
 _LISTED = 100
@@ -30,7 +30,7 @@ _MISSING = ("missing", "missing_argument", "missing_keyword_only_argument")
 _UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 
 
-Place = tuple[int | str, ...]
+_Place = tuple[int | str, ...]
 """Keys and indices from the top of a file to a value."""
 
 
@@ -102,16 +102,16 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
     return _Mistake(here, given, _EXPECTED.get(kind, detail["msg"]))
 
 
-def _is_version(schema: type[BaseModel], loc: Place) -> bool:
+def _is_version(schema: type[BaseModel], loc: _Place) -> bool:
     return loc[-1:] == ("schema",) and "schema" in _keys(schema, loc[:-1])
 
 
-def _meant(schema: type[BaseModel], loc: Place) -> Place:
+def _meant(schema: type[BaseModel], loc: _Place) -> _Place:
     """Path of the known key that is most like an unknown one."""
     return (*loc[:-1], nearest(str(loc[-1]), _keys(schema, loc[:-1])) or loc[-1])
 
 
-def _path(loc: Place) -> str:
+def _path(loc: _Place) -> str:
     """Path as text, such as ``surfaces[0].start``."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
     return text.removeprefix(".")
@@ -120,10 +120,10 @@ def _path(loc: Place) -> str:
 def shown(value: object) -> str:
     """Return a given value as a message shows it."""
     text = repr(value)
-    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
-def _keys(schema: type[BaseModel], loc: Place) -> list[str]:
+def _keys(schema: type[BaseModel], loc: _Place) -> list[str]:
     """The allowed keys of the table at ``loc``."""
     kind = _kind_at(schema, loc)
     if _is_section(kind):
@@ -131,7 +131,7 @@ def _keys(schema: type[BaseModel], loc: Place) -> list[str]:
     return list(get_type_hints(kind)) if is_dataclass(kind) else []
 
 
-def _kind_at(schema: type[BaseModel], loc: Place) -> Any:
+def _kind_at(schema: type[BaseModel], loc: _Place) -> Any:
     """The type of the value at ``loc`` in a schema."""
     kind: Any = schema
     for key in loc:

@@ -78,7 +78,7 @@ def read_settings(path: Path) -> Settings:
 
 
 @dataclass(frozen=True)
-class Project:
+class _Project:
     """The settings that count here; ``file`` is None where none was found.
 
     ``named`` tells whether the environment names the file. ``searched``: the folders that were
@@ -91,7 +91,7 @@ class Project:
     searched: tuple[Path, ...]
 
 
-def find_project() -> Project:
+def find_project() -> _Project:
     """Find and read the settings file. Raises SettingsError if it is not valid."""
     named, here = os.environ.get(VARIABLE), None
     if named is not None:
@@ -102,6 +102,6 @@ def find_project() -> Project:
         found = find_settings(here) if here else None
         file = Path(os.path.relpath(found)) if found else None
     settings = read_settings(file) if file else Settings()
-    return Project(
+    return _Project(
         settings, file, named is not None, tuple(folders_to_search(here)) if here else ()
     )

@@ -25,12 +25,12 @@ from calib.car.forces import axle_loads, front_biased_up_to
 from calib.car.plausible import plausible
 from calib.car.vehicle import Axle, Vehicle
 
-DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
+_DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
 """Rows of the distribution [g]."""
-_FRICTIONS = DECELERATIONS
+_FRICTIONS = _DECELERATIONS
 """Roads of the first lock [1], from ice to dry asphalt."""
 _HALF_G = 0.5
-BAR = 1e5
+_BAR = 1e5
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class _AxleFacts:
 
 
 @dataclass(frozen=True)
-class Braking:
+class _Braking:
     """One deceleration.
 
     ``deceleration`` [g]; ``pressure`` [bar]; ``front_share`` of the brake force and
@@ -98,7 +98,7 @@ class _VehicleFacts:
     rear_lifts_at: float
     front: _AxleFacts
     rear: _AxleFacts
-    distribution: tuple[Braking, ...]
+    distribution: tuple[_Braking, ...]
     first_lock: tuple[_FirstLock, ...]
 
 
@@ -115,7 +115,7 @@ class _WarningEntry(Section):
     do: str
 
 
-class VehicleFactsFile(FileSchema):
+class _VehicleFactsFile(FileSchema):
     """What follows from a vehicle file, in bar, kg, m, N m and g."""
 
     name: str
@@ -123,10 +123,10 @@ class VehicleFactsFile(FileSchema):
     warnings: list[_WarningEntry]
 
 
-def facts_document(vehicle: Vehicle) -> VehicleFactsFile:
+def facts_document(vehicle: Vehicle) -> _VehicleFactsFile:
     """The document of a vehicle."""
     warnings = [_WarningEntry(**to_dict(one)) for one in plausible(vehicle)]
-    return VehicleFactsFile(
+    return _VehicleFactsFile(
         schema=1, name=vehicle.name, facts=what_follows(vehicle), warnings=warnings
     )
 
@@ -143,7 +143,7 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
     rest_f, rest_r = vehicle.static_loads
     return _VehicleFacts(
         wheelbase=vehicle.wheelbase,
-        pressure_per_g=pressure_per_g(vehicle) / BAR,
+        pressure_per_g=pressure_per_g(vehicle) / _BAR,
         front_share=front_share(vehicle),
         front_biased_up_to=_finite(front_biased_up_to(vehicle)),
         rear_lifts_at=vehicle.cg_to_front_axle / vehicle.cg_height,
@@ -155,18 +155,18 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
 
 
 def _axle(axle: Axle, rest: float, half: float) -> _AxleFacts:
-    per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
+    per_bar = axle.pad_friction * axle.torque_gain * _BAR  # (2), (3)
     return _AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
 
 
-def _distribution(vehicle: Vehicle) -> tuple[Braking, ...]:
-    z = np.array(DECELERATIONS)
+def _distribution(vehicle: Vehicle) -> tuple[_Braking, ...]:
+    z = np.array(_DECELERATIONS)
     pressure = z * pressure_per_g(vehicle)
     used_f, used_r = friction_used(vehicle, z)
     force_f, force_r = force_per_pressure(vehicle)
     columns = (
         z,
-        pressure / BAR,
+        pressure / _BAR,
         np.full_like(z, front_share(vehicle)),
         ideal_front_share(vehicle, z),
         used_f,
@@ -175,12 +175,12 @@ def _distribution(vehicle: Vehicle) -> tuple[Braking, ...]:
         force_r * vehicle.rear.rolling_radius * pressure,
     )
     rows = zip(*(column.tolist() for column in columns), strict=True)
-    return tuple(Braking(*row[:4], *map(_finite, row[4:6]), *row[6:]) for row in rows)
+    return tuple(_Braking(*row[:4], *map(_finite, row[4:6]), *row[6:]) for row in rows)
 
 
 def _first_lock(vehicle: Vehicle, friction: float) -> _FirstLock:
     z, axle = min(zip(locks_at(vehicle, friction), ("front", "rear"), strict=True))
-    return _FirstLock(friction, axle, z, z * pressure_per_g(vehicle) / BAR)
+    return _FirstLock(friction, axle, z, z * pressure_per_g(vehicle) / _BAR)
 
 
 def _finite(value: float) -> float | None:

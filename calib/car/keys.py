@@ -171,10 +171,10 @@ KEYS: tuple[VehicleKey, ...] = (
 REFERENCE = {key.path: key.example for key in KEYS}
 """What the file of the reference car says, by path of the key."""
 
-WIDTH = 96
+_WIDTH = 96
 """Longest comment [characters]."""
 
-HEAD = """\
+_HEAD = """\
 A vehicle for brake-cal. Values of an axle are for one wheel; quantities have a unit, in quotes.
 Judge it with `brake-cal vehicle check`, see what follows from it with `brake-cal vehicle show`."""
 
@@ -187,7 +187,7 @@ def vehicle_text(values: Mapping[str, str]) -> str:
     import tomlkit
 
     document = tomlkit.document()
-    for line in HEAD.splitlines():
+    for line in _HEAD.splitlines():
         document.add(tomlkit.comment(line))
     document.add("schema", 1)
     for section, keys in groupby(KEYS, lambda key: key.section):
@@ -214,8 +214,8 @@ def _fill(part: "TOMLDocument | Table", keys: list[VehicleKey], values: Mapping[
 
 
 def _comments(key: VehicleKey) -> Iterator[str]:
-    yield from textwrap.wrap(key.meaning, WIDTH)
-    yield from textwrap.wrap(f"measure: {key.measure}" if key.unit else key.measure, WIDTH)
+    yield from textwrap.wrap(key.meaning, _WIDTH)
+    yield from textwrap.wrap(f"measure: {key.measure}" if key.unit else key.measure, _WIDTH)
     if key.usual:
         yield f"usual: {key.usual}"
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from calib.base.names import Array
 
-EVEN = 1e-3
+_EVEN = 1e-3
 """Least distance of two time constants, over their sum, so that they are told apart."""
 
 
@@ -56,10 +56,10 @@ def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Arra
     """
     bend = second / time_constant**2
     root = np.sqrt(abs(1.0 - 4.0 * bend))
-    if bend > 0.25 and root > EVEN:
+    if bend > 0.25 and root > _EVEN:
         frequency = 1.0 / (np.sqrt(bend) * time_constant)
         return second_order(time, x, frequency, 0.5 / np.sqrt(bend))
-    root = max(root, EVEN)
+    root = max(root, _EVEN)
     slow, fast = 0.5 * time_constant * (1.0 + root), 0.5 * time_constant * (1.0 - root)
     if fast <= 0.0:
         return first_order(time, x, time_constant)

@@ -51,15 +51,15 @@ from calib.car.own_effects.own_effect import (
 )
 from calib.car.vehicle import Vehicle
 
-Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
-Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]
+_Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
+_Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]
 
 
 class PadsSection(Section):
     """Pad friction of the axles; nominal when left out."""
 
-    front: Friction | None = None
-    rear: Friction | None = None
+    front: _Friction | None = None
+    rear: _Friction | None = None
 
 
 class _TyreSection(Section):
@@ -92,8 +92,8 @@ class _SurfaceSection(Section):
         BeforeValidator(_start),
         WithJsonSchema({"type": "string", "pattern": quantity_pattern("m", "s")}),
     ]
-    stiffness: Factor
-    peak: Factor
+    stiffness: _Factor
+    peak: _Factor
 
 
 class _EmpiricalSection(Section):

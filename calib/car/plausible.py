@@ -34,7 +34,7 @@ _FRONT_ENGINE = 0.46
 
 
 @dataclass(frozen=True)
-class Figure:
+class _Figure:
     """A figure of a vehicle in the unit of its ``code``, with its usual ``low`` to ``high``.
 
     ``too_low`` and ``too_high`` are the likely causes, the most likely first; ``do`` what to do.
@@ -52,7 +52,7 @@ class Figure:
 _AREA = ("one piston of several", "another unit", "a master cylinder for a caliper")
 _AREAS = ("the pistons of both sides of a fixed caliper", "the area of the pad", "another unit")
 
-CAUSES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+_CAUSES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "mass": (
         ("the load of one axle or one wheel", "an empty car"),
         ("pounds written as kg",),
@@ -91,33 +91,33 @@ _WHEEL = ("another unit", "wheel_inertia of both wheels of an axle, or without t
 def _of_axles(
     code: str, of: Callable[[Axle], float], low: float, high: float,
     too_low: tuple[str, ...], too_high: tuple[str, ...], do: str,
-) -> tuple[Figure, Figure]:  # fmt: skip
+) -> tuple[_Figure, _Figure]:  # fmt: skip
     return (
-        Figure(f"{code}_f", lambda car: of(car.front), low, high, too_low, too_high, do),
-        Figure(f"{code}_r", lambda car: of(car.rear), low, high, too_low, too_high, do),
+        _Figure(f"{code}_f", lambda car: of(car.front), low, high, too_low, too_high, do),
+        _Figure(f"{code}_r", lambda car: of(car.rear), low, high, too_low, too_high, do),
     )
 
 
-FIGURES: tuple[Figure, ...] = (
-    Figure(
+_FIGURES: tuple[_Figure, ...] = (
+    _Figure(
         "wheelbase", lambda car: car.wheelbase, 1.7, 4.7,
         ("distances from another point than the axles",),
         ("the wheelbase written for one of the two distances",),
         "cg_to_front_axle and cg_to_rear_axle add up to the wheelbase",
     ),
-    Figure(
+    _Figure(
         "static_load_f", lambda car: car.static_loads[0] / car.weight, 0.36, 0.68,
         (*_SWAPPED_CG, "the wheelbase written for cg_to_front_axle"),
         (*_SWAPPED_CG, "the wheelbase written for cg_to_rear_axle"),
         "weigh both axles: front share = cg_to_rear_axle / wheelbase",
     ),
-    Figure(
+    _Figure(
         "cg_height_ratio", lambda car: car.cg_height / car.wheelbase, 0.13, 0.32,
         ("cg_height above the axles instead of the road",),
         ("cg_height is the height of the roof",),
         "measure cg_height from the road",
     ),
-    Figure(
+    _Figure(
         "track_ratio", lambda car: car.track_width / car.wheelbase, 0.40, 0.78,
         ("half of the track",), ("the wheelbase is too short",), "look at track_width",
     ),
@@ -125,14 +125,14 @@ FIGURES: tuple[Figure, ...] = (
         "wheel_mass", lambda axle: axle.wheel_mass, 5.0, 32.0,
         _WHEEL, _WHEEL, "wheel_inertia is about 0.6 x mass of wheel and tyre x R^2",
     ),
-    Figure(
+    _Figure(
         "rotating_share",
         lambda car: 2.0 * (car.front.wheel_mass + car.rear.wheel_mass) / car.mass, 0.015, 0.055,
         ("the mass in pounds written as kg", *_WHEEL),
         ("wheel_inertia of both wheels of an axle", "the mass of one axle", "another unit"),
         "wheel_inertia is that of one wheel, about its axis",
     ),
-    Figure(
+    _Figure(
         "radius_ratio", lambda car: car.front.rolling_radius / car.rear.rolling_radius, 0.9, 1.1,
         ("a front radius in another unit or of the rim",),
         ("a rear radius in another unit or of the rim",), "measure both rolling radii alike",
@@ -141,23 +141,23 @@ FIGURES: tuple[Figure, ...] = (
         "disc_ratio", lambda axle: axle.effective_radius / axle.rolling_radius, 0.27, 0.54,
         ("a radius in another unit",), ("the diameter of the disc",), "look at effective_radius",
     ),
-    Figure(
+    _Figure(
         "pressure_per_g", lambda car: from_si(pressure_per_g(car), "bar", "Pa"), 38.0, 120.0,
         _TWICE, _HALF,
         "compare with a stop: pressure over deceleration in g, without booster or motor",
     ),
-    Figure(
+    _Figure(
         "brake_share_f", front_share, 0.56, 0.90,
         (*_SWAPPED_BRAKES, "piston_area of both sides at the rear only", "friction_faces"),
         ("piston_area of both sides at the front only", "friction_faces of the rear is 1"),
         "compare piston_area, effective_radius and friction_faces of front and rear",
     ),
-    Figure(
+    _Figure(
         "front_biased_up_to", front_biased_up_to, LEAST_FRONT_BIASED, None,
         (*_SWAPPED_BRAKES, "piston_area of both sides at the rear only", *_SWAPPED_CG[:1]), (),
         "beyond it the rear axle locks first; `brake-cal station` fails such a car",
     ),
-    Figure(
+    _Figure(
         "lock_efficiency", lambda car: lock_efficiency(car, _GOOD_ROAD), 0.78, 1.0,
         (*_SWAPPED_CG[:1], *_SWAPPED_BRAKES, "piston_area of both sides on one axle only"), (),
         "compare the brakes of both axles and the distances to the centre of gravity",
@@ -168,12 +168,12 @@ many good cars and mistakes have a warning: tests/studies/results/vehicle_mistak
 
 
 _OF_KEYS = tuple(
-    Figure(
+    _Figure(
         key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}",
-        key.value_of, key.low, key.high, *CAUSES[key.name], f"look at {key.path}",
+        key.value_of, key.low, key.high, *_CAUSES[key.name], f"look at {key.path}",
     )
     for key in KEYS
-    if key.name in CAUSES
+    if key.name in _CAUSES
 )  # fmt: skip
 
 
@@ -183,7 +183,7 @@ def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
 
 
 def _judged(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
-    for figure in (*_OF_KEYS, *FIGURES):
+    for figure in (*_OF_KEYS, *_FIGURES):
         measured, ends = figure.of(vehicle), (figure.low, figure.high)
         if not figure.low <= measured <= (figure.high or measured):
             causes = figure.too_low if measured < figure.low else figure.too_high

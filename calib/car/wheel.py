@@ -16,7 +16,7 @@ from calib.car import forces
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Axle
 
-EDGE = 0.999
+_EDGE = 0.999
 """End of the rising branch, as in `MagicFormula.slip_at`. The force there is within 2e-6 of the
 peak and the slope is still positive, so the equations can be solved."""
 
@@ -55,7 +55,7 @@ class RisingTyre:
     @property
     def edge(self) -> Array:
         """Slip [1] at the end of the rising branch (n,)."""
-        return self.tyre.slip_at(EDGE, self.relative_load)
+        return self.tyre.slip_at(_EDGE, self.relative_load)
 
     def used(self, slip: Array) -> Array:
         """Slip over that at the end of the rising branch [1]; above 1 it is beyond the peak."""

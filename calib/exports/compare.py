@@ -15,11 +15,11 @@ from calib.store.folders import names_in
 from calib.store.store import Store
 from calib.store.version import Stored
 
-FEW = 0.1
+_FEW = 0.1
 """Share of the numbers that may have more digits than the tool writes: those that were changed.
 Of numbers written to a digit one in ten ends with a zero, which is not counted, so most have it."""
 
-COARSEST = 3
+_COARSEST = 3
 """Significant digits below which a number is not called rounded."""
 
 _SLACK = 1.0 + 1e-6
@@ -56,7 +56,7 @@ def _ways(found: Sequence[float]) -> Iterator[tuple[str, Callable[[Pair], bool]]
     written = [Decimal(repr(x)).normalize() for x in found if x]
     digits = _usual([len(x.as_tuple().digits) for x in written])
     decimals = _usual([-int(x.as_tuple().exponent) for x in written])
-    if digits >= COARSEST:
+    if digits >= _COARSEST:
         yield (
             f"to {digits} significant digits",
             lambda pair: _within(pair, _half_unit(pair.true, digits)),
@@ -66,7 +66,7 @@ def _ways(found: Sequence[float]) -> Iterator[tuple[str, Callable[[Pair], bool]]
 
 def _usual(counts: Sequence[int]) -> int:
     """What a tenth of the numbers reaches or passes; 0 without numbers."""
-    return sorted(counts)[-1 - int(FEW * (len(counts) - 1))] if counts else 0
+    return sorted(counts)[-1 - int(_FEW * (len(counts) - 1))] if counts else 0
 
 
 def _is_single(pair: Pair) -> bool:

@@ -41,7 +41,7 @@ BY_A_PERSON = "set by hand"
 UNIT = "1"
 """Unit of every axis and curve: speed ratios, slips and normalised forces."""
 
-NOT = "NOT RELEASED, not for use in a vehicle: "
+_NOT = "NOT RELEASED, not for use in a vehicle: "
 """Before the state of a version that is not released, in every format."""
 
 SHORT = {
@@ -277,7 +277,7 @@ class Dataset:
             **{f"breakpoints {a.label}": a.placed for a in self.axes},
             "validation": self.quality.words,
             "state": self.quality.state,
-            "release": ("" if stored.state.released else NOT) + stored.state.why,
+            "release": ("" if stored.state.released else _NOT) + stored.state.why,
             "objects": str(objects),
             "checksum": content.checksum,
         }

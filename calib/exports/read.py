@@ -86,7 +86,7 @@ X, Y = "ST/X", "WERT"
 _ARRAYS = {AXIS: (X,), GROUP: (X, Y), LINE: (X, Y), VALUE: (Y,), FUNCTIONS: ()}
 """Arrays that an object of each kind must have."""
 
-TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
+_TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
 
 
 @dataclass
@@ -169,8 +169,8 @@ def _take(where: str, word: str, rest: str, block: _Block) -> None:
         except ValueError as error:
             raise _bad(where, str(error), f"numbers after {word}") from error
         block.numbers.setdefault(word, []).extend(numbers)
-    elif word not in TEXTS:
-        raise _bad(where, f"{word!r} within {block.kind} {block.name}", ", ".join(TEXTS))
+    elif word not in _TEXTS:
+        raise _bad(where, f"{word!r} within {block.kind} {block.name}", ", ".join(_TEXTS))
     elif not re.fullmatch(r'".*"|\S+|\S+ ".*" ".*"', rest):
         raise _bad(where, f"{rest!r} after {word}", "a name or a text in quotes")
     elif word == ("EINHEIT_X" if block.kind == AXIS else "EINHEIT_W"):

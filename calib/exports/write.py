@@ -33,7 +33,7 @@ from calib.exports.dataset import BY_A_PERSON, UNIT, Axis, Curve, Dataset, Objec
 FUNCTION = "brake_torque"
 """Name of the function that the objects belong to."""
 
-BARE = "-"
+_BARE = "-"
 """The unit of a bare number in CSV, where readers that guess types would take 1 for an integer."""
 
 COLUMNS = (
@@ -45,13 +45,13 @@ there is none."""
 TEXTS = ("label", "axis", "unit", "meaning")
 """Columns of text; all others are float64 in the row's unit."""
 
-LONGEST_TEXT = 255
+_LONGEST_TEXT = 255
 """Most characters of a text of A2L."""
 
 _BOM = b"\xef\xbb\xbf"
 """Mark of UTF-8, which A2L demands where a file is not ASCII."""
 
-TYPES = {None: "FLOAT64_IEEE", 8: "SBYTE", 16: "SWORD", 32: "SLONG"}
+_TYPES = {None: "FLOAT64_IEEE", 8: "SBYTE", 16: "SWORD", 32: "SLONG"}
 """Data type of A2L by width of the fixed point; None is double."""
 
 _DIGITS = 7
@@ -107,7 +107,7 @@ def _write_csv(data: Dataset) -> bytes:
     text.writelines(f"# {key}: {printable(fact)}\n" for key, fact in data.facts().items())
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
-    table.writerows([BARE if cell == UNIT else cell for cell in row] for row in _rows(data))
+    table.writerows([_BARE if cell == UNIT else cell for cell in row] for row in _rows(data))
     return text.getvalue().encode()
 
 
@@ -162,7 +162,7 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
             digest=stored.digest,
             program=stored.table.provenance.program,
             vehicle=stored.table.vehicle.name,
-            type=TYPES[data.bits],
+            type=_TYPES[data.bits],
         )
         .encode()
     )
@@ -188,10 +188,10 @@ def _commented(text: str) -> str:
 def _short(text: str) -> str:
     """A quoted text of A2L. Raises ExchangeError where the standard has no room for it."""
     plain = _commented(text).replace('"', "'")
-    if len(plain) > LONGEST_TEXT:
+    if len(plain) > _LONGEST_TEXT:
         raise ExchangeError(
             f"{plain[:24]}... has {len(plain)} characters",
-            expected=f"at most {LONGEST_TEXT} in a text of A2L",
+            expected=f"at most {_LONGEST_TEXT} in a text of A2L",
             do="give the table a shorter name",
         )
     return f'"{plain}"'
@@ -296,7 +296,7 @@ def _write_a2l(data: Dataset) -> bytes:
 
 
 @dataclass(frozen=True)
-class Format:
+class _Format:
     """``ending`` of the file name; ``write`` makes the whole file, ``names`` it has besides.
 
     ``fixed``: can be in fixed point; ``addressed``: holds addresses of the ECU's memory.
@@ -311,13 +311,13 @@ class Format:
 
 
 FORMATS = {
-    "json": Format("json", _write_json),
-    "csv": Format("csv", _write_csv),
-    "parquet": Format("parquet", _write_parquet),
-    "dcm": Format("dcm", partial(_filled, "dcm", _quoted)),
-    "cdfx": Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x))), ("cdf",)),
-    "a2l": Format("a2l", _write_a2l, ("asap2",), fixed=True, addressed=True),
-    "c-header": Format("h", partial(_filled, "h", _ascii), ("c", "h"), fixed=True),
-    "inca-csv": Format("inca.csv", _write_inca_csv, ("inca",)),
+    "json": _Format("json", _write_json),
+    "csv": _Format("csv", _write_csv),
+    "parquet": _Format("parquet", _write_parquet),
+    "dcm": _Format("dcm", partial(_filled, "dcm", _quoted)),
+    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x))), ("cdf",)),
+    "a2l": _Format("a2l", _write_a2l, ("asap2",), fixed=True, addressed=True),
+    "c-header": _Format("h", partial(_filled, "h", _ascii), ("c", "h"), fixed=True),
+    "inca-csv": _Format("inca.csv", _write_inca_csv, ("inca",)),
 }
 """A new one is a template and a line here."""

@@ -26,27 +26,27 @@ from calib.store.store import Store
 
 # Single functions. Tables I and II of the paper: mass, centre of gravity, front brake.
 M, L_F, L_R, H, G = 1744.0, 1.1556, 1.6494, 0.615, 9.80665
-CAR = "simulation_study/vehicle.toml"
+_CAR = "simulation_study/vehicle.toml"
 PRESSURE, Z = 50e5, 0.5
-TORQUE = 2.0 * 0.40 * 28.84e-4 * 0.1309 * PRESSURE
+_TORQUE = 2.0 * 0.40 * 28.84e-4 * 0.1309 * PRESSURE
 _LOAD = M * G * (L_R + Z * H) / (L_F + L_R)
-PSI = 0.45359237 * G / 0.0254**2
+_PSI = 0.45359237 * G / 0.0254**2
 _ADAPTED = 0.08 * (1.0 - 0.99**500)  # each step leaves 0.99 of the error
 _THINGS = np.array([[0.36], [0.39], [0.40], [0.45]])
-BETWEEN = 0.0014 - 0.0001
+_BETWEEN = 0.0014 - 0.0001
 """Sample variance of `_THINGS`, 0.0042/3, less their own of 0.01^2: the maximum of the restricted
 likelihood where all own variances are equal."""
 
 
 def _torque(material: Material) -> float:
-    front = material.vehicle(CAR).front
+    front = material.vehicle(_CAR).front
     return float(forces.brake_torque(front, front.pad_friction, np.array([PRESSURE]))[0])
 
 
 def _constraint(material: Material) -> float:
     """(18) by loads from the balance of moments."""
     z, D = np.linspace(0.0, 0.9, 10), np.linspace(-0.1, 0.1, 10)
-    f1, f2 = forces.paper_curves(material.vehicle(CAR), z, D)
+    f1, f2 = forces.paper_curves(material.vehicle(_CAR), z, D)
     front = (L_R + z * H) / (L_F + L_R)
     return float(np.max(np.abs(f1 * front + f2 * (1.0 - front))) + np.max(np.abs(f1 - f2 - D)))
 
@@ -58,15 +58,15 @@ def _adapted(material: Material) -> float:
 
 
 # Logs that the checks write: 200 equal samples, and what they are by the definitions of the units.
-UNITS = {"time": "s", "p_mc": "psi", "a_x": "g", "omega_fl": "rpm", "omega_fr": "rpm",
+_UNITS = {"time": "s", "p_mc": "psi", "a_x": "g", "omega_fl": "rpm", "omega_fr": "rpm",
          "omega_rl": "rpm", "omega_rr": "rpm", "v": "km/h"}  # fmt: skip
-WRITTEN = (100.0, -0.5, 600.0, 600.0, 600.0, 600.0, 90.0)
-TRUE = {"p_mc": 100.0 * PSI, "a_x": -0.5 * G, "omega_rr": 20.0 * np.pi, "v": 25.0}
+_WRITTEN = (100.0, -0.5, 600.0, 600.0, 600.0, 600.0, 90.0)
+_TRUE = {"p_mc": 100.0 * _PSI, "a_x": -0.5 * G, "omega_rr": 20.0 * np.pi, "v": 25.0}
 
 
 def _text(separator: str = ",", decimal: str = ".") -> str:
-    head = separator.join(f"{name} [{unit}]" for name, unit in UNITS.items())
-    lines = [(i / 200.0, *WRITTEN) for i in range(200)]
+    head = separator.join(f"{name} [{unit}]" for name, unit in _UNITS.items())
+    lines = [(i / 200.0, *_WRITTEN) for i in range(200)]
     rows = [separator.join(str(x).replace(".", decimal) for x in line) for line in lines]
     return "\n".join((head, *rows)) + "\n"
 
@@ -75,7 +75,7 @@ def _read_error(separator: str, decimal: str, material: Material) -> float:
     path = material.scratch / "written.csv"
     path.write_text(_text(separator, decimal))
     log = read_log(path)
-    return float(max(np.max(np.abs(log[name] / true - 1.0)) for name, true in TRUE.items()))
+    return float(max(np.max(np.abs(log[name] / true - 1.0)) for name, true in _TRUE.items()))
 
 
 def _broken_logs(material: Material) -> float:
@@ -130,15 +130,15 @@ def _split_error(material: Material) -> float:
 
 
 # Stops are judged by a table.
-STOPS = {
+_STOPS = {
     "third_party/hold1_const_mu30.parquet": 0.30,
     "third_party/hold2_steps_muf25_mur33.parquet": 0.25,
     "third_party/hold4_driver_mu28.parquet": 0.28,
 }
 """Hold-outs of the multi-body car, with the friction of the front pads that the plant had."""
-CONSTANT, STEPS, _ = STOPS
-STOP = "simulation_study/stop_noisy.parquet"
-WRONG = "vehicle_wrong_pads.toml"
+CONSTANT, STEPS, _ = _STOPS
+_STOP = "simulation_study/stop_noisy.parquet"
+_WRONG = "vehicle_wrong_pads.toml"
 """It says 0.5 and 0.6 where the plant has 0.4."""
 
 
@@ -157,7 +157,7 @@ def _stop_torque(material: Material) -> float:
 
 def _outside(material: Material) -> float:
     outside: list[NDArray[np.bool_]] = []
-    for stop, true in STOPS.items():
+    for stop, true in _STOPS.items():
         e = material.stop(stop)
         outside.append(((e.front.lower > true) | (e.front.upper < true))[e.valid])
     return float(np.mean(np.concatenate(outside)))
@@ -241,26 +241,26 @@ _FRONT, _REAR = 0.03, 0.08
 _CLOSED = "closed form with Tables I and II of the paper"
 _BY_DEFINITION = "definitions of the units"
 _STUDY = "plant of sample_logs/simulation_study, Section IV of the paper: pads of 0.4"
-BODY = "multi-body plant of sample_logs/third_party, channels true_mu_pad_*"
-FORCES = "multi-body plant of sample_logs/third_party, channels true_Fx_* and true_Fz_*"
+_BODY = "multi-body plant of sample_logs/third_party, channels true_mu_pad_*"
+_FORCES = "multi-body plant of sample_logs/third_party, channels true_Fx_* and true_Fz_*"
 _TORQUES = "multi-body plant of sample_logs/third_party, channels true_Tb_*"
 _ANSWER = "independent plant, sample_logs/{}/answer.json"
 
 SUITE = (
-    Check("unit_psi", "100 psi", "Pa", 100.0 * PSI, 1e-3,
+    Check("unit_psi", "100 psi", "Pa", 100.0 * _PSI, 1e-3,
           "definition of pound, inch and standard gravity",
           lambda _: float(units.to_si(100.0, "psi", "Pa"))),
     Check("brake_torque", "front brake torque of one wheel at 50 bar, (2) and (3)", "N*m",
-          TORQUE, _EXACT * TORQUE, _CLOSED, _torque),
+          _TORQUE, _EXACT * _TORQUE, _CLOSED, _torque),
     Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", _LOAD, _EXACT * _LOAD,
           "balance of moments with Tables I and II of the paper",
-          lambda m: float(forces.axle_loads(m.vehicle(CAR), np.array([Z]))[0][0])),
+          lambda m: float(forces.axle_loads(m.vehicle(_CAR), np.array([Z]))[0][0])),
     Check("constraint", "largest violation of (18) and of D = f1 - f2", "1", 0.0, _EXACT,
           "equation (18) of the paper", _constraint),
     Check("adaptive_law", "theta of (25) after 500 equal steps", "1", _ADAPTED, _EXACT,
           "closed form: a geometric series", _adapted),
     Check("spread_of_cars", "variance between four cars measured alike", "1",
-          BETWEEN, 1e-3 * BETWEEN, "closed form: sample variance less own variance",
+          _BETWEEN, 1e-3 * _BETWEEN, "closed form: sample variance less own variance",
           lambda _: float(
               random_effects.random_effects(_THINGS, np.full((4, 1), 1e-4)).between[0])),
     Check("read_units", "largest relative error of a log in psi, g, rpm and km/h", "1", 0.0, 1e-12,
@@ -274,23 +274,23 @@ SUITE = (
     Check("fit_pads_r", "rear pad friction of the table of Section IV", "1", 0.4, 0.4 * _REAR,
           _STUDY, partial(_pads, "simulation_study", "r")),
     Check("fit_body_pads_f", "relative error of the front pads of the multi-body car's table", "1",
-          0.0, _FRONT, BODY, partial(_pad_error, "f")),
+          0.0, _FRONT, _BODY, partial(_pad_error, "f")),
     Check("fit_body_pads_r", "relative error of the rear pads of the multi-body car's table", "1",
-          0.0, _REAR, BODY, partial(_pad_error, "r")),
+          0.0, _REAR, _BODY, partial(_pad_error, "r")),
     Check("fit_split", "error of D = f1 - f2 at 0.3 g of the multi-body car's table", "1",
-          0.0, 0.02, FORCES, _split_error),
+          0.0, 0.02, _FORCES, _split_error),
     Check("stop_mu25_mu33_f", "front pads of hold2_steps_muf25_mur33.parquet", "1",
-          0.25, _FRONT * 0.25, BODY, partial(_stop_pads, STEPS, "f", "vehicle.toml")),
+          0.25, _FRONT * 0.25, _BODY, partial(_stop_pads, STEPS, "f", "vehicle.toml")),
     Check("stop_mu25_mu33_r", "rear pads of hold2_steps_muf25_mur33.parquet", "1",
-          0.33, _REAR * 0.33, BODY, partial(_stop_pads, STEPS, "r", "vehicle.toml")),
+          0.33, _REAR * 0.33, _BODY, partial(_stop_pads, STEPS, "r", "vehicle.toml")),
     Check("stop_wrong_file_f", "front pads of Section IV where the file says 0.5", "1",
-          0.4, 0.4 * _FRONT, _STUDY, partial(_stop_pads, STOP, "f", WRONG)),
+          0.4, 0.4 * _FRONT, _STUDY, partial(_stop_pads, _STOP, "f", _WRONG)),
     Check("stop_wrong_file_r", "rear pads of Section IV where the file says 0.6", "1",
-          0.4, 0.4 * _REAR, _STUDY, partial(_stop_pads, STOP, "r", WRONG)),
+          0.4, 0.4 * _REAR, _STUDY, partial(_stop_pads, _STOP, "r", _WRONG)),
     Check("stop_torque", "rms error of the front brake torque of hold1, relative", "1", 0.0, _FRONT,
           _TORQUES, _stop_torque),
     Check("stop_interval", "share of samples with the true front pads outside the 95 % interval",
-          "1", 0.0, 0.05, BODY, _outside),
+          "1", 0.0, 0.05, _BODY, _outside),
     Check("verdict", "failed of two results that must fail", "results", 2, _COUNT,
           "pads of 0.30 against a limit of 0.35 and more; a log that the table was fitted on",
           _failed),

@@ -117,7 +117,7 @@ def _number(written: str) -> tuple[int, ...]:
 
 
 @dataclass(frozen=True)
-class Finding:
+class _Finding:
     """One thing that was looked at: its ``state``, what was found, and what to do if needed."""
 
     name: str
@@ -126,38 +126,38 @@ class Finding:
     do: str = ""
 
 
-def _judged(name: str, good: bool, what: str, do: str, otherwise: str = NOTE) -> Finding:
-    return Finding(name, FINE if good else otherwise, what, "" if good else do)
+def _judged(name: str, good: bool, what: str, do: str, otherwise: str = NOTE) -> _Finding:
+    return _Finding(name, FINE if good else otherwise, what, "" if good else do)
 
 
-def examine(store: Path | None = None) -> tuple[Finding, ...]:
+def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
     settings, usual = _settings()
     found = (*_packages(), *_machine(), *_store(store or usual or STORE), *_samples())
     return (*found, settings, *_terminal())
 
 
-def _settings() -> tuple[Finding, Path | None]:
+def _settings() -> tuple[_Finding, Path | None]:
     """The settings file, and the store that it names."""
     from calib.base.settings_file import find_project
 
     try:
         project = find_project()
     except SettingsError as error:
-        return Finding("settings", WRONG, str(error), "mend the file"), None
+        return _Finding("settings", WRONG, str(error), "mend the file"), None
     what = str(project.file) if project.file else "no brake-cal.toml: the usual values"
-    return Finding("settings", FINE, what), project.settings.store
+    return _Finding("settings", FINE, what), project.settings.store
 
 
-def _terminal() -> Iterator[Finding]:
+def _terminal() -> Iterator[_Finding]:
     width, kind = shutil.get_terminal_size().columns, "terminal" if sys.stdout.isatty() else "pipe"
     encoding = sys.stdout.encoding or "unknown"
     plain = encoding.lower().replace("-", "") == "utf8"
     do = "" if plain else "set PYTHONUTF8=1 for names with other letters"
-    yield Finding("output", FINE if plain else NOTE, f"{kind}, {width} columns, {encoding}", do)
+    yield _Finding("output", FINE if plain else NOTE, f"{kind}, {width} columns, {encoding}", do)
 
 
-def _packages() -> Iterator[Finding]:
+def _packages() -> Iterator[_Finding]:
     given = needs()
     again = "install brake-cal again: pip install --upgrade brake-cal"
     for need in given:
@@ -170,13 +170,13 @@ def _packages() -> Iterator[Finding]:
             yield _judged(f"[{extra}]", all(need.met for need in its), what, do)
 
 
-def _machine() -> Iterator[Finding]:
+def _machine() -> Iterator[_Finding]:
     matplotlib = importlib.util.find_spec("matplotlib")
     if matplotlib and matplotlib.origin:
         there = (Path(matplotlib.origin).parent / _FONT).is_file()
         what = f"DejaVu Sans{', of' if there else ' is missing in'} matplotlib"
         yield _judged("font", there, what, "install matplotlib again")
-    yield Finding("cores", FINE, f"{cores()} for this process")
+    yield _Finding("cores", FINE, f"{cores()} for this process")
     with suppress(AttributeError, ValueError, OSError):  # the system does not tell
         free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
         enough = free >= _LEAST_MEMORY
@@ -186,13 +186,13 @@ def _machine() -> Iterator[Finding]:
     yield _judged("temporary files", os.access(folder, os.W_OK), folder, do, WRONG)
 
 
-def _store(store: Path) -> Iterator[Finding]:
+def _store(store: Path) -> Iterator[_Finding]:
     if not store.exists():
-        yield Finding("store", NOTE, f"{store} is not there", "the first `brake-cal fit` makes it")
+        yield _Finding("store", NOTE, f"{store} is not there", "the first `brake-cal fit` makes it")
         return
     if not store.is_dir() or not os.access(store, os.R_OK | os.X_OK):
         what = "cannot be read" if store.is_dir() else "is a file"
-        yield Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
+        yield _Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
         return
     versions = [len(versions_in(store / name)) for name in names_in(store)]
     writable, left = os.access(store, os.W_OK), len(unplaced(store))
@@ -217,8 +217,8 @@ def _is_locked(store: Path) -> bool:
     return False
 
 
-def _samples() -> Iterator[Finding]:
+def _samples() -> Iterator[_Finding]:
     try:
-        yield Finding("sample logs", FINE, str(sample_logs()))
+        yield _Finding("sample logs", FINE, str(sample_logs()))
     except InputError as error:
-        yield Finding("sample logs", NOTE, error.what, "`demo` and `qualify` need them")
+        yield _Finding("sample logs", NOTE, error.what, "`demo` and `qualify` need them")

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 FOLDER = Path(__file__).parents[1] / "manual"
-INDEX = "index"
+_INDEX = "index"
 """Name of the page that lists the others."""
 
 _GROUP = re.compile(r"## (.+)")
@@ -48,7 +48,7 @@ def contents() -> tuple[Page, ...]:
 @cache
 def front() -> Page:
     """The page that lists the others."""
-    return Page(INDEX, "Contents", "all pages by subject.", "")
+    return Page(_INDEX, "Contents", "all pages by subject.", "")
 
 
 def find(asked: str) -> list[Page]:

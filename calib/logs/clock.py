@@ -20,7 +20,7 @@ VALUES = 4
 """Most values that the steps of a rounded even clock have: two, or four where the spacing of
 float32 doubles within the log. A clock that jitters has many."""
 
-FINE = 1e-3
+_FINE = 1e-3
 """Rounding below this [steps] is left alone: it moves no result."""
 
 
@@ -39,13 +39,13 @@ def step_of(time: Array) -> float:
     return float((time[-1] - time[0] - gaps.sum()) / (steps.size - gaps.size))
 
 
-FEW = 50
+_FEW = 50
 """Fewest times that show whether a clock is even."""
 
 
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     """Ascending times [s], as `evened` has them, and what is to be said of it."""
-    line = evened(time) if time.size >= FEW else None
+    line = evened(time) if time.size >= _FEW else None
     if line is None:
         return time, ()
     values, rounding = line
@@ -68,7 +68,7 @@ def evened(time: Array) -> tuple[Array, float] | None:
     step = _slope(time, steps)
     counts = np.round(steps / step)
     single = np.unique(np.round(steps[counts == 1] / step, 6)) * step
-    if not 2 <= single.size <= VALUES or single[-1] - single[0] < FINE * step:
+    if not 2 <= single.size <= VALUES or single[-1] - single[0] < _FINE * step:
         return None
     row = np.concatenate([[0.0], np.cumsum(counts)])
     slope, start = np.polynomial.polynomial.Polynomial.fit(row, time, 1).convert().coef[::-1]

@@ -48,7 +48,7 @@ _ROWS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
 )
 """Beginning in any case, what it is, and the endings under which it is right."""
 
-KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, ends in _ROWS)
+_KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, ends in _ROWS)
 
 
 def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
@@ -60,7 +60,7 @@ def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
     ('a candump log', ('.log',))
     """
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
-    for begin, name, endings in KINDS:
+    for begin, name, endings in _KINDS:
         if begin.match(text):
             return name, endings
     return None
@@ -116,10 +116,10 @@ def stem_of(path: Path) -> str:
     return printable(path.name[: -len(ending)] if ending else path.name)
 
 
-Open = Callable[[Path, Databases], Recording]
+_Open = Callable[[Path, Databases], Recording]
 
 
-def _packed(open_log: Open) -> Open:
+def _packed(open_log: _Open) -> _Open:
     """A function that opens the packed form of what ``open_log`` opens: it must read all frames.
 
     The unpacked log is deleted when it is open. Messages name the packed file.
@@ -141,9 +141,14 @@ def _packed(open_log: Open) -> Open:
     return opened
 
 
-_BUS: dict[str, Open] = {".blf": open_blf, ".asc": open_asc, ".log": open_candump, ".trc": open_trc}
+_BUS: dict[str, _Open] = {
+    ".blf": open_blf,
+    ".asc": open_asc,
+    ".log": open_candump,
+    ".trc": open_trc,
+}
 
-RECORDINGS: dict[str, Open] = {
+RECORDINGS: dict[str, _Open] = {
     **dict.fromkeys(MDF, open_mdf),
     **_BUS,
     **{f"{ending}.gz": _packed(opener) for ending, opener in _BUS.items()},

@@ -20,17 +20,17 @@ BRIDGE = 0.2
 _SIDE = 0.1
 """Length [s] of the samples on either side of a gap that show whether a channel is smooth."""
 
-NEAR = 0.5
+_NEAR = 0.5
 """Length [s] of the samples on either side of a gap that show the noise."""
 
-FEWEST = 4
+_FEWEST = 4
 """Fewest samples of a side: nearly every line goes through fewer."""
 
 _INSTANT = 1e-9
 """Samples with a spread of less [s] are at one time, and show no slope: recorders count no finer
 than nanoseconds, and only damaged times are nearer."""
 
-SMOOTH = 0.01
+_SMOOTH = 0.01
 """Largest error of a bridge beside the noise, over the range of the channel [1]."""
 
 
@@ -67,7 +67,7 @@ def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
     values[(at < t[0]) | (at > t[-1])] = np.nan
     if t.size < 2:
         return Filled(values)
-    step, steps, allowed = step_of(t), np.diff(t), SMOOTH * float(np.ptp(x))
+    step, steps, allowed = step_of(t), np.diff(t), _SMOOTH * float(np.ptp(x))
     bridged, left_open = [], []
     for i in np.flatnonzero(steps > GAP * step):
         inside = slice(np.searchsorted(at, t[i], side="right"), np.searchsorted(at, t[i + 1]))
@@ -135,12 +135,12 @@ def _many(gaps: Sequence[ChannelHole]) -> str:
 
 def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
     """Whether both sides of gap ``i`` are straight, and lead to the middle of its bridge."""
-    reach = max(_SIDE, float(t[i + 1] - t[i]), (FEWEST + 0.5) * step)
+    reach = max(_SIDE, float(t[i + 1] - t[i]), (_FEWEST + 0.5) * step)
     first, end = np.searchsorted(t, [t[i] - reach, t[i + 1] + reach])
     sides = slice(first, i + 1), slice(i + 1, end)
-    if min(side.stop - side.start for side in sides) < FEWEST:
+    if min(side.stop - side.start for side in sides) < _FEWEST:
         return False
-    wide = slice(*np.searchsorted(t, [t[i] - NEAR, t[i + 1] + NEAR]))
+    wide = slice(*np.searchsorted(t, [t[i] - _NEAR, t[i + 1] + _NEAR]))
     noise = _noise(t[wide], x[wide])
     centre, middle = 0.5 * (t[i] + t[i + 1]), 0.5 * (x[i] + x[i + 1])
     return all(_leads_to(t[s] - centre, x[s] - middle, noise, allowed) for s in sides)

@@ -28,7 +28,7 @@ from calib.logs.verify import ENDS
 Mask = NDArray[np.bool_]
 
 
-class Possible(NamedTuple):
+class _Possible(NamedTuple):
     """What a car can do to a channel, in SI.
 
     ``up`` its fastest rise [1/s]; ``zero`` the fastest change from and to a reading of exactly 0
@@ -48,25 +48,25 @@ class Possible(NamedTuple):
 _POSSIBLE = {
     # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2; a wheel that locks falls to 0 by
     # steps, and from below the least speed of its sensor
-    **{f"omega_{w}": Possible(2500.0, 1500.0, 20.0, 40.0, 400.0) for w in WHEELS},
+    **{f"omega_{w}": _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0) for w in WHEELS},
     # v of a receiver is held, or found again after a bridge: only its zeros are known as wrong
-    "v": Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
+    "v": _Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
     # 1000 bar/s are the fastest brakes; a pedal that is let go falls to 0 by steps
-    "p_mc": Possible(np.inf, 2e8, 1e6, np.inf, 4e7, steps=True),
+    "p_mc": _Possible(np.inf, 2e8, 1e6, np.inf, 4e7, steps=True),
     # bumps move a_x by any step, and 5 g is past the range of car sensors
-    "a_x": Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
+    "a_x": _Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
 }
 
 _QUICK = 0.05
 """Time [s] over which a wheel spins up or stops; over a longer one it goes with the car."""
 
-NOISE = 10.0
+_NOISE = 10.0
 """Standard deviations of its noise by which a channel may jump beside."""
 
-LEAST = 2.0
+_LEAST = 2.0
 """Least jump [SI] that counts: a lost pulse of a ring of 48 teeth is 2 rad/s."""
 
-FEW = 0.02
+_FEW = 0.02
 """Largest share of samples that are marked [1]; with more the log is refused."""
 
 
@@ -96,8 +96,8 @@ def without_impossible(
     Returns
     -------
     The channels, what was marked, and the bridged gaps. At the ends, and in channels that a log
-    need not have, what cannot be bridged is left open. Raises LogError where more than `FEW` of the
-    samples of a required channel are marked, or so many in one place that none can be bridged.
+    need not have, what cannot be bridged is left open. Raises LogError where more than `_FEW` of
+    the samples of a required channel are marked, or so many in one place that none can be bridged.
     """
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
@@ -124,27 +124,27 @@ def without_impossible(
     return values | filled, tuple(marked), tuple(bridged)
 
 
-def _impossible(time: Array, x: Array, possible: Possible) -> Mask:
+def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
     """Mask (n,) of the samples of a channel that no car drives."""
     mask = np.isfinite(x) & (np.abs(x) > possible.end)
-    if np.count_nonzero(mask) > FEW * x.size:  # the unit: `calib.run` says so
+    if np.count_nonzero(mask) > _FEW * x.size:  # the unit: `calib.run` says so
         return np.zeros(x.size, np.bool_)
     known = np.flatnonzero(np.isfinite(x) & ~mask)
     steps = np.diff(time[known])
     if known.size > 2:
-        least = min(possible.nonzero, possible.up * float(np.min(steps)) + LEAST)
+        least = min(possible.nonzero, possible.up * float(np.min(steps)) + _LEAST)
         if np.max(np.abs(np.diff(x[known]))) > least:
             mask[known] = _apart(time[known], x[known], possible)
     return mask
 
 
-def _apart(time: Array, x: Array, possible: Possible) -> Mask:
+def _apart(time: Array, x: Array, possible: _Possible) -> Mask:
     """Mask (n,) of the parts that no possible step joins with the longest one.
 
     A part is impossible above the level of before, and where it is exactly 0; below that level a
     wheel slips, as ABS lets it, and messages that come slowly make it do so in one step.
     """
-    slack = max(LEAST, NOISE * noise_of(x)) if np.isfinite(possible.up) else 0.0
+    slack = max(_LEAST, _NOISE * noise_of(x)) if np.isfinite(possible.up) else 0.0
     change, zero = np.abs(np.diff(x)), x == 0.0
     up, to_zero = _fastest(np.diff(time), slack, possible)
     cuts = np.flatnonzero((change > up) | ((zero[1:] | zero[:-1]) & (change > to_zero))) + 1
@@ -168,7 +168,7 @@ def _apart(time: Array, x: Array, possible: Possible) -> Mask:
     return mask & _dropouts(time, edges) if possible.steps else mask
 
 
-def _fastest(step: Array, slack: float, possible: Possible) -> tuple[Array, Array]:
+def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Array]:
     """Largest rise in ``step`` [s], and largest change from or to a reading of exactly 0."""
     quick = np.minimum(step, _QUICK)
     long = np.where(step > _QUICK, possible.long, 0.0) * step
@@ -191,7 +191,7 @@ def _refuse_many(one: Marked, mask: Mask, time: Array, values: Array, where: str
     """
     inside = np.logical_or.accumulate(~mask) & np.logical_or.accumulate(~mask[::-1])[::-1] & mask
     inside |= mask & (time > time[0] + ENDS) & (time < time[-1] - ENDS)
-    if np.count_nonzero(inside) <= max(FEW * time.size, 1.0) and np.isfinite(values[inside]).all():
+    if np.count_nonzero(inside) <= max(_FEW * time.size, 1.0) and np.isfinite(values[inside]).all():
         return
     raise LogError(
         f"{one}, beside values that are far away: {one.count} of {values.size} samples are "

@@ -18,17 +18,17 @@ from calib.logs.clock import on_line, running, step_of
 from calib.logs.gaps import ChannelHole, Filled, fill, in_words
 from calib.logs.source import Array, ChannelTrace
 
-FASTEST = 1050.0
+_FASTEST = 1050.0
 """A sample rate above this [Hz] is not used as the clock if there is a slower one."""
 
-ALIKE = 0.9
+_ALIKE = 0.9
 """From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
 
 _UNEVEN = 0.5
 """A clock of which more than a tenth of the steps differ by more than this from the median [1] is
 taken only if there is no other."""
 
-ENDS = 0.5
+_ENDS = 0.5
 """An optional channel may shorten the log by at most this at either end [s]."""
 
 
@@ -137,7 +137,7 @@ def _lost(w: Wanted, trace: ChannelTrace) -> list[str]:
 
 
 def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
-    """Time covered by all required channels [s], shortened by at most `ENDS` for the others."""
+    """Time covered by all required channels [s], shortened by at most `_ENDS` for the others."""
     base = [w for w in full if w.required] or full
     low = max(float(w.trace.time[0]) for w in base)
     high = min(float(w.trace.time[-1]) for w in base)
@@ -152,7 +152,8 @@ def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
     near = [
         w
         for w in full
-        if w.trace.time[0] <= low + ENDS and w.trace.time[-1] >= high - ENDS  # shorter ones get NaN
+        if w.trace.time[0] <= low + _ENDS
+        and w.trace.time[-1] >= high - _ENDS  # shorter ones get NaN
     ]
     low = max([low, *(float(w.trace.time[0]) for w in near)])
     high = min([high, *(float(w.trace.time[-1]) for w in near)])
@@ -182,8 +183,8 @@ def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
     base = [w for w in full if w.required] or full
     base = [w for w in base if _even(w.trace.time)] or base
     fastest = [rates[w.name] for w in base]
-    top = max([r for r in fastest if r <= FASTEST] or fastest)
-    alike = [w for w in base if ALIKE * top <= rates[w.name] <= top]
+    top = max([r for r in fastest if r <= _FASTEST] or fastest)
+    alike = [w for w in base if _ALIKE * top <= rates[w.name] <= top]
 
     def carried(w: Wanted) -> tuple[int, int, int]:
         mates = [x.name for x in full if x.trace.clock == w.trace.clock]

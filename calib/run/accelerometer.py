@@ -114,10 +114,10 @@ class Accelerometer:
 _GREATEST = 1.5
 """Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
 
-SECOND = 1.0
+_SECOND = 1.0
 """Time over which a_x and v are compared [s]: the noise of v then counts for 0.002 g."""
 
-STEP = 4
+_STEP = 4
 """Blocks from one judgement to the next: 0.2 s."""
 
 
@@ -138,8 +138,8 @@ def accelerometer(
     jolt a_x and v may differ by other causes.
     """
     p = priors or _AccelerometerPriors()
-    at = np.arange(0, b.end.size, STEP)
-    read = Reading(b, unexplained, sigma, density_z, density_v)
+    at = np.arange(0, b.end.size, _STEP)
+    read = _Reading(b, unexplained, sigma, density_z, density_v)
     speeds, evidence = _evidence(read, b.z if smooth is None else smooth, p, at)
     weighed = _weighed(evidence, p)
     wanders = weighed.weights[:, 1::2].sum(axis=1)
@@ -156,7 +156,7 @@ def accelerometer(
     return _held(rows, at, b.end.size)
 
 
-class Reading(NamedTuple):
+class _Reading(NamedTuple):
     """What is judged; as `accelerometer` takes it."""
 
     b: Blocks
@@ -166,14 +166,14 @@ class Reading(NamedTuple):
     density_v: float
 
 
-Evidence = tuple[Array, Array, Array]
+_Evidence = tuple[Array, Array, Array]
 """Of a steady grade and of one that walks: precision (m, 2, 3, 3), vector (m, 2, 3) of (c, e, d),
 logarithm of the likelihood where they are zero (m, 2)."""
 
 
 def _evidence(
-    read: Reading, smooth: Array, p: _AccelerometerPriors, at: Index
-) -> tuple[list["_AgainstSpeed"], Evidence]:
+    read: _Reading, smooth: Array, p: _AccelerometerPriors, at: Index
+) -> tuple[list["_AgainstSpeed"], _Evidence]:
     """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
     compared = _compared(read.b, smooth)
     speeds = [
@@ -214,7 +214,7 @@ class _AgainstSpeed:
         return -lag, 1.0 / self.own + spread / self.own**2
 
 
-Compared = tuple[Array, Mask]
+_Compared = tuple[Array, Mask]
 
 
 def _usable(b: Blocks) -> Mask:
@@ -222,7 +222,7 @@ def _usable(b: Blocks) -> Mask:
     return np.asarray((b.speed > 2.0) & (np.abs(b.z) < _GREATEST))
 
 
-def _compared(b: Blocks, smooth: Array) -> Compared | None:
+def _compared(b: Blocks, smooth: Array) -> _Compared | None:
     """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
 
     And where they are to be used, (k - 1,). None without v. ``smooth`` as in `accelerometer`.
@@ -241,7 +241,7 @@ def _compared(b: Blocks, smooth: Array) -> Compared | None:
 
 def _against_speed(
     b: Blocks,
-    compared: Compared | None,
+    compared: _Compared | None,
     density_z: float,
     density_v: float,
     p: _AccelerometerPriors,
@@ -308,19 +308,19 @@ _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
-def _weighed(evidence: Evidence, p: _AccelerometerPriors) -> Mixture:
+def _weighed(evidence: _Evidence, p: _AccelerometerPriors) -> Mixture:
     """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks; they go by turns."""
     return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
 
 
-def _other_scale(read: Reading, p: _AccelerometerPriors, last: Index) -> float:
+def _other_scale(read: _Reading, p: _AccelerometerPriors, last: Index) -> float:
     """The scale over all of the run where it is likelier that of no sensor, else 0.
 
     Without a grade that walks, which explains what such a scale does. It takes no part in what is
-    corrected: a run with such a scale is not used. By means of z over `SECOND`: the noise of a_x is
-    in the integral and in what a scale makes of it alike, and looks like a scale of 1.
+    corrected: a run with such a scale is not used. By means of z over `_SECOND`: the noise of a_x
+    is in the integral and in what a scale makes of it alike, and looks like a scale of 1.
     """
-    slow = centred_mean(read.b.z, max(1, round(SECOND / read.b.length)))
+    slow = centred_mean(read.b.z, max(1, round(_SECOND / read.b.length)))
     _, evidence = _evidence(read, slow, p, last)
     steady = np.array([(*case, False) for case in product((False, True), repeat=3)])
     other = _mixture(evidence, steady, p.other_scale, p)
@@ -328,7 +328,7 @@ def _other_scale(read: Reading, p: _AccelerometerPriors, last: Index) -> float:
     return float(other.mean[0, 0]) if likelier[0] else 0.0
 
 
-def _mixture(evidence: Evidence, there: Mask, scale: float, p: _AccelerometerPriors) -> Mixture:
+def _mixture(evidence: _Evidence, there: Mask, scale: float, p: _AccelerometerPriors) -> Mixture:
     """Mixture over cases, ``there`` (k, 4) whether bias, grade, drag and wandering are there."""
     still = (p.still_bias, p.still_grade, p.still_drag)
     spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
@@ -349,7 +349,7 @@ def _disagreement(b: Blocks, scale: Array, at: Index) -> Array:
 
     Less what the ``scale`` (m,) explains, as it is known at ``at``.
     """
-    whole = max(round(SECOND / b.length), 1)
+    whole = max(round(_SECOND / b.length), 1)
     if b.v is None or b.v.size <= whole:
         return np.zeros(at.size)
     lost = (b.v[whole:] - b.v[:-whole]) / (G * whole * b.length)

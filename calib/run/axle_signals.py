@@ -174,12 +174,12 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
     the sample time [s].
     """
-    smooth = trailing_mean(pressure, max(1, round(SMOOTH / step)))
+    smooth = trailing_mean(pressure, max(1, round(_SMOOTH / step)))
     braked = np.flatnonzero(smooth > BITE)
     first = np.inf
     if braked.size:
         bite = int(braked[0])
-        first = min(time[bite] - SETTLE, time[_leaves(smooth[: bite + 1])]) - SMOOTH
+        first = min(time[bite] - SETTLE, time[_leaves(smooth[: bite + 1])]) - _SMOOTH
     rolling = rolls(trailing_mean(z, max(1, round(0.1 / step))))
     return np.asarray((time < first) & rolling & (speed > MOVING))
 
@@ -191,7 +191,7 @@ has: an axle is driven until the foot leaves the gas, or a wheel runs over somet
 FINEST = 1e-5
 """Scatter of eta [1] that always counts as usual: simulated logs may have none."""
 
-LEAST = 0.5
+_LEAST = 0.5
 """Shortest lead-in [s] that shows the usual scatter, and end of one that shows the usual eta."""
 
 
@@ -200,12 +200,12 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
 
     A clutch that engages late drives an axle by a slip of 0.1 %, and would move the zero of eta.
     """
-    if np.count_nonzero(rolling) * step < LEAST:
+    if np.count_nonzero(rolling) * step < _LEAST:
         return np.ones_like(rolling)
-    width = max(1, round(SMOOTH / step))
+    width = max(1, round(_SMOOTH / step))
     smooth = centred_mean(eta, width)
     known = smooth[rolling]
-    bite = 0 if rolling[-1] else -round(LEAST / step)  # a coast has none: all of it counts alike
+    bite = 0 if rolling[-1] else -round(_LEAST / step)  # a coast has none: all of it counts alike
     away = np.abs(smooth - np.median(known[bite:]))
     apart = np.abs(known[4 * width :] - known[: -4 * width])  # a step is in few of them
     usual = float(np.median(apart)) / QUARTILE / math.sqrt(2.0)
@@ -213,7 +213,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
 
 
-SMOOTH = 0.05
+_SMOOTH = 0.05
 """Time over which a pressure, or eta, is averaged before it is compared [s]."""
 
 
@@ -224,23 +224,23 @@ def _leaves(p: Array) -> int:
     return int(np.flatnonzero(p <= level + 3.0 * spread)[-1])
 
 
-SLOWEST = 15.0
+_SLOWEST = 15.0
 """Wheel speed [rad/s] below which a turn takes longer than a brake needs to build up."""
 
 _TURNS = 20
 """Least number of turns that tell an error of the ring from what the car does."""
 
-COARSEST = 0.5 * np.pi
+_COARSEST = 0.5 * np.pi
 """Largest angle between two samples [rad]: twice a turn must be seen."""
 
-FEWEST = 100
+_FEWEST = 100
 """Least number of samples that tell it."""
 
-SURE = 6.0
+_SURE = 6.0
 """Standard deviations of white noise past which an order is an error of the ring. Of 327 logs with
 good rings the largest of eight has 2.4 in the middle, and 5 at most."""
 
-ALIKE = 0.5
+_ALIKE = 0.5
 """Difference of both halves of a log, over the error [1], up to which it is that of a ring. What
 goes with the car, as noise of a slow bus, has another phase in each half."""
 
@@ -255,16 +255,16 @@ def without_runout(omega: Array, step: float) -> Array:
     """
     time = step * np.arange(omega.size, dtype=np.float64)
     angle = integral(time, omega)
-    inside = (omega > SLOWEST) & (omega * step < COARSEST)
+    inside = (omega > _SLOWEST) & (omega * step < _COARSEST)
     inside &= (angle > np.pi) & (angle < angle[-1] - np.pi)
-    if np.count_nonzero(inside) < FEWEST or angle[-1] < 2.0 * np.pi * _TURNS:
+    if np.count_nonzero(inside) < _FEWEST or angle[-1] < 2.0 * np.pi * _TURNS:
         return omega
     rising = np.maximum.accumulate(angle)
     turn = np.interp(angle + np.pi, rising, time) - np.interp(angle - np.pi, rising, time)
     apart = omega[inside] * turn[inside] / (2.0 * np.pi) - 1.0
     spread = float(np.median(np.abs(apart))) / QUARTILE
     near = np.abs(apart) <= 5.0 * max(spread, 1e-9)
-    if np.count_nonzero(near) < FEWEST:
+    if np.count_nonzero(near) < _FEWEST:
         return omega
     once, again = np.cos(angle), np.sin(angle)
     turning = np.stack([once, again, once**2 - again**2, 2.0 * once * again])
@@ -273,8 +273,8 @@ def without_runout(omega: Array, step: float) -> Array:
     halves = _fitted(columns[:, :half], apart[:half]), _fitted(columns[:, half:], apart[half:])
     size = _sizes(whole)
     sigma = float(np.std(apart - whole @ columns)) * np.sqrt(2.0 / apart.size)
-    sure = size > max(SURE * sigma, _LEAST_ERROR)
-    lasting = _sizes(halves[0] - halves[1]) < ALIKE * size
+    sure = size > max(_SURE * sigma, _LEAST_ERROR)
+    lasting = _sizes(halves[0] - halves[1]) < _ALIKE * size
     kept = np.repeat(sure & lasting, 2)
     return omega / (1.0 + (whole * kept) @ turning) if kept.any() else omega
 

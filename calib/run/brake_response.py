@@ -29,43 +29,43 @@ from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
 from calib.run.filters import block_mean, since
 
-STEP = 0.02
+_STEP = 0.02
 """Step of the means that are compared [s]."""
 _TRIED = 0.06
 """Step of the delays that are tried [s]; the slope by the delay tells the rest."""
-LATEST = 0.5
+_LATEST = 0.5
 """Longest delay that is tried [s]: a hydraulic unit in the cold has 0.2 s."""
 _EARLIEST = -0.5
 """Largest advance that is tried [s]: nothing brakes before the pressure but by a wrong clock."""
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])
-KINDS = ("shift", "lag")
+_KINDS = ("shift", "lag")
 _REFINED = 2
 """Times that the slope by the delay is followed."""
 USUAL, SPREAD = 0.02, 0.06
 """Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
 a force are nearly one, and only what is usual tells them apart."""
-WIDTH = 0.25
+_WIDTH = 0.25
 """Standard deviation of half the variance of the time by which the brakes come late, over the
 square of the delay [1]: a first-order lag has 1/2 more than a shift. In a fast rise an answer that
 is drawn out looks like a force."""
 FORCE = 0.05
 """Standard deviation of the force over the usual brake force before the run [1]."""
-GROUP = 0.2
+_GROUP = 0.2
 """Time over which residuals are averaged to see how they are correlated [s]."""
-LASTING = 1.3
-"""How much more noise that lasts 0.1 s errs over half a second than its means over `GROUP` say:
+_LASTING = 1.3
+"""How much more noise that lasts 0.1 s errs over half a second than its means over `_GROUP` say:
 1/sqrt(1 - (1 - e^-2)/2), by the variance of the mean of a first-order process."""
 AFTER = 0.5
 """Time after a release that still tells of the brakes [s]; later the engine may drive."""
-SLOW = 4.0
+_SLOW = 4.0
 """Speed [m/s] below which only what is braked is used: a gearbox makes the car creep."""
-GONE = 1.0
+_GONE = 1.0
 """Speed [m/s] at which a motor has handed over to the brakes, and below which nothing is used: the
 car jerks at standstill."""
-FADING = 1.0
+_FADING = 1.0
 """Standard deviation of the force that goes with the speed, over the usual brake force, before the
 run [1]: nearly nothing is known."""
-LEAST = 1.0
+_LEAST = 1.0
 """Time of braking that is needed [s]."""
 _AGE = 10.0
 """Time over which the trend is written [s]."""
@@ -73,7 +73,7 @@ WINDOW, BETWEEN = 0.3, 0.1
 """Time of the two medians [s] whose difference is a step of the force, and that between them."""
 _BITTEN = 0.4
 """Time of braking [s] before a step is looked for: pads and body are not at rest before."""
-STEADY = 0.3
+_STEADY = 0.3
 """Change of the nominal brake force between the medians, over the usual one [1], beyond which a
 step says nothing: it may be the delay, that is not exact."""
 
@@ -101,7 +101,7 @@ class BrakeResponse:
     ``level`` the pads over the nominal ones [1]; ``delay`` is above zero where the deceleration
     comes after the pressure. ``share`` is ``force`` over the median demanded brake force [1],
     ``share_sigma`` its standard deviation. ``fading`` the force that goes as the car gets slow over
-    the same [1], with ``fading_sigma``: `FADING` where the run does not show it. ``step`` is the
+    the same [1], with ``fading_sigma``: `_FADING` where the run does not show it. ``step`` is the
     largest step of the force beside the pressure.
     """
 
@@ -113,7 +113,7 @@ class BrakeResponse:
     share: float
     share_sigma: float
     fading: float = 0.0
-    fading_sigma: float = FADING
+    fading_sigma: float = _FADING
     step: ForceStep = _NO_STEP
 
 
@@ -133,7 +133,7 @@ class BrakeBalance:
 
 def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     """Delay and force without pressure of a run; None if it brakes too little to tell."""
-    size = max(1, round(STEP / s.sample_time))
+    size = max(1, round(_STEP / s.sample_time))
     step = size * s.sample_time
     active = forces.active.astype(float)
     time, nominal, demanded, braked, slow, use = (
@@ -143,12 +143,12 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
             forces.nominal_f + forces.nominal_r,
             forces.balance.demanded,
             active,
-            active * np.clip((FADE_OUT - s.speed) / (FADE_OUT - GONE), 0.0, 1.0),
+            active * np.clip((FADE_OUT - s.speed) / (FADE_OUT - _GONE), 0.0, 1.0),
             _useful(s, forces.active).astype(float),
         )
     )
     inside = use == 1.0
-    if step * float(braked[inside].sum()) < LEAST:
+    if step * float(braked[inside].sum()) < _LEAST:
         return None
     age = (time - float(time[inside].mean())) / _AGE
     y = demanded[inside]
@@ -157,7 +157,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     tried, late, on = _tried(time, nominal, braked, step)
     others = (np.broadcast_to(x, late.shape) for x in (one, slow))
     best = _best(tried, np.stack([late, late * age, on, *others], -1)[:, inside], y)
-    kind, delay = KINDS[best >= tried.size - _LAGS.size], float(tried[best])
+    kind, delay = _KINDS[best >= tried.size - _LAGS.size], float(tried[best])
     for _ in range(_REFINED):
         n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
         slope = -np.gradient(n, step)  # by the delay
@@ -168,8 +168,8 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         if not (level > 0.0 and usual > 0.0):
             return None
         variance = _variance(y - A @ free)
-        smeared = WIDTH * (delay**2 + USUAL**2)
-        spread = {2: FORCE * usual, 4: FADING * usual, 5: level * SPREAD, 6: level * smeared}
+        smeared = _WIDTH * (delay**2 + USUAL**2)
+        spread = {2: FORCE * usual, 4: _FADING * usual, 5: level * SPREAD, 6: level * smeared}
         solution, sigma = _with_usual(A, y, variance, spread, USUAL - delay)
         rest = y - A @ solution
         delay += float(solution[5]) / level
@@ -182,7 +182,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         share=float(solution[2]) / usual,
         share_sigma=float(sigma[2]) / usual,
         fading=float(solution[4]) / usual,
-        fading_sigma=LASTING * float(sigma[4]) / usual,
+        fading_sigma=_LASTING * float(sigma[4]) / usual,
         step=_step(step, time[inside], braked[inside], n[inside] * level / usual, rest / usual),
     )
 
@@ -204,7 +204,7 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) 
     )
     steps = levels[apart:] - levels[:-apart]
     at = time[longest][(apart + width) // 2 :][: steps.size]
-    told = (np.abs(pressed[apart:] - pressed[:-apart]) < STEADY) & (at > at[0] + _BITTEN)
+    told = (np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY) & (at > at[0] + _BITTEN)
     if not told.any():
         return _NO_STEP
     largest = int(np.argmax(np.where(told, np.abs(steps), 0.0)))
@@ -240,8 +240,8 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """The lead-in, and from the first braking on all that is braked or has just been, (n,)."""
     if not active.any():
         return np.zeros_like(active)
-    fast = (s.lead_in | (since(s.time, active) < AFTER)) & (s.speed > SLOW)
-    return np.asarray(fast | (active & (s.speed > GONE)))
+    fast = (s.lead_in | (since(s.time, active) < AFTER)) & (s.speed > _SLOW)
+    return np.asarray(fast | (active & (s.speed > _GONE)))
 
 
 def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Array, Array, Array]:
@@ -250,7 +250,7 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
     First no delay, then shifts of the clock, then first-order lags.
     """
     each = max(1, round(_TRIED / step))
-    shifts = np.arange(round(_EARLIEST / step), round(LATEST / step) + 1, each)
+    shifts = np.arange(round(_EARLIEST / step), round(_LATEST / step) + 1, each)
     shifts = np.concatenate([[0], shifts[shifts != 0]])
     at = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
     late = np.vstack([nominal[at], *(first_order(time, nominal, lag)[None] for lag in _LAGS)])
@@ -275,7 +275,7 @@ def _best(delays: Array, columns: Array, y: Array) -> int:
 
 def _variance(residual: Array) -> float:
     """Variance of a residual as if it were white, with its long-run correlation counted."""
-    group = round(GROUP / STEP)
+    group = round(_GROUP / _STEP)
     short = float(np.mean(residual**2))
     if residual.size < 4 * group:
         return short

@@ -24,7 +24,7 @@ from calib.logs.source import ColumnSource
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
-HELD = 1.5
+_HELD = 1.5
 """Samples for which a channel keeps its values, from which it is held between them."""
 
 
@@ -33,19 +33,19 @@ def made_of_wheels(log: Log) -> bool:
     log = _as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
     if not _is_noise(log, "v"):
         return False
-    wheels = np.array([rough(log, f"omega_{w}") for w in WHEELS])
-    return float(explained_square(wheels, rough(log, "v"))) > LIMITS.copy_correlation**2
+    wheels = np.array([_rough(log, f"omega_{w}") for w in WHEELS])
+    return float(explained_square(wheels, _rough(log, "v"))) > LIMITS.copy_correlation**2
 
 
 def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Pairs of channels that are one signal, each with the correlation of their noise [1]."""
     periods = {name: period_of(log[name]) for name in names}
-    whole = {name: rough(log, name) for name in names}
+    whole = {name: _rough(log, name) for name in names}
     for one, other in combinations(names, 2):
         sent, x, y = log, whole[one], whole[other]
-        if min(periods[one], periods[other]) >= HELD:
+        if min(periods[one], periods[other]) >= _HELD:
             sent = _as_sent(log, (one, other))
-            x, y = rough(sent, one), rough(sent, other)
+            x, y = _rough(sent, one), _rough(sent, other)
         if abs(float(x @ y)) > LIMITS.copy_correlation and _is_noise(sent, one):
             same = _alike(np.array([x, y]))
             if same > LIMITS.copy_correlation:
@@ -58,7 +58,7 @@ def _as_sent(log: Log, channels: Sequence[str]) -> Log:
     Values that are kept over several samples all rest and step together, which says nothing of
     where they come from.
     """
-    if min(period_of(log[name]) for name in channels) < HELD:
+    if min(period_of(log[name]) for name in channels) < _HELD:
         return log
     came = np.flatnonzero(np.diff(log[channels[0]])) + 1
     return replace(log, channels={name: x[came] for name, x in log.channels.items()})
@@ -72,7 +72,7 @@ def _alike(x: Array) -> float:
     return abs(float(x[0] @ x[1])) / size if size > 0.0 else 0.0
 
 
-def rough(log: Log, channel: str) -> Array:
+def _rough(log: Log, channel: str) -> Array:
     """Second differences of a channel, as a unit vector."""
     differences = _differences(log, channel)
     size = float(np.linalg.norm(differences))
@@ -98,7 +98,7 @@ def _is_noise(log: Log, channel: str) -> bool:
     return above and float(differences[1:] @ differences[:-1]) < -0.3 * square
 
 
-CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
+_CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
 """Those that a diagnosis compares, or is driven by."""
 
 _FEWEST = 20
@@ -107,13 +107,13 @@ _FEWEST = 20
 _SOONER = 0.1
 """Share of the changes that may come sooner than a period: messages jitter."""
 
-LATER = 1.6
+_LATER = 1.6
 """Longest time between two values that counts as one period [periods]: the next one is not lost."""
 
 _SAME = 0.6
 """Rest [periods] from which on an unchanged value counts as one more value, which was the same."""
 
-LONGEST = 0.25
+_LONGEST = 0.25
 """Longest period [s]. What changes less often is at rest, or as coarse as a counter."""
 
 
@@ -125,7 +125,7 @@ def period_of(x: Array) -> float:
     shortest = float(np.quantile(ahead, _SOONER, method="lower"))
     if shortest < 2.0:
         return 1.0
-    return float(np.mean(ahead[ahead < LATER * shortest]))
+    return float(np.mean(ahead[ahead < _LATER * shortest]))
 
 
 def came_at(x: Array, longest: float) -> Index | None:
@@ -149,13 +149,13 @@ def came_at(x: Array, longest: float) -> Index | None:
 
 
 def without_holds(log: Log) -> Log:
-    """The log with each of `CHANNELS` in straight lines between its values, up to the last of them.
+    """The log with each of `_CHANNELS` in straight lines between its values, up to their last.
 
     It ends where the first of the channels has its last value.
     """
-    longest, end = LONGEST / log.sample_time, log.time.size
+    longest, end = _LONGEST / log.sample_time, log.time.size
     channels, straight = dict(log.channels), set(log.interpolated)
-    for name in (c for c in CHANNELS if c in log):
+    for name in (c for c in _CHANNELS if c in log):
         came = came_at(log[name], longest)
         if came is not None:
             channels[name] = np.interp(np.arange(log.time.size), came, log[name][came])
@@ -165,7 +165,7 @@ def without_holds(log: Log) -> Log:
     return replace(log, channels=cut, interpolated=tuple(sorted(straight)))
 
 
-PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
+_PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
 """The channels that are checked. The bus of some cars has the demanded brake torque and no
 pressure, and some decoders divide this torque by a constant to get a pressure."""
 
@@ -206,7 +206,7 @@ def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, 
 
 
 def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
-    pressures = [name for name in PRESSURES if name in log]
+    pressures = [name for name in _PRESSURES if name in log]
     for index, column in enumerate(source.columns):
         if column.name not in log.ignored or not pressures or not is_other_quantity(column.unit):
             continue

@@ -28,13 +28,13 @@ BITE_Z = 0.08
 """Deceleration [g] that counts as braking if no pressure is logged: above drag and engine."""
 STEADY = 0.15
 """Largest deceleration of a car that rolls [g]."""
-DRIVEN = 0.05
+_DRIVEN = 0.05
 """Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
 and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
 shows."""
-SHORTEST = 0.3
+_SHORTEST = 0.3
 """Shortest brake event [s]."""
-PAUSE = 0.2
+_PAUSE = 0.2
 """Shortest release that ends a brake event [s]."""
 SETTLE = 0.1
 """Time left out between lead-in and first event [s]: pressure rises before it reaches ``BITE``."""
@@ -46,7 +46,7 @@ NOMINAL_RADIUS = 0.32
 
 def rolls(z: Array) -> Mask:
     """Where a felt deceleration (n,) [g], smoothed, is that of a car which rolls."""
-    return np.asarray((z > -DRIVEN) & (z < STEADY))
+    return np.asarray((z > -_DRIVEN) & (z < STEADY))
 
 
 @dataclass(frozen=True)
@@ -127,10 +127,10 @@ def _joined(active: Mask, step: float) -> Mask:
     """Applications of the brake: short pauses are closed, short applications dropped."""
     braked = active.copy()
     for start, end in runs(~active):
-        if start > 0 and end < active.size and (end - start) * step < PAUSE:
+        if start > 0 and end < active.size and (end - start) * step < _PAUSE:
             braked[start:end] = True
     for start, end in runs(braked):
-        if (end - start) * step < SHORTEST:
+        if (end - start) * step < _SHORTEST:
             braked[start:end] = False
     return braked
 
@@ -196,14 +196,14 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
 
 
 LEAD_IN, BITES, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
-KINDS = (LEAD_IN, BITES, BRAKING, STANDSTILL)
+_KINDS = (LEAD_IN, BITES, BRAKING, STANDSTILL)
 _NEEDED = ("a_x", *(f"omega_{wheel}" for wheel in WHEELS))
 """Channels without which no event is known."""
 
 
 @dataclass(frozen=True)
 class RunEvent:
-    """An event of one of the `KINDS`, from ``start`` to ``end`` [s]; a bite has no length."""
+    """An event of one of the `_KINDS`, from ``start`` to ``end`` [s]; a bite has no length."""
 
     kind: str
     start: float
@@ -218,7 +218,7 @@ def run_events(log: Log) -> tuple[RunEvent, ...]:
     """
     if any(name not in log for name in _NEEDED):
         return ()
-    return tuple(sorted(_events(log), key=lambda event: (event.start, KINDS.index(event.kind))))
+    return tuple(sorted(_events(log), key=lambda event: (event.start, _KINDS.index(event.kind))))
 
 
 def _events(log: Log) -> Iterator[RunEvent]:

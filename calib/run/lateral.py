@@ -36,14 +36,14 @@ def lateral(
     """Lateral acceleration [m/s^2] (n,), positive to the left.
 
     ``track_width`` [m]; ``straight`` what `sides` reads on a straight road [1]; ``slip`` of the
-    rear wheels [1] (n,) while they brake and ``height`` of the centre of gravity [m]: see `leaned`.
+    rear wheels [1] (n,) while they brake, ``height`` of the centre of gravity [m]: see `_leaned`.
     """
     geometric = track_width / np.maximum(s.speed, MOVING) ** 2
-    turned = (sides(log) - straight) / (geometric + leaned(track_width, slip, height))
+    turned = (sides(log) - straight) / (geometric + _leaned(track_width, slip, height))
     return low_pass(turned, s.sample_time, _LATERAL_TIME)
 
 
-def leaned(track_width: float, slip: Array | float, height: float) -> Array:
+def _leaned(track_width: float, slip: Array | float, height: float) -> Array:
     """What `sides` gains per lateral acceleration [s^2/m] while the rear wheels brake.
 
     The outer wheel carries 2 h/(g l_w) a_y more of its load and slips less by as much, the inner

@@ -70,7 +70,7 @@ _COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
 
-FEW = 10
+_FEW = 10
 """Samples of a lead-in that do not tell a noise: by a quarter of it, one in two."""
 
 
@@ -80,7 +80,7 @@ def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
     Uses only the lead-in, so that an online estimator may use it; one of a few samples tells none.
     """
     step = np.sqrt(s.sample_time)
-    told = np.count_nonzero(s.lead_in) > FEW
+    told = np.count_nonzero(s.lead_in) > _FEW
 
     def white(x: Array) -> float:
         return float(np.std(np.diff(x[s.lead_in])) / np.sqrt(2.0)) if told else 0.0

@@ -37,7 +37,7 @@ from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, sl
 
 
 @dataclass(frozen=True)
-class Clock:
+class _Clock:
     """Sampling of a log.
 
     ``duration`` [s]; ``rate`` of the mean step [Hz]; ``jitter`` root mean square deviation of
@@ -62,7 +62,7 @@ class Observation:
     Attributes
     ----------
     present, missing : canonical channels; ``missing`` only those that every log must have.
-    clock, sensors : see `Clock` and `Sensor`; ``time`` has no sensor.
+    clock, sensors : see `_Clock` and `Sensor`; ``time`` has no sensor.
     events : applications of the brake, by pressure, or by deceleration where there is none.
     lead_in : unbraked, steady and moving time before the first event [s].
     coasting : all unbraked, steady and moving time [s].
@@ -81,7 +81,7 @@ class Observation:
 
     present: tuple[str, ...]
     missing: tuple[str, ...]
-    clock: Clock
+    clock: _Clock
     sensors: tuple[Sensor, ...]
     events: tuple[BrakeEvent, ...] = ()
     lead_in: float = 0.0
@@ -197,13 +197,13 @@ def _fitted(clock: Array, pressures: list[Array], time: Array, y: Array) -> Arra
     return explained_square(np.stack(columns, axis=1), y)
 
 
-def clock_of(time: Array) -> Clock:
+def clock_of(time: Array) -> _Clock:
     """Sampling of a strictly increasing time [s], shape (n,)."""
     steps = np.diff(time)
     step = step_of(time)
     wide = steps > GAP * step
     jitter = steps[~wide] - step
-    return Clock(
+    return _Clock(
         samples=time.size,
         duration=float(time[-1] - time[0]),
         rate=1.0 / step,

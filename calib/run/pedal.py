@@ -18,7 +18,7 @@ _HOLD = 0.1
 NOTHING = 0.4e5
 """A constant pressure below this [Pa] is zero: return springs keep the pads off the disc."""
 
-PEAK = 8.0
+_PEAK = 8.0
 """Standard deviations of the noise by which a peak beside a constant pressure is noise: a parabola
 that goes over a corner errs by four, and the sample there by as many."""
 
@@ -37,14 +37,14 @@ def as_pressed(p: Array, step: float) -> Array:
     width = max(1, round(_HOLD / step))
     if width < 3 or p.size < 2 * width:
         return p
-    sigma = noise_of(p)
+    sigma = _noise_of(p)
     mean = centred_mean(p, width, held_ends=True)
     swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
     held = swing < 8.0 * sigma
     bent = savgol_filter(p, max(5, width | 1), 2)
     moving = np.where(np.abs(bent - p) < 4.0 * sigma, bent, p)
     smooth = np.where(held, np.where(mean < NOTHING, 0.0, mean), moving)
-    return _without_peaks(smooth, held, PEAK * sigma, width)
+    return _without_peaks(smooth, held, _PEAK * sigma, width)
 
 
 def _without_peaks(p: Array, held: Mask, most: float, width: int) -> Array:
@@ -66,23 +66,23 @@ def _without_peaks(p: Array, held: Mask, most: float, width: int) -> Array:
     return np.where(short & ~binary_opening(past != 0.0, np.ones(width)), p - past, p)
 
 
-def noise_of(p: Array) -> float:
+def _noise_of(p: Array) -> float:
     """Standard deviation of the white noise of a pressure (n,), from its third differences.
 
     From the median of their sizes; where that is zero, as for a noise that seldom reaches the next
     step of the reading, from what a tenth of them exceeds. A pressure that is sent seldom, and runs
     in straight lines, shows its noise over more samples alone: these count where they show
-    `HIDDEN` times as much.
+    `_HIDDEN` times as much.
     """
     fine = _typical(third_difference(p, 1))
-    most = max(typical_differences(p, WIDEST)[1:], default=0.0)
-    return (most if most > HIDDEN * fine else fine) / math.sqrt(20.0)
+    most = max(typical_differences(p, _WIDEST)[1:], default=0.0)
+    return (most if most > _HIDDEN * fine else fine) / math.sqrt(20.0)
 
 
-WIDEST = 8
+_WIDEST = 8
 """Most samples between those of the further third differences."""
 
-HIDDEN = 1.5
+_HIDDEN = 1.5
 """Noise over more samples, over that from sample to sample, that no white noise has."""
 
 

@@ -51,7 +51,7 @@ def _unusable(seen: Observation) -> Iterator[str]:
         yield f"the car is too slow ({seen.speed:.1f} m/s at most): drive at 30 km/h or more"
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_OMEGAS):
-            yield f"{hanging(sensor)}: repair the sensor and drive again"
+            yield f"{_hanging(sensor)}: repair the sensor and drive again"
     for sensor in seen.sensors:
         top = _GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
         if top is not None and max(sensor.high, -sensor.low) > top:
@@ -68,7 +68,7 @@ def _unusable(seen: Observation) -> Iterator[str]:
         yield f"{crossed}: {CORRECT}, or look for a brake circuit without pressure"
 
 
-def hanging(sensor: Sensor) -> str:
+def _hanging(sensor: Sensor) -> str:
     """When a sensor does not change, in words."""
     times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
     return f"{sensor.channel} does not change from {times} while others do"

@@ -29,7 +29,7 @@ from calib.logs.log import Log
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
-COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
+_COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
 
 _NORMAL = 1.4826
 """Standard deviation over the median of the absolute values, of normal noise [1]."""
@@ -38,9 +38,9 @@ _ROUNDS = 3
 _View = dict[str, Array]
 """Channels [SI] on an even clock, and the mean of the ``wheels``."""
 VERSION = 1
-FINE = 0.25
+_FINE = 0.25
 """Unit of the whole numbers over the noise [1]: rounding adds 0.3 % to the noise's square."""
-MOST = 2.0**40
+_MOST = 2.0**40
 """Largest whole number of a channel that has no noise."""
 
 
@@ -72,7 +72,7 @@ class Fingerprint:
         names = [channel.name for channel in self.channels]
         if self.version != VERSION:
             raise ValueError(f"fingerprint of version {self.version}, known is {VERSION}")
-        if not {f"omega_{w}" for w in WHEELS} <= set(names) <= set(COMPARED):
+        if not {f"omega_{w}" for w in WHEELS} <= set(names) <= set(_COMPARED):
             raise ValueError(f"a fingerprint has the channels of a run, not {', '.join(names)}")
         if not all(0.0 < x < math.inf for x in (self.step, *(c.unit for c in self.channels))):
             raise ValueError("the step and the units of a fingerprint are above 0")
@@ -135,7 +135,7 @@ def _alike(one: _View, other: _View, lag: int) -> bool:
     """Whether D and r say so, where ``other`` begins ``lag`` samples after ``one``."""
     pairs = {
         name: _over(one[name], other[name], lag)
-        for name in COMPARED
+        for name in _COMPARED
         if name in one and name in other and np.ptp(one[name]) + np.ptp(other[name]) > 0.0
     }
     if not pairs:
@@ -158,7 +158,7 @@ def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
 
 def _apart(a: Array, b: Array) -> float:
     between = spread(a - b) ** 2
-    noise = noise_of(a) ** 2 + noise_of(b) ** 2
+    noise = _noise_of(a) ** 2 + _noise_of(b) ** 2
     if noise == 0.0:
         return 0.0 if between == 0.0 else np.inf
     return between / noise
@@ -205,7 +205,7 @@ def _best_lag(a: Array, b: Array) -> int:
 def fingerprint_of(log: Log) -> Fingerprint:
     """The fingerprint of a run, which must have its wheel speeds."""
     view = _view_of(log, LIMITS.run_means, means=True)
-    channels = tuple(_channel(name, view[name]) for name in COMPARED if name in view)
+    channels = tuple(_channel(name, view[name]) for name in _COMPARED if name in view)
     return Fingerprint(VERSION, LIMITS.run_means, channels)
 
 
@@ -217,7 +217,7 @@ def _channel(name: str, x: Array) -> _FingerprintChannel:
 
 def _unit(x: Array) -> float:
     """A power of two, so that no rounding enters a product with it."""
-    least = max(FINE * noise_of(x), float(np.max(np.abs(x), initial=0.0)) / MOST)
+    least = max(_FINE * _noise_of(x), float(np.max(np.abs(x), initial=0.0)) / _MOST)
     return 2.0 ** math.floor(math.log2(least)) if least > 0.0 else 1.0
 
 
@@ -234,7 +234,7 @@ def _view_of(log: Log, step: float, *, means: bool, offset: float = 0.0) -> _Vie
     """The channels every ``step`` [s] from ``offset`` [s] on: interpolated, or means of a step."""
     time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
     channels = {}
-    for name in COMPARED:
+    for name in _COMPARED:
         if name in log:
             x = integral(log.time, log[name]) if means else log[name]
             at = np.interp(time, log.time, x)
@@ -251,6 +251,6 @@ def spread(x: Array) -> float:
     return float(_NORMAL * np.median(np.abs(x)))
 
 
-def noise_of(x: Array) -> float:
+def _noise_of(x: Array) -> float:
     """Standard deviation of the noise of a channel and of its rounding, by third differences."""
     return max(spread(np.diff(x, 3)) / math.sqrt(20.0), resolution_of(x) / math.sqrt(12.0))

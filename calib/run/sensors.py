@@ -15,7 +15,7 @@ _RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
 
 
-UNKNOWN = (float("nan"),) * 3
+_UNKNOWN = (float("nan"),) * 3
 
 
 @dataclass(frozen=True)
@@ -62,17 +62,17 @@ def sensors_of(
 def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: bool) -> Sensor:
     step = log.sample_time
     quiet = np.ones(x.size, bool) if driving is None else driving.unbraked
-    noise, white, colour = noise_of(x, quiet, step) if full else UNKNOWN
+    noise, white, colour = noise_of(x, quiet, step) if full else _UNKNOWN
     idle = name in _RESTING or (name.startswith("p_") and _is_held(x, driving))
     return Sensor(
         channel=name,
         low=float(x.min()),
         high=float(x.max()),
-        resolution=_resolution(name, x, log) if full else UNKNOWN[0],
+        resolution=_resolution(name, x, log) if full else _UNKNOWN[0],
         noise=noise,
         white=white,
         autocorrelation=colour,
-        flat=_flatness(x[quiet]) if full else UNKNOWN[0],
+        flat=_flatness(x[quiet]) if full else _UNKNOWN[0],
         stuck=() if driving is None else _stuck(name, x, log, driving),
         saturated=0.0 if idle else saturation(-x if name == "a_x" else x, step),
     )

@@ -7,8 +7,8 @@ r"""A reference speed that comes late, as that of a receiver of satellites by 0.
     scale c and slope e do not move a corner, so the delay tau is seen beside them
 
 A v on the bus of the other channels is within `USUAL` of them, and its rest is a state of the
-filter. A late one is anywhere up to `LATEST`. Both are weighed by how well they predict v, over the
-whole log: a delay belongs to a sensor and stays. Of a late v, v(t + tau) stands for v(t).
+filter. A late one is anywhere up to `_LATEST`. Both are weighed by how well they predict v over the
+log: a delay belongs to a sensor and stays. Of a late v, v(t + tau) stands for v(t).
 
 It stops being true where the wheel speeds are as late as v, and for a_x that is filtered by more
 than v is late.
@@ -24,20 +24,20 @@ from calib.base.noise import noise_of, second_differences
 from calib.car.lag import integral
 from calib.run.filters import block_mean
 
-BLOCK = 0.05
+_BLOCK = 0.05
 """Length of the means that are compared [s]."""
 
 USUAL = 0.02
 """One sigma [s] of the delay of a v on the bus of the other channels."""
 
-LATEST = 0.5
+_LATEST = 0.5
 """Greatest delay [s] that is looked for: receivers have 0.1 to 0.3 s, slow filters more. What v was
 read as within this time of the start was had before the log, and is not compared."""
 
-ODDS = 0.05
+_ODDS = 0.05
 """Odds of a late v before the log: few of those who log v take it from a receiver."""
 
-SCALE = 0.05
+_SCALE = 0.05
 """One sigma of the scale of a_x [1]: wider than that of a sensor, since a delay is not to explain
 what another scale does."""
 
@@ -50,13 +50,13 @@ CHANGING = 0.015
 ODDS_ROAD = np.array([0.97, 0.03])
 """How often the slope stays, and changes, on roads that are chosen for such runs."""
 
-BRAKES = 1.5
+_BRAKES = 1.5
 """Least deceleration [m/s^2] that shows a delay: a rolling car hardly changes its speed."""
 
 LIKELY, SURE = 0.3, 0.95
 """Chance of a late v from which on it is not taken as it is, and from which on it is corrected."""
 
-STEP = 0.01
+_STEP = 0.01
 """Step of the delays that are tried [s]: half of what is sharp."""
 
 _SHARP = 0.02
@@ -91,19 +91,19 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
     even = _Seen.of(time, v, a_x, step)
     if even is None or abs(even.first()) < 2.0 * USUAL:
         return IN_TIME
-    tried = np.arange(-5.0 * USUAL, LATEST + 0.5 * STEP, STEP)
+    tried = np.arange(-5.0 * USUAL, _LATEST + 0.5 * _STEP, _STEP)
     roads = even, even.on_road(CHANGING)
     misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])
     noisier = max(misfit.min() / max(np.count_nonzero(even.usable), 1), 1.0)  # than medians show
     likelihood = -0.5 * misfit / noisier - np.array([[road.log_size] for road in roads])
     likelihood = np.logaddexp(*(likelihood - likelihood.max() + np.log(ODDS_ROAD)[:, None]))
     usual = np.exp(likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
-    late = np.exp(likelihood) * (tried > 0.0) / LATEST
-    chance = float(ODDS * late.sum() / (usual.sum() + ODDS * late.sum()))
+    late = np.exp(likelihood) * (tried > 0.0) / _LATEST
+    chance = float(_ODDS * late.sum() / (usual.sum() + _ODDS * late.sum()))
     if chance < LIKELY:
         return IN_TIME
     value = float(late @ tried / late.sum())
-    variance = float(late @ (tried - value) ** 2 / late.sum()) + STEP**2 / 12.0
+    variance = float(late @ (tried - value) ** 2 / late.sum()) + _STEP**2 / 12.0
     return SpeedDelay(value, float(np.sqrt(variance)), chance)
 
 
@@ -137,15 +137,15 @@ class _Seen:
 
     @classmethod
     def of(cls, time: Array, v: Array, a_x: Array, step: float) -> "_Seen | None":
-        """By means of `BLOCK`, on an even road; None where it is short or brakes too little."""
-        size = max(1, round(BLOCK / step))
+        """By means of `_BLOCK`, on an even road; None where it is short or brakes too little."""
+        size = max(1, round(_BLOCK / step))
         means, slowing = block_mean(v, size), block_mean(a_x, size)
-        if means.size < 20 or np.min(slowing) > -BRAKES:
+        if means.size < 20 or np.min(slowing) > -_BRAKES:
             return None
         h = size * step
         white, walk = (max(noise_of(x) ** 2, 1e-12) for x in (means, h * slowing))
         usable = (means > 2.0) & (np.abs(slowing) < 1.5 * G)
-        usable &= h * np.arange(means.size) >= LATEST
+        usable &= h * np.arange(means.size) >= _LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
         none = np.zeros((usable.size, 2))
         gained = integral(time, a_x)
@@ -167,7 +167,7 @@ class _Seen:
         y, x = self._white(0.0)
         shift = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
         A = np.column_stack([x, shift])
-        precision = A.T @ A + np.diag([SCALE**-2, LATEST**-2])
+        precision = A.T @ A + np.diag([_SCALE**-2, _LATEST**-2])
         return float(np.linalg.solve(precision, A.T @ y)[1])
 
     @property
@@ -178,7 +178,7 @@ class _Seen:
     def misfit(self, delay: float) -> float:
         """What is left at a ``delay`` [s] with the best scale, over the noise, squared."""
         y, x = self._white(delay)
-        return float(y @ y - (x @ y) ** 2 / (float(x @ x) + SCALE**-2))
+        return float(y @ y - (x @ y) ** 2 / (float(x @ x) + _SCALE**-2))
 
     def _white(self, delay: float) -> tuple[Array, Array]:
         """What v differs by, and what a scale makes of it, as white noise of sigma 1, (k - 2,)."""

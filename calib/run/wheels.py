@@ -227,7 +227,7 @@ def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     return {w: 1.0 - scale[w] * omega[w] / floor for w in WHEELS}
 
 
-PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
+_PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
 """E, L and X, each over fl, fr, rl, rr."""
 
 LOW, HIGH = 0.1, 0.5
@@ -294,7 +294,7 @@ def _parts(log: Log, driving: DrivingRecord, mask: Mask) -> Array:
     if mask.sum() < n:
         return np.empty((3, 0))
     wheels = np.array([block_mean(log[f"omega_{w}"][mask], n) for w in WHEELS])
-    return np.asarray(PARTS @ (1.0 - wheels / wheels.mean(axis=0)))
+    return np.asarray(_PARTS @ (1.0 - wheels / wheels.mean(axis=0)))
 
 
 def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed | None:

@@ -18,11 +18,11 @@ Curve = tuple[Array, Array, Array, Array]
 Curves = dict[str, tuple[Curve, Curve]]
 """A curve of both tables, by its name: f1, f2, D or g."""
 
-STYLES: tuple[Stroke, Stroke] = (
+_STYLES: tuple[Stroke, Stroke] = (
     {"linestyle": "-", "linewidth": 1.1},
     {"linestyle": DASHED, "linewidth": 2.0},
 )
-COLOURS = {"f1": FRONT["color"], "f2": REAR["color"], "D": IDENTIFIED["color"], "g": BODY["color"]}
+_COLOURS = {"f1": FRONT["color"], "f2": REAR["color"], "D": IDENTIFIED["color"], "g": BODY["color"]}
 _SYMBOLS = {"f1": "$f_1$", "f2": "$f_2$", "D": "$D$", "g": "force"}
 _PANELS = {
     "f1-f2": ("Normalised force curves", ("f1", "f2")),
@@ -71,8 +71,8 @@ def _curves(table: Table) -> dict[str, Curve]:
 def curves(ax: Axes, both: Curves, keys: Sequence[str], names: Sequence[str]) -> None:
     """The curves ``keys`` of both tables."""
     for key in keys:
-        for (x, y, lower, upper), stroke, name in zip(both[key], STYLES, names, strict=True):
-            line = {"color": COLOURS[key], **stroke}
+        for (x, y, lower, upper), stroke, name in zip(both[key], _STYLES, names, strict=True):
+            line = {"color": _COLOURS[key], **stroke}
             band(ax, x, lower, upper, line)
             ax.plot(x, y, label=f"{_SYMBOLS[key]} {name}", **line)
     zero(ax)
@@ -89,13 +89,13 @@ def differences(ax: Axes, both: Curves, keys: Sequence[str], gaps: dict[str, Cur
         if x.size == 0:
             ax.text(0.5, 0.5, "no common range", transform=ax.transAxes, ha="center")
             continue
-        line: Stroke = {"color": COLOURS[key], "linestyle": "-" if key != "f2" else DASHED}
+        line: Stroke = {"color": _COLOURS[key], "linestyle": "-" if key != "f2" else DASHED}
         found, held = gaps[key], "within" if gaps[key].in_bands <= 1.0 else "outside"
         at = 100.0 * (found.at if key == "g" else found.at - 1.0)
         label = f"{_SYMBOLS[key]}: {found.largest:+.4f} at {at:.2f}\u00a0%, {held} the bands"
         band(ax, x, change - half, change + half, line)
         ax.plot(x, change, label=label, **line)
-        ax.plot(at, found.largest, "o", color=COLOURS[key], mfc="white", ms=4.5, zorder=4)
+        ax.plot(at, found.largest, "o", color=_COLOURS[key], mfc="white", ms=4.5, zorder=4)
     symbols = ", ".join(rf"$\Delta$ {_SYMBOLS[key]}" for key in keys)
     ax.set(xlabel=_axis(keys), ylabel=f"{symbols} [1]")
 

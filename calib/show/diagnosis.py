@@ -34,13 +34,13 @@ _SEEN_IN = {
     "rear_sides": "the difference between left and right, rear wheels",
 }
 """Channels of evidence, in words."""
-AXLES = {
+_AXLES = {
     "front": "at the front axle",
     "rear": "at the rear axle",
     "both": "at both axles",
     "body": "on the body",
 }
-DRIVERS = {
+_DRIVERS = {
     "temperature": "the temperature of the disc",
     "time": "the time since the brake bit",
     "elapsed": "the time since the run began",
@@ -172,7 +172,7 @@ def _not_excluded(found: Diagnosis) -> str:
 
 
 def _driver(driver: str) -> str:
-    return DRIVERS.get(driver, f"the {driver}")
+    return _DRIVERS.get(driver, f"the {driver}")
 
 
 def _effect(effect: Named, found: Diagnosis) -> Facts:
@@ -194,7 +194,7 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
         ("Equation", card.equation),
         ("In a log", card.looks_like),
         ("Source", card.source),
-        ("Acts", f"{AXLES[at.axle]}; strongest in {_SEEN_IN[at.channel]}, at {', '.join(seen)}"),
+        ("Acts", f"{_AXLES[at.axle]}; strongest in {_SEEN_IN[at.channel]}, at {', '.join(seen)}"),
         ("Evidence", evidence),
         ("Cannot be told from", rivals or "nothing else in the catalogue"),
     ]

@@ -23,7 +23,7 @@ from calib.show.numbers import estimate, in_shown, listed, percent, spaced, unit
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import FRONT, REAR, SHADE, Array, Axes, Stroke, smooth, view, zero
 
-BASE = {
+_BASE = {
     "pad_friction_f": "pad friction, front",
     "pad_friction_r": "pad friction, rear",
     "tyre_stiffness": "slip stiffness of the tyres, over load",
@@ -31,17 +31,17 @@ BASE = {
     "rolling_radius": "rolling radii, over those of the vehicle file",
 }
 _SPEED = "Speed of the open-loop replays less the measured one."
-LARGEST = "Replay less measurement of the log with the largest gap; the band is the noise."
+_LARGEST = "Replay less measurement of the log with the largest gap; the band is the noise."
 BEFORE: Stroke = {**REAR, "linewidth": 1.4}
 AFTER: Stroke = {**FRONT, "linewidth": 1.4}
 
-CLOCK = 0.02
+_CLOCK = 0.02
 """Step between drawn points [s]; a curve is smoothed over a longer time."""
 
-PAUSE = 0.6
+_PAUSE = 0.6
 """Space between two logs on one axis [s]."""
 
-AXLES = {"omega_fl": 0.5, "omega_fr": 0.5, "omega_rl": -0.5, "omega_rr": -0.5}
+_AXLES = {"omega_fl": 0.5, "omega_fr": 0.5, "omega_rl": -0.5, "omega_rr": -0.5}
 _FRONT_SIDES = {"omega_fl": 1.0, "omega_fr": -1.0}
 _REAR_SIDES = {"omega_rl": 1.0, "omega_rr": -1.0}
 
@@ -134,7 +134,7 @@ def _gap(found: Diagnosis, drawn: Sheet, when: tuple[str, ...]) -> Facts:
         "The gap on the hold-outs",
         tables=[Table(heads, _by_log(found.gap, when), caption)],
         notes=early,
-        pictures=[Picture(LARGEST, drawn, ("acceleration", "split"))],
+        pictures=[Picture(_LARGEST, drawn, ("acceleration", "split"))],
     )
 
 
@@ -164,7 +164,7 @@ def _base(found: Diagnosis) -> Table:
     car = found.model_before.vehicle
     nominal = {"pad_friction_f": car.front.pad_friction, "pad_friction_r": car.rear.pad_friction}
     rows = [
-        (BASE.get(name, name), *estimate(x), f"{nominal[name]:g}" if name in nominal else "")
+        (_BASE.get(name, name), *estimate(x), f"{nominal[name]:g}" if name in nominal else "")
         for name, x in found.base.items()
     ]
     heads = ("parameter", "value", "95 % interval", "vehicle file")
@@ -172,7 +172,7 @@ def _base(found: Diagnosis) -> Table:
 
 
 @dataclass(frozen=True)
-class Replay:
+class _Replay:
     """A hold-out with its replays; ``noise`` of its channels by name, in their units."""
 
     measured: Log
@@ -186,7 +186,7 @@ class Replay:
             n = min(sim.time.size, self.measured.time.size)
             time = self.measured.time[:n] - self.measured.time[0]
             off = sum(w * (sim[c][:n] - self.measured[c][:n]) for c, w in weights.items())
-            every = max(1, round(CLOCK / self.measured.sample_time))
+            every = max(1, round(_CLOCK / self.measured.sample_time))
             yield when, time[::every], smooth(time, np.asarray(off))[::every]
 
     def band(self, weights: dict[str, float]) -> float:
@@ -198,7 +198,7 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     """Return the sheet of a diagnosis; ``name`` is that of the vehicle."""
     logs = _replays_of(found)
     worst = max(logs, key=lambda log: found.gap.by_log[log.measured.name][0])
-    weights, words = split_of(found)
+    weights, words = _split_of(found)
     same = found.verdict == "no_gap"
     speed, a_x = {"v": 1.0}, {"a_x": 1.0}
     panels = [
@@ -220,25 +220,25 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     )
 
 
-def _replays_of(found: Diagnosis) -> list[Replay]:
+def _replays_of(found: Diagnosis) -> list[_Replay]:
     """Hold-outs with their replays, in their order."""
     noise = {name: channel.noise for name, channel in found.gap.by_channel.items()}
     together = zip(found.measured, found.before, found.after, strict=True)
-    return [Replay(measured, before, after, noise) for measured, before, after in together]
+    return [_Replay(measured, before, after, noise) for measured, before, after in together]
 
 
-def split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
+def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
     """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
     channels = {effect.where.channel for effect in found.effects}
     if "front_sides" in channels:
         return _FRONT_SIDES, "front, left less right"
     if "rear_sides" in channels:
         return _REAR_SIDES, "rear, left less right"
-    return AXLES, "front less rear"
+    return _AXLES, "front less rear"
 
 
 def errors(
-    ax: Axes, logs: list[Replay], weights: dict[str, float], ylabel: str, same: bool
+    ax: Axes, logs: list[_Replay], weights: dict[str, float], ylabel: str, same: bool
 ) -> None:
     """Replay less measurement of a weighted sum of channels, one log after another.
 
@@ -260,7 +260,7 @@ def errors(
                 ax.plot(start + time, off, label=None if i else word, **stroke)
                 shown.append(off)
         ax.text(start, 0.02, log.measured.name, transform=across, fontsize=7.0, va="bottom")
-        start = end + PAUSE
+        start = end + _PAUSE
     zero(ax)
     view(ax, *shown, zero=True, margin=0.15)
     low, high = ax.get_ylim()

@@ -18,7 +18,7 @@ from calib.store.version import Stored
 from calib.table.budget import advice_lines, pads_budget
 from calib.table.budget import summary as budget_summary
 
-CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
+_CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
 
 
 def facts(stored: Stored, mass: MassUsed) -> Facts:
@@ -53,7 +53,7 @@ def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrig
     panels = sheet(stored.table, stored.id, tuple(measure(stored.table, log) for log in ramps))
     of_ramps = [n for n in panels.names if n.startswith("forces")]
     pictures = [
-        Picture(CURVES, panels, ("f1-f2", "difference")),
+        Picture(_CURVES, panels, ("f1-f2", "difference")),
         Picture("The tyre curve, and the torques.", panels, ("tyre", "torque-distribution")),
         *([Picture("The ramps of the fit.", panels, of_ramps)] if of_ramps else []),
     ]

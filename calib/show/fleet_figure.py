@@ -33,14 +33,14 @@ from calib.show.style import (
     Stroke,
 )
 
-EDGE: Stroke = {"color": REAR["color"], "linestyle": DOTTED, "linewidth": 1.4}
+_EDGE: Stroke = {"color": REAR["color"], "linestyle": DOTTED, "linewidth": 1.4}
 
 _DOTS = 2000
 """Above this number of cars the points are drawn as a raster image, not as vectors."""
 
-LIMITS = "3 sigma of a steady line"
+_LIMITS = "3 sigma of a steady line"
 
-LINE = 32
+_LINE = 32
 """Letters of an axis' name that fit beside a panel."""
 
 TAIL, WIDEST = 6.0, 20.0
@@ -77,7 +77,7 @@ def distribution(ax: Axes, look: Look) -> None:
     ax.axvspan(*look.others, color=SHADE, linewidth=0.0, zorder=0, label=share)
     ax.axvline(look.spread.median, color=FRONT["color"], label="median")
     for edge, label in _edges(look, low, high):
-        ax.axvline(edge, label=label, **EDGE)
+        ax.axvline(edge, label=label, **_EDGE)
     for part, marker, label in _outliers(look, low, high, "<>"):
         # x in axes coordinates and not clipped: marks at the edge for values beyond it
         far = np.clip(look.values[part], low, high)
@@ -86,7 +86,7 @@ def distribution(ax: Axes, look: Look) -> None:
     ax.set_xlim(*_room(low, high))
     ax.locator_params(axis="x", nbins=4)
     ax.locator_params(axis="y", integer=True)
-    ax.set(xlabel=textwrap.fill(_axis(look), 2 * LINE), ylabel="logs")
+    ax.set(xlabel=textwrap.fill(_axis(look), 2 * _LINE), ylabel="logs")
 
 
 def in_order(ax: Axes, found: Summary, look: Look) -> None:
@@ -98,10 +98,10 @@ def in_order(ax: Axes, found: Summary, look: Look) -> None:
     if look.chart is not None:
         ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8, label="median")
     for edge, label in _edges(look, low, high):
-        ax.axhline(edge, label=label, **EDGE)
+        ax.axhline(edge, label=label, **_EDGE)
     if look.chart is not None and look.drifts:
         shown = [end for end in look.chart.limits if low <= end <= high]
-        for end, label in zip(shown, (LIMITS, None), strict=False):
+        for end, label in zip(shown, (_LIMITS, None), strict=False):
             ax.axhline(end, color=BODY["color"], linestyle=DASHED, linewidth=0.8, label=label)
         alarm = np.logical_or.reduce([look.chart.alarms[rule] for rule in RULES])
         if alarm.any():
@@ -118,7 +118,7 @@ def in_order(ax: Axes, found: Summary, look: Look) -> None:
     ax.set_xlim(0.0, len(found.logs) + 1.0)
     ax.locator_params(axis="x", integer=True)
     ordered_by = found.ordered_by.replace("$", r"\$")
-    ax.set(xlabel=f"log, ordered by {ordered_by}", ylabel=textwrap.fill(_axis(look), LINE))
+    ax.set(xlabel=f"log, ordered by {ordered_by}", ylabel=textwrap.fill(_axis(look), _LINE))
 
 
 def _outliers(look: Look, low: float, high: float, arrows: str) -> Iterator[tuple[Mask, str, str]]:

@@ -12,9 +12,9 @@ from calib.line.fleet.summary import Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
 
-NAMES = 50
+_NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
-HEADS = (
+_HEADS = (
     *("metric", "logs", "median", "90 % of the logs", "one more is named", "stand apart", "drift"),
 )
 
@@ -28,7 +28,7 @@ def facts(found: Summary, title: str = "") -> Facts:
     """A fleet, the logs that stand apart first."""
     looks = [look for look in found.looks if look.spread.count]
     apart = [(car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in found.apart]
-    more = len(apart) - NAMES
+    more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
         (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
@@ -39,10 +39,10 @@ def facts(found: Summary, title: str = "") -> Facts:
         headline=headline(found),
         verdict=_kind(found),
         numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
-        rows=apart[:NAMES],
+        rows=apart[:_NAMES],
         tables=[
             Table(("error", "logs", "such as"), errors, "Logs without a result."),
-            Table(HEADS, [_row(found, look) for look in looks], "All metrics."),
+            Table(_HEADS, [_row(found, look) for look in looks], "All metrics."),
             Table(("column", "logs"), classes, "Other columns."),
         ],
         notes=[

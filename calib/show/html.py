@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _GENERATOR = "brake-cal"
 """What every page says of the program that wrote it."""
-HEAD = 1000
+_HEAD = 1000
 """Bytes at the begin of a page that hold its generator."""
 _PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
@@ -57,7 +57,7 @@ def page_of(facts: Facts, again: int = 0) -> str:
 
 def is_page(data: bytes) -> bool:
     """Whether the bytes of a file are those of a page as it is written here."""
-    return f'<meta name="generator" content="{_GENERATOR}">'.encode() in data[:HEAD]
+    return f'<meta name="generator" content="{_GENERATOR}">'.encode() in data[:_HEAD]
 
 
 def _sources(one: Picture) -> list[str]:

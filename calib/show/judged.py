@@ -17,8 +17,8 @@ from calib.show.facts import Bar, Table
 _ROOM = 0.3
 """Part of the bar beyond each limit, over the range within them."""
 _WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
-HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
-Ends = tuple[float | None, float | None]
+_HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
+_Ends = tuple[float | None, float | None]
 """Low and high, None for an open end."""
 
 
@@ -39,7 +39,7 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
         told = ["" if limit == "none" else limit for limit in limits]
         rows.append((shown.name, text, *told, _worst(group), first.figure))
         bars.append(bar([j.value for j in group], fail, warn, f"{text}; limit {limits[0]}"))
-    table = Table(HEADS, rows, caption, [row[4] for row in rows], bars)
+    table = Table(_HEADS, rows, caption, [row[4] for row in rows], bars)
     return table, [f"Not known and so not judged: {', '.join(unknown)}."] * bool(unknown)
 
 
@@ -71,7 +71,7 @@ def _worst(group: Sequence[Judgement]) -> str:
     return min((j.verdict for j in group), key=_WORST_FIRST.index)
 
 
-def bar(values: Sequence[float | None], fail: Ends, warn: Ends, label: str) -> Bar | None:
+def bar(values: Sequence[float | None], fail: _Ends, warn: _Ends, label: str) -> Bar | None:
     """The bar of ``values`` with their limits; None without any limit, and without any value."""
     known = [v for v in values if v is not None and math.isfinite(v)]
     if not known or (*fail, *warn) == (None,) * 4:
@@ -88,7 +88,7 @@ def bar(values: Sequence[float | None], fail: Ends, warn: Ends, label: str) -> B
     return Bar(zones[0], zones[1], tuple(place(v, low) for v in known), label)
 
 
-def _axis(known: list[float], fail: Ends, warn: Ends) -> tuple[float, float]:
+def _axis(known: list[float], fail: _Ends, warn: _Ends) -> tuple[float, float]:
     """Ends of the bar: all limits with room beyond them; zero, if only one side has a limit."""
     lows = [x for x in (fail[0], warn[0]) if x is not None]
     highs = [x for x in (fail[1], warn[1]) if x is not None]

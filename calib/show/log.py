@@ -44,7 +44,7 @@ from calib.show.style import (
     smooth,
 )
 
-RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
+_RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
 _NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
 _DRIVEN = 0.05
 """Acceleration above which the wheels count as driven [g]."""
@@ -88,7 +88,7 @@ def facts(
             Table(("event", "time", "length"), rows, "Events in order of time."),
         ],
         notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
-        pictures=[Picture(RAW, drawn)] if drawn else [],
+        pictures=[Picture(_RAW, drawn)] if drawn else [],
     )
 
 

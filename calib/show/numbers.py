@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from calib.diagnosis.diagnose import ParameterEstimate
 
-SHOWN = {
+_SHOWN = {
     "Pa": ("bar", 1e-5),
     "m/s": ("km/h", 3.6),
     "1/Pa": ("%/bar", 1e7),
@@ -33,12 +33,12 @@ def listed(names: Sequence[str], last: str = "and") -> str:
 
 def in_shown(value: float, unit: str) -> float:
     """A value [SI ``unit``] in the unit that is printed."""
-    return value * SHOWN.get(unit, (unit, 1.0))[1]
+    return value * _SHOWN.get(unit, (unit, 1.0))[1]
 
 
 def unit_shown(unit: str) -> str:
     """The unit that is printed for an SI unit; nothing for a plain number."""
-    return SHOWN.get(unit, (unit, 1.0))[0]
+    return _SHOWN.get(unit, (unit, 1.0))[0]
 
 
 def with_unit(text: str, unit: str) -> str:

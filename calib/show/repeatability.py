@@ -11,13 +11,13 @@ from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Axes
 
-MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
-COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
-NAMED = 12
+_MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+_COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
+_NAMED = 12
 """Above this number the cars are numbered, not named."""
 
 
-TITLES = {
+_TITLES = {
     "pad_scale": "pad level",
     "pad_friction_f": "front pads",
     "pad_friction_r": "rear pads",
@@ -129,14 +129,14 @@ def by_car(ax: Axes, found: GaugeStudy, result: GaugeResult) -> None:
     for k, station in enumerate(stations):
         here = np.array([r.station == station for r in found.readings])
         aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
-        look = {"color": COLOURS[k % len(COLOURS)], "ms": 3.2, "alpha": 0.8}
-        label, mark = _plain(station) or None, MARKS[k % len(MARKS)]
+        look = {"color": _COLOURS[k % len(_COLOURS)], "ms": 3.2, "alpha": 0.8}
+        label, mark = _plain(station) or None, _MARKS[k % len(_MARKS)]
         ax.plot(x[here] + aside, result.values[here], mark, label=label, **look)
     for i in range(len(cars)):
         mean = float(np.mean(result.values[x == i]))
         ax.plot([i - 0.35, i + 0.35], [mean, mean], color=BODY["color"], linewidth=1.4)
     ax.axhline(float(np.mean(result.values)), color=NOMINAL["color"], linewidth=0.7)
-    names = len(cars) <= NAMED
+    names = len(cars) <= _NAMED
     if names:
         turn = 0.0 if max(map(len, cars)) * len(cars) < 60 else 35.0
         shown = [_plain(car) for car in cars]
@@ -154,4 +154,4 @@ def _plain(name: str) -> str:
 
 def _title_of(result: GaugeResult) -> str:
     """The metric in words."""
-    return TITLES.get(result.name, result.name.replace("_", " "))
+    return _TITLES.get(result.name, result.name.replace("_", " "))

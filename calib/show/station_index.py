@@ -24,11 +24,13 @@ _LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
 _DRAWN = 200
 """Runs in a trend, the last of them."""
-EVERY = 10
+_EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
-TOP = "Failed and refused ones on top, then those with warnings; among equal ones the newest first."
-KINDS = {"passed": PASSED, "warning": WARNING, "failed": FAILED, NO_VERDICT: FAILED}
-KINDS[UNREADABLE] = FAILED
+_TOP = (
+    "Failed and refused ones on top, then those with warnings; among equal ones the newest first."
+)
+_KINDS = {"passed": PASSED, "warning": WARNING, "failed": FAILED, NO_VERDICT: FAILED}
+_KINDS[UNREADABLE] = FAILED
 """Verdicts, and as which they are drawn and sorted."""
 
 
@@ -38,7 +40,7 @@ def write_index(folder: Path) -> int:
     Raises OSError if the folder cannot be read or written.
     """
     runs, changed = runs_below(folder)
-    for name, every in ((INDEX, 0), (LIVE, EVERY)):
+    for name, every in ((INDEX, 0), (LIVE, _EVERY)):
         path = folder / name
         if changed or not path.is_file():
             found = facts(runs, folder.absolute().name, every)
@@ -49,16 +51,16 @@ def write_index(folder: Path) -> int:
 def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
     """The ``runs``, the last first; ``every`` [s]: of the page that loads itself again."""
     last = runs[0] if runs else None
-    counts = {word: sum(run.verdict == word for run in runs) for word in KINDS}
-    of = {word: {"warning": "with warnings"}.get(word, word) for word in KINDS}
+    counts = {word: sum(run.verdict == word for run in runs) for word in _KINDS}
+    of = {word: {"warning": "with warnings"}.get(word, word) for word in _KINDS}
     this, other = ("loads itself again", INDEX) if every else ("stays as it is", LIVE)
     return Facts(
         name,
         headline=_why(last) if last else "",
-        verdict=KINDS.get(last.verdict, FAILED) if last else "",
+        verdict=_KINDS.get(last.verdict, FAILED) if last else "",
         word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
         numbers=[("cars", str(len(runs))), *((of[w], str(n)) for w, n in counts.items() if n)],
-        tables=[_runs(worst_first(runs[:_LAST]), f"The last cars. {TOP}")],
+        tables=[_runs(worst_first(runs[:_LAST]), f"The last cars. {_TOP}")],
         notes=[f"This page {this}; {other} is the other one."],
         pictures=[line for key in TRENDS if (line := trend(runs, key)) is not None],
         parts=[Facts("Earlier cars", tables=[_runs(runs[_LAST:])], folded=True)],
@@ -68,7 +70,7 @@ def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
 def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
     """The runs by verdict, failed and refused ones first; equal ones keep their order."""
     ranks = (FAILED, WARNING, PASSED)
-    return sorted(runs, key=lambda run: ranks.index(KINDS.get(run.verdict, FAILED)))
+    return sorted(runs, key=lambda run: ranks.index(_KINDS.get(run.verdict, FAILED)))
 
 
 def trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
@@ -106,7 +108,7 @@ def trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
 def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
     heads = ("car", "verdict", "what to do", "pads front / rear", "station", "time")
     reports = [quote(f"{run.place}/{REPORT}") if run.verdict != NO_VERDICT else "" for run in runs]
-    kinds = [KINDS.get(run.verdict, FAILED) for run in runs]
+    kinds = [_KINDS.get(run.verdict, FAILED) for run in runs]
     return Table(heads, [_row(run) for run in runs], caption, kinds, links=reports)
 
 

@@ -43,7 +43,7 @@ from calib.table.table import Table
 
 _TAKEN = ("f1-f2", "difference")
 """Panels of the table's own sheet."""
-CURVES = "The curves that the estimator looks up, with their 95 % bands."
+_CURVES = "The curves that the estimator looks up, with their 95 % bands."
 _OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
 
 
@@ -100,7 +100,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
         (plain(key).name, f"{key}: {text}. Why: {plain(key).reason or 'no limit by default'}.")
         for key, text in meant.items()
     ]
-    curves = [Picture(CURVES, pictures, _TAKEN)]
+    curves = [Picture(_CURVES, pictures, _TAKEN)]
     over_time = [Picture(_OVER_TIME, pictures, stops)]
     logs = [("ramp", log.name, log.digest) for log in found.ramps]
     logs += [("coast", log.name, log.digest) for log in found.coasts]

@@ -36,7 +36,7 @@ WHY = "Where the estimate is valid, and why not"
 _SHADED = "Grey: the sample is not valid, and no estimate is drawn."
 CHANGED = "Dotted vertical line: a change of surface was detected."
 _BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
-RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
+_RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
@@ -46,9 +46,9 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
 _NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
-LEAST = 0.02
+_LEAST = 0.02
 """Share of the log from which a reason for not being valid is drawn."""
-EVERY = 5
+_EVERY = 5
 """Samples between two points of a drawn line: 25 ms at 200 Hz, less than the window of its mean."""
 
 
@@ -94,7 +94,7 @@ def _panels(trace: StopTrace) -> tuple[Panel, ...]:
     found = (
         (trace.wheels, Panel("wheel-speeds", "Wheel speeds", _wheel_speeds, of, 5)),
         (True, Panel("deceleration", "Deceleration", deceleration, of)),
-        (True, Panel("normalised-forces", "Normalised forces", normalised_forces, of)),
+        (True, Panel("normalised-forces", "Normalised forces", _normalised_forces, of)),
         (True, Panel("slip", ratio, slip, of)),
         (True, Panel("pad-front", pad_f, pad, (trace, front, FRONT), 2)),
         (True, Panel("pad-rear", pad_r, pad, (trace, rear, REAR), 2)),
@@ -131,7 +131,7 @@ def deceleration(ax: Axes, trace: StopTrace) -> None:
     _frame(ax, trace, "deceleration [g]")
 
 
-def normalised_forces(ax: Axes, trace: StopTrace) -> None:
+def _normalised_forces(ax: Axes, trace: StopTrace) -> None:
     """Normalised forces, panel (c)."""
     front, rear = trace.front.force, trace.rear.force
     lines(ax, trace.time, [(front, FRONT, "front $F_f$"), (rear, REAR, "rear $F_r$")])
@@ -144,7 +144,7 @@ def slip(ax: Axes, trace: StopTrace) -> None:
     rows = [
         (slips[0], FRONT, "front slip"),
         (slips[1], REAR, "rear slip"),
-        (100.0 * (trace.eta - 1.0), RATIO, r"$\eta - 1$, zeroed"),
+        (100.0 * (trace.eta - 1.0), _RATIO, r"$\eta - 1$, zeroed"),
     ]
     lines(ax, trace.time, rows, _SLIP_MEAN, trace.valid)
     ratio = r"$\eta - 1$ [%]"
@@ -218,7 +218,7 @@ def relative(found: Array, true: Array, valid: Mask) -> Array:
 def validity(ax: Axes, trace: StopTrace) -> None:
     """When the estimate is valid, and each reason why it is not, as bars over time."""
     step = step_of(trace.time)
-    reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= LEAST}
+    reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= _LEAST}
     rows = {"valid": trace.valid, **reasons}
     for place, (word, mask) in enumerate(rows.items()):
         spans = [(trace.time[a], (b - a) * step) for a, b in runs(mask)]
@@ -241,9 +241,9 @@ def pads_over_time(ax: Axes, result: Validation) -> None:
         good, lower, upper = (
             np.where(e.valid, x, np.nan) for x in (axle.pad_friction, axle.lower, axle.upper)
         )
-        line, low, high = (x[::EVERY] for x in (smooth(e.time, good), lower, upper))
-        band(ax, e.time[::EVERY], low, high, stroke)
-        ax.plot(e.time[::EVERY], line, label=word, **stroke)
+        line, low, high = (x[::_EVERY] for x in (smooth(e.time, good), lower, upper))
+        band(ax, e.time[::_EVERY], low, high, stroke)
+        ax.plot(e.time[::_EVERY], line, label=word, **stroke)
         curves += [line, low, high]
     view(ax, *curves, zero=True)
     ax.set(xlabel="time [s]", ylabel="pad friction [1]")

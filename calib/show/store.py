@@ -18,7 +18,7 @@ from calib.table.compare import CurveGap, Difference, ValueGap
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
-ROWS = 12
+_ROWS = 12
 """Rows of f1 and f2 that are printed; all of them are in the JSON."""
 _PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
 """Sections whose changed keys are printed; of the others only how many there are."""
@@ -95,7 +95,7 @@ def _interval(value: Value) -> str:
 
 def _curves(table: LookUp) -> Table:
     curve, last = table.paper, len(table.paper.eta) - 1
-    rows = sorted({round(k * last / (ROWS - 1)) for k in range(ROWS)})
+    rows = sorted({round(k * last / (_ROWS - 1)) for k in range(_ROWS)})
     columns = ((curve.eta, ".5f"), (curve.z, ".3f"), (curve.f1, "+.4f"), (curve.f2, "+.4f"))
     cells = [
         [*(f"{values[i]:{form}}" for values, form in columns), f"{curve.count[i]:g}"] for i in rows

@@ -49,11 +49,11 @@ WHEEL_STROKES: dict[str, Stroke] = {
 
 SHADE = "#E9E9E9"
 _STRIPE = "#B0B0B0"
-RAW = 0.3
+_RAW = 0.3
 """Opacity of a line without smoothing."""
 _BAND = 0.18
 """Opacity of a 95 % band."""
-MEAN = 0.1
+_MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
 
 _RC: dict[str, Any] = {
@@ -103,14 +103,14 @@ def styled() -> Iterator[None]:
 
 
 def noisy(
-    ax: Axes, time: Array, values: Array, stroke: Stroke, label: str, window: float = MEAN
+    ax: Axes, time: Array, values: Array, stroke: Stroke, label: str, window: float = _MEAN
 ) -> None:
     """Draw a measured line: thin without smoothing, thick as centred mean over ``window`` [s]."""
-    ax.plot(time, values, color=stroke["color"], linewidth=0.5, alpha=RAW)
+    ax.plot(time, values, color=stroke["color"], linewidth=0.5, alpha=_RAW)
     ax.plot(time, smooth(time, values, window), label=label, **stroke)
 
 
-def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
+def smooth(time: Array, values: Array, window: float = _MEAN) -> Array:
     """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
     width = max(1, round(window / step_of(time))) | 1
     known = np.isfinite(values)
@@ -123,7 +123,7 @@ def lines(
     ax: Axes,
     time: Array,
     rows: Sequence[tuple[Array | None, Stroke, str]],
-    window: float = MEAN,
+    window: float = _MEAN,
     where: Mask | None = None,
 ) -> None:
     """Draw measured lines, and set the y range to their means and zero, ``where`` it is true.

@@ -29,9 +29,9 @@ from calib.show.style import (
 from calib.show.vehicle import P, distribution
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
-Ramps = tuple[MeasuredRamp, ...]
+_Ramps = tuple[MeasuredRamp, ...]
 
-FLAGS = {
+_FLAGS = {
     MEASURED: ("in the table", "-", 1.6),
     INTERPOLATED: ("interpolated", DASHED, 1.1),
     EXTRAPOLATED: ("extrapolated", DOTTED, 1.1),
@@ -47,7 +47,7 @@ _MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
 
 
-def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
+def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
     of_ramps = ramp_figures.panels(ramps)
     both = (table, ramps)
@@ -81,7 +81,7 @@ def _result(table: Table) -> str:
     return f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f}\u00a0g"
 
 
-def _note(table: Table, ramps: Ramps) -> str:
+def _note(table: Table, ramps: _Ramps) -> str:
     origin = table.provenance
     of = ", ".join([p.id for p in origin.parents] or [log.name for log in origin.logs])
     note = f"Digest {table.digest[:16]}, made of {of} with {table.provenance.program}. "
@@ -99,7 +99,7 @@ def _note(table: Table, ramps: Ramps) -> str:
 def by_flag(ax: Axes, x: Array, y: Array, flag: Array, stroke: Stroke, label: str) -> None:
     """Draw a curve of a table, each piece with the worse flag of its two ends."""
     worse = np.maximum(flag[:-1], flag[1:])
-    for value, (word, style, width) in FLAGS.items():
+    for value, (word, style, width) in _FLAGS.items():
         piece = worse == value
         if piece.any():
             ends = np.concatenate([piece, [False]]) | np.concatenate([[False], piece])
@@ -108,7 +108,7 @@ def by_flag(ax: Axes, x: Array, y: Array, flag: Array, stroke: Stroke, label: st
             ax.plot(x, np.where(ends, y, np.nan), label=f"{label} {word}", **line)
 
 
-def tyre(ax: Axes, table: Table, ramps: Ramps = ()) -> None:
+def tyre(ax: Axes, table: Table, ramps: _Ramps = ()) -> None:
     """Fig. 3: normalised force over slip, common to both axles, at the mean wheel load."""
     curve = table.tyre
     percent = 100.0 * curve.slip
@@ -141,7 +141,7 @@ def _mark_p(ax: Axes, table: Table) -> None:
         beside(ax, f"{word} at {P:g} g", (slip, force), (9.0, -13.0))
 
 
-def f1_f2(ax: Axes, table: Table, ramps: Ramps = ()) -> None:
+def f1_f2(ax: Axes, table: Table, ramps: _Ramps = ()) -> None:
     """Fig. 6: f1 and f2 over eta with their bands."""
     curve = table.paper
     x = 100.0 * (curve.eta - 1.0)
@@ -159,7 +159,7 @@ def f1_f2(ax: Axes, table: Table, ramps: Ramps = ()) -> None:
     ax.set(xlabel=ETA, ylabel="$f_1$, $f_2$ [1]")
 
 
-def difference(ax: Axes, table: Table, ramps: Ramps = ()) -> None:
+def difference(ax: Axes, table: Table, ramps: _Ramps = ()) -> None:
     """D(eta) with its band."""
     curve = table.difference
     x = 100.0 * (curve.eta - 1.0)
@@ -171,7 +171,7 @@ def difference(ax: Axes, table: Table, ramps: Ramps = ()) -> None:
     ax.set(xlabel=ETA, ylabel="$D$ [1]")
 
 
-def _over_both(ramps: Ramps) -> Ramps:
+def _over_both(ramps: _Ramps) -> _Ramps:
     """The ramps that the curves over eta are of: with both axles."""
     return tuple(ramp for ramp in ramps if ramp.both)
 

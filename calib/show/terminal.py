@@ -9,7 +9,7 @@ from rich.text import Text
 from calib.base.printable import printable
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Table
 
-STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "", UNJUDGED: "dim", "": ""}
+_STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "", UNJUDGED: "dim", "": ""}
 
 
 def drawn(facts: Facts) -> Iterator[RenderableType]:
@@ -38,5 +38,5 @@ def _grid(table: Table) -> Grid:
         justify: JustifyMethod = "right" if numeric else "left"
         grid.add_column(head, justify=justify, overflow="fold", no_wrap=numeric)
     for i, row in enumerate(table.rows):
-        grid.add_row(*row, style=STYLES[table.verdicts[i]] if table.verdicts else "")
+        grid.add_row(*row, style=_STYLES[table.verdicts[i]] if table.verdicts else "")
     return grid

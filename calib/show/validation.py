@@ -29,7 +29,7 @@ from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 
-Change = tuple[float, float]
+_Change = tuple[float, float]
 """Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
 
 _BY_STOP = (
@@ -126,7 +126,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
     """What each log says of the pads; limits that are not held; what the intervals are made of."""
     rows = []
     for r in results:
-        rows += [(r.log, text) for text in sentences(r)]
+        rows += [(r.log, text) for text in _sentences(r)]
         rows += [
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()
@@ -148,7 +148,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
     ]
 
 
-def sentences(r: Validation) -> list[str]:
+def _sentences(r: Validation) -> list[str]:
     """What the pads did, and which limits are not held, if any."""
     if r.role == CALIBRATION:
         return [NO_HOLDOUT]
@@ -186,14 +186,14 @@ def _pads(e: Estimate) -> str:
     return f"pads {_against(both)} those of the ramp, {as_far}"
 
 
-def _change_of(axle: AxleEstimate, valid: np.ndarray) -> Change:
+def _change_of(axle: AxleEstimate, valid: np.ndarray) -> _Change:
     """Median change of the pads over the ``valid`` samples (n,), and its half width."""
     change = np.log(axle.change[valid])
     half = 0.5 * np.log(axle.change_upper[valid] / axle.change_lower[valid])
     return float(np.median(change)), float(np.median(half))
 
 
-def _against(change: Change) -> str:
+def _against(change: _Change) -> str:
     """`20 % below`, `as`, with what they are known to.
 
     >>> _against((math.log(0.8), 0.03)), _against((0.01, 0.03))

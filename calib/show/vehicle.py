@@ -35,9 +35,9 @@ from calib.show.style import (
 )
 from calib.table.table import Table
 
-TOP = 1.0
+_TOP = 1.0
 """Highest deceleration that is drawn [g]."""
-DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
+_DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
 P = 0.3
 """The deceleration of the paper's point P [g]."""
@@ -120,7 +120,7 @@ def sheet(vehicle: Vehicle) -> Sheet:
         "the brake force at the front. Straight line, one pressure on both axles, no drag, no "
         "control of slip; the inertia of the wheels is neglected.",
         panels=(
-            Panel("distribution", "Brake torque of the axles", installed, (vehicle,)),
+            Panel("distribution", "Brake torque of the axles", _installed, (vehicle,)),
             Panel("friction", "Friction that the axles use", friction, (vehicle,)),
         ),
         rows=(("distribution",), ("friction",)),
@@ -128,23 +128,23 @@ def sheet(vehicle: Vehicle) -> Sheet:
     )
 
 
-def installed(ax: Axes, vehicle: Vehicle) -> None:
-    """Rear over front torque: the ideal parabola, the installed line, lines of equal z."""
+def _installed(ax: Axes, vehicle: Vehicle) -> None:
+    """Rear over front torque: the ideal parabola, the _installed line, lines of equal z."""
     ratio = _nominal_ratio(vehicle)
-    top = beta_point(vehicle, ratio, TOP)[0]
+    top = beta_point(vehicle, ratio, _TOP)[0]
     _lines(ax, vehicle, {"installed, nominal pads": (ratio, IDENTIFIED)}, 1.08 * top, ratio)
-    _biased(ax, vehicle, ratio, TOP, BODY["color"])
+    _biased(ax, vehicle, ratio, _TOP, BODY["color"])
 
 
 def friction(ax: Axes, vehicle: Vehicle) -> None:
     """Friction used by the axles over the deceleration; the higher one locks first."""
-    z = np.linspace(0.0, min(TOP, 0.98 * vehicle.cg_to_front_axle / vehicle.cg_height), 201)
+    z = np.linspace(0.0, min(_TOP, 0.98 * vehicle.cg_to_front_axle / vehicle.cg_height), 201)
     used_f, used_r = friction_used(vehicle, z)
     ax.plot(z, used_f, label="front axle", **FRONT)
     ax.plot(z, used_r, label="rear axle", **REAR)
     ax.plot(z, z, label="ideal: both alike", **NOMINAL)
     ax.set(xlabel="deceleration [g]", ylabel="friction used [1]")
-    ax.set(xlim=(0.0, TOP), ylim=(0.0, 1.4 * TOP))
+    ax.set(xlim=(0.0, _TOP), ylim=(0.0, 1.4 * _TOP))
 
 
 def distribution(ax: Axes, table: Table) -> None:
@@ -156,7 +156,7 @@ def distribution(ax: Axes, table: Table) -> None:
     half = Z95 * pads.pad_log_ratio.sigma
     nominal = _nominal_ratio(vehicle)
     found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
-    top = beta_point(vehicle, min(nominal, found), DECELERATIONS[-1])[0] * 1.08
+    top = beta_point(vehicle, min(nominal, found), _DECELERATIONS[-1])[0] * 1.08
     ends = np.array([0.0, top]) / _KNM
     band(ax, ends, np.exp(-half) * found * ends, np.exp(half) * found * ends, IDENTIFIED)
     betas = {
@@ -168,7 +168,7 @@ def distribution(ax: Axes, table: Table) -> None:
     front, rear = (torque / _KNM for torque in beta_point(vehicle, found, end))
     mark = {"color": BODY["color"], "ms": 12.0, "mew": 1.4}
     ax.plot(front, rear, "|", label=f"usable up to {end:.2f} g", **mark)
-    _biased(ax, vehicle, nominal, DECELERATIONS[-1], NOMINAL["color"])
+    _biased(ax, vehicle, nominal, _DECELERATIONS[-1], NOMINAL["color"])
 
 
 def _lines(
@@ -179,7 +179,7 @@ def _lines(
     ax.plot(front, rear, label="I curve: equal friction", **BODY)
     for label, (slope, stroke) in betas.items():
         ax.plot([0.0, top / _KNM], [0.0, slope * top / _KNM], label=label, **stroke)
-    for z in DECELERATIONS:
+    for z in _DECELERATIONS:
         _constant_deceleration(ax, vehicle, ratio, z)
     ax.plot([], [], "o", color=IDENTIFIED["color"], ms=3.2, label="deceleration [g]")
     highest = max(float(rear.max()), *(slope * top / _KNM for slope, _ in betas.values()))

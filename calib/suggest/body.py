@@ -27,13 +27,13 @@ from calib.suggest.words import (
     words,
 )
 
-FOLLOWS = 0.8
+_FOLLOWS = 0.8
 """Lowest correlation [1] of two signals that belong together."""
 _ACCELERATED = 0.5
 """Smallest range of the derivative of speed [m/s^2] to check an acceleration with."""
-LATE = 0.06
+_LATE = 0.06
 """A pressure may be later than its effect by this [s], because sensor filters differ."""
-LATER = 0.01
+_LATER = 0.01
 """Gain of correlation [1] from which on a pressure counts as later than the deceleration."""
 _PRESSED = 2e5
 """Smallest range of a brake pressure [Pa] in a log with braking."""
@@ -41,7 +41,7 @@ _SLOPES = (0.7, 1.4)
 """Allowed a_x over the derivative of speed [1]: slope, pitch and slip change it less than this."""
 _WITH_WHEELS = 0.98
 """Lowest correlation [1] of the speed of the car with that of its wheels."""
-NAMED = 99
+_NAMED = 99
 """Score of a column that has the name of the channel."""
 
 
@@ -80,7 +80,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
     for item in search.free():
         if item.si != "m/s" or corner(item.name):
             continue
-        points = NAMED if item.name == "v" else score(item.name, SPEED)
+        points = _NAMED if item.name == "v" else score(item.name, SPEED)
         if points < 1:
             search.refuse(item, "a speed, but not of the car, by its name")
         elif wheels is not None and moves and correlation(item.values, wheels) < _WITH_WHEELS:
@@ -110,10 +110,10 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, me
     for item in search.free():
         if item.si != "m/s^2":
             continue
-        points = NAMED if item.name == "a_x" else score(item.name, LONG)
+        points = _NAMED if item.name == "a_x" else score(item.name, LONG)
         if points < 0:
             search.refuse(item, "an acceleration, but not longitudinal, by its name")
-        elif checked is not None and abs(follows(item.values, checked, clock)) < FOLLOWS:
+        elif checked is not None and abs(follows(item.values, checked, clock)) < _FOLLOWS:
             search.refuse(item, "an acceleration that is not the derivative of speed")
         elif checked is None and points < 1:
             search.refuse(item, "an acceleration, not known to be longitudinal")
@@ -178,7 +178,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     """
     passed, unnamed = [], []
     for item in search.free():
-        points = NAMED if item.name == "p_mc" else _brake_score(item.name)
+        points = _NAMED if item.name == "p_mc" else _brake_score(item.name)
         if corner(item.name) or points < 0:
             continue
         if item.si in (None, "?") and points >= 2 and PRESSURE & set(words(item.name)):
@@ -205,7 +205,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     elif np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
         reasons.append("no braking in the log to check it with")
     else:
-        ahead, agrees = lead(chosen.values, braking, clock, LATE)
+        ahead, agrees = lead(chosen.values, braking, clock, _LATE)
         when = f"{ahead:.2f} s before" if ahead > 0 else "with"
         reasons.append(f"{when} the deceleration (correlation {agrees:.2f})")
         sure = named
@@ -245,9 +245,9 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
     ahead, agrees = lead(item.values, braking, clock)
-    if agrees < FOLLOWS:
+    if agrees < _FOLLOWS:
         return f"a pressure that does not agree with the deceleration (correlation {agrees:.2f})"
-    if agrees - lead(item.values, braking, clock, LATE)[1] > LATER:
+    if agrees - lead(item.values, braking, clock, _LATE)[1] > _LATER:
         return f"a pressure that comes {-ahead:.2f} s after the deceleration"
     return None
 

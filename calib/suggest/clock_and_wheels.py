@@ -23,9 +23,9 @@ from calib.suggest.columns import (
 )
 from calib.suggest.words import TIME, loose_corner, words
 
-SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+_SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 """Possible units of a time column without a unit [s]; the sample rate decides between them."""
-REPEATED = 0.01
+_REPEATED = 0.01
 """Largest share of rows that repeat the time of the row before them [1]."""
 
 _ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
@@ -85,7 +85,7 @@ def _take_clock(search: Search, item: Series) -> None:
         search.propose("time", Mapping(item.name), True, "name", unit, order)
         search.clock = ColumnClock(time, step)
         return
-    for unit, scale in SCALES.items():
+    for unit, scale in _SCALES.items():
         if LIMITS.rates[0] <= 1.0 / (step * scale) <= LIMITS.rates[1]:
             only = f"only {unit} gives a rate of 40 Hz to 1 kHz"
             search.propose("time", Mapping(item.name, unit), False, "name", order, only)
@@ -121,9 +121,9 @@ def _is_time(name: str) -> bool:
 
 
 def _runs(values: Array) -> bool:
-    """Whether the values rise, with `REPEATED` of the rows repeating the one before at most."""
+    """Whether the values rise, with `_REPEATED` of the rows repeating the one before at most."""
     steps = np.diff(values)
-    few = np.count_nonzero(steps == 0.0) <= REPEATED * values.size
+    few = np.count_nonzero(steps == 0.0) <= _REPEATED * values.size
     return bool(steps.size and np.all(steps >= 0.0) and few)
 
 

@@ -19,11 +19,11 @@ from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.source import Array, Column, ColumnSource, address_of
 from calib.run.filters import centred_mean, runs
 
-SMOOTH = 0.2
+_SMOOTH = 0.2
 """Width [s] over which a speed is smoothed before it is differentiated."""
 _LAG = 0.5
 """Longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s."""
-SLOW = 0.15
+_SLOW = 0.15
 """Share of the highest speed [1] below which samples are not used: the car is about to stop."""
 TOGETHER, RATIO = 0.99, 0.1
 """Lowest correlation of two wheels, and largest relative difference of their means [1]."""
@@ -103,11 +103,11 @@ class ColumnClock:
         return max(1, round(seconds / self.step))
 
     def smooth(self, x: Array) -> Array:
-        """The mean of x (n,) over `SMOOTH`."""
-        return centred_mean(x, self.width(SMOOTH) | 1)
+        """The mean of x (n,) over `_SMOOTH`."""
+        return centred_mean(x, self.width(_SMOOTH) | 1)
 
     def rate_of(self, speed: Array) -> Array:
-        """Derivative of a speed, smoothed over `SMOOTH` [unit/s]."""
+        """Derivative of a speed, smoothed over `_SMOOTH` [unit/s]."""
         return self.smooth(np.gradient(self.smooth(speed), self.time))
 
 
@@ -156,9 +156,9 @@ def follows(x: Array, rate: Array, clock: ColumnClock) -> float:
 
 def moving(speed: Array, clock: ColumnClock) -> slice:
     """The longest part in which the car moves, without the ends that smoothing distorts."""
-    fast = speed > SLOW * float(speed.max())
+    fast = speed > _SLOW * float(speed.max())
     start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, speed.size))
-    margin = 2 * clock.width(SMOOTH)
+    margin = 2 * clock.width(_SMOOTH)
     whole = end - start > 6 * margin
     return slice(start + margin, end - margin) if whole else slice(start, end)
 

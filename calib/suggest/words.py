@@ -14,11 +14,11 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
-REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
-LEFT = {"l", "left", "le", "links", "li", "lh"}
-RIGHT = {"r", "right", "ri", "rechts", "re", "rh"}
-_REAR_OF_WHEEL = REAR | {"re"}
+_FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
+_REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
+_LEFT = {"l", "left", "le", "links", "li", "lh"}
+_RIGHT = {"r", "right", "ri", "rechts", "re", "rh"}
+_REAR_OF_WHEEL = _REAR | {"re"}
 """In the name of a wheel "re" is rear before a side, as in AUTOSAR's ``ReLe``, else right."""
 _CORNERS = {
     "fl": {"fl", "lf", "vl", "frontleft", "leftfront", "l1"},
@@ -27,7 +27,7 @@ _CORNERS = {
     "rr": {"rr", "hr", "rearright", "rightrear", "r2"},
 }
 """Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
-_SIDES = FRONT | REAR | LEFT | RIGHT | set().union(*_CORNERS.values())
+_SIDES = _FRONT | _REAR | _LEFT | _RIGHT | set().union(*_CORNERS.values())
 
 TIME = _words(
     "time zeit zeitstempel t timestamp timestamps timestemp ts uhrzeit messzeit clock "
@@ -99,7 +99,7 @@ TORQUE = Words(
 )
 """Not another torque, nor one that is only asked for or possible."""
 DISC = Words(_words("disc disk rotor scheibe bremsscheibe"))
-WHOLE = 5
+_WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
 
 
@@ -146,17 +146,17 @@ def _corner(found: list[str]) -> str | None:
     for first, second in pairwise(found):
         turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is not a wheel
         for a, b in [(first, second), *turned]:
-            if a in FRONT | _REAR_OF_WHEEL and b in LEFT | RIGHT:
-                return ("f" if a in FRONT else "r") + ("l" if b in LEFT else "r")
+            if a in _FRONT | _REAR_OF_WHEEL and b in _LEFT | _RIGHT:
+                return ("f" if a in _FRONT else "r") + ("l" if b in _LEFT else "r")
     return None
 
 
 def axle(name: str) -> str | None:
     """The axle in a name, ``f`` or ``r``, or None; None also for the name of a wheel."""
     found = set(words(name))
-    if corner(name) is not None or bool(found & FRONT) == bool(found & REAR):
+    if corner(name) is not None or bool(found & _FRONT) == bool(found & _REAR):
         return None
-    return "f" if found & FRONT else "r"
+    return "f" if found & _FRONT else "r"
 
 
 def score(name: str, of: Words) -> int:
@@ -173,4 +173,4 @@ def score(name: str, of: Words) -> int:
 
 def _matching(found: set[str], wanted: frozenset[str]) -> set[str]:
     """The words in ``wanted`` that occur, long ones also within a compound."""
-    return {w for w in found if w in wanted or any(len(x) >= WHOLE and x in w for x in wanted)}
+    return {w for w in found if w in wanted or any(len(x) >= _WHOLE and x in w for x in wanted)}

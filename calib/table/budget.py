@@ -19,7 +19,7 @@ from calib.table.table import Calibration, Table
 Parts = Mapping[str, float]
 """Variance of the logarithm of a pad friction [1] by the name of its cause."""
 
-ADVICE = {
+_ADVICE = {
     "mass": "weigh the car with driver and load, and state it: --mass, or mass and "
     "mass_tolerance = 0.005 in the vehicle file",
     "resistance": "add a coast log over a wide range of speeds to the fit",
@@ -40,7 +40,7 @@ ADVICE = {
 }
 """What shrinks each part: an entry in the vehicle file, or a drive."""
 
-PARTS = tuple(ADVICE)
+PARTS = tuple(_ADVICE)
 """Names of all parts, in the order in which they are printed."""
 
 
@@ -85,7 +85,7 @@ class AxleBudget:
     @property
     def advice(self) -> str:
         """What would shrink the largest part."""
-        return ADVICE[self.largest]
+        return _ADVICE[self.largest]
 
 
 def axle_budget(pad_friction: float, *weighed: tuple[float, Parts]) -> AxleBudget:
@@ -97,7 +97,7 @@ def axle_budget(pad_friction: float, *weighed: tuple[float, Parts]) -> AxleBudge
 def advice_lines(axles: Iterable[AxleBudget]) -> list[str]:
     """One line for each part that is the largest of an axle, with what would shrink it."""
     largest = dict.fromkeys(axle.largest for axle in axles)
-    return [f"to shrink {part.replace('_', ' ')}: {ADVICE[part]}" for part in largest]
+    return [f"to shrink {part.replace('_', ' ')}: {_ADVICE[part]}" for part in largest]
 
 
 def summary(front: AxleBudget, rear: AxleBudget) -> dict[str, object]:

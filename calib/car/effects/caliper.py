@@ -30,10 +30,10 @@ from calib.car.braking import BITE
 from calib.car.effects.effect import Pair, Parameter, Parameters, effect
 from calib.car.history import RunHistory
 
-BOTH = 0.5
+_BOTH = 0.5
 """Share at which both axles have the same threshold [1]."""
 
-REFERENCE = 20e5
+_REFERENCE = 20e5
 """Pressure p_0 at which the width of the loop is told [Pa]: that of a usual stop."""
 
 _WOBBLE = 0.25e5
@@ -48,7 +48,7 @@ def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_
     A negative threshold is what a sensor reads too little: it adds to every pressure above -p_0,
     and below that less, so that a released brake stays released, read as zero or as p_0.
     """
-    share = parameters.get("threshold_rear_share", BOTH)
+    share = parameters.get("threshold_rear_share", _BOTH)
     most = parameters["threshold"]
     front, rear = most * min(1.0, 2.0 - 2.0 * share), most * min(1.0, 2.0 * share)
     return _less(p_f, front), _less(p_r, rear)
@@ -68,7 +68,7 @@ def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
     seals pull the pads back by themselves: it keeps no torque at zero pressure.
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
-    play = ((1.0 - share) * width, 0.5 * share * width * REFERENCE)
+    play = ((1.0 - share) * width, 0.5 * share * width * _REFERENCE)
     front = _held(p_f, *play)
     return front, front if p_r is p_f else _held(p_r, *play)
 
@@ -140,7 +140,7 @@ EFFECTS = (
     effect(
         "brake_threshold_pressure",
         Parameter("threshold", "Pa", -3e5, 10e5, 1.5e5, 1e5),
-        Parameter("threshold_rear_share", "1", 0.0, 1.0, BOTH, 0.25, default=BOTH, share=True),
+        Parameter("threshold_rear_share", "1", 0.0, 1.0, _BOTH, 0.25, default=_BOTH, share=True),
         cause="springs and seals of the calipers; below 0 a sensor that reads too low",
         equation="p - p_0 above |p_0|; p_0 min(1, 2 - 2 s) in front, p_0 min(1, 2 s) in the "
         "rear; no effect at threshold = 0",

@@ -1,7 +1,7 @@
 """The list of all effects.
 
 A new effect needs its place in `EFFECTS` of the file of its link, in the order in which effects of
-that link act, and its name in `ORDER`.
+that link act, and its name in `_ORDER`.
 """
 
 from calib.base.errors import ModelError
@@ -13,7 +13,7 @@ _CHAIN = {
     for link in (line, caliper, pads, wheels, body, sensors)
     for effect in link.EFFECTS
 }
-ORDER = (
+_ORDER = (
     "aerodynamic_drag rolling_resistance road_grade engine_drag pad_thermal_fade "
     "pad_speed_dependence pad_pressure_dependence wet_pad_recovery rolling_radius_mismatch "
     "brake_threshold_pressure hydraulic_lag hydraulic_delay rear_proportioning "
@@ -24,7 +24,7 @@ ORDER = (
 )
 """The order in which effects are listed, and tried by a diagnosis."""
 
-CATALOGUE: dict[str, Effect] = {name: _CHAIN[name] for name in ORDER.split()}
+CATALOGUE: dict[str, Effect] = {name: _CHAIN[name] for name in _ORDER.split()}
 
 LINE = tuple(effect.card.name for effect in line.EFFECTS)
 """Effects between the master cylinder and the wheels, in the direction of flow."""

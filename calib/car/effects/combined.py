@@ -21,7 +21,7 @@ from calib.car.lag import low_pass
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Axle, Vehicle
 
-SHORTEST = 1e-6
+_SHORTEST = 1e-6
 """Time constant [s] up to which an accelerometer follows at once: far less than a sample."""
 
 
@@ -152,7 +152,7 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
     reading = as_sensed(vehicle, effects, history, a_x)
     for hook, parameters in _hooks(effects, "accelerometer_lag"):
         lag, second = hook(parameters)
-        if lag > SHORTEST:
+        if lag > _SHORTEST:
             reading = low_pass(history.time, reading, lag, second)
     return reading
 

@@ -24,7 +24,7 @@ _REFERENCE_SPEED = 20.0
 """Speed [m/s] at which the pad friction is that of the model; the middle of a usual stop, where
 the estimates of slope and level are least correlated."""
 
-STRAIGHT = 1e-10
+_STRAIGHT = 1e-10
 """Bend [1/Pa] below which the curve is a straight line to the last digits."""
 
 
@@ -66,7 +66,7 @@ def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
 
 def _beyond(p: Array, bend: float) -> Array:
     middle = _REFERENCE_PRESSURE
-    if bend < STRAIGHT:
+    if bend < _STRAIGHT:
         return p - middle
     part = (np.exp(-bend * middle) - np.exp(-bend * p)) / -np.expm1(-2.0 * bend * middle)
     return np.asarray(2.0 * middle * part)
@@ -116,7 +116,7 @@ FADE = effect(
     "a log of T the heat at the start of each log is found with it, less exactly: log T",
     friction=faded,
 )
-EFFECTS = (
+_EFFECTS = (
     FADE,
     effect(
         "pad_speed_dependence",

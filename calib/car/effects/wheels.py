@@ -18,7 +18,7 @@ from calib.car.history import Motion
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 
-SPEED = 20.0
+_SPEED = 20.0
 """Speed [m/s] at which rolling resistance and the torque of an engine are told."""
 
 _BLEND = 0.4
@@ -32,7 +32,7 @@ FADE_OUT = 3.0
 
 def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """No dependence on temperature; ``rolling_growth`` is 0 where it is not given."""
-    grown = 1.0 + parameters.get("rolling_growth", 0.0) * ((motion.v / SPEED) ** 2 - 1.0)
+    grown = 1.0 + parameters.get("rolling_growth", 0.0) * ((motion.v / _SPEED) ** 2 - 1.0)
     c_rr = parameters["coefficient"] * grown
     return (
         c_rr * motion.load_f * vehicle.front.rolling_radius,
@@ -46,7 +46,7 @@ def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     ``drag_growth`` and ``drag_rear_share`` are 0 where they are not given: a car with driven front
     wheels. Negative while the engine or a torque converter still drives the car.
     """
-    grown = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - SPEED)
+    grown = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _SPEED)
     moment, share = parameters["drag_torque"] * grown, parameters.get("drag_rear_share", 0.0)
     return (1.0 - share) * moment, share * moment
 
@@ -100,7 +100,7 @@ ROLLING_RESISTANCE = effect(
     looks_like="a deceleration without brake pressure that hardly depends on speed",
     axle_moment=_rolling,
 )
-EFFECTS = (
+_EFFECTS = (
     ROLLING_RESISTANCE,
     effect(
         "engine_drag",

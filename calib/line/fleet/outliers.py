@@ -84,7 +84,7 @@ class MetricSpread:
 
 
 @dataclass(frozen=True)
-class Judged:
+class _Judged:
     """All metrics of a fleet: ``spreads``; ``named`` (m, n) the reasons for which a car is named.
 
     ``p`` (n,) of each car over its metrics; ``together`` number of metrics that say new things.
@@ -96,7 +96,7 @@ class Judged:
     together: float
 
 
-def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
+def judge(values: Array, least: Sequence[float] | None = None) -> _Judged:
     """Judge ``values`` (m, n) of m metrics of n cars, NaN if a car does not have one.
 
     ``least`` (m,): differences that matter, in the unit of each metric; none without it.
@@ -118,7 +118,7 @@ def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
     edge = _share(n) * max(int(cars.sum()), 1) / max(int(some.sum()), 1) / max(together, 1.0)
     edges = {i: m.edges(prior, edge) for i, m, prior in zip(known, metrics, priors, strict=True)}
     spreads = tuple(_spread(values[i], p[i], edges.get(i)) for i in range(m))
-    return Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car, together)
+    return _Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car, together)
 
 
 def named(p: Array, share: float = SHARE) -> Mask:

@@ -24,10 +24,10 @@ TAIL_PRIOR = np.array([0.70, 0.18, 0.08, 0.04])
 """Weight of each g and h before any value is seen (`tests/studies/results/fleet_alarms.md`): with
 more weight on long tails fewer bad cars are found, with less more good cars are named."""
 
-SCALES = 9
+_SCALES = 9
 """Number of scales B of the grid, over three standard deviations of log B."""
 
-MOST = 300
+_MOST = 300
 """Most values that the likelihood takes; of more, as many quantiles stand for all."""
 
 QUARTILE = 0.67449
@@ -60,23 +60,23 @@ class Bulk:
     def _scales(self) -> Array:
         """Scales B of the grid: log B from quartiles has a standard deviation of 1.17/sqrt(n)."""
         reach = 3.0 * 1.17 / np.sqrt(self.count)
-        return np.asarray(self.scale * np.exp(np.linspace(-reach, reach, SCALES)))
+        return np.asarray(self.scale * np.exp(np.linspace(-reach, reach, _SCALES)))
 
     @cached_property
     def log_likelihood(self) -> Array:
-        """Log likelihood by g, h and B, (11, 4, `SCALES`), up to a constant."""
+        """Log likelihood by g, h and B, (11, 4, `_SCALES`), up to a constant."""
         from scipy.special import log_ndtr
 
         z, density = _tables()
         B = self._scales[:, None]
         x, weight = self.distance, 1.0
-        if x.size > MOST:
-            weight = x.size / MOST
-            x = np.quantile(x, (np.arange(MOST) + 0.5) / MOST)
+        if x.size > _MOST:
+            weight = x.size / _MOST
+            x = np.quantile(x, (np.arange(_MOST) + 0.5) / _MOST)
         inside = weight * np.sum(_at(density, x / B) - np.log(B), axis=2)
         ends = _at(z, np.array([self.low, self.high]) / B)
         outside = self.below * log_ndtr(ends[:, :, 0]) + self.above * log_ndtr(-ends[:, :, 1])
-        return np.asarray((inside + outside).reshape(SKEW.size, TAIL.size, SCALES))
+        return np.asarray((inside + outside).reshape(SKEW.size, TAIL.size, _SCALES))
 
     @property
     def evidence(self) -> Array:
@@ -94,7 +94,7 @@ class Bulk:
         from scipy.special import ndtr, softmax
 
         prior = np.log(_SKEW_PRIOR)[:, None, None] + np.log(tail_prior)[None, :, None]
-        weight = softmax(self.log_likelihood + prior).reshape(-1, SCALES)
+        weight = softmax(self.log_likelihood + prior).reshape(-1, _SCALES)
         used = weight.sum(axis=1) > 1e-9
         # the median is uncertain too: its variance is pi/2n of that of one car
         B = self._scales[:, None] * np.sqrt(1.0 + 0.5 * np.pi / self.count)

@@ -17,7 +17,7 @@ from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 from calib.logs.log import Array
 
-DRIFT = 0.01
+_DRIFT = 0.01
 """Expected share of false ones among the metrics with a drift [1]."""
 
 _EXAMPLES = 3
@@ -89,7 +89,7 @@ class _Failure:
 
 
 @dataclass(frozen=True)
-class Shares:
+class _Shares:
     """A metric of text or yes/no: number of each value, the most frequent first."""
 
     metric: Column
@@ -108,7 +108,7 @@ class Summary:
     ordered_by: str
     status: dict[Status, int]
     looks: tuple[Look, ...]
-    shares: tuple[Shares, ...]
+    shares: tuple[_Shares, ...]
     apart: tuple[_Apart, ...]
     failures: tuple[_Failure, ...]
     together: float = 1.0
@@ -187,12 +187,12 @@ def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[boo
     None if even a clear step could not be significant.
     """
     found = [change(x) for x in lines]
-    enough = DRIFT / max(sum(c is not None for c in found), 1)
+    enough = _DRIFT / max(sum(c is not None for c in found), 1)
     tested = [
         c if c and least_p(x.size) <= enough else None for c, x in zip(found, lines, strict=True)
     ]
     p = np.array([c.p if c else np.nan for c in tested])
-    return tested, named(p, DRIFT).tolist()
+    return tested, named(p, _DRIFT).tolist()
 
 
 def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
@@ -203,12 +203,12 @@ def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
     return tuple(known[name] for name in wanted) or fleet.metrics
 
 
-def _shares(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[Shares]:
+def _shares(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[_Shares]:
     words: dict[object, str] = {True: "yes", False: "no", None: "none"}
     for metric in (m for m in metrics if m.kind is not float):
         counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
         if metric.kind is bool or len(counts) <= _MANY:
-            yield Shares(metric, tuple(counts.most_common()))
+            yield _Shares(metric, tuple(counts.most_common()))
 
 
 def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[_Apart, ...]:

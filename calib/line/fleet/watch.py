@@ -26,7 +26,7 @@ from calib.line.fleet.workers import Executor
 
 _RETRY = 60.0
 """Time after which a log that could not be read, or killed its worker, is tried again [s]."""
-LATE = 30.0
+_LATE = 30.0
 """Longest delay of the results file behind the journal while logs arrive [s]."""
 
 
@@ -126,7 +126,7 @@ def watch(
                 if row.digest is None or row.lost:
                     settled.give(logs[row.log], clock() + _RETRY)
             behind = behind or bool(ready)
-            if behind and (not ready or stop.is_set() or clock() - written > LATE):
+            if behind and (not ready or stop.is_set() or clock() - written > _LATE):
                 names = journal.logs()
                 if names:
                     write_results(journal.rows(names), settings, out)

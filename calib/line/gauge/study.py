@@ -34,17 +34,17 @@ from calib.logs.log import Array, Log
 from calib.run.axle_signals import signals
 from calib.table.table import LogReference, Table
 
-REFERENCE = 0.0015
+_REFERENCE = 0.0015
 """Default eta - 1 at which the curves are compared [1]: on the rising branch of all usual cars, and
 ten times the uncertainty of the zero of a good ramp."""
 
 _GOOD_GRR = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
 
-FIGURES = ("grr", "ndc", "grr_of_tolerance")
+_FIGURES = ("grr", "ndc", "grr_of_tolerance")
 """What is judged of each metric."""
 
-DEFAULTS = (
+_DEFAULTS = (
     Limit("grr", None, 0.30),
     Limit("ndc", 5.0, None),
     Limit("grr_of_tolerance", None, 0.30),
@@ -132,7 +132,7 @@ class GaugeStudy:
         return tuple(sorted({r.station for r in self.readings if r.station}))
 
 
-def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str, float]:
+def metrics_of(table: Table, log: Log, reference: float = _REFERENCE) -> dict[str, float]:
     """Metrics of one ramp from its ``table``, with the curves at eta - 1 = ``reference`` [1].
 
     At a given eta the curves are what the ECU reads; at a given deceleration they depend on the pad
@@ -169,14 +169,14 @@ def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
 
 
 def known_limits() -> set[str]:
-    """In a limits file: `FIGURES` of all metrics, ``NAME_grr`` of one, NAME for its tolerance."""
-    return {*FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in FIGURES}
+    """In a limits file: `_FIGURES` of all metrics, ``NAME_grr`` of one, NAME for its tolerance."""
+    return {*_FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in _FIGURES}
 
 
 def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
-    """The limits of a file; the `DEFAULTS` without one. Raises LimitsError for a bad file."""
+    """The limits of a file; the `_DEFAULTS` without one. Raises LimitsError for a bad file."""
     if path is None:
-        return DEFAULTS
+        return _DEFAULTS
     from calib.estimation.limits_file import read_limits
 
     limits = read_limits(path, known_limits())
@@ -200,17 +200,17 @@ def _tolerances(limits: tuple[Limit, ...], where: object = None) -> dict[str, fl
 
 def study(
     readings: tuple[GaugeReading, ...],
-    limits: tuple[Limit, ...] = DEFAULTS,
-    reference: float = REFERENCE,
+    limits: tuple[Limit, ...] = _DEFAULTS,
+    reference: float = _REFERENCE,
 ) -> GaugeStudy:
     """Analyse the readings, each metric by itself. Raises InputError for an insufficient design.
 
     At least two cars and one repeated ramp are needed; stations are optional. A limit of a metric
     itself is its tolerance and must have both ends, else LimitsError is raised; where there are
-    only such limits the `DEFAULTS` judge.
+    only such limits the `_DEFAULTS` judge.
     """
     tolerances = _tolerances(limits)
-    held = tuple(limit for limit in limits if limit.figure not in METRICS) or DEFAULTS
+    held = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS
     car, station = (
         np.unique([getattr(r, key) for r in readings], return_inverse=True)[1]
         for key in ("car", "station")
@@ -255,7 +255,7 @@ def _result(
     except ValueError:
         return GaugeResult(name, values, None, None, (), GaugeVerdict.NOT_JUDGED)
     of_cars = (judged.grr, float(judged.categories)) if judged.cars_differ else (None, None)
-    figures = dict(zip(FIGURES, (*of_cars, judged.tolerance), strict=True))
+    figures = dict(zip(_FIGURES, (*of_cars, judged.tolerance), strict=True))
     judgements = judge(_limits_of(name, limits), figures)
     shares = [x for x in (figures["grr"], figures["grr_of_tolerance"]) if x is not None]
     if any(j.passed is False for j in judgements):
@@ -269,7 +269,7 @@ def _result(
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
     by_name = {limit.figure: limit for limit in limits}
-    both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in FIGURES]
+    both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in _FIGURES]
     return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 

@@ -33,7 +33,7 @@ from calib.store.version import Stored
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 REFUSED = "refused.json"
-SCHEMA = 1
+_SCHEMA = 1
 FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 
@@ -73,7 +73,7 @@ def write_refusal(
     stay; the next run that ends with a verdict removes it.
     """
     document = {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "identity": identity.given(),
         "logs": [printable(log.name) for log in logs],
         "program": PROGRAM,
@@ -87,7 +87,7 @@ def write_refusal(
 def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
     """The document as plain data; ``files`` are the other files in its folder."""
     return {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "verdict": found.verdict,
         "identity": found.identity.given(),
         "vehicle": found.table.vehicle.name,

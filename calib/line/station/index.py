@@ -22,7 +22,7 @@ from calib.base.write import write_whole
 from calib.line.station.files import DOCUMENT, REFUSED
 
 INDEX, LIVE, KNOWN = "index.html", "live.html", ".index.json"
-SCHEMA = 1
+_SCHEMA = 1
 UNREADABLE = "not readable"
 """Verdict of a run whose station.json or refused.json is damaged."""
 NO_VERDICT = "refused"
@@ -75,7 +75,7 @@ def runs_below(folder: Path) -> tuple[list[IndexedRun], bool]:
             else:
                 found[place] = [*stamp, asdict(read_run(path, place, stat.st_mtime))]
     if found != known:
-        content = {"schema": SCHEMA, "runs": found}
+        content = {"schema": _SCHEMA, "runs": found}
         write_whole(folder / KNOWN, json.dumps(content).encode())
     runs = [IndexedRun(**entry[2]) for entry in found.values()]  # type: ignore[arg-type]
     return sorted(runs, key=lambda run: (-run.at, run.place)), found != known
@@ -141,7 +141,7 @@ def _known(folder: Path) -> dict[str, list[object]]:
     """What an earlier index has read; nothing if it is damaged or of another version."""
     with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):
         told = json.loads((folder / KNOWN).read_bytes())
-        if told["schema"] == SCHEMA:
+        if told["schema"] == _SCHEMA:
             runs: dict[str, list[object]] = {
                 place: entry for place, entry in told["runs"].items() if IndexedRun(**entry[2])
             }

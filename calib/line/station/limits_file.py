@@ -11,7 +11,7 @@ from calib.estimation.limits import DEFAULTS, Limit
 
 
 @dataclass(frozen=True)
-class Advice:
+class _Advice:
     """Default ``limit``, the ``reason`` for it, and the ``action`` where it is not held."""
 
     limit: Limit
@@ -20,13 +20,13 @@ class Advice:
     action: str
 
 
-def _advice(key: str) -> Advice:
+def _advice(key: str) -> _Advice:
     one = METRICS[key]
     limit = Limit(key, one.low, one.high, one.warn_low, one.warn_high, one.required)
     if limit == Limit(key, None, None):  # one limit for a stop, whichever command judges it
         limit = next(limit for limit in DEFAULTS if limit.figure == key)
     unit = one.unit if one.unit and one.factor == 1.0 else "1"
-    return Advice(limit, unit, one.reason, one.action)
+    return _Advice(limit, unit, one.reason, one.action)
 
 
 _JUDGED = [key for key, one in METRICS.items() if one.judged]
@@ -40,8 +40,8 @@ def action(figure: str) -> str:
     return plain(figure).action or "Look at the log with brake-cal check and brake-cal plot."
 
 
-EXAMPLE = "torque_error_f = { max = 0.05 }"
-HEAD = """\
+_EXAMPLE = "torque_error_f = { max = 0.05 }"
+_HEAD = """\
 Limits for `brake-cal station --limits` and `brake-cal validate --limits`.
 
 fail = [low, high]   outside it the car fails;   -inf or inf leaves an end open
@@ -53,7 +53,7 @@ A metric without a line is not judged. `validate` judges the metrics of the stop
 
 def limits_file() -> str:
     """The text: every metric that is judged by default, then the other ones, as comments."""
-    lines = [f"# {line}".rstrip() for line in HEAD.splitlines()] + ["schema = 1", "", "[limits]"]
+    lines = [f"# {line}".rstrip() for line in _HEAD.splitlines()] + ["schema = 1", "", "[limits]"]
     for limit, one in ((row.limit, METRICS[row.limit.figure]) for row in ADVICE):
         fail, warn = _range(limit.low, limit.high), _range(limit.warn_low, limit.warn_high)
         required = ", required = true" * limit.required
@@ -63,7 +63,7 @@ def limits_file() -> str:
             f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}",
             "",
         ]
-    lines.append(f"# Not judged unless a line is added, such as `{EXAMPLE}`:")
+    lines.append(f"# Not judged unless a line is added, such as `{_EXAMPLE}`:")
     others = ((figure, one) for figure, one in METRICS.items() if not one.judged)
     lines += [f"# {figure}: {one.meaning}" for figure, one in others if one.of == "stop"]
     return "\n".join(lines) + "\n"

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
     Described = Message | Flawed
 
-FORMATS = ("dbc", "arxml", "kcd", "sym")
+_FORMATS = ("dbc", "arxml", "kcd", "sym")
 """A file with another ending is read as a DBC."""
 
-EVERY = ""
+_EVERY = ""
 """Stands for every bus, where buses are named."""
 
-LONGEST_TEXT = 1_000_000
+_LONGEST_TEXT = 1_000_000
 """Characters of the longest text in quotes, such as a comment."""
 
 
@@ -66,11 +66,11 @@ class Dbc:
         if self.sources and source_of(identifier) not in self.sources:
             return None
         group = group_of(identifier)
-        return self._groups.get(bus, {}).get(group) or self._groups[EVERY].get(group)
+        return self._groups.get(bus, {}).get(group) or self._groups[_EVERY].get(group)
 
     @cached_property
     def _groups(self) -> "dict[str, dict[int, Described]]":
-        every = {EVERY: self.messages, **self.buses}
+        every = {_EVERY: self.messages, **self.buses}
         return {bus: _by_group(messages) for bus, messages in every.items()}
 
     @property
@@ -134,7 +134,7 @@ def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
 def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]]":
     """The bytes of a file, its messages, and its flaws. Raises ChannelMapError if it has none."""
     kind = path.suffix[1:].lower()
-    kind = kind if kind in FORMATS else "dbc"
+    kind = kind if kind in _FORMATS else "dbc"
     name = kind.upper()
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
     text = _text(content)
@@ -181,11 +181,11 @@ def _refuse_long_text(text: str, path: Path) -> None:
     """
     quoted = text.replace('\\"', "''").split('"')[1::2]
     longest = max(map(len, quoted), default=0)
-    if longest > LONGEST_TEXT:
+    if longest > _LONGEST_TEXT:
         raise ChannelMapError(
             f"a text in quotes has {longest} characters",
             where=path,
-            expected=f"at most {LONGEST_TEXT}",
+            expected=f"at most {_LONGEST_TEXT}",
             do="is a quote missing?",
         )
 

@@ -196,7 +196,7 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
     return _opened(path, dbc, _AscLines, f"no trigger block: a file {_CUT}")
 
 
-VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
+_VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
 """Those that python-can reads; it takes any other for 1.0."""
 _FD_LENGTHS = (12, 16, 20, 24, 32, 48, 64)
 """Bytes of a CAN FD frame for the codes 9 to 15 (ISO 11898-1)."""
@@ -231,11 +231,11 @@ class _TrcLines(Counted):
         if first and not comment:
             expected = "a header of lines that begin with ;"
             raise LogError("not a TRC file", where=self.path, expected=expected)
-        if (version := _VERSION.match(line)) and version[1] not in VERSIONS:
+        if (version := _VERSION.match(line)) and version[1] not in _VERSIONS:
             raise LogError(
                 f"version {version[1]} of TRC",
                 where=self.path,
-                expected=f"one of {', '.join(VERSIONS)}",
+                expected=f"one of {', '.join(_VERSIONS)}",
                 do="convert it with PEAK-Converter",
             )
         if columns := _COLUMNS.match(line):
@@ -266,7 +266,7 @@ class _TrcLines(Counted):
 
 
 def open_trc(path: Path, dbc: Databases) -> Recording:
-    """Open a TRC file of one of `VERSIONS`.
+    """Open a TRC file of one of `_VERSIONS`.
 
     Raises LogError as `open_asc`, for another version, and for a message number that does not
     follow the one before.

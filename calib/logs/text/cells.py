@@ -22,7 +22,7 @@ from calib.base.names import CHANNELS
 from calib.base.units import is_unit, spelling
 from calib.logs.source import Array, Column
 
-ENDINGS = {
+_ENDINGS = {
     **{u: u for u in ("bar", "mbar", "hPa", "kPa", "MPa", "psi", "kmh", "kph", "mph", "rpm")},
     **{u: u for u in ("degC", "degF", "Nm", "kNm", "mps", "percent", "deg")},
     "km_h": "km/h",
@@ -85,7 +85,7 @@ def _ending(cell: str) -> tuple[str, str] | None:
     parts = cell.split("_")
     for count in (2, 1):  # m_s before s
         name, ending = "_".join(parts[:-count]), "_".join(parts[-count:])
-        unit = ENDINGS.get(ending)
+        unit = _ENDINGS.get(ending)
         if name in CHANNELS:
             unit = unit or ending
             if is_unit(unit, CHANNELS[name].si):
@@ -137,7 +137,7 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
 
 DAY, HOUR = 86400.0, 3600.0
 """Periods [s]: a clock with hours restarts at midnight, one with minutes at the full hour."""
-REPEATED = 0.01
+_REPEATED = 0.01
 """Largest share of rows [1] that repeat the time of the row before them."""
 
 _TIME = re.compile(
@@ -208,11 +208,11 @@ def over_midnight(time: Array, period: float = DAY) -> Array:
 def from_first(time: Array, where: str) -> Array:
     """``time`` [s], shape (n,), counted from its first value.
 
-    Raises LogError for a clock that is too coarse: more than `REPEATED` of its rows repeat a time.
+    Raises LogError for a clock that is too coarse: more than `_REPEATED` of its rows repeat a time.
     """
     known = time[~np.isnan(time)]
     same = int(np.count_nonzero(np.diff(known) == 0.0))
-    if same > REPEATED * time.size:
+    if same > _REPEATED * time.size:
         raise LogError(
             f"the clock is too coarse: {same} of {time.size} rows have the time of the row before",
             where=where,

@@ -167,7 +167,7 @@ def _undecided(separators: list[str], header: str, rows: list[str], where: str) 
     )
 
 
-TOP = 200
+_TOP = 200
 """Lines in which the header is looked for."""
 RUN = 3
 """Rows with numbers that make a run; fewer, if the file has no more."""
@@ -203,7 +203,7 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat) -> _Layout:
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
     """The first lines from ``start``, without blank ones at the top, and where each begins."""
     lines, starts = list[bytes](), [start]
-    while start < len(data) and len(lines) < TOP:
+    while start < len(data) and len(lines) < _TOP:
         end = data.find(b"\n", start)
         end = len(data) if end < 0 else end
         line = data[start:end].rstrip(b"\r")

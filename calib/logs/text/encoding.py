@@ -44,12 +44,12 @@ def too_large(where: str) -> LogError:
     return LogError(LOG.excess(what="it unpacks to"), where=where, do=LOG.advice)
 
 
-MARKS = {
+_MARKS = {
     codecs.BOM_UTF8: "utf-8",
     codecs.BOM_UTF16_LE: "utf-16-le",
     codecs.BOM_UTF16_BE: "utf-16-be",
 }
-HEAD = 4096
+_HEAD = 4096
 """Number of bytes used to detect the encoding; a header is shorter."""
 
 
@@ -61,11 +61,11 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
     are the same in all 8-bit encodings. Raises LogError for bytes that are not text; ``where``
     names the file.
     """
-    for mark, name in MARKS.items():
+    for mark, name in _MARKS.items():
         if data.startswith(mark):
             data, encoding = data[len(mark) :], name
             break
-    head = data[:HEAD]
+    head = data[:_HEAD]
     encoding = encoding or _unmarked_utf16(head)
     if encoding is None or codecs.lookup(encoding).name == "utf-8":
         lines = head.rstrip(b"\0") if b"\n" in head else head  # a short log may end with zeros
