@@ -92,7 +92,7 @@ AERODYNAMIC_DRAG = effect(
     load_shift=_above_the_road,
     body_force=lambda vehicle, parameters, motion: _drag(parameters, motion.v),
 )
-_EFFECTS = (
+EFFECTS = (
     AERODYNAMIC_DRAG,
     effect(
         "mass_error",

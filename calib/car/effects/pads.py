@@ -116,7 +116,7 @@ FADE = effect(
     "a log of T the heat at the start of each log is found with it, less exactly: log T",
     friction=faded,
 )
-_EFFECTS = (
+EFFECTS = (
     FADE,
     effect(
         "pad_speed_dependence",

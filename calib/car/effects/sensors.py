@@ -30,7 +30,7 @@ def _off_centre(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dic
     return {"fl": 1.0 - left * turned, "fr": 1.0 - right * turned}
 
 
-_EFFECTS = (
+EFFECTS = (
     effect(
         "accelerometer_scale",
         Parameter("scale_error", "1", -0.2, 0.2, 0.03, 0.02),

@@ -100,7 +100,7 @@ ROLLING_RESISTANCE = effect(
     looks_like="a deceleration without brake pressure that hardly depends on speed",
     axle_moment=_rolling,
 )
-_EFFECTS = (
+EFFECTS = (
     ROLLING_RESISTANCE,
     effect(
         "engine_drag",
