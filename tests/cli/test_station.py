@@ -91,9 +91,10 @@ def test_a_car_that_fails_loses_its_exports(station, tmp_path):
     assert (tmp_path / "car" / "table.dcm").exists()
     ran = station("--export", "dcm", stops=(DRY, WET))
     assert ran.code == 1
-    assert "failed: repeatability_f of the car" in ran.out
     assert not (tmp_path / "car" / "table.dcm").exists()
-    assert json.loads((tmp_path / "car" / "station.json").read_text())["verdict"] == "failed"
+    document = json.loads((tmp_path / "car" / "station.json").read_text())
+    failed = [check["figure"] for check in document["checks"] if check["verdict"] == "failed"]
+    assert (document["verdict"], "repeatability_f" in failed) == ("failed", True)
 
 
 def test_warnings_pass(station, tmp_path):
@@ -104,8 +105,9 @@ def test_warnings_pass(station, tmp_path):
     )
     ran = station("--limits", limits)
     assert ran.code == 0
-    assert "warning: pad_scale of the car" in ran.out
-    assert "Passed with warnings" in ran.out
+    document = json.loads((tmp_path / "car" / "station.json").read_text())
+    warned = [check["figure"] for check in document["checks"] if check["verdict"] == "warning"]
+    assert warned == ["pad_scale"]
 
 
 @pytest.mark.parametrize(
@@ -128,11 +130,13 @@ def test_warnings_pass(station, tmp_path):
     ],
 )
 def test_refusals_leave_no_result(station, tmp_path, words, code, says):
-    """Of a car that cannot be judged the index is told; of a mistake in what was typed, nothing."""
+    """The index is told of a car that cannot be judged, not of a mistake in what was typed."""
     ran = station(*words)
     assert ran.code == code, ran.err
     assert says in " ".join(ran.err.split())
-    assert [str(path) for path in content(tmp_path)] == ["car/refused.json"] * (code == 3)
+    assert [str(path) for path in content(tmp_path)] == ["car/refused.json"] * (
+        code == 3 and words[0] != "--limits"
+    )
 
 
 def test_a_refused_car_is_on_the_index_until_it_is_judged(station, brake_cal, tmp_path):
@@ -267,8 +271,6 @@ def test_a_person_s_rejection_is_not_overruled_by_another_run(station, tmp_path)
     limits.write_text("schema = 1\n[limits]\nvalid_share = { min = 0.4 }\n")
     ran = station("--export", "dcm", "--limits", limits)
     assert ran.code == 0
-    assert "sedan-2up@1 is rejected: caliper cracked" in ran.out
-    assert "a person decides" in ran.out
     assert state_of(tmp_path) == "rejected"
     assert not (tmp_path / "car" / "table.dcm").exists()
     document = json.loads((tmp_path / "car" / "station.json").read_text())

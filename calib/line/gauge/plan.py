@@ -18,7 +18,7 @@ from calib.base.toml import did_you_mean
 
 COLUMNS = ("log", "car", "station", "road", "vehicle")
 FILE = f"a CSV file with columns {', '.join(COLUMNS)}"
-_LAYOUTS = ("car", "car/station", "station/car")
+LAYOUTS = ("car", "car/station", "station/car")
 """Possible meanings of a log's folders, outer folder first."""
 
 
@@ -111,7 +111,7 @@ def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Pl
 
 
 def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
-    """Car and station from the folders of each log; ``layout`` is one of `_LAYOUTS`.
+    """Car and station from the folders of each log; ``layout`` is one of `LAYOUTS`.
 
     Raises InputError for a log with too few folders above it.
     """
