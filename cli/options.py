@@ -134,12 +134,14 @@ def require_known(written: str, known: Collection[str], what: str = "") -> None:
 
 def _store_of(context: typer.Context) -> Path:
     """The store of the command line, of the settings, or the usual one."""
+    given = context.params.get("store")
+    if given:
+        return Path(given)
     from calib.base.errors import BrakeCalError
     from calib.base.settings_file import find_project
 
-    given = context.params.get("store")
     try:
-        return Path(given) if given else find_project().settings.store or STORE
+        return find_project().settings.store or STORE
     except BrakeCalError:
         return STORE
 

@@ -115,7 +115,7 @@ class _WarningEntry(Section):
     do: str
 
 
-class _VehicleFactsFile(FileSchema):
+class VehicleFactsFile(FileSchema):
     """What follows from a vehicle file, in bar, kg, m, N m and g."""
 
     name: str
@@ -123,10 +123,10 @@ class _VehicleFactsFile(FileSchema):
     warnings: list[_WarningEntry]
 
 
-def facts_document(vehicle: Vehicle) -> _VehicleFactsFile:
+def facts_document(vehicle: Vehicle) -> VehicleFactsFile:
     """The document of a vehicle."""
     warnings = [_WarningEntry(**to_dict(one)) for one in plausible(vehicle)]
-    return _VehicleFactsFile(
+    return VehicleFactsFile(
         schema=1, name=vehicle.name, facts=what_follows(vehicle), warnings=warnings
     )
 
