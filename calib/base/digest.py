@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from calib.base.arrays import Array
 
 
 def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> str:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 
 
 class Mixture(NamedTuple):

@@ -7,11 +7,6 @@ forward positive, so that braking is negative; ``z = -a_x/g`` is positive when b
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-
 G = 9.80665
 """Standard gravity [m/s^2], ISO 80000-3."""
 

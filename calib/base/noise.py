@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
-from calib.base.names import Array
 
 
 def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import Z95
-from calib.base.names import Array
 
 _STEPS = 500
 """Most steps of the iteration; it takes 5 to 50."""

@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.base.names import Array, G
+from calib.base.arrays import Array
+from calib.base.names import G
 from calib.car.effects.combined import body_load_shift, total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, braking_sum

@@ -14,8 +14,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.base.names import Array, G
+from calib.base.names import G
 from calib.car.balance import brake_forces
 from calib.car.forces import axle_loads
 from calib.car.model import Model

@@ -10,7 +10,8 @@ right wheel of that axle computed as well.
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from calib.base.names import WHEELS, Array
+from calib.base.arrays import Array
+from calib.base.names import WHEELS
 from calib.car import forces
 from calib.car.effects.combined import (
     caliper_pressure,

@@ -12,7 +12,8 @@ Flat road, straight line, no aerodynamic pitch moment, load transfer without del
 
 import numpy as np
 
-from calib.base.names import Array, G
+from calib.base.arrays import Array
+from calib.base.names import G
 from calib.car.vehicle import Axle, Vehicle
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 from calib.car.disc_temperature import ALIKE
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 
 _EVEN = 1e-3
 """Least distance of two time constants, over their sum, so that they are told apart."""

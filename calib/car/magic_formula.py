@@ -25,7 +25,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 from calib.car.braking import MOVING
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.base.names import Array
 from calib.base.toml import did_you_mean
 from calib.base.units import behind
 from calib.car.effects.effect import Card

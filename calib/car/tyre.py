@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 
 PARAMETERS = ("log_compliance", "curvature_2", "curvature_3", "load_exponent")
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.names import Array, G
+from calib.base.arrays import Array
+from calib.base.names import G
 from calib.car import forces
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Axle

@@ -13,7 +13,8 @@ The split filter (`calib.estimation.states`) follows the same mode with the same
 
 import numpy as np
 
-from calib.base.names import Array, G
+from calib.base.arrays import Array
+from calib.base.names import G
 from calib.car.effects.effect import Parameter, Parameters, effect
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import second_order

@@ -24,8 +24,8 @@ Residual torque: pads that do not come back after the first release.
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
-from calib.base.names import Array
 from calib.car.braking import BITE
 from calib.car.effects.effect import Pair, Parameter, Parameters, effect
 from calib.car.history import RunHistory

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 from calib.car.effects.catalogue import CALIPER, LINE, SENSOR
 from calib.car.effects.effect import Effect, Pair, Parameters
 from calib.car.effects.effects import Effects

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 

@@ -5,8 +5,8 @@ So a model with a term can be simulated, and a term can be removed from a log. S
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.base.names import Array
 from calib.car.braking import BITE
 from calib.car.effects.effect import Card, Effect, Pair, Parameters
 from calib.car.effects.effects import EmpiricalTerm

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 from calib.car.effects.effect import Pair, Parameter, Parameters, effect
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order

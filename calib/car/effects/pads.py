@@ -12,7 +12,7 @@ Pressure: mu  |`.
 
 import numpy as np
 
-from calib.base.names import Array
+from calib.base.arrays import Array
 from calib.car.disc_temperature import DISCS, heated
 from calib.car.effects.effect import Pair, Parameter, Parameters, effect
 from calib.car.history import RunHistory

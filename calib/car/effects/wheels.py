@@ -10,7 +10,8 @@ A logged ``T_drive_f`` or ``T_drive_r`` counts besides: an effect is what the lo
 
 import numpy as np
 
-from calib.base.names import AXLES, Array
+from calib.base.arrays import Array
+from calib.base.names import AXLES
 from calib.car.braking import BITE
 from calib.car.effects.effect import Pair, Parameter, Parameters, effect
 from calib.car.forces import axle_loads

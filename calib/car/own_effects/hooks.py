@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.base.names import WHEELS, Array, G
+from calib.base.names import WHEELS, G
 from calib.car.effects.effect import Effect
 from calib.car.forces import axle_loads
 from calib.car.history import Motion, RunHistory, constant_speed
