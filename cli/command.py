@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
 
-from cli.console import Markdown, emit, emit_json, misuse, this_run, warn
+from cli.console import emit, emit_json, misuse, this_run, warn
 from cli.group import Group, first_sentence
 from cli.options import option
 from cli.outputs import check_file, write_file
@@ -45,7 +45,7 @@ class Answer:
     """
 
     document: dict[str, Any]
-    facts: "Facts | Markdown | str" = ""
+    facts: "Facts | str" = ""
     exit_code: int = 0
     page: Callable[[], str] | None = None
     error: "BrakeCalError | None" = None

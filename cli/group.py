@@ -32,26 +32,26 @@ GONE = {
     "limits init": "limits",
     "fleet report": "fleet RESULTS.parquet",
     "fleet index": "fleet DIR",
+    "watch --index": "fleet DIR",
     "log view": "log LOG",
     "log cut": "log LOG --out FILE --from TIME --until TIME",
-    "log convert": "log LOG... --out FILE",
+    "log convert": "log LOG --out FILE",
+    "log --to": "log LOG --out FILE, once for each log",
+    "log --keep-names": "log LOG --out FILE without --map",
+    "vehicle init --from": "vehicle init FILE",
+    "repeatability --folders": "repeatability --plan PLAN.csv",
     "manual --html": "manual PAGE",
+    "plot --figure all": "plot ... --figure NAME, once for each",
     "plot --figure budget": "tables show TABLE",
     "plot --figure coverage": "plot TABLE LOG --figure difference",
     "plot --figure force-sum": "plot TABLE LOG --figure normalised-forces",
     "plot --figure pressure": "plot LOG --figure pressure",
-    **{
-        f"plot --figure compensation-{axle}": f"plot TABLE LOG --figure pad-{axle}"
-        for axle in ("front", "rear")
-    },
-    **{
-        f"plot --figure torque-{axle}-left": "plot TABLE LOG --figure axle-torques"
-        for axle in ("front", "rear")
-    },
-    **{
-        f"plot --figure error-{axle}-left": "plot TABLE LOG --figure error"
-        for axle in ("front", "rear")
-    },
+    "plot --figure compensation-front": "plot TABLE LOG --figure pad-front",
+    "plot --figure compensation-rear": "plot TABLE LOG --figure pad-rear",
+    "plot --figure torque-front-left": "plot TABLE LOG --figure axle-torques",
+    "plot --figure torque-rear-left": "plot TABLE LOG --figure axle-torques",
+    "plot --figure error-front-left": "plot TABLE LOG --figure error",
+    "plot --figure error-rear-left": "plot TABLE LOG --figure error",
     **{f"manual {old}": f"manual {new}" for new in PAGES for old in PAGES[new]},
 }
 """Commands, arguments and options that there were once, and what to use instead."""

@@ -56,20 +56,13 @@ def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | No
     return log
 
 
-def read_whole(path: Path, mapping: "ChannelMap | None", keep_names: bool = False) -> "WholeLog":
-    """Read every column of a log, a file or that on stdin, and tell with -v what was read.
-
-    Raises LogError as `calib.logs.whole.read_whole` does.
-    """
+def read_whole(path: Path, mapping: "ChannelMap | None") -> "WholeLog":
+    """Read every column of a log, a file or that on stdin. Raises LogError."""
     from calib.logs import whole
 
     if is_stdin(path):
-        log = whole.whole_of(open_table(path, mapping), NAMED, mapping, keep_names)
-    else:
-        log = whole.read_whole(path, mapping, keep_names)
-    rows, names = log.columns[0].values.size, ", ".join(column.name for column in log.columns)
-    detail(f"read {log.source}: {rows} rows, {names}; SHA-256 {log.digest[:12]}")
-    return log
+        return whole.whole_of(open_table(path, mapping), NAMED, mapping)
+    return whole.read_whole(path, mapping)
 
 
 def open_table(path: Path, mapping: "ChannelMap | None") -> "Opened":

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit, misuse, this_run
-from cli.options import READ_MAP, argument, option
+from cli.options import argument, channel_map, option
 from cli.outputs import write_file
 
 if TYPE_CHECKING:
@@ -30,12 +30,8 @@ def map_(
         make=_pairs,
     ),
     radius: float | None = option("Radius [m] for wheel speeds in km/h.", "M", min=0.1, max=1.0),
-    channel_map: "ChannelMap | None" = option(
-        "Its file format and DBC; not that of the settings.",
-        "M.toml",
-        "--map",
-        typed=Path | None,
-        make=READ_MAP,
+    channel_map: "ChannelMap | None" = channel_map(
+        "Its file format and DBC; not that of the settings."
     ),
     out: Path | None = option("Map file to write.", "M.toml", writes=""),
 ) -> Answer:

@@ -3,10 +3,11 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cli import options
 from cli.command import Answer, command
 from cli.console import at_option, misuse, say
 from cli.logs import named, read
-from cli.options import READ_MAP, Car, OwnEffects, argument, option, quantity
+from cli.options import Car, OwnEffects, argument, option, quantity
 from cli.outputs import refuse_foreign, writing
 
 if TYPE_CHECKING:
@@ -45,14 +46,8 @@ def simulate(
     duration: float | None = _of("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
     rate: float | None = option(f"Samples per second of the manoeuvre, {RATE:g}."),
     noise: int | None = option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0),
-    channel_map: "ChannelMap | None" = option(
-        "Channel map, and DBC.",
-        "M.toml",
-        "--map",
-        typed=Path | None,
-        make=READ_MAP,
-        setting="map",
-        when=lambda c: c.params.get("log") is not None,
+    channel_map: "ChannelMap | None" = options.channel_map(
+        setting="map", when=lambda c: c.params.get("log") is not None
     ),
 ) -> Answer:
     """Drive a model of a car by the pressure of a log.

@@ -75,36 +75,30 @@ class WholeLog:
         return replace(self, columns=tuple(part))
 
 
-def read_whole(
-    path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
-) -> WholeLog:
+def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
     """Read every column of a log; of several sample rates on the clock that `read_log` takes.
 
-    With ``keep_names`` names and values stay as they are in the file; of ``channel_map`` only the
-    text format and the DBC files are used. Raises LogError for a file that is not a log,
-    ChannelMapError for a map that does not fit.
+    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
     """
     path = Path(path)
     if ending_of(path) not in RECORDINGS:
-        return whole_of(open_log(path, channel_map), path, channel_map, keep_names)
+        return whole_of(open_log(path, channel_map), path, channel_map)
     digest, opened = recording_digest(path), opened_recording(path, channel_map)
     try:
-        taken = {} if keep_names else _assigned(opened.columns, channel_map, path)
+        taken = _assigned(opened.columns, channel_map, path)
         if taken:
             recorded_clock(list(taken.values()), channel_map)
     except BaseException:
         opened.close()
         raise
     recorded = Opened(as_source(opened, str(path), taken), digest)
-    return whole_of(recorded, path, channel_map, keep_names)
+    return whole_of(recorded, path, channel_map)
 
 
-def whole_of(
-    opened: Opened, path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
-) -> WholeLog:
+def whole_of(opened: Opened, path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
     """Every column of a log that was opened; ``path`` names it. Else like `read_whole`."""
     source = opened.source
-    taken = {} if keep_names else _assigned(source.columns, channel_map, path)
+    taken = _assigned(source.columns, channel_map, path)
     every = dict(enumerate(source.each()))
     values = {i: x for i, x in every.items() if not isinstance(x, LogError)}
     notes = [
@@ -112,7 +106,7 @@ def whole_of(
         for i, error in every.items()
         if isinstance(error, LogError)
     ]
-    if channel_map and not keep_names:  # under their own names they would be channels
+    if channel_map:  # under their own names they would be channels
         for index in [i for i in values if source.columns[i].name in channel_map.ignore]:
             del values[index]
             notes.append(f"{source.columns[index].full_name} was left out: the map ignores it")

@@ -208,7 +208,6 @@ FOLDERS = {
     "repeatability": ("repeatability", RAMP, *CAR),
     "qualify": ("qualify",),
     "fleet": ("fleet", "none.parquet"),
-    "log": ("log", RAMP, "--to", "csv"),
     "demo": ("demo",),
 }
 
@@ -233,7 +232,7 @@ def test_no_output_replaces_an_input(brake_cal, tmp_path, name):
     before = log.read_bytes()
     words = {
         "validate": ("validate", "sedan-2up", log, *STORED, "--out", tmp_path),
-        "log": ("log", log, "--force", "--to", "csv", "--out", tmp_path),
+        "log": ("log", log, "--force", "--out", log),
         "station": ("station", RAMP, log, *CAR, "--out", tmp_path),
         "simulate": ("simulate", log, *CAR, "--force", "--out", tmp_path / "x" / ".." / log.name),
     }[name]

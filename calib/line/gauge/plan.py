@@ -1,14 +1,12 @@
-"""Car and station of each log: from a plan file, or from the folders of the logs.
+"""Car and station of each log, from a plan file.
 
 log,car,station,road,vehicle            plan.csv; station, road and vehicle are optional
 a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the plan's folder
-
-car/station/ramp.csv                 folders, with as many levels as the layout
 """
 
 import csv
 import os
-from collections import Counter, defaultdict
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,8 +16,6 @@ from calib.base.toml import did_you_mean
 
 COLUMNS = ("log", "car", "station", "road", "vehicle")
 FILE = f"a CSV file with columns {', '.join(COLUMNS)}"
-LAYOUTS = ("car", "car/station", "station/car")
-"""Possible meanings of a log's folders, outer folder first."""
 
 
 @dataclass(frozen=True)
@@ -84,15 +80,6 @@ def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
     return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle, cells["road"])
 
 
-def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Place, ...]:
-    """The places of ``logs``, or all if it is empty. Raises InputError for an unknown log."""
-    known = {os.path.realpath(place.log): place for place in places}
-    for log in logs:
-        if os.path.realpath(log) not in known:
-            raise InputError(f"{log} is not in the plan", where=plan, do="add a row for it")
-    return tuple(known[os.path.realpath(log)] for log in logs) if logs else places
-
-
 def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Place, ...]:
     """The places on ``road``; None for the only road of the plan, or a plan without roads.
 
@@ -108,46 +95,3 @@ def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Pl
         do = "" if road else "choose one with --road: ramps of two roads are no repeats"
         raise InputError(what, where=plan, expected=known, do=do)
     return tuple(place for place in places if place.road == road)
-
-
-def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
-    """Car and station from the folders of each log; ``layout`` is one of `LAYOUTS`.
-
-    Raises InputError for a log with too few folders above it.
-    """
-    levels = layout.split("/")
-    out = []
-    for log in logs:
-        folders = _folders(log)[-len(levels) :]
-        if len(folders) < len(levels):
-            raise InputError("not enough folders above it", where=log, expected=f"{layout}/*.csv")
-        named = dict(zip(levels, folders, strict=True))
-        out.append(Place(log, named["car"], named.get("station", "")))
-    return tuple(out)
-
-
-def _folders(log: Path) -> tuple[str, ...]:
-    # as given: links are not resolved
-    return Path(os.path.abspath(log)).parent.parts[1:]
-
-
-def certain_layout(logs: list[Path]) -> str:
-    """Return ``car/station`` if the folders are unambiguous.
-
-    All logs must be two levels below one folder, and every inner name must occur in two or more
-    outer folders. Raises InputError otherwise, with the options to give.
-    """
-    outer: dict[str, set[str]] = defaultdict(set)
-    roots = set()
-    for found in map(_folders, logs):
-        roots.add((len(found), found[:-2]))
-        outer["".join(found[-1:])].add("".join(found[-2:-1]))
-    if len(roots) == 1 and min(map(len, outer.values())) > 1:
-        return "car/station"
-    raise InputError(
-        "car and station of each log are ambiguous from its folders",
-        where=f"{len(logs)} logs",
-        expected="folders car/station/*.csv with each station under two cars or more",
-        do="give --plan plan.csv with columns log,car,station, or --folders car | car/station | "
-        "station/car",
-    )
