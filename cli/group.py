@@ -38,6 +38,7 @@ GONE = {
     "log convert": "log LOG --out FILE",
     "log --to": "log LOG --out FILE, once for each log",
     "log --keep-names": "log LOG --out FILE without --map",
+    "simulate --deceleration": "simulate --pressure P; 'vehicle show' has the pressure per g",
     "vehicle init --from": "vehicle init FILE",
     "repeatability --folders": "repeatability --plan PLAN.csv",
     "manual --html": "manual PAGE",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
 from cli.console import misuse, say
-from cli.logs import named, read_whole
+from cli.logs import read_whole
 from cli.options import Map, logs, option, require_known
 from cli.outputs import PAGES, write_file
 
@@ -45,7 +45,6 @@ def log(
     from calib.show.facts import Facts
     from calib.show.log import document, facts, written
 
-    named(logs)
     if start is not None and until is not None and start >= until:
         raise misuse(f"{start:g} s is not before {until:g} s", "--from")
     if out is not None and len(logs) > 1:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from cli import options
 from cli.command import Answer, command
 from cli.console import misuse, progress, say
-from cli.logs import is_stdin, named, read
+from cli.logs import is_stdin, read
 from cli.options import argument, option, require_known, table_names
 from cli.outputs import writing
 
@@ -92,7 +92,6 @@ def _read(
         raise misuse("give one table with its logs, or two tables without logs", "TABLE")
     if vehicle and not results and not (names and logs):
         raise misuse("only with a TABLE and a LOG, or with a RESULT", "--vehicle")
-    named(logs)
     tables = tuple(store.load(name) for name in names)
     for one in tables:
         say(f"{one.id} is {one.state.words}")

@@ -38,24 +38,10 @@ def show(table: options.Table, *, store: options.Tables) -> Answer:
 
     Prints its quality, its origin and its curves, and last the verdict.
     """
-    from calib.show.store import shown
-    from calib.store.answer import answer
-    from calib.store.signature import key_ids
+    from calib.show.store import shown, shown_document
 
     stored = store.load(table)
-    record, curves = stored.table.content()
-    eta, D = stored.table.difference.peak
-    document = {
-        **stored.address,
-        "state": stored.state.word,
-        "keys": key_ids(stored),
-        "answer": answer(stored),
-        "decelerations": stored.table.paper.decelerations,
-        "peak": {"eta": eta, "D": D},
-        "record": record,
-        "curves": curves,
-    }
-    return Answer(document, shown(stored))
+    return Answer(shown_document(stored), shown(stored))
 
 
 @command("brake-cal tables log sedan-2up")
@@ -89,21 +75,12 @@ def diff(
     They are equal, equal within their 95 % bands, or different. The JSON document holds every key
     of their records that differs.
     """
-    from calib.show.store import compared
+    from calib.show.store import compared, compared_document
     from calib.table.compare import diff as differ
 
     first, second = store.load(a), store.load(b)
-    found = differ(first.table, second.table)
-    document = {
-        "a": first.id,
-        "b": second.id,
-        "states": {"a": first.state.word, "b": second.state.word},
-        "verdict": found.verdict,
-        "identical": found.identical,
-        **vars(found),
-        "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
-    }
-    return Answer(document, compared(found, first, second))
+    both = differ(first.table, second.table), first, second
+    return Answer(compared_document(*both), compared(*both))
 
 
 @command("brake-cal tables verify", "brake-cal tables verify sedan-2up")
