@@ -1,6 +1,7 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
+from typing import Any
 
 from cli.command import Answer, command
 from cli.console import at_option, misuse, say
@@ -47,7 +48,7 @@ def export(
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED
-    how = {"points": points, "bits": bits, "elf": elf, "unreleased": unreleased}
+    how: dict[str, Any] = {"points": points, "bits": bits, "elf": elf, "unreleased": unreleased}
     with at_option("--format, --points, --fixed-point, --elf", ExchangeError), writing(out):
         written = write(stored, out, form, quality=quality, **how)
     for axis in written.data.axes:

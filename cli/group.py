@@ -1,7 +1,6 @@
 """A group of commands: its help by subject, and what there was once."""
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Any
 
 from typer.core import TyperGroup
@@ -42,17 +41,6 @@ GONE = {
     "vehicle init --from": "vehicle init FILE",
     "repeatability --folders": "repeatability --plan PLAN.csv",
     "manual --html": "manual PAGE",
-    "plot --figure all": "plot ... --figure NAME, once for each",
-    "plot --figure budget": "tables show TABLE",
-    "plot --figure coverage": "plot TABLE LOG --figure difference",
-    "plot --figure force-sum": "plot TABLE LOG --figure normalised-forces",
-    "plot --figure pressure": "plot LOG --figure pressure",
-    "plot --figure compensation-front": "plot TABLE LOG --figure pad-front",
-    "plot --figure compensation-rear": "plot TABLE LOG --figure pad-rear",
-    "plot --figure torque-front-left": "plot TABLE LOG --figure axle-torques",
-    "plot --figure torque-rear-left": "plot TABLE LOG --figure axle-torques",
-    "plot --figure error-front-left": "plot TABLE LOG --figure error",
-    "plot --figure error-rear-left": "plot TABLE LOG --figure error",
     **{f"manual {old}": f"manual {new}" for new in PAGES for old in PAGES[new]},
 }
 """Commands, arguments and options that there were once, and what to use instead."""
@@ -85,8 +73,7 @@ class Group(TyperGroup):
         path = " ".join([*ctx.command_path.split()[1:], typed])
         after = " ".join(args[1:]).replace("=", " ").split()
         options = [word for word in after if word.startswith("-")]
-        values = [f"{name} {value}" for name, value in pairwise(after) if name in options]
-        for words in (path, *(f"{path} {word}" for word in (*after[:1], *options, *values))):
+        for words in (path, *(f"{path} {word}" for word in (*after[:1], *options))):
             if instead := GONE.get(words):
                 ctx.fail(f"{words!r} is gone. Use 'brake-cal {instead}'.")
         if typed not in self.commands:

@@ -2,16 +2,12 @@
 
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from calib.base.program import PROGRAM, VERSION
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress, say
 from cli.options import option
 from cli.outputs import check_folder, write_folder
-
-if TYPE_CHECKING:
-    pass
 
 DOCUMENT, REPORT = "qualification.json", "qualification.html"
 
@@ -29,24 +25,12 @@ def demo(
     diagnoses a car with a hidden effect: the gap, the effect, the gap with it. All files go into
     one folder: the sample logs, the store, results and figures.
     """
-    from calib.diagnosis.written.document import to_dict
-    from calib.help.demo import facts, hidden_story, run, section_five, section_four
+    from calib.help.demo import facts, run
 
     check_folder(out, ())
     out.mkdir(parents=True, exist_ok=True)
-    outcomes = run(out, say)
-    by_folder = {outcome.study.folder: outcome for outcome in outcomes}
-    four = section_four(by_folder["simulation_study"])
-    five = section_five(by_folder["sedan"])
-    story = hidden_story(out, say)
-    document = {
-        "folder": out,
-        "diagnosis": to_dict(story.found),
-        "tables": [outcome.stored.id for outcome in outcomes],
-        "section_4": four,
-        "section_5": five,
-    }
-    return Answer(document, facts(four, five, story, out))
+    found = run(out, say)
+    return Answer(found.to_dict(), facts(found))
 
 
 @command("brake-cal doctor", "brake-cal doctor --json")

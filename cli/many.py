@@ -147,7 +147,7 @@ def watch(
     try:
         with writing(out), _stopped() as stop:
             say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-            scans = {"every": every, "settle": settle, "fresh": fresh}
+            scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": fresh}
             done = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
     finally:
         pool.close()

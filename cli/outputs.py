@@ -99,8 +99,8 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
     except OSError:
         mine = False
     if not mine:
-        do = "give another name" if option == "--report" else "--force replaces it"
-        raise misuse(f"{out} exists and is not what is written here; {do}", option)
+        what = f"{out} exists and is not what is written here; --force replaces it"
+        raise misuse(what, option)
 
 
 def write_file(out: Path, content: bytes, option: str = OUT) -> None:

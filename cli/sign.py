@@ -52,20 +52,11 @@ def sign(
     made = signature.sign(store, table, secret, by or "")
     if made.note:
         say(made.note)
-    stored, path = made.stored, made.path
-    document = {
-        "table": stored.id,
-        "digest": stored.digest,
-        "state": stored.state.word,
-        "key_id": made.key_id,
-        "record": stored.path / RECORD,
-        "signature": path,
-        "trusted_comment": made.statement.line,
-    }
+    record = made.stored.path / RECORD
     return Answer(
-        document,
-        f"{stored.id} is signed as {stored.state.word} by key {made.key_id}\n"
-        f"check it with: minisign -Vm {stored.path / RECORD} -x {path} -p PUBLIC",
+        made.to_dict(),
+        f"{made.stored.id} is signed as {made.stored.state.word} by key {made.key_id}\n"
+        f"check it with: minisign -Vm {record} -x {made.path} -p PUBLIC",
     )
 
 

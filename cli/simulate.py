@@ -61,6 +61,7 @@ def simulate(
     from calib.model.replay import replay
     from calib.model.sensor_noise import add_noise
     from calib.model.simulate import simulate as drive
+    from calib.show.log import simulated
 
     car = with_own(vehicle, effect)
     driven = read_model(model, car) if model else default_model(car)
@@ -83,18 +84,6 @@ def simulate(
         (write_csv if out.suffix.lower() == ".csv" else write_parquet)(result, out)
     for note in result.notes:
         say(f"note: {note}")
-    time, v = made.time, made["v"]  # as driven: a reading has noise and is rounded
-    document = {
-        "out": out,
-        "name": result.name,
-        "source": result.source,
-        "model": model,
-        "samples": time.size,
-        "duration": time[-1] - time[0],
-        "first_speed": v[0],
-        "last_speed": v[-1],
-        "channels": [*result.channels, *result.truth],
-        "digest": result.digest,
-        "notes": result.notes,
-    }
-    return Answer(document, f"{out}: {time.size} samples, {v[0]:.1f} to {v[-1]:.1f} m/s")
+    document = simulated(result, made["v"], out, model)  # as driven: a reading has noise
+    first, last = document["first_speed"], document["last_speed"]
+    return Answer(document, f"{out}: {made.time.size} samples, {first:.1f} to {last:.1f} m/s")

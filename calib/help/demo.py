@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from calib.base.arrays import Array
 from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
+from calib.diagnosis.written.document import to_dict as document_of
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import truth_of
 from calib.estimation.results import write_results
@@ -39,76 +40,99 @@ _Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class _PaperStudy:
-    """One car of the samples; ``before``: a ramp from which alone it gets an earlier version."""
+class _Study:
+    """One car of the samples: the logs that it is fitted on, and those that it is judged by."""
 
-    folder: str
     fitted: str
     held_out: str
     vehicle: str = "vehicle.toml"
-    before: str = ""
 
 
-_STUDIES = (
-    _PaperStudy(
-        "sedan",
+_STUDIES = {
+    "sedan": _Study(
         "ramp_wet_asphalt.csv ramp_wet_asphalt_repeat.csv coast.csv",
         "dry_asphalt_stop.csv transition_dry_to_basalt.csv basalt_wet_pads.csv "
         "wet_tile_wet_pads.csv",
-        before="ramp_wet_asphalt.csv",
     ),
-    _PaperStudy(
-        "simulation_study", "ramp_noisy.parquet", "stop_noisy.parquet", "vehicle_wrong_pads.toml"
-    ),
-    _PaperStudy(
-        "third_party",
+    "simulation_study": _Study("ramp_noisy.parquet", "stop_noisy.parquet",
+                               "vehicle_wrong_pads.toml"),
+    "third_party": _Study(
         "cal_ramp.parquet",
         "hold1_const_mu30.parquet hold2_steps_muf25_mur33.parquet hold3_const_fade35_22.parquet "
         "hold4_driver_mu28.parquet",
     ),
-)
+}  # fmt: skip
+_BEFORE = {"sedan": "ramp_wet_asphalt.csv"}
+"""A ramp from which alone a car gets an earlier version."""
 
 
 @dataclass(frozen=True)
-class _StudyOutcome:
-    study: _PaperStudy
+class _Outcome:
     stored: Stored
     results: list[Validation]
     logs: list[Log]
 
 
-def run(out: Path, say: _Say) -> list[_StudyOutcome]:
-    """Run every study below ``out``: sample_logs/, tables/, results/, figures/."""
+@dataclass(frozen=True)
+class Demo:
+    """What came of it: the table of each car, the paper's two studies, the hidden effect."""
+
+    out: Path
+    tables: list[str]
+    four: list["_SectionFour"]
+    five: list["_SectionFive"]
+    story: "_Story"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON document."""
+        return {
+            "folder": self.out,
+            "diagnosis": document_of(self.story.found),
+            "tables": self.tables,
+            "section_4": self.four,
+            "section_5": self.five,
+        }
+
+
+def run(out: Path, say: _Say) -> Demo:
+    """Run every study below ``out``: sample_logs/, tables/, results/, figures/, diagnosis/."""
     logs = out / "sample_logs"
     shutil.copytree(sample_logs(), logs, dirs_exist_ok=True)
-    return [_run_study(study, logs / study.folder, out, say) for study in _STUDIES]
+    found = {name: _run(name, study, logs / name, out, say) for name, study in _STUDIES.items()}
+    return Demo(
+        out,
+        [one.stored.id for one in found.values()],
+        _section_four(found["simulation_study"]),
+        [_stop(result, found["sedan"].stored.table.vehicle) for result in found["sedan"].results],
+        _hidden_story(out, say),
+    )
 
 
-def _run_study(study: _PaperStudy, source: Path, out: Path, say: _Say) -> _StudyOutcome:
+def _run(name: str, study: _Study, source: Path, out: Path, say: _Say) -> _Outcome:
     """Check, fit, validate and draw one study."""
     from calib.show.choose import PlotInput, sheets
 
     fitted, held = (
-        [read_log(source / name) for name in names.split()]
-        for names in (study.fitted, study.held_out)
+        [read_log(source / file) for file in files.split()]
+        for files in (study.fitted, study.held_out)
     )
     for log in fitted + held:
         usable = [v.purpose for v in check(log).verdicts if v.usable]
-        say(f"checked {study.folder}/{log.name}: good for {', '.join(usable)}")
+        say(f"checked {name}/{log.name}: good for {', '.join(usable)}")
     car, store = read_vehicle(source / "vehicle.toml"), Store(out / "tables")
-    if study.before:
-        first = fit(car, [read_log(source / study.before)])
-        say(f"fitted {store.save(first).id} from {study.before} alone")
+    if name in _BEFORE:
+        first = fit(car, [read_log(source / _BEFORE[name])])
+        say(f"fitted {store.save(first).id} from {_BEFORE[name]} alone")
     stored = store.save(fit(car, fitted))
     say(f"fitted {stored.id} from {', '.join(log.name for log in fitted)}")
     other = None if study.vehicle == "vehicle.toml" else read_vehicle(source / study.vehicle)
     results = validate(stored.table, held, other, DEFAULTS)
-    write_results(results, to_dict(stored, results), out / "results" / study.folder)
+    write_results(results, to_dict(stored, results), out / "results" / name)
     say(f"validated {stored.id} on {', '.join(log.name for log in held)}")
     ramps = tuple(log for log in fitted if "coast" not in log.name)
     _draw(sheets(PlotInput(tables=(stored,), logs=ramps)), out)
     _draw(sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)), out)
-    return _StudyOutcome(study, stored, results, held)
+    return _Outcome(stored, results, held)
 
 
 def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
@@ -132,7 +156,7 @@ class _SectionFour:
 _METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
 
 
-def section_four(outcome: _StudyOutcome) -> list[_SectionFour]:
+def _section_four(outcome: _Outcome) -> list[_SectionFour]:
     """The stop of Section IV by method; torque error over both axles from the first bite on."""
     result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
     e = result.estimate
@@ -172,11 +196,6 @@ class _SectionFive:
     sum_compensated: float
 
 
-def section_five(outcome: _StudyOutcome) -> list[_SectionFive]:
-    """The stops of Section V in our numbers."""
-    return [_stop(result, outcome.stored.table.vehicle) for result in outcome.results]
-
-
 def _stop(result: Validation, car: Vehicle) -> _SectionFive:
     e, figures = result.estimate, result.figures
 
@@ -210,7 +229,7 @@ class _Story:
     told: Agreement
 
 
-def hidden_story(out: Path, say: _Say) -> _Story:
+def _hidden_story(out: Path, say: _Say) -> _Story:
     """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
     from calib.car.model import with_model
     from calib.diagnosis.diagnose import diagnose
@@ -237,18 +256,19 @@ def hidden_story(out: Path, say: _Say) -> _Story:
     return _Story(found, *pads)
 
 
-def facts(four: list[_SectionFour], five: list[_SectionFive], story: _Story, out: Path) -> Facts:
+def facts(demo: Demo) -> Facts:
     """The paper's two studies, the car with a hidden effect, and where all files are."""
-    nominal = next(row.torque_rms for row in four if row.method == "nominal")
+    out, story = demo.out, demo.story
+    nominal = next(row.torque_rms for row in demo.four if row.method == "nominal")
     methods = [
         (m.method, f"{m.final_f:.3f}", f"{m.final_r:.3f}", f"{m.torque_rms:.1f}",
          f"{nominal / m.torque_rms:.1f} x")
-        for m in four
+        for m in demo.four
     ]  # fmt: skip
     stops = [
         (s.log, plus_minus(s.pads_f, s.width_f), plus_minus(s.pads_r, s.width_r),
          f"{s.sum_nominal:.2f}", f"{s.sum_compensated:.2f}")
-        for s in five
+        for s in demo.five
     ]  # fmt: skip
     blind, told = (
         f"{100 * one.spread_f:.1f} % front, {100 * one.spread_r:.1f} % rear"
