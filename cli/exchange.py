@@ -34,9 +34,8 @@ def export(
 ) -> Answer:
     """Write a table for a calibration tool or an ECU.
 
-    Only a released one, unless --unreleased is given. A bare name is its newest released version.
-    Every file states the table's id, version, digest and state, the checksum of its numbers, and
-    which value holds beyond the ends of an axis.
+    Only a released one, unless --unreleased is given. Every file states the table's id, digest and
+    state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     from calib.base.errors import ExchangeError
     from calib.exports.export import export as write
@@ -65,9 +64,8 @@ def export(
 def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store: Tables) -> Answer:
     """Compare a DCM or CDF file with the table that it names.
 
-    Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
-    is cut off, damaged or names no table, 4 if it does not agree with the table. Another tool may
-    have saved it: labels are compared, and numbers that were rounded agree.
+    Exit code 3 if it is cut off, damaged or names no table, 4 if it does not agree with the table.
+    Another tool may have saved it: labels are compared, and numbers that were rounded agree.
     """
     from calib.exports.compare import difference, parent, refuse
     from calib.exports.read import read_back
@@ -100,8 +98,7 @@ def merge(
 ) -> Answer:
     """Store the mean of several cars as a golden table.
 
-    With the spread between them. Random effects: the spread between cars by REML, the interval of
-    the mean after Hartung and Knapp. Its bands are those of one more car of the model.
+    With the spread between them; its bands are those of one more car of the model.
     """
     from calib.show.store import merged, merged_document
     from calib.store.merge import merge as mean_of

@@ -30,10 +30,9 @@ def fit(
 ) -> Answer:
     """Make the look-up table of a car from ramped brakings.
 
-    From a LOG without braking drag and rolling resistance are estimated. A ramp on which one axle
-    brakes alone by its wheel pressures tells pads and tyres of the axles apart. Effects of the
-    vehicle file or of --model are removed from the logs first. The table goes into the store as a
-    new version; the same logs give the same version again.
+    From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
+    file or of --model are removed from the logs first. The table goes into the store as a new
+    version; the same logs give the same version again.
     """
     from calib.base.plain import counted
     from calib.car.mass import mass_used

@@ -34,10 +34,9 @@ def log(
     """Show, draw, cut or convert logs.
 
     Shows every column with unit, range, rate and gaps, and the events of the run. --out draws one
-    log over its time, or writes it in another format: all columns and units are kept, values are
-    the same to the last bit. --from and --until cut at times of the log's own clock. Columns of a
-    --map get their canonical names and the map's sign and scale. Nothing is filtered or zeroed; a
-    log of several sample rates comes onto one clock.
+    log, or writes it in another format, with all columns and units, to the last bit. --from and
+    --until cut at times of its own clock. Columns of a --map get their canonical names, sign and
+    scale.
     """
     from calib.logs.whole import channels_log, cut, inventory
     from calib.logs.write import WRITERS

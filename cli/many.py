@@ -73,8 +73,7 @@ def batch(
 ) -> Answer:
     """Run one command on many logs, one row per log.
 
-    The rows are in DIR/results.parquet. A log that cannot be read is a row with its error; it
-    changes the exit code only if no log can be read. A run that was stopped continues when it is
+    A log that cannot be read is a row with its error. A run that was stopped continues when it is
     started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
     if none could be read, 130 if stopped.
     """
@@ -126,10 +125,9 @@ def watch(
 ) -> Answer:
     """Process each log that appears in a folder, until stopped.
 
-    Ctrl-C or SIGTERM stop it. A second signal ends it at once. Prints a line per log, after its row
-    is on the disk. Rows are kept as by `batch`, named by their path within DIR: a watch that was
-    stopped or killed continues where it was; a log that changes is processed again; one that is
-    deleted keeps its row. Exit code 0.
+    Ctrl-C or SIGTERM stop it, a second one at once. Prints a line per log, after its row is on the
+    disk. Rows are kept as by `batch`: a watch that was stopped continues where it was, and a log
+    that changes is processed again.
     """
     from calib.base.processes import cores
     from calib.line.fleet.watch import watch as watch_folder
@@ -240,7 +238,7 @@ def fleet(
 
     Of RESULTS.parquet of a batch: distributions, outliers and drift. Of a DIR, whose folders are
     runs of `station --out`: DIR/index.html with verdicts, next steps and trends, and DIR/live.html,
-    which is the same page and loads itself again every 10 s.
+    which loads itself again.
     """
     from calib.base.plain import counted
     from calib.line.fleet.document import document

@@ -37,10 +37,9 @@ def map_(
 ) -> Answer:
     """Propose a channel map for a log of foreign names.
 
-    It rests on names, units and physics, and says how sure it is. Prints the map on stdout and the
-    reasons on stderr. Where something is ambiguous it lists the candidates, writes no map and ends
-    with 3. It ends with 1 if the log lacks what every log needs, such as the pressure. Of --map
-    only file format and DBC are used; the new map keeps them.
+    By names, units and physics. Prints the map on stdout and the reasons on stderr. Where something
+    is ambiguous it lists the candidates, writes no map and ends with 3. It ends with 1 if the log
+    lacks what every log needs, such as the pressure.
     """
     from dataclasses import asdict
 

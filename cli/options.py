@@ -45,16 +45,13 @@ def option(
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    setting : field of `calib.base.settings.Settings` that gives its value where it is not given,
-        ``when`` the arguments of the command that were given allow it.
-    more : for typer, and
-
-        typed : what is typed, if that is not what the command gets.
-        make : what its value becomes; ``always``: of None, too.
-        known : "module:NAME" of a collection of the library; its names are completed, others
-            refused.
-        writes : kind of the file that is written there, see `cli.outputs`, or "folder".
-        built_in : its value where nothing else gives one.
+    setting : field of `calib.base.settings.Settings` whose value it has where it is not given, and
+        where the arguments that were given allow it, as ``when`` says.
+    more : for typer, and: ``typed``, what is typed, if that is not what the command gets; ``make``,
+        what its value becomes, ``always`` of None, too; ``known``, "module:NAME" of a collection
+        whose names are completed and others refused; ``writes``, the kind of the file that is
+        written there, see `cli.outputs`, or "folder"; ``built_in``, its value where nothing else
+        gives one.
     """
     if setting:
         more["callback"] = _from_settings(setting, when)
@@ -150,18 +147,21 @@ def _from_settings(name: str, when: Callable[[typer.Context], bool]) -> Callable
 
 def _begun(context: typer.Context, incomplete: str) -> dict[str, Path]:
     """Tables of the store of the command line, of the settings, or the usual one."""
-    from calib.base.errors import BrakeCalError
-    from calib.base.settings_file import find_project
     from calib.store.folders import names_in
 
-    store = context.params.get("store")
-    if not store:
-        try:
-            store = find_project().settings.store
-        except BrakeCalError:
-            store = None
-    store, begun = Path(store or STORE), incomplete.partition("@")[0]
-    return {name: store / name for name in names_in(store) if name.startswith(begun)}
+    store = context.params.get("store") or _store_of_the_settings()
+    begun = incomplete.partition("@")[0]
+    return {name: Path(store) / name for name in names_in(Path(store)) if name.startswith(begun)}
+
+
+def _store_of_the_settings() -> Path:
+    from calib.base.errors import BrakeCalError
+    from calib.base.settings_file import find_project
+
+    try:
+        return find_project().settings.store or STORE
+    except BrakeCalError:
+        return STORE
 
 
 def table_names(context: typer.Context, incomplete: str) -> list[str]:

@@ -39,12 +39,9 @@ def plot(
     """Draw tables, logs and results.
 
     A table: its curves, and with the ramps it was made of, their measured points. Two tables: one
-    against the other. A table and another log: the stop with the estimate and the verdict, or the
-    simulation if the log has the truth; a log of another car is refused. A log or a result: its
-    channels.
-
-    One page for each; a PDF holds all pages, of PNG and SVG there is one file per page. Without
-    --out they are PNG files in this directory, named after their content.
+    against the other. A table and another log: the stop with the estimate and the verdict. A log or
+    a result: its channels. A PDF holds all pages, of PNG and SVG there is one file per page;
+    without --out they are PNG files in this directory, named after their content.
     """
     from dataclasses import replace
 

@@ -24,8 +24,7 @@ def effects(
 ) -> Answer:
     """List the effects that a model can have.
 
-    With a NAME its card is printed. With --effect the file is checked, and its effect is among
-    them.
+    With a NAME its card is printed; with --effect a file of your own is checked.
     """
     from calib.show.vehicle import card, cards
 
@@ -53,10 +52,8 @@ def schema(
 ) -> Answer:
     """Print the JSON Schema of a file or a document.
 
-    Without a NAME it lists those that there are, in draft 2020-12. Of a file that is read it gives
-    keys, units and ranges. Conditions between two values, such as a disc that fits into the wheel,
-    are checked by the program only. Of a document that --json prints or a command writes it gives
-    the keys of the first level.
+    Of a file that is read it gives keys, units and ranges, of a document that --json prints or a
+    command writes the keys of the first level, in draft 2020-12.
     """
     from calib.help.documents import FILES, documents, schema_of
     from calib.show.facts import Facts
@@ -86,8 +83,7 @@ def settings() -> Answer:
     """Show each setting, its value and where it comes from.
 
     The file is brake-cal.toml in this folder or the nearest one above that has it; the variable
-    BRAKE_CAL_SETTINGS names another one, or none if it is empty. Its paths lead from its folder. An
-    option on the command line wins over it.
+    BRAKE_CAL_SETTINGS names another one, or none if it is empty. An option wins over it.
     """
     from calib.base.settings import NAME, STORE, VARIABLE
     from calib.base.settings_file import find_project
@@ -127,7 +123,7 @@ def _written(value: object) -> str:
 def manual(
     page: str | None = argument("One page; else a list.", "PAGE", known="calib.help.page:contents"),
 ) -> Answer:
-    """Show the manual: the list of its pages, or one page, in Markdown."""
+    """Show the pages of the manual, or one of them."""
     from calib.help.page import contents
     from calib.show.facts import Facts, Table
 

@@ -40,10 +40,9 @@ def repeatability(
 ) -> Answer:
     """Judge the calibration as a gauge, from repeated ramps.
 
-    The ramps are of several cars. Every ramp is fitted alone; analysis of variance then splits the
-    scatter of each metric into repeat, station and car. Exit code 0 if all hold their limits (%GRR
-    up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
-    is then given of that too.
+    Every ramp is fitted alone; analysis of variance then splits the scatter of each metric into
+    repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more). A
+    range of a metric itself in the limits file is its tolerance: %GRR is then given of that too.
     """
     from calib.line.gauge.plan import on_road, read_plan
     from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict

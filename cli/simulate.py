@@ -47,10 +47,8 @@ def simulate(
 ) -> Answer:
     """Drive a model of a car by the pressure of a log.
 
-    Or through a manoeuvre. A log is replayed open loop: its pressures (of the wheels, where logged)
-    from its first speed, at its own times. The result has the channels of a log and the true
-    values. Everything in it is simulated, its noise too: it serves to try the program, never as
-    evidence about a car.
+    Or through a manoeuvre. A log is replayed open loop: its pressures from its first speed, at its
+    own times. The result has the channels of a log and the true values.
     """
     from calib.base.errors import ModelError
     from calib.car.model import default_model

@@ -64,12 +64,10 @@ def station(
 ) -> Answer:
     """Fit, validate and judge one car at the end of the line.
 
-    The first log is its ramp, the others are hold-outs. Exit code 0 if every limit holds, with
-    warnings or without, 1 if one does not. The table goes into the store: released where the car
-    passed, rejected where it failed, a draft where it passed with warnings that nobody accepts.
-    Only a released table is exported. With a log that cannot be used it ends with 3, stores
-    nothing, and writes refused.json alone, which says why on the index of the line. The same
-    command gives the same bytes and no new version.
+    Exit code 0 if every limit holds, with warnings or without, 1 if one does not. The table goes
+    into the store: released where the car passed, rejected where it failed, a draft where it passed
+    with warnings that nobody accepts. Only a released table is exported. With a log that cannot be
+    used it ends with 3, stores nothing, and writes refused.json alone.
     """
     from calib.base.digest import file_digest
     from calib.base.plain import counted

@@ -34,10 +34,7 @@ def list_(
 
 @command("brake-cal tables show sedan-2up")
 def show(table: options.Table, *, store: options.Tables) -> Answer:
-    """Say whether a table may be used, and how good it is.
-
-    Prints its quality, its origin and its curves, and last the verdict.
-    """
+    """Say whether a table may be used, and how good it is."""
     from calib.show.store import shown, shown_document
 
     stored = store.load(table)
@@ -72,8 +69,7 @@ def diff(
 ) -> Answer:
     """Say whether and where two tables differ.
 
-    They are equal, equal within their 95 % bands, or different. The JSON document holds every key
-    of their records that differs.
+    They are equal, equal within their 95 % bands, or different.
     """
     from calib.show.store import compared, compared_document
     from calib.table.compare import diff as differ
@@ -92,12 +88,9 @@ def verify(
 ) -> Answer:
     """Say which versions of a store are damaged.
 
-    Compares each with its digests, its invariants and the journal; exit code 4 if one is damaged. A
-    version that is missing, replaced, edited, renumbered or unknown to the journal is damaged.
-
-    With --key also the signatures: every released version must have one of this key, each must be
-    of this version in its present state, and the journal must contain what was signed and what was
-    seen before with this key.
+    Compares each with its digests, its invariants and the journal; exit code 4 if one is damaged.
+    With --key also the signatures: every released version must have one of this key, for its
+    present state, and the journal must hold what was signed and seen before.
     """
     from calib.show.store import verified
     from calib.store.minisign import read_public_key

@@ -39,8 +39,6 @@ def validate(
 ) -> Answer:
     """Run the estimator with a table on other logs, and judge it.
 
-    The logs must not be part of the table's fit.
-
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.
     """

@@ -28,10 +28,9 @@ def init(
 def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> Answer:
     """Judge vehicle files: mistakes, then plausibility.
 
-    All mistakes of a file are listed, then what no usual car has, with the likely causes, and what
-    only some cars have, for you to confirm. Exit code 0 if all is plausible, 1 if a figure is
-    outside its usual range, 3 if a file cannot be used. A mistake within what cars differ by, such
-    as a mass that is 10 % wrong, is not seen.
+    All mistakes of a file are listed, then what no usual car has, and what only some cars have, for
+    you to confirm. Exit code 0 if all is plausible, 1 if a figure is outside its usual range, 3 if
+    a file cannot be used.
     """
     from calib.base.errors import InputError
     from calib.base.plain import counted
@@ -72,8 +71,7 @@ def show(
     """Show what follows from a vehicle file.
 
     Loads, torque per bar, distribution of the brake force, and which axle locks first. With the
-    nominal pads, in a straight line, one pressure on both axles, without drag. The schema of --json
-    is printed by `brake-cal schema vehicle-facts`.
+    nominal pads, in a straight line, one pressure on both axles, without drag.
     """
     from calib.car.facts_file import facts_document
     from calib.car.vehicle_file import read_vehicle

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from calib.show.sheet import Sheet
 
 _Say = Callable[[str], None]
+_Row = dict[str, Any]
+"""One of the JSON document."""
 
 
 @dataclass(frozen=True)
@@ -73,39 +75,25 @@ class _Outcome:
     logs: list[Log]
 
 
-@dataclass(frozen=True)
-class Demo:
-    """What came of it: the table of each car, the paper's two studies, the hidden effect."""
+def run(out: Path, say: _Say) -> tuple[dict[str, Any], Facts]:
+    """Run all below ``out``: sample_logs/, tables/, results/, figures/, diagnosis/.
 
-    out: Path
-    tables: list[str]
-    four: list["_SectionFour"]
-    five: list["_SectionFive"]
-    story: "_Story"
-
-    def to_dict(self) -> dict[str, Any]:
-        """The JSON document."""
-        return {
-            "folder": self.out,
-            "diagnosis": document_of(self.story.found),
-            "tables": self.tables,
-            "section_4": self.four,
-            "section_5": self.five,
-        }
-
-
-def run(out: Path, say: _Say) -> Demo:
-    """Run every study below ``out``: sample_logs/, tables/, results/, figures/, diagnosis/."""
+    Returns the JSON document, and the facts.
+    """
     logs = out / "sample_logs"
     shutil.copytree(sample_logs(), logs, dirs_exist_ok=True)
     found = {name: _run(name, study, logs / name, out, say) for name, study in _STUDIES.items()}
-    return Demo(
-        out,
-        [one.stored.id for one in found.values()],
-        _section_four(found["simulation_study"]),
-        [_stop(result, found["sedan"].stored.table.vehicle) for result in found["sedan"].results],
-        _hidden_story(out, say),
-    )
+    four = _section_four(found["simulation_study"])
+    five = [_stop(one, found["sedan"].stored.table.vehicle) for one in found["sedan"].results]
+    diagnosed, spreads = _hidden_story(out, say)
+    document = {
+        "folder": out,
+        "diagnosis": document_of(diagnosed),
+        "tables": [one.stored.id for one in found.values()],
+        "section_4": four,
+        "section_5": five,
+    }
+    return document, _facts(four, five, diagnosed, spreads, out)
 
 
 def _run(name: str, study: _Study, source: Path, out: Path, say: _Say) -> _Outcome:
@@ -143,21 +131,13 @@ def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
     save({folder / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
 
 
-@dataclass(frozen=True)
-class _SectionFour:
-    """A method of Section IV: its final pad frictions and its torque error [N m rms]."""
-
-    method: str
-    final_f: float
-    final_r: float
-    torque_rms: float
-
-
 _METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
 
 
-def _section_four(outcome: _Outcome) -> list[_SectionFour]:
-    """The stop of Section IV by method; torque error over both axles from the first bite on."""
+def _section_four(outcome: _Outcome) -> list[_Row]:
+    """The stop of Section IV by method: its final pad frictions, and the rms torque error [N m]
+    over both axles from the first bite on.
+    """
     result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
     e = result.estimate
     truth = truth_of(log, car, e)
@@ -176,27 +156,15 @@ def _section_four(outcome: _Outcome) -> list[_SectionFour]:
             )
         ]
         rms = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))
-        rows.append(_SectionFour(name, float(front[last]), float(rear[last]), rms))
+        pad_f, pad_r = float(front[last]), float(rear[last])
+        rows.append({"method": name, "final_f": pad_f, "final_r": pad_r, "torque_rms": rms})
     return rows
 
 
-@dataclass(frozen=True)
-class _SectionFive:
-    """A stop of Section V: pad friction with the half width of its 95 % interval, and the sums.
-
-    ``sum_...``: mean braking force over M a_x with nominal and with compensated pads [1].
+def _stop(result: Validation, car: Vehicle) -> _Row:
+    """A stop of Section V: pad friction with the half width of its 95 % interval, and the mean
+    braking force over M a_x with nominal and with compensated pads [1].
     """
-
-    log: str
-    pads_f: float
-    width_f: float
-    pads_r: float
-    width_r: float
-    sum_nominal: float
-    sum_compensated: float
-
-
-def _stop(result: Validation, car: Vehicle) -> _SectionFive:
     e, figures = result.estimate, result.figures
 
     def share(front: Array, rear: Array) -> float:
@@ -211,26 +179,21 @@ def _stop(result: Validation, car: Vehicle) -> _SectionFive:
 
     front, rear = (figures[f"pad_friction_{side}"] or np.nan for side in "fr")
     wide_f, wide_r = (figures[f"interval_{side}"] or np.nan for side in "fr")
-    nominal = share(*e.baselines["nominal"])
-    compensated = share(e.front.pad_friction, e.rear.pad_friction)
-    return _SectionFive(
-        result.log, front, front * wide_f, rear, rear * wide_r, nominal, compensated
-    )
+    return {
+        "log": result.log,
+        "pads_f": front,
+        "width_f": front * wide_f,
+        "pads_r": rear,
+        "width_r": rear * wide_r,
+        "sum_nominal": share(*e.baselines["nominal"]),
+        "sum_compensated": share(e.front.pad_friction, e.rear.pad_friction),
+    }
 
 
-@dataclass(frozen=True)
-class _Story:
-    """A car with a hidden effect, and how its stops agree by a table without (``blind``) and with
-    (``told``) the model of the diagnosis.
+def _hidden_story(out: Path, say: _Say) -> tuple["Diagnosis", list[Agreement]]:
+    """Diagnose a car into ``out``/diagnosis, and draw it; also how its stops agree by a table
+    without and with the model of the diagnosis.
     """
-
-    found: "Diagnosis"
-    blind: Agreement
-    told: Agreement
-
-
-def _hidden_story(out: Path, say: _Say) -> _Story:
-    """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
     from calib.car.model import with_model
     from calib.diagnosis.diagnose import diagnose
     from calib.diagnosis.written.document import text_of
@@ -253,26 +216,26 @@ def _hidden_story(out: Path, say: _Say) -> _Story:
         spread = agreement(validate(fit(vehicle, fitted), held))
         assert spread is not None
         pads.append(spread)
-    return _Story(found, *pads)
+    return found, pads
 
 
-def facts(demo: Demo) -> Facts:
+def _facts(
+    four: list[_Row], five: list[_Row], diagnosed: "Diagnosis", spreads: list[Agreement], out: Path
+) -> Facts:
     """The paper's two studies, the car with a hidden effect, and where all files are."""
-    out, story = demo.out, demo.story
-    nominal = next(row.torque_rms for row in demo.four if row.method == "nominal")
+    nominal = next(row["torque_rms"] for row in four if row["method"] == "nominal")
     methods = [
-        (m.method, f"{m.final_f:.3f}", f"{m.final_r:.3f}", f"{m.torque_rms:.1f}",
-         f"{nominal / m.torque_rms:.1f} x")
-        for m in demo.four
+        (m["method"], f"{m['final_f']:.3f}", f"{m['final_r']:.3f}", f"{m['torque_rms']:.1f}",
+         f"{nominal / m['torque_rms']:.1f} x")
+        for m in four
     ]  # fmt: skip
     stops = [
-        (s.log, plus_minus(s.pads_f, s.width_f), plus_minus(s.pads_r, s.width_r),
-         f"{s.sum_nominal:.2f}", f"{s.sum_compensated:.2f}")
-        for s in demo.five
+        (s["log"], plus_minus(s["pads_f"], s["width_f"]), plus_minus(s["pads_r"], s["width_r"]),
+         f"{s['sum_nominal']:.2f}", f"{s['sum_compensated']:.2f}")
+        for s in five
     ]  # fmt: skip
     blind, told = (
-        f"{100 * one.spread_f:.1f} % front, {100 * one.spread_r:.1f} % rear"
-        for one in (story.blind, story.told)
+        f"{100 * one.spread_f:.1f} % front, {100 * one.spread_r:.1f} % rear" for one in spreads
     )
     by_method = ("method", "final front", "final rear", "torque error [N m]", "better by")
     by_stop = ("stop", "front pads", "rear pads", "sum, nominal pads", "sum, compensated")
@@ -289,7 +252,7 @@ def facts(demo: Demo) -> Facts:
             ),
             Facts(
                 "A car with an effect that its vehicle file does not have",
-                headline=diagnosis(story.found, "").headline,
+                headline=diagnosis(diagnosed, "").headline,
                 notes=[
                     f"Pads of the stops differ by up to {blind};",
                     f"with a table that accounts for it, by {told}.",

@@ -1,6 +1,5 @@
 """Whether the program can work on this machine: packages, machine, store. Nothing is written."""
 
-import importlib.util
 import os
 import platform
 import re
@@ -36,8 +35,6 @@ _EXTRAS = {
 }
 """Extras that change what the program does, with what each gives; others are for work on it."""
 
-_FONT = Path("mpl-data/fonts/ttf/DejaVuSans.ttf")
-"""The font of all pictures; it is a part of matplotlib."""
 _LEAST_MEMORY = 1.0
 """Memory [GB] below which a large log may not be read: a reader takes up to 1 GB."""
 
@@ -169,11 +166,6 @@ def _packages() -> Iterator[_Finding]:
 
 
 def _machine() -> Iterator[_Finding]:
-    matplotlib = importlib.util.find_spec("matplotlib")
-    if matplotlib and matplotlib.origin:
-        there = (Path(matplotlib.origin).parent / _FONT).is_file()
-        what = f"DejaVu Sans{', of' if there else ' is missing in'} matplotlib"
-        yield _judged("font", there, what, "install matplotlib again")
     yield _Finding("cores", FINE, f"{cores()} for this process")
     with suppress(AttributeError, ValueError, OSError):  # the system does not tell
         free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
