@@ -227,11 +227,13 @@ def _is_number(written: str) -> bool:
 
 def _mass(written: str) -> float:
     """A mass [kg] within what a vehicle file may say."""
-    from calib.car.mass import LEAST, MOST
+    from calib.car.keys import KEYS
 
-    mass = quantity("kg")(written)
-    if not LEAST <= mass <= MOST:
-        raise misuse(f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg")
+    mass, known = quantity("kg")(written), next(key for key in KEYS if key.name == "mass")
+    if not known.least <= mass <= known.most:
+        raise misuse(
+            f"{mass:g} kg is not believable; expected {known.least:g} to {known.most:g} kg"
+        )
     return mass
 
 

@@ -7,8 +7,7 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.own_effects.hooks import changes, checked, hooks_of, trial
-from calib.car.own_effects.read import read_own_effect
+from calib.car.own_effects.read import changes, checked, hooks_of, read_own_effect, trial
 from tests.support.effect_runs import made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
 
@@ -48,53 +47,37 @@ def test_what_a_file_prints_is_not_on_stdout(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ("return 1.0 / 0", "axle_moment raises ZeroDivisionError"),
-        ("return parameters['torqe'], 0.0", "axle_moment raises KeyError: 'torqe'"),
-        ("motion.v[0] = 2.0", "axle_moment raises ValueError: assignment destination is read-only"),
+        ("return parameters['torqe'], 0.0", "KeyError"),
+        ("motion.v[0] = 2.0", "read-only"),
+        ("return None", "None"),
+        ("return motion.v[1:], motion.v[1:]", "(399,)"),
+        ("return motion.v, motion.v, motion.v", "(400,)"),
+        ("return motion.v * np.nan, motion.v", "finite"),
+        ("return 1.0 + 0.0 * motion.v, 0.0 * motion.v", "neutral"),
     ],
 )
-def test_a_function_that_raises_is_told_with_its_line(tmp_path, body, said):
+def test_a_function_that_goes_wrong_is_told_with_its_line(tmp_path, body, said):
     text = retarder(body)
     message = refusal(tmp_path, text)
-    assert f"mine.py:{line_with(text, body)}: {said}" in message
-
-
-@pytest.mark.parametrize(
-    ("body", "said"),
-    [
-        ("return None", "returns a NoneType"),
-        ("return parameters['torque'], 0.0", r"returns shape ()"),
-        ("return motion.v[1:], motion.v[1:]", "returns shape (399,)"),
-        ("return motion.v, motion.v, motion.v", "returns a tuple of 3"),
-        ("return motion.v * np.nan, motion.v", "returns values that are not finite"),
-    ],
-)
-def test_a_function_of_the_wrong_shape_is_told_with_its_line(tmp_path, body, said):
-    text = retarder(body)
-    message = refusal(tmp_path, text)
-    assert f"mine.py:{line_with(text, 'def axle_moment')}: axle_moment {said}" in message
-    assert "expected arrays for front and rear of shape (400,), finite" in message
-
-
-def test_what_acts_at_the_neutral_strength_is_refused(tmp_path):
-    text = retarder("return 1.0 + 0.0 * motion.v, parameters['torque'] + 0.0 * motion.v")
-    assert "axle_moment still does something at torque = 0, the neutral" in refusal(tmp_path, text)
+    raised = said in ("KeyError", "read-only")
+    assert f"mine.py:{line_with(text, body if raised else 'def axle_moment')}: " in message
+    assert said in message
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("EFFECT = ", "EFFECT = ((", "mine.py:7: not Python: '(' was never closed"),
-        ("EFFECT = Effect(", "EFFECT = 7\nMINE = Effect(", "mine.py: EFFECT is a int; expected"),
-        ("import numpy as np", "raise SystemExit(0)", "mine.py:1: SystemExit: 0"),
-        ('name="rear_retarder"', 'name="hydraulic_lag"', "the catalogue has an effect 'hydraulic"),
-        ('cause="a coil"', 'cause=" "', "cause ' '; expected a sentence"),
-        ('"N*m"', '"bar"', "unit 'bar' of torque; expected an SI unit"),
-        ("900.0, 400.0", "9000.0, 400.0", "torque: low 0.0, high 2000.0, typical 9000.0"),
-        ("900.0, 400.0", "0.0, 400.0", "typical 0 of torque is the neutral strength"),
-        ("parameters=(", "neutral=-1.0, parameters=(", "neutral -1.0; expected a strength from 0"),
-        ("axle_moment=axle_moment,", "", "the effect has no function; expected one hook"),
-        ("axle_moment=axle_moment", "axle_moment=7", "axle_moment is a int; expected a function"),
+        ("EFFECT = ", "EFFECT = ((", "mine.py:7: not Python"),
+        ("EFFECT = Effect(", "EFFECT = 7\nMINE = Effect(", "EFFECT is 7"),
+        ("import numpy as np", "raise SystemExit(0)", "mine.py:1: SystemExit"),
+        ('name="rear_retarder"', 'name="hydraulic_lag"', "'hydraulic_lag'"),
+        ('cause="a coil"', 'cause=" "', "cause"),
+        ('"N*m"', '"bar"', "parameters[0].unit: 'bar'"),
+        ("900.0, 400.0", "9000.0, 400.0", "parameters[0]: torque"),
+        ("900.0, 400.0", "0.0, 400.0", "neutral 0"),
+        ("parameters=(", "neutral=-1.0, parameters=(", "neutral -1"),
+        ("axle_moment=axle_moment,", "", "hook"),
+        ("axle_moment=axle_moment", "axle_moment=7", "hook"),
     ],
 )
 def test_a_wrong_file_is_one_error_with_file_and_line(tmp_path, old, new, said):
@@ -121,12 +104,9 @@ def test_a_hook_that_goes_wrong_later_says_so_too(tmp_path):
 def test_the_effects_of_the_catalogue_pass_the_same_checks(name):
     """The forms that are asked of the user are those of the catalogue; at nothing they change
     nothing, and at their usual strength something."""
-    card, changed = CATALOGUE[name].card, False
+    card = CATALOGUE[name].card
     usual = {p.name: p.typical for p in card.parameters}
-    strength = card.parameters[0]
-    for hook, call in hooks_of(checked(CATALOGUE[name], "here.py")).items():
-        at_nothing = trial(hook, {**usual, strength.name: card.neutral})
-        assert not changes(hook, at_nothing, call(*at_nothing))
-        at_work = trial(hook, usual)
-        changed = changed or changes(hook, at_work, call(*at_work))
-    assert changed
+    nothing = {**usual, card.parameters[0].name: card.neutral}
+    hooks = hooks_of(checked(CATALOGUE[name], "here.py")).items()
+    assert not any(changes(hook, call, nothing) for hook, call in hooks)
+    assert any(changes(hook, call, usual) for hook, call in hooks)
