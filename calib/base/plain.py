@@ -123,6 +123,11 @@ def rows(file: str, package: str = "calib.base") -> list[dict[str, str]]:
     return list(csv.DictReader(text.splitlines()))
 
 
+def listed(cell: str) -> tuple[str, ...]:
+    """The texts of a cell that holds several."""
+    return tuple(filter(None, cell.split("|")))
+
+
 def _read(row: dict[str, str]) -> _Plain:
     given: dict[str, Any] = {
         name: row[name] if name in _TEXTS else float(row[name])

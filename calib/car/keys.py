@@ -16,8 +16,9 @@ import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
+from typing import Any
 
-from calib.base.plain import rows
+from calib.base.plain import listed, rows
 from calib.base.toml import NUMBER
 from calib.base.units import behind, from_si, si_of
 from calib.car.vehicle import Axle, Vehicle
@@ -65,8 +66,8 @@ class VehicleKey:
 
 def _read(row: dict[str, str]) -> VehicleKey:
     numbers = {name: float(row[name] or 0.0) for name in ("low", "high", "least", "most")}
-    causes = {name: tuple(filter(None, row[name].split("|"))) for name in ("too_low", "too_high")}
-    return VehicleKey(**{**row, **numbers, **causes, "optional": row["optional"] == "yes"})
+    given: dict[str, Any] = {**row, **numbers, "optional": row["optional"] == "yes"}
+    return VehicleKey(**given | {end: listed(row[end]) for end in ("too_low", "too_high")})
 
 
 KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))

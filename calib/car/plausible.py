@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from calib.base.plain import bound, rows
+from calib.base.plain import bound, listed, rows
 from calib.base.units import from_si
 from calib.base.warning import PlausibilityWarning
 from calib.car.bias import front_share, lock_efficiency, pressure_per_g
@@ -70,15 +70,15 @@ class _Figure(NamedTuple):
 
 def _of_key(key: VehicleKey) -> _Figure:
     code = key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}"
-    causes = (key.too_low, key.too_high)
-    return _Figure(code, key.value_of, key.low, key.high, *causes, f"look at {key.path}")
+    of, do = key.value_of, f"look at {key.path}"
+    return _Figure(code, of, key.low, key.high, key.too_low, key.too_high, do)
 
 
 def _of_row(row: dict[str, str]) -> _Figure:
     """Without a lowest value it is that of the station; without a highest one there is none."""
     low, high = float(row["low"] or bound(row["code"], "low")), float(row["high"] or math.inf)
-    causes = (tuple(filter(None, row[end].split("|"))) for end in ("too_low", "too_high"))
-    return _Figure(row["code"], _OF[row["code"]], low, high, *causes, row["do"])
+    code, too_low, too_high = row["code"], listed(row["too_low"]), listed(row["too_high"])
+    return _Figure(code, _OF[code], low, high, too_low, too_high, row["do"])
 
 
 _FIGURES = (

@@ -260,7 +260,7 @@ _CAR = Vehicle(
 
 def trial(hook: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
     """What a hook is called with: braking from 30 m/s to a stand, released at 3 s; read-only."""
-    time = np.arange(400) * 0.01
+    time = np.linspace(0.0, 3.99, 400)
     v = 30.0 - 7.5 * time
     angle = np.cumsum(v) * 0.01 / _CAR.front.rolling_radius
     held = np.clip(time - 0.5, 0.0, 1.0) - np.clip(4.0 * (time - 3.0), 0.0, 1.0)
