@@ -324,7 +324,7 @@ OwnEffects = Annotated[
         "file is executed as Python: give only files that you trust.",
         "FILE.py",
         typed=list[Path],
-        make="calib.car.own_effects.read:read_own_effects",
+        make="calib.car.own_effects.effect_file:read_own_effects",
     ),
 ]
 StopLimits = Annotated[

@@ -1,7 +1,7 @@
 """Effects of the user's own: defined in a Python file, beside those of the catalogue.
 
 They are part of the value `Effects`, that of a vehicle or a model, and not of a global list: two
-cars in one program may have different ones. `calib.car.own_effects.read` reads such a file.
+cars in one program may have different ones. `calib.car.own_effects.effect_file` reads such a file.
 """
 
 from collections.abc import Iterable, Mapping

@@ -7,7 +7,7 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.own_effects.read import changes, checked, hooks_of, read_own_effect, trial
+from calib.car.own_effects.effect_file import changes, checked, hooks_of, read_own_effect, trial
 from tests.support.effect_runs import made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
 
