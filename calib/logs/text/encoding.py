@@ -41,7 +41,7 @@ def gunzip(data: bytes, where: str) -> bytes:
 
 def too_large(where: str) -> LogError:
     """The error for a log that unpacks to more than a log may have."""
-    return LogError(LOG.excess(what="it unpacks to"), where=where, do=LOG.advice)
+    return LogError(LOG.excess("it unpacks to"), where=where)
 
 
 _MARKS = {
