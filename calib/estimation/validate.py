@@ -205,7 +205,7 @@ def validate_one(
     baselines: bool = True,
 ) -> Validation:
     """Run, score and judge one log; without ``baselines`` the other methods are left out."""
-    seen = observe(log, noise=False)
+    seen = observe(log, full=False)
     reasons = problems(seen, "validate")
     if reasons:
         raise LogError(
