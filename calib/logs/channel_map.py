@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from calib.base.arrays import Array
 from calib.base.units import to_si
-from calib.logs.source import Array
 from calib.logs.text.dialect import LOOKED, TextFormat
 
 

@@ -10,8 +10,8 @@ result    4294.960  4294.965  4294.970  ...    its period is added after the wra
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.logs.source import Array
 
 GAP = 3.5
 """A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""

@@ -5,11 +5,13 @@ The channels of a table share one clock; those of a recording, such as bus frame
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.bounded import LOG, POINTER, bytes_of
 from calib.base.errors import LogError
 from calib.base.printable import printable
@@ -19,8 +21,8 @@ from calib.logs.bus.text_logs import open_asc, open_candump, open_trc
 from calib.logs.channel_map import Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
-from calib.logs.resample import Wanted, at_times, on_one_clock
-from calib.logs.source import Array, ChannelTrace, ColumnSource, Recording
+from calib.logs.resample import at_times, on_one_clock
+from calib.logs.source import ChannelTrace, ColumnSource, Recording
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
 from calib.logs.text.encoding import gunzip
@@ -156,33 +158,27 @@ RECORDINGS: dict[str, _Open] = {
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 
 
-def as_source(
+def as_table(
     opened: Recording, where: str, taken: Mapping[int, Assigned] | None = None
 ) -> ColumnSource:
-    """All channels of a recording on one clock, like a table; closes the recording.
+    """All channels of a recording on one clock, like a table.
 
     The clock is that of the columns that are ``taken`` as channels, by index; of all columns if
     there are none. To be looked at, and not proposed from, counts are held where ``taken`` is
     given. Reading a column that the recording refuses raises its LogError.
     """
     traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
-    try:
-        for index in range(1, len(opened.columns)):
-            try:
-                traces[index] = opened.read([index])[0]
-            except LogError as error:
-                refused[index] = error
-    finally:
-        opened.close()
-    held = {i for i, trace in traces.items() if taken is not None and _counts(opened, i, trace)}
-    taken = taken or {}
-    wanted = {
-        i: taken[i].wanted(trace)
-        if i in taken
-        else Wanted(opened.columns[i].full_name, trace, trace.state or i in held)
-        for i, trace in traces.items()
-    }
-    clocked = [i for i in wanted if i in taken] or list(wanted)
+    for index in range(1, len(opened.columns)):
+        try:
+            traces[index] = opened.read([index])[0]
+        except LogError as error:
+            refused[index] = error
+    wanted = {}
+    for i, trace in traces.items():
+        state = trace.state or (taken is not None and _counts(opened, i, trace))
+        other = replace(trace, name=opened.columns[i].full_name, state=state)
+        wanted[i] = taken[i].named(trace) if taken and i in taken else other
+    clocked = [i for i in wanted if taken and i in taken] or list(wanted)
     found = on_one_clock([wanted[i] for i in clocked], where)
     others = [i for i in wanted if i not in clocked]
     more = at_times([wanted[i] for i in others], found.time, where)

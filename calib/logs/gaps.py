@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.logs.clock import GAP, is_ascending, step_of
-from calib.logs.source import Array
 
 BRIDGE = 0.2
 """Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""

@@ -16,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS, WHEELS
 from calib.base.noise import noise_of
 from calib.base.units import from_si
 from calib.logs.clock import is_ascending
 from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
-from calib.logs.source import Array
 from calib.logs.verify import ENDS
 
 Mask = NDArray[np.bool_]

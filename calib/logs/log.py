@@ -3,14 +3,10 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
+from calib.base.arrays import Array
 from calib.logs.clock import step_of
 from calib.logs.gaps import ChannelHole
 from calib.logs.impossible import Marked
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

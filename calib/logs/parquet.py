@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.bounded import LOG
 from calib.base.errors import LogError
-from calib.logs.source import Array, Column, ColumnSource, damaged
+from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import column_from_cell, from_first, over_midnight
 from calib.logs.text.encoding import too_large
 

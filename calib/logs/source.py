@@ -6,12 +6,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from types import ModuleType
 
-import numpy as np
-from numpy.typing import NDArray
-
+from calib.base.arrays import Array
 from calib.base.errors import LogError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -50,12 +46,11 @@ def address_of(column: Column, columns: Sequence[Column]) -> str:
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """An opened log file.
+    """An opened table: ``columns`` in file order, ``notes`` on oddities that are no errors.
 
-    ``columns`` in file order; ``read`` takes indices into them and returns one array each, as
-    written, with NaN for an empty cell, and raises LogError for a column that holds no numbers;
-    ``notes`` on oddities that are no errors; ``rates`` of the columns that were recorded on another
-    clock than that of the rows [Hz], by index.
+    ``read`` takes indices into them and returns one array each, as written, with NaN for an empty
+    cell; LogError for a column that holds no numbers. ``rates`` [Hz], by index, of the columns that
+    were recorded on another clock than that of the rows.
     """
 
     columns: tuple[Column, ...]
@@ -83,18 +78,18 @@ CLOCK = Column("time", "s")
 
 @dataclass(frozen=True)
 class ChannelTrace:
-    """One channel as it was recorded.
+    """One channel as it was recorded; traces of equal ``clock`` share their timestamps.
 
-    ``clock`` names the timestamps in words; traces of equal ``clock`` share ``time``.
-    ``time`` [s], in the order of the file, shape (n,); ``values`` as written, NaN where the file
-    marks them as invalid, shape (n,); ``state`` is true if they must not be interpolated, such as a
-    gear or a flag.
+    ``time`` [s], in the order of the file, and ``values`` as written, NaN where the file marks them
+    as invalid, are (n,). A ``state``, such as a gear, holds its last value. ``name`` is that of the
+    channel, where it is known.
     """
 
     clock: str
     time: Array
     values: Array
     state: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import counted
 from calib.logs.gaps import ONLY
-from calib.logs.source import Array
 
 _MIN_SAMPLES = 50
 """Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""

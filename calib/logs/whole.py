@@ -10,22 +10,17 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import to_si
 from calib.logs.assign import MAP_IT, Assigned, assign
 from calib.logs.channel_map import ChannelMap
 from calib.logs.clock import GAP, step_of
-from calib.logs.formats import RECORDINGS, as_source, ending_of, stem_of
-from calib.logs.log import Array, Log
-from calib.logs.read import (
-    Opened,
-    open_log,
-    opened_recording,
-    recorded_clock,
-    recording_digest,
-)
-from calib.logs.source import Column
+from calib.logs.formats import stem_of
+from calib.logs.log import Log
+from calib.logs.read import open_log, recorded_clock
+from calib.logs.source import Column, Recording
 from calib.logs.verify import check_increasing
 
 TIME = "time"
@@ -76,35 +71,26 @@ class WholeLog:
 
 
 def read_whole(
-    path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
+    path: Path,
+    channel_map: ChannelMap | None = None,
+    keep_names: bool = False,
+    *,
+    data: bytes | None = None,
 ) -> WholeLog:
     """Read every column of a log; of several sample rates on the clock that `read_log` takes.
 
     With ``keep_names`` names and values stay as they are in the file; of ``channel_map`` only the
-    text format and the DBC files are used. Raises LogError for a file that is not a log,
-    ChannelMapError for a map that does not fit.
+    text format and the DBC files are used. ``data`` are the bytes of a table, if they are known.
+    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
     """
-    path = Path(path)
-    if ending_of(path) not in RECORDINGS:
-        return whole_of(open_log(path, channel_map), path, channel_map, keep_names)
-    digest, opened = recording_digest(path), opened_recording(path, channel_map)
-    try:
-        taken = {} if keep_names else _assigned(opened.columns, channel_map, path)
-        if taken:
-            recorded_clock(list(taken.values()), channel_map)
-    except BaseException:
-        opened.close()
-        raise
-    recorded = Opened(as_source(opened, str(path), taken), digest)
-    return whole_of(recorded, path, channel_map, keep_names)
-
-
-def whole_of(
-    opened: Opened, path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
-) -> WholeLog:
-    """Every column of a log that was opened; ``path`` names it. Else like `read_whole`."""
-    source = opened.source
-    taken = {} if keep_names else _assigned(source.columns, channel_map, path)
+    with open_log(path, channel_map, data=data) as opened:
+        taken: dict[int, Assigned] = {}
+        if not keep_names:
+            assigned, _ = assign(opened.source.columns, channel_map, (), str(path))
+            taken = {item.index: item for item in assigned}
+            if isinstance(opened.source, Recording):
+                recorded_clock(assigned, channel_map)
+        source = opened.table(taken)
     every = dict(enumerate(source.each()))
     values = {i: x for i, x in every.items() if not isinstance(x, LogError)}
     notes = [
@@ -129,14 +115,9 @@ def whole_of(
         columns.append(found)
     if not columns:
         raise LogError("no column holds numbers", where=path, expected="a log")
-    told = (*source.notes, *notes)
-    return WholeLog(stem_of(path), str(path), opened.digest, tuple(columns), told)
-
-
-def _assigned(
-    columns: tuple[Column, ...], channel_map: ChannelMap | None, path: Path
-) -> dict[int, Assigned]:
-    return {item.index: item for item in assign(columns, channel_map, (), str(path))[0]}
+    return WholeLog(
+        stem_of(path), str(path), opened.digest, tuple(columns), (*source.notes, *notes)
+    )
 
 
 def _unused(column: Column, names: set[str]) -> str:

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.printable import one_line
 from calib.base.units import from_si
 from calib.base.write import write_whole
 from calib.logs.assign import TRUTH
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.source import need
 from calib.logs.text.cells import column_from_cell

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import G
 from calib.logs.channel_map import Mapping
-from calib.logs.source import Array
 from calib.run.copies import factor_between, is_other_quantity
 from calib.run.limits import LIMITS
 from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows, lead

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import WHEELS
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
-from calib.logs.source import Array
 from calib.run.limits import LIMITS
 from calib.suggest.columns import (
     ColumnClock,

@@ -10,13 +10,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
-from calib.logs.source import Array, Column, ColumnSource, address_of
+from calib.logs.source import Column, ColumnSource, address_of
 from calib.run.filters import centred_mean, runs
 
 _SMOOTH = 0.2

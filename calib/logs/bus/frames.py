@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.logs.source import Array
+from calib.base.arrays import Array
 
 if TYPE_CHECKING:
     from can import Message

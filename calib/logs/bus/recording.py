@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.logs.bus.by_message import Flawed, FlawedSignal
 from calib.logs.bus.dbc import Dbc, read_databases
 from calib.logs.bus.frames import Frames, Gathered, joined, once, source_of
 from calib.logs.channel_map import Databases
 from calib.logs.clock import running
-from calib.logs.source import CLOCK, Array, ChannelTrace, Column, Recording, damaged
+from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 if TYPE_CHECKING:
     import can

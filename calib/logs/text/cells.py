@@ -17,10 +17,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import is_unit, spelling
-from calib.logs.source import Array, Column
+from calib.logs.source import Column
 
 _ENDINGS = {
     **{u: u for u in ("bar", "mbar", "hPa", "kPa", "MPa", "psi", "kmh", "kph", "mph", "rpm")},

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.logs.source import Array, Column, ColumnSource, damaged
+from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import (
     clock_seconds,
     column_from_cell,

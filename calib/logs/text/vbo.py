@@ -15,9 +15,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.units import is_unit, spelling
-from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.source import Column, ColumnSource
 from calib.logs.text.cells import column_from_cell, over_midnight
 from calib.logs.text.csv import TextRows
 from calib.logs.text.dialect import Dialect, TextFormat
