@@ -24,7 +24,7 @@ from calib.logs.text.dialect import (
     TextFormat,
     dialect_of,
     is_number,
-    layout_of,
+    layouts_of,
     mostly,
     sample_of,
 )
@@ -65,12 +65,12 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     if told:
         begin, separator = told.end(), text_format.separator or told[1].decode()
         text_format = replace(text_format, separator=separator)
-    layout = layout_of(data, begin, text_format)
-    start = layout.start
+    layouts = layouts_of(data, begin, text_format)
+    layout, start = layouts[0], layouts[0].start
     if _only_units(data, start, text_format):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     names, note = head_text(b"\n".join((layout.names, layout.units, layout.more)), where)
-    dialect = dialect_of(names.partition("\n")[0], data, start, text_format, where)
+    dialect = dialect_of(layouts, data, text_format, where)
     cells, units, more = (dialect.cells([line])[0] for line in names.split("\n"))
     columns = [column_from_cell(cell) for cell in cells]
     for row in (units, more):
