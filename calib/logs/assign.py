@@ -50,12 +50,10 @@ def assign(
     require: tuple[str, ...],
     where: str,
 ) -> tuple[list[Assigned], tuple[str, ...]]:
-    """The columns of a file to use, and the names of the others.
+    """The columns of a file to use, and the names of the others; ``where`` is its path.
 
-    A mapped channel replaces a column of the same name. Among the others are optional channels
-    without a unit, see `without_unit`. Raises LogError for a channel in ``require`` that is
-    missing, a channel that occurs twice, a missing or unknown unit; ChannelMapError for a source
-    that is not in the file. ``where`` is its path, for messages.
+    A mapped channel replaces a column of the same name. Raises LogError for a channel that is
+    missing, twice, or has no unit; ChannelMapError for a source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -150,7 +148,6 @@ def _truth_si(column: Column) -> str | None:
 
 
 def _by_address(found: list[int], columns: tuple[Column, ...]) -> str:
-    """What to call one of several columns of a name; or to rename them."""
     names = [address_of(columns[i], columns) for i in found]
     one = ", ".join(map(repr, names))
     different = len(set(names)) == len(names)

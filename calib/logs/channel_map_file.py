@@ -59,7 +59,6 @@ _Name = Annotated[str, Field(pattern=r"\S")]
 
 
 def _expected(form: str) -> WrapValidator:
-    """One mistake for a value that has none of the possible forms."""
 
     def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
         try:
@@ -181,7 +180,6 @@ class ChannelMapFile(FileSchema):
 
 
 def _files(written: Any, folder: Path) -> tuple[DatabaseFile, ...]:
-    """Files with absolute paths; ``written`` paths lead from ``folder``."""
     every = [
         DatabaseFile(Path(one)) if isinstance(one, str) else DatabaseFile(Path(one.file), one.bus)
         for one in (written if isinstance(written, list) else [written])

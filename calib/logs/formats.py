@@ -54,9 +54,7 @@ _KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, e
 
 
 def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
-    """What a file is that begins with ``head``, 64 bytes or more if it has them; None: unknown.
-
-    With the endings under which it is right: none for what is no log.
+    """What a file is that begins with ``head`` (64 bytes), and the endings under which it is right.
 
     >>> kind_of(b"(1700000000.000400) can0 101#0000D4FF")
     ('a candump log', ('.log',))
@@ -69,10 +67,7 @@ def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
-    """Raise LogError if a file begins as one of another kind than its ``ending``.
-
-    ``head`` as for `kind_of`. A file of an unknown kind passes.
-    """
+    """Raise LogError if ``head`` is that of another kind of file than its ``ending``."""
     if head.startswith(POINTER):
         raise LogError(
             "a pointer of git LFS, not the log itself",
@@ -122,9 +117,8 @@ _Open = Callable[[Path, Databases], Recording]
 
 
 def _packed(open_log: _Open) -> _Open:
-    """A function that opens the packed form of what ``open_log`` opens: it must read all frames.
-
-    The unpacked log is deleted when it is open. Messages name the packed file.
+    """Opens the packed form: unpacks it for as long as ``open_log`` reads. Messages name the packed
+    file.
     """
 
     def opened(path: Path, dbc: Databases) -> Recording:
@@ -163,9 +157,8 @@ def as_table(
 ) -> ColumnSource:
     """All channels of a recording on one clock, like a table.
 
-    The clock is that of the columns that are ``taken`` as channels, by index; of all columns if
-    there are none. To be looked at, and not proposed from, counts are held where ``taken`` is
-    given. Reading a column that the recording refuses raises its LogError.
+    The clock is that of the columns that are ``taken`` as channels, by index, or of all; then
+    counts are held. Reading a column that the recording refuses raises its LogError.
     """
     traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
     for index in range(1, len(opened.columns)):
@@ -196,9 +189,6 @@ def as_table(
 
 
 def _counts(opened: Recording, index: int, trace: ChannelTrace) -> bool:
-    """Whether a column that nobody named holds whole numbers without a unit, as a gear or a flag.
-
-    Straight lines between such values would be values that the car never had.
-    """
+    """Whether a column holds counts, as a gear or a flag: no car has the values between them."""
     known = trace.values[np.isfinite(trace.values)]
     return not opened.columns[index].unit and bool(np.all(known == np.round(known)))

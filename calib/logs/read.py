@@ -63,11 +63,10 @@ def open_log(
     data: bytes | None = None,
     file: Path | None = None,
 ) -> Opened:
-    """Open a log without assigning its columns to channels.
+    """Open a log without assigning its columns to channels; of a map text format and DBC are used.
 
-    ``path`` names it and gives the format. ``data`` are its bytes, if they are known; ``file`` is
-    where they are, if not at ``path``. Only the text format and the DBC files of ``channel_map``
-    are used. Raises LogError for a file that is not a log, or not complete.
+    ``path`` names it. ``data`` are its bytes, if known; ``file`` is where they are, if not at
+    ``path``. Raises LogError for a file that is not a log, or not complete.
     """
     path = Path(path)
     ending = ending_of(path)
@@ -85,7 +84,6 @@ def open_log(
 
 
 def _seen(file: Path, where: Path) -> tuple[bytes, str]:
-    """The first bytes and the SHA-256 of a recording."""
     refuse_no_log(file, where)
     try:
         with open_bounded(file, RECORDING) as stream:
@@ -104,14 +102,11 @@ def read_log(
     data: bytes | None = None,
     file: Path | None = None,
 ) -> Log:
-    """Read one run.
+    """Read one run; the ending gives the format, ``channel_map`` names and units of foreign
+    columns.
 
-    The ending of ``path`` gives the format, ``channel_map`` names and units of foreign columns;
-    ``data`` and ``file`` as for `open_log`. Channels in ``require``, and ``time``, must be there;
-    others that are empty are left out, with a note. The manoeuvre is judged by `calib.run.check`.
-
-    Raises LogError for a file that is not a valid log, see `calib.logs.verify` and
-    `calib.logs.assign`; ChannelMapError for a map that does not fit.
+    Channels in ``require`` must be there; others that are empty are left out, with a note. Raises
+    LogError for a file that is not a valid log, ChannelMapError for a map that does not fit.
 
     >>> import calib
     >>> log = calib.read_log(calib.sample_logs() / "sedan" / "coast.csv")
@@ -179,7 +174,6 @@ def _recorded(
 
 
 def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
-    """The log with the channels that are whole, its truth apart. Raises LogError as `read_log`."""
     refuse_absurd(log.channels, log.source)
     possible, marked, more = without_impossible(log.channels, log.source)
     cut, cut_notes = without_open_ends(possible)

@@ -35,12 +35,7 @@ _ENDS = 0.5
 
 @dataclass(frozen=True)
 class _Resampled:
-    """Channels on one clock.
-
-    ``time`` [s]; ``values`` of its shape for each wanted channel, NaN where it has none; the gaps
-    that were ``bridged``; the rate of each channel that is not empty [Hz]; names of the channels
-    that were ``interpolated``.
-    """
+    """Channels on one clock [s]: values, NaN where there is none, and rates by name [Hz]."""
 
     time: Array
     values: list[Array]
@@ -51,15 +46,11 @@ class _Resampled:
 
 
 def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
-    """Resample channels onto one clock.
+    """Resample channels onto the clock of the required one with the highest rate and even steps.
 
-    It has the timestamps of the required channel with the highest rate and even steps; if several
-    are about as fast, of those with most wheel speeds. Channels on these timestamps keep their
-    samples; others are interpolated linearly, states hold their last value. There are no values
-    outside the samples of a channel, nor in a gap, unless `calib.logs.gaps` bridges it.
-
-    Raises LogError if the required channels have no time in common, for timestamps that are not in
-    order (`calib.logs.clock`), and if there is no channel at all.
+    If several are about as fast, of those with most wheel speeds. Others are interpolated, states
+    hold their last value; NaN outside their samples and in a gap, unless `calib.logs.gaps` bridges
+    it. Raises LogError if the required channels have no time in common, and for times out of order.
     """
     if not wanted:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
@@ -85,7 +76,6 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
 
 
 def _clean(wanted: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrace], list[str]]:
-    """Sort the samples of each trace by time; drop invalid and repeated ones."""
     clocks: dict[str, Array] = {}
     notes: list[str] = []
     cleaned = []
@@ -124,7 +114,6 @@ def _lost(w: ChannelTrace, trace: ChannelTrace) -> list[str]:
 
 
 def _required(full: list[ChannelTrace]) -> list[ChannelTrace]:
-    """The channels that every log must have; all where there is none of them."""
     return [w for w in full if w.name in CHANNELS and CHANNELS[w.name].required] or full
 
 
@@ -151,7 +140,6 @@ def _span(full: list[ChannelTrace], where: str) -> tuple[float, float, list[str]
 
 
 def _rates(full: list[ChannelTrace]) -> dict[str, float]:
-    """The rate of each channel [Hz]; computed once for each clock and length."""
     known: dict[tuple[str, int], float] = {}
     for w in full:
         raster = w.clock, w.time.size
@@ -182,10 +170,7 @@ def _master(full: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
 
 
 def at_times(wanted: Sequence[ChannelTrace], time: Array, where: str) -> list[Array]:
-    """Values of channels at other times [s], (n,) each, as `on_one_clock` takes them.
-
-    Raises LogError for timestamps that are not in order.
-    """
+    """Values of channels at other times [s], (n,) each, as `on_one_clock` takes them."""
     return [_on(w, time).values for w in _clean(wanted, where)[0]]
 
 
@@ -214,7 +199,6 @@ def _same(w: ChannelTrace, master: ChannelTrace) -> bool:
 
 
 def _notes(full: list[ChannelTrace], master: ChannelTrace, rates: dict[str, float]) -> list[str]:
-    """One line for each clock on how its channels were resampled."""
     if all(_same(w, master) for w in full):
         return []
     lines: dict[str, list[str]] = {}

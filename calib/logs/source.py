@@ -12,10 +12,8 @@ from calib.base.errors import LogError
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it. ``unit`` is None if the file has no unit for it.
-
-    ``full`` distinguishes columns of the same ``name``: with group, message or bus, or the whole
-    header cell.
+    """A column as the file names it; ``full`` tells those of one ``name`` apart. ``unit`` may be
+    None.
     """
 
     name: str
@@ -46,11 +44,10 @@ def address_of(column: Column, columns: Sequence[Column]) -> str:
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """An opened table: ``columns`` in file order, ``notes`` on oddities that are no errors.
+    """An opened table: ``read`` takes indices of columns, and gives arrays as written, NaN for
+    empty.
 
-    ``read`` takes indices into them and returns one array each, as written, with NaN for an empty
-    cell; LogError for a column that holds no numbers. ``rates`` [Hz], by index, of the columns that
-    were recorded on another clock than that of the rows.
+    ``rates`` [Hz], by index, of the columns that were recorded on another clock than the rows.
     """
 
     columns: tuple[Column, ...]
@@ -80,9 +77,8 @@ CLOCK = Column("time", "s")
 class ChannelTrace:
     """One channel as it was recorded; traces of equal ``clock`` share their timestamps.
 
-    ``time`` [s], in the order of the file, and ``values`` as written, NaN where the file marks them
-    as invalid, are (n,). A ``state``, such as a gear, holds its last value. ``name`` is that of the
-    channel, where it is known.
+    ``time`` [s], in the order of the file, and ``values`` as written, NaN where invalid, are (n,).
+    A ``state``, such as a gear, holds its last value.
     """
 
     clock: str
@@ -94,10 +90,9 @@ class ChannelTrace:
 
 @dataclass(frozen=True)
 class Recording:
-    """An opened log with several sample rates.
+    """An opened log with several sample rates: ``read`` gives a trace for each index.
 
-    ``columns`` begin with ``CLOCK``; ``read`` takes indices of the others and returns one trace
-    each; ``notes`` on oddities that are no errors; ``close`` closes the file.
+    ``columns`` begin with ``CLOCK``, which has no trace; ``close`` closes the file.
     """
 
     columns: tuple[Column, ...]

@@ -28,10 +28,7 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class WholeColumn:
-    """A column: ``values`` (n,) in ``unit``, NaN where there is none; ``unit`` None if not known.
-
-    ``rate`` [Hz] at which it was recorded, where that is not the rate of the rows.
-    """
+    """``values`` (n,) in ``unit``, NaN for none; ``rate`` [Hz] if not that of the rows."""
 
     name: str
     unit: str | None
@@ -79,9 +76,8 @@ def read_whole(
 ) -> WholeLog:
     """Read every column of a log; of several sample rates on the clock that `read_log` takes.
 
-    With ``keep_names`` names and values stay as they are in the file; of ``channel_map`` only the
-    text format and the DBC files are used. ``data`` are the bytes of a table, if they are known.
-    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
+    With ``keep_names`` of ``channel_map`` only text format and DBC are used. Raises LogError for a
+    file that is not a log, ChannelMapError for a map that does not fit.
     """
     with open_log(path, channel_map, data=data) as opened:
         taken: dict[int, Assigned] = {}
@@ -132,10 +128,7 @@ def _unused(column: Column, names: set[str]) -> str:
 
 
 def channels_log(log: WholeLog) -> Log:
-    """The canonical channels in SI, without those that have no value in some row.
-
-    Raises LogError without a valid clock.
-    """
+    """The channels in SI that have a value in every row. Raises LogError without a clock."""
     channels = {}
     for column in log.columns:
         if column.canonical and column.unit and np.isfinite(column.values).all():
@@ -144,10 +137,7 @@ def channels_log(log: WholeLog) -> Log:
 
 
 def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> WholeLog:
-    """Return the rows from ``start`` to ``end`` [s], both included; None for an end of the log.
-
-    Raises LogError if there is no row between them, and for a log without a valid clock.
-    """
+    """The rows from ``start`` to ``end`` [s], both included. Raises LogError if there is none."""
     time = log.time
     first = 0 if start is None else int(np.searchsorted(time, start, side="left"))
     last = time.size if end is None else int(np.searchsorted(time, end, side="right"))
@@ -164,11 +154,8 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
 
 @dataclass(frozen=True)
 class Inventory:
-    """One column.
-
-    ``low``, ``high`` in ``unit``, None without a value; ``samples`` rows with a value; ``rate``
-    [Hz] of the recording, or by the mean step of those rows; ``gaps`` of more than `GAP` steps:
-    time of the last value before each and its length [s].
+    """One column: range in ``unit``, rows with a value, ``rate`` [Hz], start and length of gaps
+    [s].
     """
 
     name: str

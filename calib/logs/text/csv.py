@@ -36,10 +36,9 @@ _FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "
 
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
-    """Open a file of separated text, compressed by gzip or not; ``where`` is its path.
+    """Open separated text, compressed by gzip or not; ``where`` is its path.
 
-    ``text_format`` is that of a channel map. Raises LogError for a file without text, header or
-    rows, for an ambiguous dialect (`calib.logs.text.dialect`), and for a file that is cut off.
+    Raises LogError for a file without header or rows, an ambiguous dialect, or one that is cut off.
     """
     if data.startswith(GZIP):
         data = gunzip(data, where)
@@ -99,7 +98,6 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
 
 
 def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
-    """Whether no row follows, or a row of units only."""
     rest = data[start : start + 65536].strip() or data[start:].strip()
     if b"\n" in rest:
         return False
@@ -109,7 +107,6 @@ def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
 
 
 def _refuse_frames(columns: Sequence[Column], where: str) -> None:
-    """Raise LogError for a table of bus frames, as programs for a CAN bus save it."""
     names = {column.name.lower() for column in columns}
     if names & _FRAME_ID and names & _FRAME_LENGTH:
         raise LogError(
@@ -122,10 +119,7 @@ def _refuse_frames(columns: Sequence[Column], where: str) -> None:
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table: they begin at ``start`` of the whole ``data``, which a slice would copy.
-
-    ``where`` names the file; ``clocks`` are the columns that hold times of day.
-    """
+    """The rows of a table: from ``start`` of the whole ``data``, which a slice would copy."""
 
     data: bytes
     start: int
@@ -163,21 +157,15 @@ class TextRows:
         return None if ended else "no end of line after the last row, which looks complete"
 
     def _shorter(self, cell: str, before: list[str]) -> bool:
-        """Whether a number is shorter than all before it.
-
-        Compares the number of decimals if it is the same in all of them, else the length. A cut
-        number that is as long as the shortest one before it is not detected.
-        """
+        """By decimals if all others have as many, else by length: not every cut is detected."""
         decimals = [len(c.partition(self.dialect.decimal)[2]) for c in (cell, *before)]
         if len(set(decimals[1:])) == 1:
             return decimals[0] < decimals[1]
         return bool(before) and len(cell) < min(map(len, before))
 
     def read(self, indices: Sequence[int]) -> list[Array]:
-        """Some columns as numbers, times of day as seconds.
-
-        After a failure, a second, slow pass locates the bad cell: raises LogError with its row,
-        counted from 1, and its column.
+        """Some columns as numbers, times of day as seconds. Raises LogError with the row of a bad
+        cell.
         """
         import pyarrow as pa
         import pyarrow.csv as arrow_csv

@@ -72,11 +72,7 @@ def is_number(cell: str, decimal: str = ".") -> bool:
 
 
 def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
-    r"""Complete lines from ``start``, the middle and the end of a file; some repeat if it is short.
-
-    >>> sample_of(b"a,b\n1,2", 4, count=1)
-    ['1,2', '1,2']
-    """
+    """Complete lines from ``start``, the middle and the end of a file, some twice if short."""
     half = (start + len(data)) // 2
     head = data[start : start + width].splitlines()[:count]
     middle = data[half : half + width].splitlines()[1 : count + 1]
@@ -106,7 +102,6 @@ def _any_number(cell: str) -> bool:
 
 
 def _decimal(separator: str, data: bytes, start: int, where: str) -> str:
-    """The decimal mark. Raises LogError if numbers can be read in two ways."""
     rows = Dialect(separator, ".").cells(sample_of(data, start))
     cells = [cell for row in rows for cell in row]
     found = {mark: [c for c in cells if mark in c and is_number(c, mark)] for mark in ".,"}
@@ -153,11 +148,7 @@ RUN = 3
 
 @dataclass(frozen=True)
 class Layout:
-    """Lines of the header: ``names``, their ``units`` and ``more`` of them, empty if not there.
-
-    ``start`` is the position of the first sample, ``above`` the number of lines above the header,
-    ``numbers`` that of the columns with numbers.
-    """
+    """Lines of the header: ``names``, ``units`` and ``more``, and where the first sample begins."""
 
     names: bytes
     start: int
@@ -171,8 +162,8 @@ class Layout:
 def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[Layout]:
     """The layouts of a table from ``begin`` on: one, if its separator is clear.
 
-    The first has the separator that finds the most columns of numbers, the others the same header.
-    Without a run of numbers below a header the first line is the header, without a separator.
+    The best finds the most columns of numbers, the others have its header. One without a separator
+    if no header stands over numbers.
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
@@ -229,10 +220,7 @@ def _found(
 
 
 def _columns(rows: Sequence[Sequence[str]]) -> tuple[int, list[int], bool]:
-    """The width of most rows, their columns of numbers, and whether the last cell is always empty.
-
-    A separator at the end of each row makes such a cell, over which a header may have none.
-    """
+    """Width of most rows, their columns of numbers, and whether each ends with a separator."""
     ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
     numbers = [i for i, column in enumerate(columns) if mostly(_any_number, column)]
