@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from calib.base.errors import not_finite
-from calib.base.plain import rows
+from calib.base.plain import listed, rows
 
 _ROWS = {row["code"]: row for row in rows("warnings.csv")}
 UNITS = {code: row["unit"] for code, row in _ROWS.items()}
@@ -71,8 +71,7 @@ def warning(
 ) -> PlausibilityWarning:
     """A warning whose causes and next step are those of `warnings.csv`."""
     row = _ROWS[code]
-    causes = tuple(row["causes"].split("|"))
-    return PlausibilityWarning(code, log, measured, expected, causes, row["do"])
+    return PlausibilityWarning(code, log, measured, expected, listed(row["causes"]), row["do"])
 
 
 def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:
