@@ -274,8 +274,8 @@ def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
         return None
     change = np.mean(braked, axis=1) - np.mean(free, axis=1)
     half = _half(free, braked.shape[1])
-    parts = (IntervalEstimate(float(x), float(h)) for x, h in zip(change, half, strict=True))
-    return WheelParts(*parts, z=float(np.mean(driving.wheel_z[braking])))
+    axles, sides, diagonals = map(IntervalEstimate, change.tolist(), half.tolist())
+    return WheelParts(axles, sides, diagonals, float(np.mean(driving.wheel_z[braking])))
 
 
 def _alone(part: IntervalEstimate, others: float, z: float) -> bool:
