@@ -18,7 +18,7 @@ from calib.line.fleet.rows import FIT, Cell, Command, Row, Status, finite
 from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
-from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
+from calib.logs.read import FORMATS, REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
 VEHICLE = "vehicle.toml"
@@ -151,7 +151,7 @@ def _log(
     job: Job, item: WorkItem, files: Files, name: str = "", require: tuple[str, ...] = REQUIRED
 ) -> Log:
     where, file = Path(item.name) / name, Path(item.path) / name
-    return log_of(files[name], where, job.channel_map, require=require, file=file)
+    return read_log(where, job.channel_map, require=require, data=files[name], file=file)
 
 
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:

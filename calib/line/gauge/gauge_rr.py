@@ -30,7 +30,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.logs.log import Array
+from calib.base.arrays import Array
 
 Codes = NDArray[np.int64]
 

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import InputError, LimitsError
 from calib.estimation.limits import Judgement, Limit, judge
 from calib.line.gauge.gauge_rr import (
@@ -30,7 +31,7 @@ from calib.line.gauge.gauge_rr import (
     gauge_rr,
     terms_of,
 )
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.run.axle_signals import signals
 from calib.table.table import LogReference, Table
 

@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.plain import bound, meanings
 from calib.car.braking import MOVING
 from calib.car.forces import front_biased_up_to, slip
 from calib.car.vehicle import Vehicle
 from calib.estimation.validate import Validation, agreement
 from calib.line.station.golden import golden_metrics
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.run.driving_record import DrivingRecord, driving_record
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
