@@ -365,16 +365,3 @@ def _noise(found: Diagnosis) -> str:
         channels = listed(found.noise.at_floor)
         told.append(f"that of {channels} is below what the model resolves, which was taken")
     return "; ".join(told)
-
-
-def heading(found: Diagnosis) -> str:
-    """The verdict in a few words."""
-    names = " and ".join(spaced(effect.name) for effect in found.effects)
-    if found.verdict == NO_GAP:
-        return "no gap"
-    if found.unexplained is not None:
-        rest = f"unknown, {spaced(found.unexplained.term.place)}"
-        return f"{names}, and something else" if names else rest
-    if outcome(found) == _WORSE:
-        return f"{names}, and the hold-outs are no better"
-    return f"{names} (ambiguous)" if found.verdict == _AMBIGUOUS else names or found.verdict
