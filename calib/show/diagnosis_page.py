@@ -7,6 +7,7 @@ over 0.1 s; the noise of the sensor is the band around zero.
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from string import ascii_uppercase
 
 import numpy as np
 
@@ -77,23 +78,27 @@ def _search(found: Diagnosis) -> Facts:
 
 
 def _confusion(found: Confusion) -> Facts:
-    """The set as a matrix, and the drive for each pair; explanations are called A, B ..."""
-    letters = [chr(ord("A") + i) for i in range(len(found.explanations))]
-    best = found.explanations[0].innovation
-    rows = []
-    for i, explanation in enumerate(found.explanations):
-        far = ["" if i == j else f"{found.pair(i, j).apart:.0f}" for j in range(len(letters))]
-        name, left = f"{letters[i]}: {listed(explanation.names)}", explanation.innovation
-        rows.append((name, f"{left:.3f}", f"{left - best:+.4f}" if i else "", *far))
+    """The set, and the drive for each pair; explanations are called A, B ..."""
+    best, letters = found.explanations[0].innovation, ascii_uppercase
+    rows = [
+        (f"{letters[i]}: {listed(one.names)}", f"{one.innovation:.3f}",
+         f"{one.innovation - best:+.4f}" if i else "")
+        for i, one in enumerate(found.explanations)
+    ]  # fmt: skip
     drives = [
-        (f"{letters[pair.one]} or {letters[pair.other]}", pair.drive, f"{pair.sigma:.0f} sigma")
+        (f"{letters[pair.one]} or {letters[pair.other]}", f"{pair.apart:.0f} sigma", pair.drive,
+         f"{pair.sigma:.0f} sigma")
         for pair in found.pairs
-    ]
-    heads = ("explanation", "unexplained error", "behind A", *(f"to {x}" for x in letters))
-    alike = "Explanations that fit these logs alike, and their distances [sigma]."
-    apart = "The drive that tells each two of them apart, and their distance in it."
-    tables = [Table(heads, rows, alike), Table(("which", "drive", "apart"), drives, apart)]
-    return Facts("What these logs cannot tell apart", tables=tables)
+    ]  # fmt: skip
+    alike = "Explanations that fit these logs alike."
+    apart = "How far these logs tell each two of them apart, and the drive that would."
+    return Facts(
+        "What these logs cannot tell apart",
+        tables=[
+            Table(("explanation", "unexplained error", "behind A"), rows, alike),
+            Table(("which", "here", "drive", "there"), drives, apart),
+        ],
+    )
 
 
 def _unexplained(found: UnexplainedTerm) -> Facts:
@@ -118,18 +123,11 @@ def _unexplained(found: UnexplainedTerm) -> Facts:
 
 def _gap(found: Diagnosis, drawn: Sheet, when: tuple[str, ...]) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    early = [
-        f"{log.name}, {word}: {sim.notes[-1]}"
-        for word, sims in (("before", found.before), ("after", found.after))
-        for sim, log in zip(sims, found.measured, strict=True)
-        if sim.time.size < log.time.size and sim.notes and "slower than" not in sim.notes[-1]
-    ]
     heads = ("log, channel", *when, *(("closed",) if len(when) > 1 else ()), "noise")
     caption = "Gap by log and channel, noise taken out, in units of the sensor's noise."
     return Facts(
         "The gap on the hold-outs",
         tables=[Table(heads, _by_log(found.gap, when), caption)],
-        notes=early,
         pictures=[Picture(_LARGEST, drawn, ("acceleration", "split"))],
     )
 

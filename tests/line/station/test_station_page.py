@@ -171,4 +171,4 @@ def test_contrast_is_4_5_to_1_or_better(browser, page, dark):
 
 
 def test_a_name_with_a_dollar_is_drawn_as_text(found):
-    assert sheet(found.table, found.results).panels[-1].title.count(r"\$") == 1
+    assert sheet(found.table, found.results).panels[-2].title.count(r"\$") == 1
