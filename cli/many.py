@@ -294,7 +294,7 @@ def fleet(
     figure: list[str] = option(
         "Only this metric; repeatable.", "NAME", autocompletion=lambda: [*_metrics()]
     ),
-    out: Path | None = option("Write report.html, fleet.json, PNGs here.", "DIR", writes="folder"),
+    out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
 
@@ -307,7 +307,6 @@ def fleet(
     from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_figure import DOCUMENT, earlier_pictures, pictures_of
     from calib.show.fleet_page import facts, report
     from calib.show.html import page_of
 
@@ -315,19 +314,16 @@ def fleet(
         if order or figure or out:
             raise misuse("a DIR takes no option: its pages are written there")
         return _index(results)
-    check_folder(out, (DOCUMENT, "report.html"))
+    check_folder(out, ("fleet.json", "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(figure))
     if out is not None:
-        looks = [look for look in found.looks if look.values.size]
-        with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
-            pictures = pictures_of(found, step)
         title = printable(f"{results.absolute().parent.name}/{results.name}")
-        page = page_of(report(found, title)).encode()
-        written = json_text(document(found)).encode()
-        contents = {**pictures, DOCUMENT: written, "report.html": page}
-        write_folder(out, contents.items(), DOCUMENT, earlier_pictures)
+        with progress("drawing the report"):
+            page = page_of(report(found, title)).encode()
+        contents = (("report.html", page), ("fleet.json", json_text(document(found)).encode()))
+        write_folder(out, contents, "fleet.json")
     return Answer(document(found), facts(found))
 
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from calib.base.plain import METRICS, NBSP, counted, plain
 from calib.line.fleet.document import headline
-from calib.line.fleet.outliers import MetricSpread
 from calib.line.fleet.summary import Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
+from calib.show.numbers import number
 
 _NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
@@ -114,8 +114,8 @@ def _shown(look: Look) -> Callable[[float], str]:
     one = plain(look.metric.name, look.metric.unit)
     if one.step:
         return one.with_unit
-    unit = f"{NBSP}{one.unit}" if one.unit else ""
-    return lambda value: number(one.factor * value, look.spread) + unit
+    unit, scatter = f"{NBSP}{one.unit}" if one.unit else "", look.spread.quantiles
+    return lambda value: number(value, 0.1 * (scatter[3] - scatter[0])) + unit
 
 
 def _kind(found: Summary) -> str:
@@ -144,12 +144,3 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )
-
-
-def number(value: float, about: MetricSpread) -> str:
-    """``value`` rounded to one digit below the scatter of its metric, at least four digits."""
-    width = max(about.quantiles[3] - about.quantiles[0], 1e-300)
-    digits = 4
-    if value:
-        digits = max(4, 3 + int(np.floor(np.log10(abs(value)) - np.log10(width))))
-    return f"{value:.{min(digits, 10)}g}"
