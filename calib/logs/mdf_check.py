@@ -118,9 +118,11 @@ def _block_at(data: mmap.mmap, place: int) -> _Block:
     return _Block(kind, length, struct.unpack_from(f"<{links}Q", data, begin), begin + 8 * links)
 
 
-def _chain(data: mmap.mmap, place: int) -> Iterator[tuple[int, _Block]]:
+def _chain(data: mmap.mmap, place: int, kind: bytes) -> Iterator[tuple[int, _Block]]:
     while place:
         block = _block_at(data, place)
+        if block.kind != kind:
+            raise ValueError(f"no {kind!r} at byte {place}")
         yield place, block
         place = block.links[0]
 
@@ -159,9 +161,9 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
 
 def _data_groups(data: mmap.mmap) -> Iterator[tuple[int, int, list[_Group]]]:
     """First byte of the data, bytes of an identifier, and channel groups of each data group."""
-    for _, block in _chain(data, _block_at(data, _HEAD).links[0]):
+    for _, block in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
         groups = []
-        for place, group in _chain(data, block.links[1]):
+        for place, group in _chain(data, block.links[1], b"##CG"):
             number, count, flags, _, _, size, invalid = _GROUP.unpack_from(data, group.content)
             variable = bool(flags & _VARIABLE)
             groups.append(_Group(place, group.links[1], number, count, size + invalid, variable))
