@@ -67,11 +67,16 @@ class PlausibilityWarning:
 
 
 def warning(
-    code: str, log: str, measured: float, expected: tuple[float | None, float | None]
+    code: str,
+    log: str,
+    measured: float,
+    expected: tuple[float | None, float | None] = (0.0, 0.0),
+    **words: object,
 ) -> PlausibilityWarning:
-    """A warning whose causes and next step are those of `warnings.csv`."""
+    """A warning whose causes and next step are those of `warnings.csv`, with these ``words``."""
     row = _ROWS[code]
-    return PlausibilityWarning(code, log, measured, expected, listed(row["causes"]), row["do"])
+    causes = tuple(cause.format(**words) for cause in listed(row["causes"]))
+    return PlausibilityWarning(code, log, measured, expected, causes, row["do"].format(**words))
 
 
 def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:
