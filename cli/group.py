@@ -40,6 +40,7 @@ GONE = {
     "simulate --deceleration": "simulate --pressure P; 'vehicle show' has the pressure per g",
     "vehicle init --from": "vehicle init FILE",
     "repeatability --folders": "repeatability --plan PLAN.csv",
+    "repeatability --road": "repeatability LOG... --plan PLAN.csv",
     "manual --html": "manual PAGE",
     **{f"manual {old}": f"manual {new}" for new in PAGES for old in PAGES[new]},
 }

@@ -79,11 +79,11 @@ def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
     from calib.show.html import page_of
-    from calib.show.log import MOST, facts, figure, panels_of
+    from calib.show.log import MOST, facts, panels_of, sheet
     from calib.show.sheet import render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:
         raise misuse(f"{count} panels; 1 to {MOST} can be drawn: choose columns", "--channel")
     page = out.suffix.lower() in PAGES
-    drawn = render(figure(log, events), ".png" if page else out.suffix.lower())
+    drawn = render(sheet(log, events).overview(), ".png" if page else out.suffix.lower())
     write_file(out, page_of(facts(log, columns, events, drawn)).encode() if page else drawn)

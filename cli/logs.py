@@ -43,13 +43,11 @@ def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | No
 
     Raises LogError as `calib.logs.read.read_log` does.
     """
-    from calib.logs.read import REQUIRED, log_of, read_log
+    from calib.logs.read import REQUIRED, read_log
 
+    name, data = _known(path)
     needed = REQUIRED if require is None else require
-    if is_stdin(path):
-        log = log_of(_stdin(), NAMED, mapping, require=needed)
-    else:
-        log = read_log(path, mapping, require=needed)
+    log = read_log(name, mapping, require=needed, data=data)
     tell(log)
     return log
 
@@ -58,16 +56,21 @@ def read_whole(path: Path, mapping: "ChannelMap | None") -> "WholeLog":
     """Read every column of a log, a file or that on stdin. Raises LogError."""
     from calib.logs import whole
 
-    if is_stdin(path):
-        return whole.whole_of(open_table(path, mapping), NAMED, mapping)
-    return whole.read_whole(path, mapping)
+    name, data = _known(path)
+    return whole.read_whole(name, mapping, data=data)
 
 
-def open_table(path: Path, mapping: "ChannelMap | None") -> "Opened":
-    """Open a log that is a table, a file or that on stdin. Raises LogError."""
-    from calib.logs.read import open_bytes, open_log
+def opened(path: Path, mapping: "ChannelMap | None") -> "Opened":
+    """Open a log, a file or that on stdin. Raises LogError."""
+    from calib.logs.read import open_log
 
-    return open_bytes(_stdin(), NAMED, mapping) if is_stdin(path) else open_log(path, mapping)
+    name, data = _known(path)
+    return open_log(name, mapping, data=data)
+
+
+def _known(path: Path) -> tuple[Path, bytes | None]:
+    """What names a log, and its bytes where they are on stdin."""
+    return (NAMED, _stdin()) if is_stdin(path) else (path, None)
 
 
 def tell(log: "Log") -> None:
@@ -87,5 +90,5 @@ def _stdin() -> bytes:
         raise LogError("stdin is a terminal", where="-", expected="a log", do="cat LOG | ...")
     data = sys.stdin.buffer.read(LOG.most + 1)
     if len(data) > LOG.most:
-        raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where="-")
+        raise LogError(f"not readable: {LOG.excess()}", where="-")
     return data

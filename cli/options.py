@@ -206,11 +206,13 @@ def quantity(si: str) -> Callable[[str], float]:
 
 def _mass(written: str) -> float:
     """A mass [kg] within what a vehicle file may say."""
-    from calib.car.mass import LEAST, MOST
+    from calib.car.keys import KEYS
 
-    mass = quantity("kg")(written)
-    if not LEAST <= mass <= MOST:
-        raise misuse(f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg")
+    mass, known = quantity("kg")(written), next(key for key in KEYS if key.name == "mass")
+    if not known.least <= mass <= known.most:
+        raise misuse(
+            f"{mass:g} kg is not believable; expected {known.least:g} to {known.most:g} kg"
+        )
     return mass
 
 
@@ -287,7 +289,7 @@ OtherPads = Annotated[
 Map = Annotated["ChannelMap | None", channel_map(setting="map")]
 MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
 Mass = Annotated["float | None", option(MASS, "MASS", typed=str | None, make=_mass)]
-READ_EFFECTS = "calib.car.own_effects.read:read_own_effects"
+READ_EFFECTS = "calib.car.own_effects.effect_file:read_own_effects"
 EFFECT = (
     "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The file is "
     "executed as Python: give only files that you trust."

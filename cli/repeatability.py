@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress
 from cli.logs import read
-from cli.options import Map, option
+from cli.options import Map, argument, option
 from cli.outputs import check_folder, write_folder
 
 if TYPE_CHECKING:
@@ -18,16 +18,19 @@ if TYPE_CHECKING:
 DOCUMENT, PICTURE = "repeatability.json", "repeatability.png"
 
 
-@command("brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge")
+@command(
+    "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
+    "brake-cal repeatability wet/*.csv --plan plan.csv --vehicle car.toml",
+)
 def repeatability(
+    logs: list[Path] | None = argument("Ramps of the plan; if none, all.", "LOG"),
     *,
-    plan: Path = option("The ramps: columns log,car,station,road,vehicle.", "P.csv"),
     vehicle: Path | None = option(
         "Vehicle, if the plan names none per log; else that of the settings.",
         "V.toml",
         setting="vehicle",
     ),
-    road: str | None = option("Judge the ramps of this road of the plan.", "NAME"),
+    plan: Path = option("Columns log,car,station,road,vehicle.", "P.csv"),
     quantity: list[str] = option(
         "Judge only this metric; repeatable.", "NAME", known="calib.line.gauge.study:METRICS"
     ),
@@ -40,18 +43,19 @@ def repeatability(
 ) -> Answer:
     """Judge the calibration as a gauge, from repeated ramps.
 
-    Every ramp is fitted alone; analysis of variance then splits the scatter of each metric into
-    repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more). A
-    range of a metric itself in the limits file is its tolerance: %GRR is then given of that too.
+    The ramps are of several cars. Every ramp is fitted alone; analysis of variance then splits the
+    scatter of each metric into repeat, station and car. Exit code 0 if all hold their limits (%GRR
+    up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
+    is then given of that too.
     """
-    from calib.line.gauge.plan import on_road, read_plan
+    from calib.line.gauge.plan import read_plan
     from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict
     from calib.show.repeatability import facts, sheet
     from calib.show.sheet import render
 
     check_folder(out, (DOCUMENT, PICTURE))
     held = read_gauge_limits(limits)
-    places = on_road(read_plan(plan), road, plan)
+    places = read_plan(plan, logs or [])
     readings = _readings(places, vehicle, channel_map, eta / 100.0, quantity or list(METRICS))
     found = study(readings, held, eta / 100.0)
     document = to_dict(found)

@@ -25,30 +25,23 @@ def ramps(tmp_path_factory):
     return root
 
 
-@pytest.fixture
-def study(brake_cal, ramps):
-    """Run a study of the pads by a plan of these columns."""
-
-    def run(columns, *more):
-        rows = [
-            (f"{car}/{station}/{k}.csv", car, station)
-            for car in PADS
-            for station in ("north", "south")
-            for k in (0, 1)
-        ]
-        lines = [columns, *(",".join(row[: columns.count(",") + 1]) for row in rows)]
-        (ramps / "plan.csv").write_text("\n".join(lines))
-        return brake_cal("repeatability", "--plan", ramps / "plan.csv", *more)
-
-    return run
+def plan_of(root, stations=True):
+    """A plan of all ramps, with their stations or without."""
+    rows = [
+        f"{car}/{station}/{k}.csv,{car}" + f",{station}" * stations
+        for car in PADS
+        for station in ("north", "south")
+        for k in (0, 1)
+    ]
+    path = root / ("plan.csv" if stations else "cars.csv")
+    path.write_text("\n".join(["log,car" + ",station" * stations, *rows, ""]))
+    return path
 
 
-CAR = ("--vehicle", VEHICLE, "--quantity", "pad_scale")
-
-
-def test_a_study_of_cars_and_stations(study, tmp_path):
+def test_a_study(brake_cal, ramps, tmp_path):
     out = tmp_path / "gauge"
-    ran = study("log,car,station", *CAR, "--out", out, "--json")
+    ran = brake_cal("repeatability", "--plan", plan_of(ramps), "--vehicle", VEHICLE, "--quantity",
+                    "pad_scale", "--out", out, "--json")  # fmt: skip
     assert ran.code == 0, ran.err
     told = json.loads(ran.out)
     assert told == json.loads((out / "repeatability.json").read_text())
@@ -62,22 +55,30 @@ def test_a_study_of_cars_and_stations(study, tmp_path):
     assert list(told["ramps"][0]) == ["log", "car", "station", "figures", "digest"]
 
 
-def test_limits_that_fail(study, tmp_path):
+def test_limits_that_fail(brake_cal, ramps, tmp_path):
     limits = tmp_path / "limits.toml"
     limits.write_text("schema = 1\n[limits]\npad_scale_grr = { max = 0.0001 }\n")
-    ran = study("log,car", *CAR, "--limits", limits)
+    ran = brake_cal("repeatability", "--plan", plan_of(ramps, stations=False), "--vehicle", VEHICLE,
+                    "--quantity", "pad_scale", "--limits", limits, "--json")  # fmt: skip
     assert ran.code == 1, ran.err
-    assert "reproducibility is not measured" in ran.out
+    assert json.loads(ran.out)["quantities"]["pad_scale"]["verdict"] == "bad"
 
 
 @pytest.mark.parametrize(
     ("more", "code"),
     [
-        (("--vehicle", VEHICLE, "--quantity", "pad_scael"), 2),
+        (("--quantity", "pad_scael", "--plan", "plan.csv"), 2),
         (("--plan", "nowhere.csv"), 3),
-        (("--road", "wet"), 3),
+        (("--plan", "plan.csv", "nowhere.csv"), 3),
         ((), 2),
+        (("--folders", "car/station"), 2),
     ],
 )
-def test_mistakes(study, more, code):
-    assert study("log,car", *more).code == code
+def test_mistakes(brake_cal, ramps, monkeypatch, more, code):
+    plan_of(ramps)
+    monkeypatch.chdir(ramps)
+    assert brake_cal("repeatability", "--vehicle", VEHICLE, *more).code == code
+
+
+def test_a_car_without_a_vehicle_file_is_asked_for_one(brake_cal, ramps):
+    assert brake_cal("repeatability", "--plan", plan_of(ramps)).code == 2

@@ -1,7 +1,7 @@
 import pytest
 
 from calib.base.errors import InputError
-from calib.line.gauge.plan import Place, on_road, read_plan
+from calib.line.gauge.plan import Place, read_plan
 
 
 def plan(folder, text):
@@ -42,14 +42,16 @@ def test_a_bad_plan_is_refused(tmp_path, text):
         read_plan(path)
 
 
-def test_ramps_of_one_road_are_chosen(tmp_path):
+def test_named_logs_are_looked_up_in_the_plan(tmp_path):
+    path = plan(tmp_path, "log,car\na.csv,1\nb.csv,2\n")
+    assert read_plan(path, [tmp_path / "x/../b.csv"]) == read_plan(path)[1:]
+    with pytest.raises(InputError):
+        read_plan(path, [tmp_path / "c.csv"])
+
+
+def test_ramps_of_two_roads_are_no_repeats(tmp_path):
     path = plan(tmp_path, "log,car,road\na.csv,1,wet\nb.csv,1,dry\nc.csv,2,wet\n")
-    places = read_plan(path)
-    assert [place.log.name for place in on_road(places, "wet", path)] == ["a.csv", "c.csv"]
-    one = on_road(places, "dry", path)
-    assert on_road(one, None, path) == one
-    without = read_plan(plan(tmp_path, "log,car\na.csv,1\nb.csv,2\n"))
-    assert on_road(without, None, path) == without
-    for given, road in ((places, None), (places, "damp"), (without, "wet")):
-        with pytest.raises(InputError):
-            on_road(given, road, path)
+    with pytest.raises(InputError):
+        read_plan(path)
+    wet = [tmp_path / "a.csv", tmp_path / "c.csv"]
+    assert [place.log for place in read_plan(path, wet)] == wet
