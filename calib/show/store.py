@@ -14,7 +14,7 @@ from calib.store.signature import key_ids
 from calib.store.store import StoreVerdict
 from calib.store.version import Stored
 from calib.table.budget import pads_budget
-from calib.table.compare import CurveGap, Difference, ValueGap
+from calib.table.compare import Difference
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
@@ -62,7 +62,12 @@ def shown(stored: Stored) -> Facts:
         ("signed", f"by key {keys}; `tables verify --key` checks it" if keys else "no"),
         ("vehicle", f"{table.vehicle.name}, {table.vehicle.mass:g} kg"),
         *table.provenance.identity.items(),
-        *_origin(table),
+        *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
+        *(
+            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
+            for one in mean_figures(table)
+        ),
+        *(("by hand", str(one)) for one in table.by_hand),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((of.effect, str(of)) for of in effect_figures(table)),
         ("pad scale", _interval(pads.pad_scale)),
@@ -74,18 +79,6 @@ def shown(stored: Stored) -> Facts:
     ]
     notes = [*table.remarks, *verdict_lines(stored)]
     return Facts(rows=rows, tables=[_curves(table)], notes=notes)
-
-
-def _origin(table: LookUp) -> list[Row]:
-    """What a table was made of, how its cars differ, what was set by hand."""
-    return [
-        *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
-        *(
-            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
-            for one in mean_figures(table)
-        ),
-        *(("by hand", str(one)) for one in table.by_hand),
-    ]
 
 
 def _interval(value: Value) -> str:
@@ -152,18 +145,8 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
                 for stored in (first, second)
                 for cell in stored.table.by_hand
             ),
-            *map(_beyond, found.beyond),
         ],
     )
-
-
-def _beyond(gap: CurveGap | ValueGap) -> str:
-    count = gap.in_bands
-    bands = "beyond any band" if count == float("inf") else f"{count:.1f} times the bands of both"
-    if isinstance(gap, ValueGap):
-        return f"{gap.name}: {gap.a:.4g} and {gap.b:.4g}, {bands}"
-    axis = "slip" if gap.curve == "g" else "eta"
-    return f"{gap.curve}: {gap.largest:+.4g} at {axis} {gap.at:.5f}, {bands} at most"
 
 
 def _short(written: str | None) -> str:
