@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.intervals import Z95
 from calib.car.balance import brake_forces
 from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, Table
@@ -66,11 +65,6 @@ class AxleBudget:
     def largest(self) -> str:
         """Name of the largest part."""
         return max(self.parts, key=lambda part: self.parts[part])
-
-    @property
-    def half_width(self) -> float:
-        """Half width of the 95 % interval of the pad friction [1], to first order."""
-        return Z95 * self.sigma * self.pad_friction
 
     @property
     def words(self) -> str:

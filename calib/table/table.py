@@ -59,6 +59,13 @@ class DifferenceCurve:
         i = int(np.argmax(np.abs(self.D)))
         return float(self.eta[i]), float(self.D[i])
 
+    @property
+    def band_width(self) -> float | None:
+        """Half width of the band over D where D is largest [1]; None where D is 0."""
+        i = int(np.argmax(np.abs(self.D)))
+        half = 0.5 * float(self.upper[i] - self.lower[i])
+        return half / abs(float(self.D[i])) if self.D[i] else None
+
 
 @dataclass(frozen=True)
 class PaperCurves:
@@ -112,6 +119,10 @@ class TyreCurve:
     upper: Array
     count: Array
     flag: Array
+
+
+CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
+"""The curves of a table, which are columns and no part of its record."""
 
 
 @dataclass(frozen=True)
@@ -350,7 +361,7 @@ class Table:
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()
         }
-        curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
+        curves = {name: record.pop(name) for name in CURVES}
         return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
 
     @property

@@ -222,7 +222,7 @@ def test_want_of_memory_is_an_error_of_the_program():
 
 @pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, pickle.dumps, vars])
 def test_a_key_is_not_copied_into_a_file_or_a_message(way):
-    assert repr(ADA) == f"SecretKey({ADA.key_id})"
+    assert repr(ADA) == f"SecretKey({ADA.public.key_id})"
     with pytest.raises(TypeError):
         way(ADA)
 

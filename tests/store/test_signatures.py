@@ -155,7 +155,7 @@ def test_a_signature_is_checked_by_minisign_and_made_by_minisign(store, keys):
 def test_a_signature_covers_the_journal_and_is_entered_in_it(store):
     line = store.journal().entries[-1]
     assert (line.event, line.id, line.state) == ("signed", "sedan@2", "released")
-    assert (line.key, line.by) == (ADA.key_id, "Ada")
+    assert (line.key, line.by) == (ADA.public.key_id, "Ada")
     assert used(store).statement.head == line.previous
 
 
@@ -238,7 +238,7 @@ def test_a_version_without_a_signature_of_the_key_is_refused(store):
     assert [v.id for v in verify_signed(store, ADA.public)[0] if not v.sound] == ["wagon@1"]
     assert all(v.sound for v in verify_signed(store, ADA.public, "sedan")[0])
     sign(store, "wagon@1", EVE)
-    assert EVE.key_id in refusal(store, "wagon@1")
+    assert EVE.public.key_id in refusal(store, "wagon@1")
     refusal(store, "sedan@2", NAMESAKE)
     path = store.folder / "wagon" / "v0001.minisig"
     path.write_bytes(path.read_bytes()[:-9])
@@ -248,10 +248,10 @@ def test_a_version_without_a_signature_of_the_key_is_refused(store):
 def test_two_keys_have_a_file_each_and_a_second_signature_takes_the_place_of_the_first(store):
     home = store.folder / "sedan"
     sign(store, "sedan@2", EVE)
-    named = home / f"v0002.{EVE.key_id}.minisig"
+    named = home / f"v0002.{EVE.public.key_id}.minisig"
     for key in (ADA, EVE):
         used(store, "sedan@2", key)
-    assert key_ids(store.load("sedan@2")) == (ADA.key_id, EVE.key_id)
+    assert key_ids(store.load("sedan@2")) == (ADA.public.key_id, EVE.public.key_id)
     first = (home / "v0002.minisig").read_bytes()
     sign(store, "sedan@2", ADA)
     assert (home / "v0002.minisig").read_bytes() != first
@@ -395,4 +395,4 @@ def test_a_key_shows_itself_by_its_number_only(store, seen, keys):
         assert bytes(range(32)).hex() not in content
         # the secret half of the secret key, the point of the public one
         assert not any(word[i : i + 16] in content for word in words for i in range(16, 40))
-    assert any(ADA.key_id in path.read_text() for path in files if path.name == "journal.jsonl")
+    assert any(ADA.public.key_id in path.read_text() for path in files if path.name == "journal.jsonl")
