@@ -3,7 +3,7 @@
 from dataclasses import MISSING, fields
 from typing import Any, Literal, get_type_hints
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from calib.base.record import FileSchema, Section, section
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
@@ -24,7 +24,8 @@ def _keys(of: type) -> dict[str, tuple[Any, Any]]:
 _VEHICLE = section(
     "_VehicleRecord",
     "The vehicle in a record: of its effects only the named ones.",
-    _keys(Vehicle) | {"effects": (dict[str, dict[str, float]], ...)},
+    _keys(Vehicle)
+    | {"mass_tolerance": (float, ...), "effects": (dict[str, dict[str, float]], ...)},
 )
 
 
@@ -42,7 +43,7 @@ Record = section(
         "vehicle": (_VEHICLE, ...),
         "effects": (dict[str, dict[str, Value]], ...),
         "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),
-        "own_effects": (dict[str, DefinedIn], {}),
+        "own_effects": (dict[str, DefinedIn], Field(default_factory=dict)),
     },
     _Finite,
 )

@@ -78,7 +78,7 @@ def write_version(table: Table, version: int, path: Path) -> None:
         data = curve_bytes(curves[name])
         digests[f"{name}.parquet"] = _sha256(data)
         _write(path / f"{name}.parquet", data)
-    _write(path / RECORD, _content(record, table.digest, version, digests, {"states": JOURNAL}))
+    _write(path / RECORD, _content(record, table.digest, version, digests, True))
     sync(path)
 
 
@@ -104,13 +104,13 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
         table = table_of(file.record, curves)
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, f"{RECORD}: not the record of these curves ({error!r})") from error
-    states = {} if file.states is None else {"states": file.states}
-    if data != _content(record, file.digest, file.version, file.files, states):
+    journaled = file.states is not None
+    if data != _content(record, file.digest, file.version, file.files, journaled):
         raise _damaged(path, f"{RECORD}: its keys or its spelling do not agree with the record")
     name, version = table.name, file.version
     if promised not in (None, f"{name}@{version}"):
         raise _damaged(path, f"{RECORD}: holds {name}@{version} in the place of {promised}")
-    return Stored(table, name, version, file.digest, path, _sha256(data), bool(states))
+    return Stored(table, name, version, file.digest, path, _sha256(data), journaled)
 
 
 def curve_bytes(columns: dict[str, Array]) -> bytes:
@@ -147,7 +147,7 @@ def read_curve(data: bytes) -> dict[str, Array]:
 
 
 def _content(
-    record: dict[str, Any], digest: str, version: int, files: dict[str, str], states: dict[str, str]
+    record: dict[str, Any], digest: str, version: int, files: dict[str, str], journaled: bool
 ) -> bytes:
     """The bytes of a record file, which has one spelling."""
     document = {
@@ -158,7 +158,7 @@ def _content(
                     for log in record["provenance"]["logs"]],
         "files": files,
         "record": record,
-        **states,
+        **({"states": JOURNAL} if journaled else {}),
     }  # fmt: skip
     return (json.dumps(document, indent=2, sort_keys=True) + "\n").encode()
 

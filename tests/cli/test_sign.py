@@ -142,7 +142,10 @@ def test_list_and_show_say_signed_or_not(tables, signed, two, document):
     assert tables("list").out.count("signed") == 1
     rows = document(tables("list", "--json"))["tables"]
     assert [row["keys"] for row in rows] == [[ADA.public.key_id], [], []]
-    assert f"by key {ADA.public.key_id}; `tables verify --key` checks it" in tables("show", "sedan@1").out
+    assert (
+        f"by key {ADA.public.key_id}; `tables verify --key` checks it"
+        in tables("show", "sedan@1").out
+    )
     assert "signed              no\n" in tables("show", "sedan@2").out
     assert document(tables("show", "sedan@1", "--json"))["keys"] == [ADA.public.key_id]
 
