@@ -216,7 +216,7 @@ def test_a_statement_that_is_not_of_the_signed_record_is_refused(store, other):
     statement = used(store).statement
     if other == {"head": ""}:  # before the version was stored
         other = {"head": store.journal().entries[0].hash}
-    by_hand(store, "sedan@2", replace(statement, **other).line)
+    by_hand(store, "sedan@2", statement._replace(**other).line)
     refusal(store)
     by_hand(store, "sedan@2", "my best table")
     refusal(store)
