@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, progress, this_run
-from cli.logs import named, open_table, read, tell
+from cli.logs import named, opened, tell
 from cli.options import Map, logs
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
         for i, (path, name) in enumerate(zip(logs, named(logs), strict=True)):
             step(f"reading {name.name}", i, len(logs))
             try:
-                found.append(_findings(path, name, channel_map))
+                found.append(_findings(path, channel_map))
             except InputError as error:
                 errors.append((path, error))
     for _, wrong in errors:
@@ -44,16 +44,15 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
     )
 
 
-def _findings(path: Path, name: Path, mapping: Map) -> "Findings":
-    from calib.logs.formats import RECORDINGS, ending_of
+def _findings(path: Path, mapping: Map) -> "Findings":
     from calib.logs.read import read_opened
+    from calib.logs.source import ColumnSource
     from calib.run.check import check as look_at
     from calib.run.copies import computed_channels
 
-    # a bus has thousands of signals: no search for copies of a pressure among them
-    if ending_of(name) in RECORDINGS:
-        return look_at(read(path, mapping, require=()))
-    opened = open_table(path, mapping)
-    log = read_opened(opened, name, mapping, require=())
+    with opened(path, mapping) as source:
+        log = read_opened(source, mapping, require=())
     tell(log)
-    return look_at(log, computed_channels(log, opened.source))
+    # a bus has thousands of signals: no search for copies of a pressure among them
+    table = source.source
+    return look_at(log, computed_channels(log, table) if isinstance(table, ColumnSource) else ())

@@ -36,6 +36,8 @@ GONE = {
     "log cut": "log LOG --out FILE --from TIME --until TIME",
     "log convert": "log LOG... --out FILE",
     "manual --html": "manual PAGE",
+    "repeatability --folders": "repeatability --plan PLAN.csv",
+    "repeatability --road": "repeatability LOG... --plan PLAN.csv",
     "plot --figure budget": "tables show TABLE",
     "plot --figure coverage": "plot TABLE LOG --figure difference",
     "plot --figure force-sum": "plot TABLE LOG --figure normalised-forces",

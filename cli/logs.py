@@ -45,13 +45,11 @@ def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | No
 
     Raises LogError as `calib.logs.read.read_log` does.
     """
-    from calib.logs.read import REQUIRED, log_of, read_log
+    from calib.logs.read import REQUIRED, read_log
 
+    name, data = _known(path)
     needed = REQUIRED if require is None else require
-    if is_stdin(path):
-        log = log_of(_stdin(), NAMED, mapping, require=needed)
-    else:
-        log = read_log(path, mapping, require=needed)
+    log = read_log(name, mapping, require=needed, data=data)
     tell(log)
     return log
 
@@ -63,20 +61,24 @@ def read_whole(path: Path, mapping: "ChannelMap | None", keep_names: bool = Fals
     """
     from calib.logs import whole
 
-    if is_stdin(path):
-        log = whole.whole_of(open_table(path, mapping), NAMED, mapping, keep_names)
-    else:
-        log = whole.read_whole(path, mapping, keep_names)
+    name, data = _known(path)
+    log = whole.read_whole(name, mapping, keep_names, data=data)
     rows, names = log.columns[0].values.size, ", ".join(column.name for column in log.columns)
     detail(f"read {log.source}: {rows} rows, {names}; SHA-256 {log.digest[:12]}")
     return log
 
 
-def open_table(path: Path, mapping: "ChannelMap | None") -> "Opened":
-    """Open a log that is a table, a file or that on stdin. Raises LogError."""
-    from calib.logs.read import open_bytes, open_log
+def opened(path: Path, mapping: "ChannelMap | None") -> "Opened":
+    """Open a log, a file or that on stdin. Raises LogError."""
+    from calib.logs.read import open_log
 
-    return open_bytes(_stdin(), NAMED, mapping) if is_stdin(path) else open_log(path, mapping)
+    name, data = _known(path)
+    return open_log(name, mapping, data=data)
+
+
+def _known(path: Path) -> tuple[Path, bytes | None]:
+    """What names a log, and its bytes where they are on stdin."""
+    return (NAMED, _stdin()) if is_stdin(path) else (path, None)
 
 
 def tell(log: "Log") -> None:

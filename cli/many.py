@@ -234,12 +234,12 @@ def _indexer(runs: Path | None) -> Callable[[], None]:
         return lambda: None
     from calib.show.station_index import write_index
 
-    troubled = False
+    known, troubled = None, False
 
     def write() -> None:
-        nonlocal troubled
+        nonlocal known, troubled
         try:
-            write_index(runs)
+            known = write_index(runs, known)
         except OSError as error:
             if not troubled:
                 complain(f"{runs}: the index cannot be written ({error.strerror})")
@@ -341,6 +341,6 @@ def _index(folder: Path) -> Answer:
     from calib.show.station_index import write_index
 
     with writing(folder, "DIR"):
-        number = write_index(folder)
+        number = len(write_index(folder))
     files = [folder / INDEX, folder / LIVE]
     return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")

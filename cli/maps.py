@@ -53,7 +53,8 @@ def map_(
     from calib.suggest.propose import suggest, to_lines, to_toml, tried
 
     told = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
-    source = open_log(log, channel_map).source
+    with open_log(log, channel_map) as opened:
+        source = opened.table()
     found = tried(suggest(source, str(log), told=told, radius=radius), log, channel_map)
     toml = to_toml(found, channel_map, None if out is None else out.absolute().parent)
     certain = not found.doubts and bool(found.proposals)

@@ -227,11 +227,13 @@ def _is_number(written: str) -> bool:
 
 def _mass(written: str) -> float:
     """A mass [kg] within what a vehicle file may say."""
-    from calib.car.mass import LEAST, MOST
+    from calib.car.keys import KEYS
 
-    mass = quantity("kg")(written)
-    if not LEAST <= mass <= MOST:
-        raise misuse(f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg")
+    mass, known = quantity("kg")(written), next(key for key in KEYS if key.name == "mass")
+    if not known.least <= mass <= known.most:
+        raise misuse(
+            f"{mass:g} kg is not believable; expected {known.least:g} to {known.most:g} kg"
+        )
     return mass
 
 
@@ -322,7 +324,7 @@ OwnEffects = Annotated[
         "file is executed as Python: give only files that you trust.",
         "FILE.py",
         typed=list[Path],
-        make="calib.car.own_effects.read:read_own_effects",
+        make="calib.car.own_effects.effect_file:read_own_effects",
     ),
 ]
 StopLimits = Annotated[

@@ -88,8 +88,7 @@ def station(
     from calib.base.publish import workshop
     from calib.estimation.validate import require_same_vehicle
     from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
-    from calib.line.station.metrics import Car as MeasuredCar
-    from calib.line.station.station import Identity, outcome, table_of, validated
+    from calib.line.station.station import Identity, StationOutcome, table_of, validated
     from calib.run.gates import refuse_copies
     from calib.show.station_page import facts, store_and_write
     from calib.store.state import DRAFT
@@ -125,12 +124,13 @@ def station(
             for log in stops:
                 judged.append(validated(table, log, limits, mass))
                 step()
-        car = MeasuredCar(table, ramp_logs, stops, judged, reference.table if reference else None)
         file = this_run().file("limits")
-        told = f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else ""
-        named = reference.id if reference else ""
-        found = outcome(
-            *(car, coast_logs, limits, identity, named, accept_warnings or "", by or "", told)
+        found = StationOutcome(
+            *(table, ramp_logs, coast_logs, stops, tuple(judged), limits, identity),
+            golden=reference,
+            accepted=accept_warnings or "",
+            by=by or "",
+            limits_file=f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else "",
         )
         with writing(out), workshop(out) as work:
             stored, document = store_and_write(found, store, export, date or "", work)
@@ -201,9 +201,9 @@ def limits(
     Each with its meaning, unit, default and reason. With --json also as one JSON document on
     stdout.
     """
-    from calib.line.station.limits_file import ADVICE, limits_file
+    from calib.line.station.limits_file import document, limits_file
 
     text = limits_file()
     if out is not None:
         write_file(out, text.encode())
-    return Answer({"limits": ADVICE}, text.rstrip("\n") if out is None else "")
+    return Answer({"limits": document()}, text.rstrip("\n") if out is None else "")

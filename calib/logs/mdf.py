@@ -35,12 +35,10 @@ class _Place:
 
 
 def open_mdf(path: Path, dbc: Databases) -> Recording:
-    """Open an MDF file.
+    """Open an MDF file; its frames are decoded with the DBC, and without one ignored with a note.
 
-    Channels keep the timestamps of their group. Bus frames are decoded with the DBC; without a DBC
-    they are ignored, with a note. A file that its recorder did not finish is finished in memory, by
-    asammdf, with a note. Raises LogError as `check_mdf`, if asammdf cannot read the file, and if
-    asammdf is missing.
+    A file that its recorder did not finish is finished in memory, by asammdf, with a note. Raises
+    LogError as `check_mdf`, and if asammdf cannot read it.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
@@ -100,7 +98,6 @@ def _check_layout(mdf: Any, where: str) -> None:
 
 
 def _require_counted(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Raise LogError if asammdf found fewer records of an unfinished file than were counted."""
     for group in mdf.groups:
         found, counted = group.channel_group.cycles_nr, counts.get(group.channel_group.address, 0)
         if found < counted:
@@ -108,7 +105,6 @@ def _require_counted(mdf: Any, counts: dict[int, int], where: str) -> None:
 
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
-    """Every channel with timestamps, in file order; the timestamp channels are left out."""
     columns, places, notes = [], [], []
     names = Counter(_group(mdf, i) for i in range(len(mdf.groups)))
     for number, group in enumerate(mdf.groups):
@@ -202,10 +198,6 @@ def _bus_groups(mdf: Any) -> list[int]:
 
 
 def _frames_in(mdf: Any, groups: list[int], known: Known, where: str) -> list[Frames]:
-    """Frames that are ``known``, by bus and identifier.
-
-    Raises LogError for fewer frames than a group counts, and if asammdf cannot read them.
-    """
     found = []
     for number in groups:
         names = {c.name for c in mdf.groups[number].channels}

@@ -40,10 +40,7 @@ _VARIABLE = 1
 
 @dataclass(frozen=True)
 class _Checked:
-    """The version of a file that may be read; an unfinished one has a ``note`` and ``counts``.
-
-    ``counts`` are the records that are there, by the first byte of their channel group.
-    """
+    """The version of a file that may be read; of an unfinished one the records by group."""
 
     version: str
     note: str = ""
@@ -59,10 +56,7 @@ class _Block(NamedTuple):
 
 @dataclass
 class _Group:
-    """A channel group: its first byte, first channel and number; records stated and found.
-
-    ``size`` bytes of a record; ``variable`` if they differ in length.
-    """
+    """A channel group: bytes of a record, which may vary, and records stated and found."""
 
     place: int
     channels: int
@@ -76,9 +70,8 @@ class _Group:
 def check_mdf(path: Path) -> _Checked:
     """Compare a file with its links, record sizes and record counts.
 
-    Raises LogError for a file that is not MDF, too short (with the number of missing bytes) or
-    damaged, that has a channel of MDF 4 outside its record or fewer records than a group counts,
-    and for one that its recorder did not finish in a way that asammdf cannot.
+    Raises LogError for a file that is not MDF, cut off, damaged, or not finished in a way that
+    asammdf cannot.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -100,7 +93,6 @@ def check_mdf(path: Path) -> _Checked:
 
 
 def _identification(file: BinaryIO, size: int, path: Path) -> tuple[str, int, bool]:
-    """Version, flags of what the recorder did not finish, and whether bytes are little endian."""
     data = file.read(_HEAD)
     begin, version = data[:8].rstrip(b" \0"), data[8:12].strip(b" \0")
     flags = 0
@@ -127,7 +119,6 @@ def _block_at(data: mmap.mmap, place: int) -> _Block:
 
 
 def _chain(data: mmap.mmap, place: int, seen: set[int]) -> Iterator[tuple[int, _Block]]:
-    """A block and those that follow it by their first link. Raises ValueError for a ring."""
     while place:
         _refuse_again(place, seen)
         block = _block_at(data, place)
@@ -187,7 +178,6 @@ def _check_channels(data: mmap.mmap, path: Path) -> None:
 
 
 def _channels(data: mmap.mmap, first: int) -> Iterator[tuple[int, _Block]]:
-    """Channels of a group, and those of which a channel is composed."""
     seen, todo = set[int](), [first]
     while todo:
         for place, block in _chain(data, todo.pop(), set()):
@@ -199,7 +189,6 @@ def _channels(data: mmap.mmap, first: int) -> Iterator[tuple[int, _Block]]:
 
 
 def _check_records(data: mmap.mmap, path: Path) -> None:
-    """Raise LogError if a data group has less data than its records need."""
     for number, (place, id_size, groups) in enumerate(_data_groups(data)):
         counted = [group for group in groups if group.channels or not group.variable]
         needed = sum(group.stated * (group.size + id_size) for group in counted)
@@ -278,7 +267,6 @@ def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path:
 def _count(
     data: mmap.mmap, groups: list[_Group], span: tuple[int, int], id_size: int, path: Path
 ) -> int:
-    """Count the whole records of each group within ``span``; returns where the last one ends."""
     place, end = span
     if not id_size:
         (only,) = groups

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import AXLES, CHANNELS, WHEELS, G
+from calib.base.names import AXLES, CHANNELS, G
 from calib.base.noise import explained_square
 from calib.car.braking import MOVING
 from calib.logs.clock import GAP, step_of
@@ -29,6 +29,7 @@ from calib.run.driving_record import (
     brake_events,
     driving_record,
     rolls,
+    standing,
 )
 from calib.run.filters import centred_mean, since
 from calib.run.limits import LIMITS
@@ -51,10 +52,6 @@ class _Clock:
     gaps: tuple[tuple[float, float], ...]
 
 
-_REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
-OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
-
-
 @dataclass(frozen=True)
 class Observation:
     """Content of a log, in SI.
@@ -68,11 +65,9 @@ class Observation:
     coasting : all unbraked, steady and moving time [s].
     lead_in_driven : whether the car was accelerated in it.
     standing : time in which no wheel turns [s].
-    speed : highest speed [m/s]; approximate without ``v``.
-    z : highest deceleration, in g [1].
+    speed, z : highest speed [m/s], approximate without ``v``; highest deceleration, in g [1].
     alone : the axle that brakes alone by its pressures, "f" or "r"; None for both.
-    explained : share of the deceleration's variance that the pressure explains [1]; None where it
-        cannot be told.
+    explained : share of the deceleration's variance that the pressure explains [1], if known.
     wheels_held : mean time for which a wheel speed keeps a value while the car slows [s].
     v_of_wheels : whether ``v`` is made of the wheel speeds.
     axles, slipping, wheels : None where ``a_x`` or a wheel speed is missing; so are the times
@@ -103,38 +98,37 @@ class Observation:
         return next((s for s in self.sensors if s.channel == channel), None)
 
 
-def observe(log: Log, *, noise: bool = True) -> Observation:
+def observe(log: Log, *, full: bool = True) -> Observation:
     """Observe a log; without ``a_x`` and all wheel speeds only its clock and sensors.
 
-    With ``noise`` false, noise and resolution of the sensors are NaN; no verdict depends on them.
+    Without ``full``, noise and resolution of the sensors are NaN, and ``v_of_wheels`` is not looked
+    for: `check` and a diagnosis alone ask for them.
     """
     present = tuple(name for name in CHANNELS if name in log)
-    missing = tuple(name for name in _REQUIRED if name not in log)
+    missing = tuple(q.name for q in CHANNELS.values() if q.required and q.name not in log)
     clock = clock_of(log.time)
     if set(missing) - {"p_mc"}:
-        return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
+        return Observation(present, missing, clock, sensors_of(log, None, full=full))
     driving = driving_record(log)
     events = brake_events(driving)
     slips = slips_of(log, driving)
     rolling = driving.lead_in & driving.moving
-    steady = rolling & rolls(driving.z)
-    wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
     return Observation(
         present=present,
         missing=missing,
         clock=clock,
-        sensors=sensors_of(log, driving, noise=noise),
+        sensors=sensors_of(log, driving, full=full),
         events=events,
-        lead_in=float(steady.sum() * driving.step),
+        lead_in=float((rolling & rolls(driving.z)).sum() * driving.step),
         coasting=float(driving.unbraked.sum() * driving.step),
         lead_in_driven=bool((driving.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum()),
-        standing=float((wheels < LIMITS.standing).sum() * driving.step),
+        standing=float(standing(log).sum() * driving.step),
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),
         explained=explained(log, driving) if "p_mc" in log else None,
         wheels_held=wheels_held(log),
-        v_of_wheels="v" in log and made_of_wheels(log),
+        v_of_wheels=full and "v" in log and made_of_wheels(log),
         axles=axles_of(log, driving, slips),
         slipping=slipping(slips, driving, events),
         wheels=wheel_parts(log, driving),

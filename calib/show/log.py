@@ -23,9 +23,9 @@ from calib.run.driving_record import (
     STANDSTILL,
     RunEvent,
     driving_record,
-    rolling_radius,
     run_events,
 )
+from calib.run.wheels import rolling_radius
 from calib.show.facts import Facts, Picture, Table
 from calib.show.sheet import Panel, Sheet
 from calib.show.style import (

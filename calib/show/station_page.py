@@ -24,7 +24,6 @@ from calib.line.station.files import (
     to_dict,
     to_text,
 )
-from calib.line.station.limits_file import action
 from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
@@ -57,14 +56,14 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
     of_stops: dict[str, list[Judgement]] = {}
     for check in found.checks:
-        if not check.of_car:
+        if check.stop is not None:
             of_stops.setdefault(check.figure, []).append(check.judgement)
     stops = ", ".join(r.log for r in found.results)
-    of_car = [[check.judgement] for check in found.checks if check.of_car]
+    of_car = [[check.judgement] for check in found.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
     by_stop, unknown_too = judged(f"Stop by stop, in this order: {stops}.", [*of_stops.values()])
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
-    steps = [(check.verdict, check.text, action(check.figure)) for check in bad]
+    steps = [(check.verdict, check.text, check.action) for check in bad]
     heads = ("verdict", "result", "next step")
     return Facts(
         title=f"Brake torque calibration of {name}",
@@ -77,8 +76,8 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
             ("Mass", str(found.results[0].mass)),
             ("Date", date or "not stated (--date)"),
             ("Operator", found.by or "not stated (--by)"),
-            ("Limits file", found.limits or "none: those of the program"),
-            ("Golden table", f"{found.golden}{mean}" if found.golden else "none given"),
+            ("Limits file", found.limits_file or "none: those of the program"),
+            ("Golden table", f"{found.golden.id}{mean}" if found.golden else "none given"),
         ],
         tables=[
             Cells(heads, steps, "Limits that are not held.", [step[0] for step in steps]),
@@ -95,16 +94,13 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     pictures = sheet(found.table, found.results)
     stops = [f"stop-{i}" for i, _ in enumerate(found.results, 1)]
     notes = [f"{r.log}: {text}" for r in found.results for text in on_the_way(r)]
-    meant = {check.figure: check.meaning for check in found.checks}
+    meant = {check.figure: plain(check.figure).meaning for check in found.checks}
     meanings = [
         (plain(key).name, f"{key}: {text}. Why: {plain(key).reason or 'no limit by default'}.")
         for key, text in meant.items()
     ]
     curves = [Picture(_CURVES, pictures, _TAKEN)]
     over_time = [Picture(_OVER_TIME, pictures, stops)]
-    logs = [("ramp", log.name, log.digest) for log in found.ramps]
-    logs += [("coast", log.name, log.digest) for log in found.coasts]
-    logs += [(r.role, r.log, r.digest) for r in found.results]
     remarks = [*found.table.remarks, *map(str, found.caveats)]
     told = facts(found, stored, date)
     parts = [
@@ -113,7 +109,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
         Facts("The table", pictures=curves),
         Facts("The stops", pictures=over_time, notes=notes),
         Facts("Remarks", notes=remarks, folded=True),
-        origin(PageOrigin(date), stored, logs, str(found.results[0].mass)),
+        origin(PageOrigin(date), stored, found.logs, str(found.results[0].mass)),
     ]
     return replace(told, parts=parts)
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import G
 from calib.logs.channel_map import Mapping
-from calib.logs.source import Array
 from calib.run.copies import factor_between, is_other_quantity
 from calib.run.limits import LIMITS
 from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows, lead
@@ -48,10 +48,7 @@ _NAMED = 99
 def _choose(
     search: Search, channel: str, passed: list[tuple[Series, int]], why: str
 ) -> Series | None:
-    """The column whose name fits best; if several fit equally well, a doubt.
-
-    Of measured columns, those that are sampled coarsely beside another are no candidates.
-    """
+    """The column whose name fits best; if several fit equally well, a doubt."""
     measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
     top = max((s.rate or 0.0 for s in measured), default=0.0)
     coarse = {s.name for s in measured if 2.0 * (s.rate or 0.0) < top}
@@ -100,8 +97,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
 def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, metres: bool) -> None:
     """By unit, and by the derivative of speed up to its sign.
 
-    ``rate`` is that derivative, shape (n,): in m/s^2 with ``metres``, else of the wheels in
-    rad/s^2.
+    ``rate`` is that derivative, (n,) [m/s^2]; without ``metres`` that of the wheels [rad/s^2].
     """
     checked = None
     if rate is not None and float(np.ptp(rate)) > (_ACCELERATED if metres else 2.0):
@@ -146,7 +142,6 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, me
 def _wrong_size(
     search: Search, item: Series, rate: Array, clock: ColumnClock, metres: bool
 ) -> bool:
-    """Whether the size of the acceleration contradicts its unit, which is then asked for."""
     slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
     off, what = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
     low, high = _SLOPES if metres else LIMITS.wheel_radius
@@ -170,11 +165,9 @@ def refuse_computed(search: Search) -> None:
 
 
 def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> None:
-    """By unit, correlated with the deceleration and not later than it.
+    """By unit, correlated with the deceleration ``braking``, (n,), and not later than it.
 
-    ``braking`` is the deceleration, shape (n,), or None if speed does not change. A column
-    without a unit is a doubt if it is named a brake pressure: it could be a torque or a
-    percentage.
+    A column without a unit is a doubt if it is named a brake pressure: it could be a torque.
     """
     passed, unnamed = [], []
     for item in search.free():
@@ -239,7 +232,6 @@ def _brake_score(name: str) -> int:
 
 
 def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
-    """Reason why a pressure is not the brake pressure, or None."""
     if item.values.max() > LIMITS.pressure:
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:

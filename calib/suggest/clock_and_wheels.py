@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import WHEELS
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
-from calib.logs.source import Array
 from calib.run.limits import LIMITS
 from calib.suggest.columns import (
     ColumnClock,
@@ -32,11 +32,7 @@ _ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
 
 
 def find_clock(search: Search) -> None:
-    """Not decreasing, named as a time, with a unit of time.
-
-    A missing unit follows from the rate: of seconds, milliseconds and microseconds only one
-    gives 40 Hz to 1 kHz. Nothing is proposed if no column, or more than one, fits.
-    """
+    """Not decreasing, named as a time, with a unit of time, or with one that its rate can have."""
     if "time" not in search.told:
         _propose_clock(search)
     elif (given := search.given("time")) is not None:
@@ -121,14 +117,12 @@ def _is_time(name: str) -> bool:
 
 
 def _runs(values: Array) -> bool:
-    """Whether the values rise, with `_REPEATED` of the rows repeating the one before at most."""
     steps = np.diff(values)
     few = np.count_nonzero(steps == 0.0) <= _REPEATED * values.size
     return bool(steps.size and np.all(steps >= 0.0) and few)
 
 
 def _disorder(time: Array) -> str:
-    """What keeps a column from being a time, in words."""
     steps = np.diff(time)
     for what, wrong in (
         ("has no value", np.flatnonzero(np.isnan(time))),
@@ -141,7 +135,6 @@ def _disorder(time: Array) -> str:
 
 
 def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
-    """Sets of four free columns of the given quantities, one for each wheel."""
     found: dict[tuple[str, str | None], dict[str, Series]] = {}
     for item in search.free():
         wheel, rest = loose_corner(item.name)
@@ -151,10 +144,7 @@ def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
 
 
 def find_wheels(search: Search) -> tuple[Array | None, bool]:
-    """Named for the four wheels, similar, with a unit; speeds at the rim need the radius.
-
-    Returns the mean wheel speed and whether it is in rad/s.
-    """
+    """Four speeds named for the wheels and alike; their mean, and whether it is in rad/s."""
     good = []
     for four in _fours(search, "rad/s", "m/s", None):
         if together([four[w].values for w in WHEELS]):

@@ -45,11 +45,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A channel map proposed for ``log``; it is written only if there are no ``doubts``.
-
-    ``missing`` required channels and ``left`` columns have a reason each; ``ignore`` columns have
-    the name of a channel and another content.
-    """
+    """A channel map proposed for ``log``; it is written only if there are no ``doubts``."""
 
     log: str
     proposals: tuple[Proposal, ...]
@@ -68,10 +64,9 @@ def suggest(
 ) -> Suggestion:
     """Propose a channel map for an opened log.
 
-    ``told`` are sources given by the user, by channel: ``Brake [bar]`` with or without a unit;
-    empty for a channel that must not be mapped. ``radius`` [m] turns speeds at the rim into wheel
-    speeds. A channel is missing if no column fits, and a doubt if several fit. Raises InputError
-    for a channel or column in ``told`` that does not exist.
+    ``told`` are sources given by the user, by channel, such as ``Brake [bar]``; empty for a channel
+    without one. ``radius`` [m] turns speeds at the rim into wheel speeds. Raises InputError for a
+    channel or column in ``told`` that does not exist.
     """
     search = Search(*read_series(source), dict(told or {}), radius)
     for channel, cell in search.told.items():
@@ -95,7 +90,6 @@ def suggest(
 
 
 def _find(search: Search) -> None:
-    """Each step uses the results of the steps before."""
     find_clock(search)
     clock = search.clock
     if clock is None:
@@ -128,10 +122,7 @@ def _why_missing(name: str, search: Search) -> str:
 def _told(
     channel: str, cell: str, source: ColumnSource, where: str, radius: float | None
 ) -> Proposal | None:
-    """The proposal for a channel whose source the user names; None for an empty name.
-
-    ``cell`` is the name of a column, with or without a unit. Raises InputError.
-    """
+    """The proposal for a channel whose source the user names; None for an empty name."""
     if channel not in CHANNELS:
         raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
     if not cell:
@@ -147,7 +138,6 @@ def _told(
 
 
 def _column_called(cell: str, source: ColumnSource, where: str) -> Column:
-    """The column with this address, also if ``cell`` has another unit."""
     columns = source.columns
     found = called(cell, columns) or called(column_from_cell(cell).name, columns)
     if len(found) == 1:
@@ -171,11 +161,7 @@ def _check_unit(unit: str | None, channel: str, cell: str) -> None:
 
 
 def tried(found: Suggestion, path: Path, read_with: ChannelMap | None = None) -> Suggestion:
-    """The suggestion, with a doubt if the log cannot be read with it.
-
-    ``read_with`` is the map that the log was opened with: its file format and DBC are used. A
-    suggestion with doubts has no map yet, and is returned as it is.
-    """
+    """The suggestion, with a doubt if the log cannot be read with it."""
     if found.doubts or not found.proposals:
         return found
     channels = {proposal.channel: proposal.mapping for proposal in found.proposals}
@@ -196,9 +182,8 @@ def to_toml(
 ) -> str:
     """The channel map as TOML; comments say how sure each entry is.
 
-    ``read_with`` is the map that the log was opened with: its DBC files and text format are kept.
-    The paths of the DBC files lead from ``folder``, in which the map is to stand; they are absolute
-    without one.
+    DBC files and text format are those of ``read_with``; paths lead from ``folder``, or are
+    absolute.
     """
     import tomlkit
 

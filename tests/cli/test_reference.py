@@ -195,7 +195,6 @@ def completed(*words, store=""):
         (("tables", "show", "--store", "STORE", "w"), ["wagon", "wagon@1"]),
         (("tables", "release", "--store", "STORE", ""), ["sedan@2", "sedan@1", "wagon@1"]),
         (("effects", ""), [*CATALOGUE]),
-        (("repeatability", "--folders", ""), ["car", "car/station", "station/car"]),
     ],
 )
 def test_what_the_tab_key_offers(two, words, offered):

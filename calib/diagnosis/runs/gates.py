@@ -42,7 +42,7 @@ def require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
 def require_right_channels(vehicle: Vehicle, logs: Sequence[Log]) -> None:
     """Raise LogError for a log with channels that are wrong, or one of another car."""
     for log in logs:
-        reasons = wrong_channels(observe(log, noise=False))
+        reasons = wrong_channels(observe(log))
         if reasons:
             raise LogError(
                 "this run will not do for a diagnosis: " + "; ".join(reasons),

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.line.fleet.outliers import Mask
-from calib.logs.log import Array
 
 RULES = {
     1: "one car beyond 3 sigma",

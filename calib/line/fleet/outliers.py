@@ -25,8 +25,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.line.fleet.shapes import QUARTILE, TAIL_PRIOR, Bulk
-from calib.logs.log import Array
 
 Mask = NDArray[np.bool_]
 

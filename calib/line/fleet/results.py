@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.bounded import RESULT, open_bounded
 from calib.base.errors import InputError
 from calib.base.toml import did_you_mean
 from calib.base.write import sync
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
-from calib.logs.log import Array
 
 NAME = "results.parquet"
 _GROUP = 5000

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import InputError
 from calib.base.plain import plain
 from calib.base.toml import did_you_mean
@@ -15,7 +16,6 @@ from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, le
 from calib.line.fleet.outliers import MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
-from calib.logs.log import Array
 
 _DRIFT = 0.01
 """Expected share of false ones among the metrics with a drift [1]."""

@@ -18,7 +18,7 @@ from calib.line.fleet.rows import FIT, Cell, Command, Row, Status, finite
 from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
-from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
+from calib.logs.read import FORMATS, REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
 VEHICLE = "vehicle.toml"
@@ -154,8 +154,8 @@ def _contents(job: Job, item: WorkItem) -> Files:
 
 def _log(job: Job, item: WorkItem, files: Files, require: tuple[str, ...] = REQUIRED) -> Log:
     (data,) = files.values()
-    path = Path(item.path)
-    return log_of(data, Path(item.name), job.channel_map, require=require, file=path)
+    name, file = Path(item.name), Path(item.path)
+    return read_log(name, job.channel_map, require=require, data=data, file=file)
 
 
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -207,7 +207,7 @@ def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
     for inner, data in files.items():
         if inner != VEHICLE:
             where, file = Path(item.name) / inner, Path(item.path) / inner
-            log = log_of(data, where, job.channel_map, file=file)
+            log = read_log(where, job.channel_map, data=data, file=file)
             sides[inner.split("/")[0]].append(log)
     found = diagnose(vehicle, sides[CALIBRATION], sides[HOLDOUT])
     gap = (found.gap.before, found.gap.after, found.gap.closed)

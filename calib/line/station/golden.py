@@ -16,9 +16,9 @@ import math
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
-from calib.logs.log import Array
 from calib.store.own_errors import (
     COMPLIANCE,
     RATIO,

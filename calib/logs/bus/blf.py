@@ -34,10 +34,8 @@ _NEXT = 8
 
 
 def open_blf(path: Path, dbc: Databases) -> Recording:
-    """Open a BLF file.
-
-    Raises LogError for a file that is not whole (`check_whole`), if python-can or a DBC is missing,
-    and if no frame is described by the DBC.
+    """Open a BLF file. Raises LogError as `check_whole`, without a DBC, and if it describes no
+    frame.
     """
     where = str(path)
     can = need("can", "can", where)
@@ -53,9 +51,8 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
 def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
     """Compare the sizes in the header and in the containers with what is there.
 
-    Returns the number of frames, and a note if the header counts another number of objects; that
-    number decides only if the header has no size of the unpacked objects. Raises LogError for a
-    file that is not BLF, not finished, damaged or not whole.
+    Returns the number of frames, and a note if the header counts another number of objects. Raises
+    LogError for a file that is not BLF, not finished, damaged or not whole.
     """
     with path.open("rb") as file:
         begin = file.read(_HEADER.size)
@@ -95,9 +92,7 @@ def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
 
 @dataclass
 class _Found:
-    """Objects by type; ``unpacked`` bytes of all, ``padding`` that may fill the space after them;
-    ``rest`` is an object that is not complete.
-    """
+    """Objects by type, ``unpacked`` bytes of all, ``padding`` after them, ``rest`` of the last."""
 
     kinds: Counter[int] = field(default_factory=Counter)
     unpacked: int = 0
@@ -106,7 +101,6 @@ class _Found:
 
 
 def _walk(file: BinaryIO, path: Path) -> _Found:
-    """All objects from the position of ``file`` on, also those in containers. Raises LogError."""
     found = _Found()
     while (head := file.read(_OBJECT.size)).strip(b"\0"):
         whole = len(head) == _OBJECT.size and head[:4] == b"LOBJ"
@@ -128,7 +122,6 @@ def _walk(file: BinaryIO, path: Path) -> _Found:
 
 
 def _inflated(content: bytes, path: Path) -> bytes:
-    """Unpack a container. Raises LogError if it ends early or holds less than it states."""
     if len(content) < _CONTENT.size:
         raise _container(path, "it has no header")
     method, size = _CONTENT.unpack_from(content)

@@ -101,11 +101,7 @@ class _Part:
 def read_by_message(
     cantools: Any, text: str, where: str
 ) -> "tuple[list[Message | Flawed], list[str]]":
-    """The messages of a DBC in its order, and notes on what is wrong in it.
-
-    ``text`` is the whole file, ``where`` its path, for messages. Raises ValueError for more than
-    `MOST` messages.
-    """
+    """The messages of a DBC, and notes on what is wrong in it. Raises ValueError for too many."""
     common, parts, unused = _parts(text)
     if len(parts) > MOST:
         raise ValueError(f"it has {len(parts)} messages, at most {MOST} are read")
@@ -121,7 +117,6 @@ def read_by_message(
 
 
 def _once(messages: "list[Message | Flawed]", where: str) -> "list[Message | Flawed]":
-    """Of messages with one identifier none can be read."""
     found: dict[tuple[int, bool], Message | Flawed] = {}
     for message in messages:
         key = (message.frame_id, message.is_extended_frame)
@@ -152,7 +147,6 @@ def _read(cantools: Any, part: _Part, common: str, where: str) -> "Message | Fla
 
 
 def _in_file(why: str, part: _Part) -> str:
-    """The words of cantools, with the number of the line in the whole file."""
     bare = re.sub(r'^DBC: "(.*?)\.?"$', r"\1", why, flags=re.DOTALL)
     bare = bare.removesuffix(f" in message {part.name}")
     return re.sub(r"(?<=at line )\d+", lambda found: str(int(found[0]) + part.line - 1), bare)

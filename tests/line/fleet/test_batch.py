@@ -116,7 +116,7 @@ def test_a_log_for_which_memory_is_short_is_tried_again(run, six, monkeypatch):
         raise MemoryError
 
     with monkeypatch.context() as patched:
-        patched.setattr("calib.line.fleet.work.log_of", short)
+        patched.setattr("calib.line.fleet.work.read_log", short)
         assert run("logs/car_00000.csv").counts == {"error": 1}
     again = run("logs/car_00000.csv")
     assert (again.pace.fresh, again.counts) == (1, {"passed": 1})
