@@ -72,6 +72,8 @@ PLAN = FileKind("plan", 16)
 EFFECT = FileKind("effect", 1)
 CALIBRATION = FileKind("calibration", 16)
 """DCM and CDF that come back."""
+PROGRAM = FileKind("program", 512)
+"""ELF; one without debug information is a hundredth of it."""
 VALIDATION = FileKind("validation", 16)
 """JSON that `validate` and `station` wrote."""
 RESULT = FileKind("result", 120)
@@ -84,7 +86,7 @@ KEY = FileKind("key", 0.016384)
 """Keys and signatures: no file of minisign is longer."""
 
 KINDS = (
-    *(LOG, RECORDING, DBC, TOML, PLAN, EFFECT, CALIBRATION),
+    *(LOG, RECORDING, DBC, TOML, PLAN, EFFECT, CALIBRATION, PROGRAM),
     *(VALIDATION, RESULT, TABLE, JOURNAL, KEY),
 )
 

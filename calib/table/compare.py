@@ -96,8 +96,10 @@ class Difference:
     @property
     def beyond(self) -> tuple[CurveGap | ValueGap, ...]:
         """Curves and values that differ by more than the 95 % bands of both, the worst first."""
-        wide = [gap for gap in (*self.curves, *self.values) if gap.in_bands > 1.0]
-        return tuple(sorted(wide, key=lambda gap: -gap.in_bands))
+        every: list[CurveGap | ValueGap] = [*self.curves, *self.values]
+        return tuple(
+            sorted((gap for gap in every if gap.in_bands > 1.0), key=lambda g: -g.in_bands)
+        )
 
     @property
     def verdict(self) -> str:
