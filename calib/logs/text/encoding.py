@@ -1,9 +1,12 @@
 """Unpack a log, and convert text to UTF-8: byte order marks, UTF-16, Western encodings."""
 
 import codecs
+import io
 import zlib
+from pathlib import Path
+from typing import BinaryIO
 
-from calib.base.bounded import LOG
+from calib.base.bounded import LOG, bytes_of
 from calib.base.errors import LogError
 from calib.logs.source import damaged
 
@@ -36,6 +39,13 @@ def gunzip(data: bytes, where: str) -> bytes:
             raise damaged(where, what, "length and check sum at the end")
         data = stream.unused_data.lstrip(b"\0")
     return b"".join(parts)
+
+
+def unzipped(path: Path) -> BinaryIO:
+    """The bytes of a log of a bus, packed or not. Raises LogError as `gunzip`."""
+    if path.suffix.lower() != ".gz":
+        return path.open("rb")
+    return io.BytesIO(gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path)))
 
 
 def too_large(where: str) -> LogError:
