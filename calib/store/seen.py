@@ -11,57 +11,18 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
-
-from pydantic import Field
+from typing import TYPE_CHECKING
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import SignatureRefused
-from calib.base.record import FileSchema, Section, validated
 from calib.base.write import locked_folder, write_whole
 from calib.store.journal import Journal
 
+if TYPE_CHECKING:
+    from calib.store.record_file import Sight
+
 _FILE = Path("brake-cal") / "seen.json"
 _UNSEEN = "an older copy of the store will not be noticed"
-_Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-
-
-class _Sight(Section):
-    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
-
-    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
-    folder of the store.
-    """
-
-    key: str
-    store: _Hash
-    place: str
-    head: _Hash
-    lines: Annotated[int, Field(ge=1)]
-
-    @property
-    def of(self) -> tuple[str, str, str]:
-        """What it is a sight of; of these only the newest is kept."""
-        return self.key, self.store, self.place
-
-    def flaw(self, folder: Path, journal: Journal) -> str:
-        """Why a journal in ``folder`` is none that may follow, or ""."""
-        lines = journal.entries
-        if not lines or lines[0].hash != self.store:
-            here = self.place == str(folder.resolve())
-            return "another store was seen here before" if here else ""
-        if len(lines) < self.lines:
-            return (
-                f"an older copy of the store: its journal has {len(lines)} lines, {self.lines} "
-                "were seen"
-            )
-        if lines[self.lines - 1].hash != self.head:
-            return f"its journal went another way: line {self.lines} is not the one that was seen"
-        return ""
-
-
-class _SeenFile(FileSchema):
-    seen: tuple[_Sight, ...]
 
 
 @dataclass(frozen=True)
@@ -69,7 +30,7 @@ class SeenJournals:
     """All that was seen, in the file ``path``; ``note`` says why it cannot be used, else ""."""
 
     path: Path | None
-    sights: tuple[_Sight, ...] = ()
+    sights: "tuple[Sight, ...]" = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
@@ -78,7 +39,7 @@ class SeenJournals:
         So for one that went another way, and for another store in the place of the one seen.
         """
         for seen in self.sights:
-            if seen.key == key and (flaw := seen.flaw(folder, journal)):
+            if seen.key == key and (flaw := _flaw(seen, folder, journal)):
                 raise SignatureRefused(
                     flaw,
                     where=folder,
@@ -92,11 +53,13 @@ class SeenJournals:
 
         Raises SignatureRefused when the file is damaged.
         """
+        from calib.store.record_file import Sight
+
         if self.path is None or self.note or not journal.entries:
             return self.note
         first, lines = journal.entries[0].hash, len(journal.entries)
         place = str(folder.resolve())
-        new = _Sight(key=key, store=first, place=place, head=journal.head, lines=lines)
+        new = Sight(key=key, store=first, place=place, head=journal.head, lines=lines)
         try:
             with locked_folder(self.path.parent):
                 now = recall()
@@ -115,6 +78,9 @@ def recall() -> SeenJournals:
 
     Raises SignatureRefused when the file is damaged.
     """
+    from calib.base.record import validated
+    from calib.store.record_file import SeenFile
+
     try:
         state = os.environ.get("XDG_STATE_HOME", "")
         base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
@@ -126,4 +92,17 @@ def recall() -> SeenJournals:
         return SeenJournals(None, note=f"this user has no home folder: {_UNSEEN}")
     except OSError as error:
         return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {_UNSEEN}")
-    return SeenJournals(path, validated(data, _SeenFile, path, SignatureRefused).seen)
+    return SeenJournals(path, validated(data, SeenFile, path, SignatureRefused).seen)
+
+
+def _flaw(seen: "Sight", folder: Path, journal: Journal) -> str:
+    """Why a journal in ``folder`` is none that may follow what was seen, or ""."""
+    lines = journal.entries
+    if not lines or lines[0].hash != seen.store:
+        return "another store was seen here before" * (seen.place == str(folder.resolve()))
+    if len(lines) < seen.lines:
+        had = f"its journal has {len(lines)} lines, {seen.lines} were seen"
+        return f"an older copy of the store: {had}"
+    if lines[seen.lines - 1].hash != seen.head:
+        return f"its journal went another way: line {seen.lines} is not the one that was seen"
+    return ""
