@@ -162,5 +162,5 @@ def test_a_ripple_follows_the_angle_of_the_wheels_that_is_given(driven):
 
 
 def test_an_angle_of_an_unknown_axle_is_refused(driven):
-    with pytest.raises(ModelError, match="unknown axle 'x'"):
+    with pytest.raises(ModelError, match="unknown input"):
         replay(MODEL, driven, wheel_angle={"x": driven.time})
