@@ -41,18 +41,16 @@ GONE = {
     "plot --figure budget": "tables show TABLE",
     "plot --figure coverage": "plot TABLE LOG --figure difference",
     "plot --figure force-sum": "plot TABLE LOG --figure normalised-forces",
-    "plot --figure pressure": "plot LOG --figure pressure",
+    "plot --figure pressure": "plot LOG --figure p_mc",
+    "plot --figure speeds": "plot LOG --figure omega",
     **{
         f"plot --figure compensation-{axle}": f"plot TABLE LOG --figure pad-{axle}"
         for axle in ("front", "rear")
     },
     **{
-        f"plot --figure torque-{axle}-left": "plot TABLE LOG --figure axle-torques"
+        f"plot --figure {figure}": "plot TABLE LOG --figure axle-torques"
         for axle in ("front", "rear")
-    },
-    **{
-        f"plot --figure error-{axle}-left": "plot TABLE LOG --figure error"
-        for axle in ("front", "rear")
+        for figure in ("error", f"torque-{axle}-left", f"error-{axle}-left")
     },
     **{f"manual {old}": f"manual {new}" for new in PAGES for old in PAGES[new]},
 }

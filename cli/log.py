@@ -150,11 +150,11 @@ def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
     from calib.show.html import page_of
-    from calib.show.log import MOST, facts, figure, panels_of
+    from calib.show.log import MOST, facts, panels_of, sheet
     from calib.show.sheet import ENDINGS, render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:
         raise misuse(f"{count} panels; 1 to {MOST} can be drawn: choose columns", "--channel")
     picture = out.suffix.lower() in ENDINGS
-    drawn = render(figure(log, events), out.suffix.lower() if picture else ".png")
+    drawn = render(sheet(log, events).overview(), out.suffix.lower() if picture else ".png")
     write_file(out, drawn if picture else page_of(facts(log, columns, events, drawn)).encode())

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.printable import printable
-from calib.line.fleet.rows import Command
+from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
@@ -114,16 +114,17 @@ def batch(
         try:
             with progress() as step, writing(out):
                 done = run_batch(
-                    job, logs, out, executor, lambda p: step(str(p), p.done, p.total), fresh
+                    job, logs, out, executor, lambda b: step(str(b), b.done, b.total), fresh
                 )
         finally:
             executor.close()
-    say(str(done.pace))
+    say(str(done))
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
+    failed = done.counts[Status.FAILED] > 0
     return Answer(
         done.document(),
-        f"{counted(done.counts.total(), 'log')}: {counts}; {done.results}",
-        UNREADABLE if done.unreadable else FAILED * bool(done.failed),
+        f"{counted(done.done, 'log')}: {counts}; {done.results}",
+        UNREADABLE if done.counts[Status.ERROR] == done.done else FAILED * failed,
     )
 
 
@@ -156,6 +157,7 @@ def watch(
     stopped or killed continues where it was; a log that changes is processed again; one that is
     deleted keeps its row. Exit code 0.
     """
+    from calib.line.fleet.results import NAME
     from calib.line.fleet.watch import watch as watch_folder
 
     if command is Command.DIAGNOSE:
@@ -174,8 +176,8 @@ def watch(
             )
     finally:
         pool.close()
-    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
-    say(f"{counts}; {done.results}" if done.results else "no log came")
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.items()))
+    say(f"{counts}; {out / NAME}" if done else "no log came")
     return Answer({})
 
 
@@ -292,7 +294,7 @@ def fleet(
     figure: list[str] = option(
         "Only this metric; repeatable.", "NAME", autocompletion=lambda: [*_metrics()]
     ),
-    out: Path | None = option("Write report.html, fleet.json, PNGs here.", "DIR", writes="folder"),
+    out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
 
@@ -305,7 +307,6 @@ def fleet(
     from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_figure import DOCUMENT, earlier_pictures, pictures_of
     from calib.show.fleet_page import facts, report
     from calib.show.html import page_of
 
@@ -313,19 +314,16 @@ def fleet(
         if order or figure or out:
             raise misuse("a DIR takes no option: its pages are written there")
         return _index(results)
-    check_folder(out, (DOCUMENT, "report.html"))
+    check_folder(out, ("fleet.json", "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(figure))
     if out is not None:
-        looks = [look for look in found.looks if look.values.size]
-        with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
-            pictures = pictures_of(found, step)
         title = printable(f"{results.absolute().parent.name}/{results.name}")
-        page = page_of(report(found, title)).encode()
-        written = json_text(document(found)).encode()
-        contents = {**pictures, DOCUMENT: written, "report.html": page}
-        write_folder(out, contents.items(), DOCUMENT, earlier_pictures)
+        with progress("drawing the report"):
+            page = page_of(report(found, title)).encode()
+        contents = (("report.html", page), ("fleet.json", json_text(document(found)).encode()))
+        write_folder(out, contents, "fleet.json")
     return Answer(document(found), facts(found))
 
 

@@ -104,15 +104,10 @@ def write_file(out: Path, content: bytes, option: str = OUT) -> None:
     say(f"wrote {out}")
 
 
-def write_folder(
-    out: Path,
-    contents: Iterable[tuple[str, bytes]],
-    last: str,
-    earlier: Callable[[Path], Iterable[str]] = lambda out: (),
-) -> None:
+def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:
     """Write all files into a folder, or none; ``last`` names the one that says that all are there.
 
-    Each is written as it comes. Those of an ``earlier`` run are removed.
+    Each is written as it comes.
     """
     from calib.base.publish import publish, workshop
     from calib.base.write import write_whole
@@ -120,7 +115,7 @@ def write_folder(
     with writing(out), workshop(out) as work:
         for name, content in contents:
             write_whole(work / name, content)
-        paths = publish(work, out, last, earlier)
+        paths = publish(work, out, last)
     say(f"wrote {out}: {', '.join(path.name for path in paths)}")
 
 

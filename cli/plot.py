@@ -93,8 +93,8 @@ def _read(
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     if len(names) > 2 or (len(names) == 2 and logs):
         raise misuse("give one table with its logs, or two tables without logs", "TABLE")
-    if vehicle and not results and not (names and logs):
-        raise misuse("only with a TABLE and a LOG, or with a RESULT", "--vehicle")
+    if vehicle and not (names and logs):
+        raise misuse("only with a TABLE and a LOG", "--vehicle")
     named(logs)
     tables = tuple(store.load(name) for name in names)
     for one in tables:

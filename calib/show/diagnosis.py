@@ -1,4 +1,7 @@
-"""Facts of a diagnosis: the verdict, what the hold-outs say to it, each effect, what is left."""
+"""Facts of a diagnosis: the verdict, what the hold-outs say to it, each effect, what is left.
+
+What is not told here, `diagnosis.json` has.
+"""
 
 from dataclasses import asdict
 
@@ -8,7 +11,6 @@ from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.explanation.offsets import GRADE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
-from calib.diagnosis.runs.sides import USUAL
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, percent, spaced, span, with_unit
 
@@ -68,7 +70,6 @@ def facts(found: Diagnosis, title: str) -> Facts:
         ]
     named = {effect.name for effect in found.effects}
     rows = (
-        ("In the file", _known(found)),
         ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
@@ -77,7 +78,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
             for name, one in found.model_after.effects.own.items()
         ),
         ("Left and right", _sides(found)),
-        ("Noise", _noise(found)),
+        ("Noise", source if (source := found.noise.source) != "unbraked parts" else ""),
     )
     return Facts(
         title,
@@ -176,7 +177,7 @@ def _driver(driver: str) -> str:
 
 
 def _effect(effect: Named, found: Diagnosis) -> Facts:
-    """One named effect: its card, its parameters, where it acts, its evidence and its rivals."""
+    """One named effect: its cause, its parameters, where it acts, its evidence and its rivals."""
     card = definition(found.model_before.vehicle.effects, effect.name).card
     at, seen = effect.where, [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
     if at.temperature is not None:
@@ -191,9 +192,6 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     rivals = listed(effect.indistinguishable_from, "or") if effect.indistinguishable_from else ""
     rows: list[Row] = [
         ("Cause", card.cause),
-        ("Equation", card.equation),
-        ("In a log", card.looks_like),
-        ("Source", card.source),
         ("Acts", f"{_AXLES[at.axle]}; strongest in {_SEEN_IN[at.channel]}, at {', '.join(seen)}"),
         ("Evidence", evidence),
         ("Cannot be told from", rivals or "nothing else in the catalogue"),
@@ -256,9 +254,6 @@ def unexplained(found: Diagnosis) -> str:
             f"explains {explained} of the remaining gap. The term describes the gap; its physical "
             "cause is not known."
         )
-        if left.runners_up:
-            place, driver, share = left.runners_up[0]
-            text += f" Next: {spaced(place)} over {_driver(driver)}, {percent(share)}."
     if left.driver == WHEEL_ANGLE:
         text += (
             f" {percent(left.turning)} of the remaining gap goes with the angle of the "
@@ -276,20 +271,6 @@ def unexplained(found: Diagnosis) -> str:
     return text
 
 
-def _known(found: Diagnosis) -> str:
-    """Effects of the vehicle file, which every explanation has; empty if it has none."""
-    named, effects = {effect.name for effect in found.effects}, found.model_before.vehicle.effects
-    told = []
-    for name, values in effects.parameters.items():
-        units = {p.name: p.unit for p in definition(effects, name).card.parameters}
-        numbers = ", ".join(
-            f"{spaced(key)} {with_unit(f'{in_shown(x, units[key]):.4g}', units[key])}"
-            for key, x in values.items()
-        )
-        told.append(f"{spaced(name)} ({numbers})" + ", which is other here" * (name in named))
-    return "; ".join(told)
-
-
 def _sides(found: Diagnosis) -> str:
     """Where left and right wheel speeds were made even; empty where they nearly were."""
     told = [
@@ -298,20 +279,8 @@ def _sides(found: Diagnosis) -> str:
         for axle, off in found.sides.items()
         if abs(off) > GATES.sides_told
     ]
-    if not told:
-        return ""
-    if any(abs(off) > USUAL for off in found.sides.values()):
-        why = (
-            "tyres of one age differ by up to 0.1 %, and nothing that slows the car, as a brake "
-            "that drags would, is missing. Compare the tyres and their pressures."
-        )
-    else:
-        why = (
-            "tyres of one axle differ by as much. A brake that drags on the slower wheel looks the "
-            "same, and its drag is then named as something else: feel whether a disc is hot."
-        )
     unlike = "; ".join(told)
-    return f"while nothing brakes, the wheels differ by {unlike}. They were made even: {why}"
+    return f"while nothing brakes, the wheels differ by {unlike}; made even" if told else ""
 
 
 def _groups(found: Diagnosis) -> Table:
@@ -354,27 +323,3 @@ def _unseen(found: Diagnosis) -> Table:
         there = drive.name if drive.clear else f"none, most of all {drive.name}"
         rows.append((spaced(drive.effect), size, there, f"{drive.sigma:.0f} sigma"))
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
-
-
-def _noise(found: Diagnosis) -> str:
-    """Where the noise of the evidence comes from, where that is not the usual place."""
-    told = []
-    if found.noise.source != "unbraked parts":
-        told.append(f"no unbraked part is long enough: taken from {found.noise.source}")
-    if found.noise.at_floor:
-        channels = listed(found.noise.at_floor)
-        told.append(f"that of {channels} is below what the model resolves, which was taken")
-    return "; ".join(told)
-
-
-def heading(found: Diagnosis) -> str:
-    """The verdict in a few words."""
-    names = " and ".join(spaced(effect.name) for effect in found.effects)
-    if found.verdict == NO_GAP:
-        return "no gap"
-    if found.unexplained is not None:
-        rest = f"unknown, {spaced(found.unexplained.term.place)}"
-        return f"{names}, and something else" if names else rest
-    if outcome(found) == _WORSE:
-        return f"{names}, and the hold-outs are no better"
-    return f"{names} (ambiguous)" if found.verdict == _AMBIGUOUS else names or found.verdict

@@ -24,31 +24,16 @@ WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 
 
 @dataclass(frozen=True)
-class Bar:
-    """Places in percent of the width, each zone as (start, width); ``label`` says it in words.
-
-    ``marks``: places of the values; one beyond an end of the bar is at that end.
-    """
-
-    passed: tuple[float, float]
-    warning: tuple[float, float]
-    marks: tuple[float, ...]
-    label: str
-
-
-@dataclass(frozen=True)
 class Table:
     """Cells as texts; the first cell of a row names it.
 
-    ``verdicts`` has one for each row. ``bars``, one for each row or None, are drawn on a page after
-    the second column; ``links``, one for each row or "", lead from its first cell.
+    ``verdicts`` has one for each row; ``links``, one for each row or "", lead from its first cell.
     """
 
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
     caption: str = ""
     verdicts: Sequence[str] = ()
-    bars: Sequence[Bar | None] = ()
     links: Sequence[str] = ()
 
     @property

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.plain import METRICS, NBSP, counted, plain
-from calib.line.fleet.document import drift_tested, headline, name_of, too_few
-from calib.line.fleet.outliers import MetricSpread
+from calib.line.fleet.document import headline
 from calib.line.fleet.summary import Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
+from calib.show.numbers import number
 
 _NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
@@ -31,8 +31,8 @@ def facts(found: Summary, title: str = "") -> Facts:
     more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
-        (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
-        for s in found.shares
+        (plain(key).name, ", ".join(f"{_class(text)}: {n}" for text, n in counts.items()))
+        for key, counts in found.classes.items()
     ]
     return Facts(
         title,
@@ -68,9 +68,9 @@ def report(found: Summary, title: str) -> Facts:
 
 
 def _metric(found: Summary, look: Look) -> Facts:
-    caption = f"Distribution of {name_of(look)}, and the logs in order."
+    caption = f"Distribution of {look.name}, and the logs in order."
     picture = Picture(caption, sheet(found, look))
-    return Facts(f"{name_of(look)} ({look.metric.name})", pictures=[picture])
+    return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
 
 def reach(found: Summary) -> str:
@@ -95,11 +95,11 @@ def reach(found: Summary) -> str:
 
 def reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
-    look = next(look for look in found.looks if look.metric.name == o.metric)
+    look = next(look for look in found.looks if look.metric.name == o.figure)
     shown = _shown(look)
     low, high = map(shown, look.others)
     side = "above" if o.value > look.spread.median else "below"
-    value = f"{plain(o.metric).name} {shown(o.value)}"
+    value = f"{plain(o.figure).name} {shown(o.value)}"
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
@@ -114,14 +114,14 @@ def _shown(look: Look) -> Callable[[float], str]:
     one = plain(look.metric.name, look.metric.unit)
     if one.step:
         return one.with_unit
-    unit = f"{NBSP}{one.unit}" if one.unit else ""
-    return lambda value: number(one.factor * value, look.spread) + unit
+    unit, scatter = f"{NBSP}{one.unit}" if one.unit else "", look.spread.quantiles
+    return lambda value: number(value, 0.1 * (scatter[3] - scatter[0])) + unit
 
 
 def _kind(found: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
     calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
-    if too_few(found) or (calm and not drift_tested(found)):
+    if found.too_few or (calm and not found.drift_tested):
         return UNJUDGED
     return PASSED if calm else WARNING
 
@@ -136,7 +136,7 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
         place = f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
         drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
     return (
-        name_of(look),
+        look.name,
         str(s.count),
         shown(s.median),
         f"{low} to {high}",
@@ -144,12 +144,3 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )
-
-
-def number(value: float, about: MetricSpread) -> str:
-    """``value`` rounded to one digit below the scatter of its metric, at least four digits."""
-    width = max(about.quantiles[3] - about.quantiles[0], 1e-300)
-    digits = 4
-    if value:
-        digits = max(4, 3 + int(np.floor(np.log10(abs(value)) - np.log10(width))))
-    return f"{value:.{min(digits, 10)}g}"

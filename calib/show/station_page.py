@@ -30,7 +30,7 @@ from calib.show.facts import Table as Cells
 from calib.show.html import page_of
 from calib.show.judged import judged, pads
 from calib.show.origin import PageOrigin, origin
-from calib.show.sheet import Panel, Sheet
+from calib.show.sheet import Sheet
 from calib.show.stop import pads_over_time
 from calib.show.table import sheet as table_sheet
 from calib.show.validation import on_the_way
@@ -140,16 +140,8 @@ def _pads(found: StationOutcome) -> Facts:
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
     """Panels of the table, and `stop-1`, `stop-2` ... for the hold-outs."""
     curves = [panel for panel in table_sheet(table, "").panels if panel.name in _TAKEN]
-    stops = [
-        Panel(f"stop-{i}", _as_text(r.log), pads_over_time, (r,), 2)
-        for i, r in enumerate(results, 1)
-    ]
-    return Sheet("station", "station", "", "", (*curves, *stops), ())
-
-
-def _as_text(name: str) -> str:
-    """A log's name as plain text: no formula, and only characters that the font has."""
-    return "".join(c if c.isascii() and c.isprintable() else "?" for c in name).replace("$", r"\$")
+    stops = [pads_over_time(r, f"stop-{i}") for i, r in enumerate(results, 1)]
+    return Sheet("station", "station", (*curves, *stops))
 
 
 def store_and_write(

@@ -1,11 +1,24 @@
-"""A stop with its estimate: the panels of Figs. 13 to 16, and with truth those of Figs. 9 to 11."""
+"""A stop with its estimate: the panels of Figs. 13 to 16, and with truth the lines of 9 to 11."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
+from calib.base.names import WHEELS
+from calib.base.plain import plain, plus_minus
+from calib.car.forces import brake_torque
+from calib.car.vehicle import Vehicle
+from calib.estimation.estimator import Estimate
+from calib.estimation.metrics import truth_of
+from calib.estimation.plan import calibrated
 from calib.estimation.validate import Validation
 from calib.logs.clock import step_of
+from calib.logs.log import Log
 from calib.run.filters import runs
-from calib.show.sheet import Panel, Sheet
+from calib.show.judged import broken, pads, word
+from calib.show.result import StoredResult
+from calib.show.sheet import Line, Mark, Panel, Sheet
 from calib.show.style import (
     BODY,
     DASH_DOT,
@@ -14,28 +27,29 @@ from calib.show.style import (
     IDENTIFIED,
     LAW,
     LEVEL,
+    MEAN,
     NOMINAL,
     REAR,
+    SHADE,
     TRUTH,
     WHEEL_STROKES,
     Array,
-    Axes,
     Mask,
     Stroke,
-    band,
-    lines,
-    noisy,
-    shade,
+    as_text,
+    reach,
     smooth,
-    stripe,
-    view,
 )
-from calib.show.trace import AxleTrace, StopTrace
+from calib.table.table import Table
 
-WHY = "Where the estimate is valid, and why not"
+_TIME = "time [s]"
+_CHANGED: Stroke = {"color": BODY["color"], "linestyle": DOTTED, "linewidth": 1.0}
+_BUMP: Stroke = {"facecolor": "none", "edgecolor": "#B0B0B0", "hatch": "////"}
 _SHADED = "Grey: the sample is not valid, and no estimate is drawn."
-CHANGED = "Dotted vertical line: a change of surface was detected."
-_BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
+_MARKED = (
+    "Dotted vertical line: a change of surface was detected. Striped: wheels or a_x are thrown "
+    "about, as over a bump; left out of the split."
+)
 _RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
@@ -45,205 +59,227 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
-_NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
+_AXLES = (("f", "front", FRONT), ("r", "rear", REAR))
 _LEAST = 0.02
 """Share of the log from which a reason for not being valid is drawn."""
 _EVERY = 5
 """Samples between two points of a drawn line: 25 ms at 200 Hz, less than the window of its mean."""
 
 
-def sheet(trace: StopTrace) -> Sheet:
-    """Return the sheet of one stop. Panels for which the source has no data are left out."""
-    panels = _panels(trace)
-    names = [panel.name for panel in panels]
-    rows = [(names[i], names[min(i + 1, len(names) - 1)]) for i in range(0, len(names), 2)]
+def of_result(result: StoredResult) -> Sheet:
+    """The sheet of a stored result."""
+    means: list[str | None] = [None, None]
+    if result.valid.any():
+        means = [_mean_pads(result, side) for side in "fr"]
+    panels = _panels(result.values, result.valid, means)
     return Sheet(
-        kind="simulation" if trace.has_truth else "stop",
-        name=trace.name,
-        title=f"{'Simulation' if trace.has_truth else 'Stop'} {trace.name}",
-        note=_note(trace),
+        kind="stop",
+        name=result.name,
+        panels=tuple(panels),
+        rows=_pairs(panels),
+        title=f"Stop {result.name}",
+        note=f"Result {result.name}, digest {result.digest[:16]}. {_SHADED} Bands are 95 %.",
+        result=_in_words(means).capitalize(),
+    )
+
+
+def of_validation(
+    table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
+) -> Sheet:
+    """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``."""
+    e, split = result.estimate, result.estimate.split
+    car = vehicle or calibrated(table)
+    means = [pads(result.figures, side) for side in "fr"]
+    more = _beside(e, log, car, "of the table" if vehicle is None else "of the vehicle file")
+    marks = [Mark(time, time, _CHANGED) for time in split.changes]
+    marks += [Mark(start, end, _BUMP) for start, end in split.bumps]
+    inner = _panels(e.columns(), e.valid, means, more, marks)
+    panels = (_wheel_speeds(e, log, car, inner[0].marks), *inner, _validity(e))
+    kind = "stop" if truth_of(log, car, e) is None else "simulation"
+    warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
+    notes = (
+        f"Estimator with table {name}, digest {table.digest[:16]}.",
+        *e.notes,
+        *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
+        _SHADED,
+        *([_MARKED] if marks else ()),
+    )
+    told = "; ".join([word(result), *broken(result), _in_words(means)])
+    return Sheet(
+        kind=kind,
+        name=log.name,
         panels=panels,
-        rows=tuple(rows),
-        result=_result_of(trace),
+        rows=_pairs(panels),
+        title=f"{kind.capitalize()} {log.name}",
+        note=" ".join((*notes, "Bands are 95 %.")),
+        result=told[0].upper() + told[1:],
     )
 
 
-def _result_of(trace: StopTrace) -> str:
-    """Verdict and pads in words."""
-    front, rear = ("none" if found is None else found for found in trace.pads)
-    words = f"pad friction front {front}, rear {rear} (95 %)"
-    words = f"{trace.verdict}; {words}" if trace.verdict else words
-    return words[0].upper() + words[1:]
+def _pairs(panels: Sequence[Panel]) -> tuple[tuple[str, str], ...]:
+    """Rows of two; a last one alone is as wide as both."""
+    names = [panel.name for panel in panels]
+    return tuple(zip(names[::2], [*names[1::2], names[-1]], strict=False))
 
 
-def _note(trace: StopTrace) -> str:
-    """Note of the page: source of the data and meaning of the marks."""
-    changed = (CHANGED,) if trace.changes else ()
-    bumps = (_BUMPS,) if trace.bumps else ()
-    return " ".join((*trace.notes, _SHADED, *changed, *bumps, "Bands are 95 %."))
+def _in_words(means: Sequence[str | None]) -> str:
+    front, rear = ("none" if mean is None else mean for mean in means)
+    return f"pad friction front {front}, rear {rear} (95 %)"
 
 
-def _panels(trace: StopTrace) -> tuple[Panel, ...]:
-    """Panels of a stop in the order of Fig. 13."""
-    front, rear, of = trace.front, trace.rear, (trace,)
-    ratio = "Speed ratio" if front.slip is None else "Slip and speed ratio"
-    pad_f, pad_r = (
-        word if pads is None else f"{word}: {pads}"
-        for word, pads in zip(("Front pad friction", "Rear pad friction"), trace.pads, strict=True)
-    )
-    found = (
-        (trace.wheels, Panel("wheel-speeds", "Wheel speeds", _wheel_speeds, of, 5)),
-        (True, Panel("deceleration", "Deceleration", deceleration, of)),
-        (True, Panel("normalised-forces", "Normalised forces", _normalised_forces, of)),
-        (True, Panel("slip", ratio, slip, of)),
-        (True, Panel("pad-front", pad_f, pad, (trace, front, FRONT), 2)),
-        (True, Panel("pad-rear", pad_r, pad, (trace, rear, REAR), 2)),
-        (True, Panel("axle-torques", "Axle brake torques", _axle_torques, of, 2)),
-        (trace.has_truth, Panel("error", "Error of the torques", error, of, 2)),
-        (trace.refused, Panel("validity", WHY, validity, of)),
-    )
-    return tuple(panel for there, panel in found if there)
+def _mean_pads(result: StoredResult, side: str) -> str:
+    """As the validation counts them, over the valid samples."""
+    columns = (result[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
+    mu, lower, upper = (values[result.valid] for values in columns)
+    mean = float(np.mean(mu))
+    return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
 
 
-def _frame(ax: Axes, trace: StopTrace, ylabel: str) -> None:
-    """Shade, mark and label an axis over time."""
-    shade(ax, trace.time, ~trace.valid)
-    for start, end in trace.bumps:
-        stripe(ax, start, end)
-    for time in trace.changes:
-        ax.axvline(time, color=BODY["color"], linestyle=DOTTED, linewidth=1.0)
-    ax.set(xlabel="time [s]", ylabel=ylabel)
-    ax.set_xlim(trace.time[0], trace.time[-1])
-
-
-def _wheel_speeds(ax: Axes, trace: StopTrace) -> None:
-    """Wheel speeds, panel (a)."""
-    if trace.v_wheel is not None:  # first, so that it is drawn below the wheels
-        ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
-    for wheel, omega in trace.wheels.items():
-        ax.plot(trace.time, omega, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
-    _frame(ax, trace, "wheel speed [rad/s]")
-
-
-def deceleration(ax: Axes, trace: StopTrace) -> None:
-    """Deceleration, panel (b)."""
-    lines(ax, trace.time, [(trace.z, BODY, "$z = -a_x/g$")])
-    _frame(ax, trace, "deceleration [g]")
-
-
-def _normalised_forces(ax: Axes, trace: StopTrace) -> None:
-    """Normalised forces, panel (c)."""
-    front, rear = trace.front.force, trace.rear.force
-    lines(ax, trace.time, [(front, FRONT, "front $F_f$"), (rear, REAR, "rear $F_r$")])
-    _frame(ax, trace, "normalised force [1]")
-
-
-def slip(ax: Axes, trace: StopTrace) -> None:
-    """Slips where v is known, and eta, which needs the wheel speeds only."""
-    slips = [None if axle.slip is None else 100.0 * axle.slip for axle in (trace.front, trace.rear)]
-    rows = [
-        (slips[0], FRONT, "front slip"),
-        (slips[1], REAR, "rear slip"),
-        (100.0 * (trace.eta - 1.0), _RATIO, r"$\eta - 1$, zeroed"),
+def _panels(
+    values: Mapping[str, Any],
+    valid: Mask,
+    means: Sequence[str | None],
+    more: Mapping[str, Sequence[Line]] | None = None,
+    marks: Sequence[Mark] = (),
+) -> list[Panel]:
+    """Panels of a stop in the order of Fig. 13, with ``more`` lines by the names of the panels."""
+    time, more = values["time"], more or {}
+    over: dict[str, Any] = {
+        "marks": (*_not_valid(time, valid), *marks),
+        "xlim": (time[0], time[-1]),
+    }
+    forces = [
+        Line(time, values[f"normalised_force_{side}"], stroke, f"{axle} $F_{side}$", mean=MEAN)
+        for side, axle, stroke in _AXLES
     ]
-    lines(ax, trace.time, rows, _SLIP_MEAN, trace.valid)
-    ratio = r"$\eta - 1$ [%]"
-    _frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
+    torques = [
+        Line(
+            time, sum(values[f"brake_torque_{side}{hand}"] for hand in "lr") / 1e3, stroke,
+            f"{axle} compensated", mean=MEAN,
+        )
+        for side, axle, stroke in _AXLES
+    ]  # fmt: skip
+    z = Line(time, values["z"], BODY, "$z = -a_x/g$", mean=MEAN)
+    ratio = 100.0 * (values["eta"] - 1.0)
+    eta = Line(time, ratio, _RATIO, r"$\eta - 1$, zeroed", mean=_SLIP_MEAN)
+    slips, unit = more.get("slip", ()), r"$\eta - 1$ [%]"
+    title, slip_unit = ("Slip and speed ratio", f"slip, {unit}") if slips else ("Speed ratio", unit)
+    torques += more.get("axle-torques", ())
+    return [
+        Panel("deceleration", "Deceleration", _TIME, "deceleration [g]", [z], **over),
+        Panel("normalised-forces", "Normalised forces", _TIME, "normalised force [1]", forces,
+              **over),
+        Panel("slip", title, _TIME, slip_unit, [*slips, eta], where=valid, **over),
+        *(
+            _pad(axle, values, valid, mean, stroke, more.get(f"pad-{axle}", ()), over)
+            for mean, (_, axle, stroke) in zip(means, _AXLES, strict=True)
+        ),
+        Panel("axle-torques", "Axle brake torques", _TIME, "axle torque [kN m]", torques,
+              columns=2, **over),
+    ]  # fmt: skip
 
 
-def pad(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
+def _pad(
+    axle: str,
+    values: Mapping[str, Any],
+    valid: Mask,
+    mean: str | None,
+    stroke: Stroke,
+    more: Sequence[Line],
+    over: dict[str, Any],
+) -> Panel:
     """Panel (d) and Fig. 9, one axle: the estimate with its interval, truth, nominal, others.
 
     The valid samples set the range of y; other methods may leave it, but widen it to a limit.
     """
-    shown = []
-    for name, (label, thin) in BASELINES.items():
-        if (values := axle.baselines.get(name)) is not None:
-            ax.plot(trace.time, _held(trace, values), label=label, **thin)
-            if np.isfinite(values[trace.valid]).any():
-                shown.append(np.nanpercentile(values[trace.valid], [5, 95]))
-    band(ax, trace.time, _held(trace, axle.lower), _held(trace, axle.upper), stroke)
+    columns = (values[f"pad_friction_{axle[0]}{end}"] for end in ("", "_lower", "_upper"))
+    pad, lower, upper = (np.where(valid, x, np.nan) for x in columns)
+    look: Stroke = {**stroke, "linewidth": 1.7}
     label = r"estimate $\mu_{p,c}$, 95 %"
-    ax.plot(trace.time, _held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
-    if axle.nominal is not None:
-        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
-        shown.append(np.array([axle.nominal]))
-    if axle.true_pad is not None:
-        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
-        shown.append(axle.true_pad[trace.valid])
-    view(ax, axle.lower[trace.valid], axle.upper[trace.valid], *shown)
-    _frame(ax, trace, "pad friction [1]")
+    lines = [*more, Line(values["time"], pad, look, label, (lower, upper))]
+    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in more)]
+    wide = [np.percentile(y, [5, 95]) for y in known if y.size]
+    title = f"{axle.capitalize()} pad friction{f': {mean}' if mean else ''}"
+    height = reach(lower, upper, *wide)
+    return Panel(
+        f"pad-{axle}", title, _TIME, "pad friction [1]", lines, ylim=height, columns=2, **over
+    )
 
 
-def _held(trace: StopTrace, values: Array) -> Array:
-    """``values`` (n,), NaN where the estimate is not valid."""
-    return np.where(trace.valid, values, np.nan)
+def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:
+    """What a log has beside the estimate, by panel: slips, other methods, nominal pads, truth."""
+    found: dict[str, list[Line]] = {"slip": [], "axle-torques": []}
+    truth, time = truth_of(log, car, e), e.time
+    for i, (_, name, stroke) in enumerate(_AXLES):
+        axle, pressure = (car.front, car.rear)[i], np.maximum((e.pressure_f, e.pressure_r)[i], 0.0)
+        slip = (e.slip_f, e.slip_r)[i]
+        if slip is not None:
+            label = f"{name} slip"
+            found["slip"].append(Line(time, 100.0 * slip, stroke, label, mean=_SLIP_MEAN))
+        held = [
+            Line(time, np.where(e.valid, e.baselines[key][i], np.nan), look, label)
+            for key, (label, look) in BASELINES.items()
+            if key in e.baselines
+        ]
+        nominal = np.full(time.size, axle.pad_friction)
+        held.append(Line(time, nominal, NOMINAL, rf"$\mu_{{p,n}}$ {whose}"))
+        thin: Stroke = {"color": stroke["color"], "linestyle": DASH_DOT, "linewidth": 0.9}
+        torque = 2.0 * brake_torque(axle, axle.pad_friction, pressure) / 1e3
+        torques = [Line(time, torque, thin, f"{name}, pads {whose}", mean=MEAN)]
+        if truth is not None:
+            true = truth[i]
+            held.append(Line(time, smooth(time, true.pad_friction), TRUTH, "truth"))
+            torques.append(Line(time, 2.0 * true.torque / 1e3, TRUTH, f"{name} truth"))
+        found[f"pad-{name}"] = held
+        found["axle-torques"] += torques
+    return found
 
 
-def _axle_torques(ax: Axes, trace: StopTrace) -> None:
-    """Panel (e), Figs. 10 and 11: per axle, with nominal pads, compensated and true."""
-    for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
-        noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
-        if axle.nominal_torque is not None:
-            thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
-            label = f"{word}, pads {trace.nominal_of}"
-            noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, label)
-        if axle.true_torque is not None:
-            ax.plot(trace.time, axle.true_torque / 1e3, label=f"{word} truth", **TRUTH)
-    _frame(ax, trace, "axle torque [kN m]")
+def _not_valid(time: Array, valid: Mask) -> list[Mark]:
+    last = time.size - 1
+    spans = [(time[a], time[min(b, last)]) for a, b in runs(~valid)]
+    return [Mark(start, end, {"color": SHADE}) for start, end in spans]
 
 
-def error(ax: Axes, trace: StopTrace) -> None:
-    """Error of each axle's torque, compensated and with nominal pads, where it is valid."""
-    rows = []
-    for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
-        thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
-        for found, look, of in (
-            (axle.torque, stroke, "compensated"),
-            (axle.nominal_torque, thin, "nominal"),
-        ):
-            if found is not None and axle.true_torque is not None:
-                off = relative(found, axle.true_torque, trace.valid)
-                rows.append((off, look, f"{word} {of}"))
-    lines(ax, trace.time, rows)
-    _frame(ax, trace, "torque error [%]")
+def _wheel_speeds(e: Estimate, log: Log, car: Vehicle, marks: Sequence[Mark]) -> Panel:
+    lines = []
+    if "v" in log:  # first, so that it is drawn below the wheels
+        lines.append(Line(e.time, log["v"] / car.rear.rolling_radius, BODY, "$V/R$"))
+    lines += [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
+    ends, unit = (e.time[0], e.time[-1]), "wheel speed [rad/s]"
+    return Panel("wheel-speeds", "Wheel speeds", _TIME, unit, lines, marks, xlim=ends, columns=5)
 
 
-def relative(found: Array, true: Array, valid: Mask) -> Array:
-    """Relative error of ``found`` [%] (n,); NaN where not valid or where ``true`` is near zero."""
-    known = valid & (true > 0.0)
-    return np.where(known, 100.0 * (found / np.where(known, true, 1.0) - 1.0), np.nan)
-
-
-def validity(ax: Axes, trace: StopTrace) -> None:
+def _validity(e: Estimate) -> Panel:
     """When the estimate is valid, and each reason why it is not, as bars over time."""
-    step = step_of(trace.time)
-    reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= _LEAST}
-    rows = {"valid": trace.valid, **reasons}
-    for place, (word, mask) in enumerate(rows.items()):
-        spans = [(trace.time[a], (b - a) * step) for a, b in runs(mask)]
-        colour = NOMINAL["color"] if place else IDENTIFIED["color"]
-        ax.broken_barh(spans, (place, 0.34), color=colour, lw=0.0)
-        lasts = f" {word}: {step * np.count_nonzero(mask):.1f} s"
-        ax.text(trace.time[0], place - 0.08, lasts, fontsize=7.0, va="bottom")
-    ax.set_ylim(len(rows) - 0.4, -0.7)
-    ax.set_yticks([])
-    ax.set(xlabel="time [s]")
-    ax.set_xlim(trace.time[0], trace.time[-1])
+    reasons = {"the brakes are released": ~e.braked, **e.refused}
+    rows = {"valid": e.valid, **{why: x for why, x in reasons.items() if np.mean(x) >= _LEAST}}
+    lines, texts = [], []
+    for place, (why, mask) in enumerate(rows.items()):
+        colour = (NOMINAL if place else IDENTIFIED)["color"]
+        bar: Stroke = {"color": colour, "linewidth": 6.0, "solid_capstyle": "butt"}
+        lines.append(Line(e.time, np.where(mask, float(place), np.nan), bar))
+        lasts = step_of(e.time) * np.count_nonzero(mask)
+        texts.append((f"{why}: {lasts:.1f} s", e.time[0], float(place)))
+    title, ends = "Where the estimate is valid, and why not", (e.time[0], e.time[-1])
+    height, blank = (len(rows) - 0.2, -0.5), (" ",) * len(rows)
+    return Panel(
+        "validity", title, _TIME, "", lines, texts=texts, xlim=ends, ylim=height, yticks=blank
+    )
 
 
-def pads_over_time(ax: Axes, result: Validation) -> None:
+def pads_over_time(result: Validation, name: str) -> Panel:
     """Pad friction of both axles over time with its 95 % band where it is valid; else grey."""
     e = result.estimate
-    shade(ax, e.time, ~e.valid)
-    curves = []
-    for axle, stroke, word in ((e.front, FRONT, "front"), (e.rear, REAR, "rear")):
+    time, lines = e.time[::_EVERY], []
+    for axle, (_, word_of, stroke) in zip((e.front, e.rear), _AXLES, strict=True):
         good, lower, upper = (
             np.where(e.valid, x, np.nan) for x in (axle.pad_friction, axle.lower, axle.upper)
         )
         line, low, high = (x[::_EVERY] for x in (smooth(e.time, good), lower, upper))
-        band(ax, e.time[::_EVERY], low, high, stroke)
-        ax.plot(e.time[::_EVERY], line, label=word, **stroke)
-        curves += [line, low, high]
-    view(ax, *curves, zero=True)
-    ax.set(xlabel="time [s]", ylabel="pad friction [1]")
+        lines.append(Line(time, line, stroke, word_of, (low, high)))
+    height = reach(*(end for line in lines for end in line.band or ()), zero=True)
+    marks = _not_valid(e.time, e.valid)
+    return Panel(
+        name, as_text(result.log), _TIME, "pad friction [1]", lines, marks, ylim=height, columns=2
+    )

@@ -23,7 +23,7 @@ from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Row
 from calib.show.judged import broken, judged, pads, word
 from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
-from calib.show.sheet import Panel, Sheet
+from calib.show.sheet import Sheet
 from calib.show.stop import pads_over_time
 from calib.store.state import DRAFT
 from calib.store.version import Stored
@@ -221,8 +221,7 @@ def _stop(r: Validation) -> Facts:
     """One stop: judged metrics, the others, its picture."""
     name, given = r.log, {j.figure for j in r.judgements}
     table, unknown = judged(f"Limits of {name}, the worst first.", [[j] for j in r.judgements])
-    over_time = Panel("pads", "Pad friction", pads_over_time, (r,), 2)
-    panels = Sheet("stop", name, "", "", (over_time,), ())
+    panels = Sheet("stop", name, (pads_over_time(r, "pads"),))
     caption = f"{name}: pad friction with its 95 % band; grey: not valid."
     others = [
         (plain(key).name, plain(key).with_unit(value), key)

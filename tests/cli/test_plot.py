@@ -94,21 +94,20 @@ def test_two_tables_are_compared(plot):
 
 def test_a_log_needs_no_store(brake_cal, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert brake_cal("plot", STOP, "--figure", "speeds").code == 0
-    assert files() == ["basalt_wet_pads-speeds.png"]
+    assert brake_cal("plot", STOP, "--figure", "omega").code == 0
+    assert files() == ["basalt_wet_pads-omega.png"]
 
 
 def test_a_result_of_validate(plot, brake_cal, tables):
     assert brake_cal("validate", "sedan-2up", STOP, "--store", tables, "--out", "r").code in (0, 1)
-    car = ("--vehicle", SEDAN / "vehicle.toml")
-    ran = plot("r/basalt_wet_pads.parquet", *car, "--figure", "normalised-forces", "--json")
+    ran = plot("r/basalt_wet_pads.parquet", "--figure", "normalised-forces", "--json")
     (sheet,) = json.loads(ran.out)["sheets"]
     assert sheet["kind"] == "stop"
     assert "normalised-forces" in sheet["figures"]
 
 
 def test_several_logs_are_pages_of_a_pdf_or_files(plot):
-    few = ("--figure", "deceleration")
+    few = ("--figure", "a_x")
     assert plot(RAMP, STOP, *few, "--out", "logs.pdf").code == 0
     assert Path("logs.pdf").read_bytes().count(b"/Type /Page ") == 2
     assert plot(RAMP, STOP, *few, "--out", "logs.svg").code == 0
@@ -150,6 +149,7 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
         (("sedan@1", "--compare"), 2, "only with a TABLE and a LOG"),
         (("sedan@1", "--out", f"{STOP}/a.png"), 2, "not a directory"),
         (("sedan@1", "--figure", "coverage"), 2, "--figure difference"),
+        ((STOP, "--figure", "speeds"), 2, "--figure omega"),
         (("nothing.csv",), 3, "no such file"),
         (("sedna",), 2, "did you mean 'sedan'"),
     ],

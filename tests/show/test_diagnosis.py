@@ -119,16 +119,17 @@ def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
     ]
 
 
-def test_explanations_that_fit_alike_are_a_matrix_with_the_drive_for_each_pair(named):
+def test_explanations_that_fit_alike_have_the_drive_for_each_pair(named):
     alike = Confusion(
         (Explanation(("road_grade",), 1.0), Explanation(("mass_error", "hydraulic_lag"), 1.0025)),
         (Pair(0, 1, 3.0, "coast", 48.0),),
     )
     told = tables(replace(named, verdict="ambiguous", confusion=alike))
     assert told["Explanations that"] == [
-        ("A: road grade", "1.000", "", "", "3"),
-        ("B: mass error and hydraulic lag", "1.002", "+0.0025", "3", ""),
+        ("A: road grade", "1.000", ""),
+        ("B: mass error and hydraulic lag", "1.002", "+0.0025"),
     ]
+    assert told["How far"] == [("A or B", "3 sigma", "coast", "48 sigma")]
 
 
 def test_what_the_logs_could_not_show_has_the_drive_that_would(named):

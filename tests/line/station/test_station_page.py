@@ -125,13 +125,10 @@ def test_opens_quietly_and_fits_the_screen(browser, page, width, dark):
 
 
 @needs_browser
-def test_no_table_is_cut_and_every_bar_has_its_mark(browser, page):
+def test_no_table_is_cut(browser, page):
     opened(browser, page, 360)
     cut = "[...document.querySelectorAll('.wide')].filter(e => e.scrollWidth > e.clientWidth + 1)"
     assert ask(browser, f"{cut}.length") == 0
-    bars = "[...document.querySelectorAll('.bar')]"
-    assert ask(browser, f"{bars}.length") > 15
-    assert ask(browser, f"{bars}.every(e => e.querySelector('.mark') && e.ariaLabel.length > 9)")
 
 
 @needs_browser
@@ -173,10 +170,5 @@ def test_contrast_is_4_5_to_1_or_better(browser, page, dark):
     assert ask(browser, CONTRAST) >= 4.5
 
 
-def axes_of(sheet, name):
-    return sheet.figure(name).axes[0]
-
-
 def test_a_name_with_a_dollar_is_drawn_as_text(found):
-    ax = axes_of(sheet(found.table, found.results), "stop-1")
-    assert ax.get_title(loc="left").count(r"\$") == 1
+    assert sheet(found.table, found.results).panels[-2].title.count(r"\$") == 1
