@@ -99,7 +99,7 @@ def _stdin() -> bytes:
         raise LogError("stdin is a terminal", where="-", expected="a log", do="cat LOG | ...")
     data = sys.stdin.buffer.read(LOG.most + 1)
     if len(data) > LOG.most:
-        raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where="-")
+        raise LogError(f"not readable: {LOG.excess()}", where="-")
     if other := kind_of(data[:64]):
         name, endings = other
         raise LogError(

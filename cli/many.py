@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.printable import printable
-from calib.line.fleet.rows import Command
+from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
@@ -114,16 +114,17 @@ def batch(
         try:
             with progress() as step, writing(out):
                 done = run_batch(
-                    job, logs, out, executor, lambda p: step(str(p), p.done, p.total), fresh
+                    job, logs, out, executor, lambda b: step(str(b), b.done, b.total), fresh
                 )
         finally:
             executor.close()
-    say(str(done.pace))
+    say(str(done))
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
+    failed = done.counts[Status.FAILED] > 0
     return Answer(
         done.document(),
-        f"{counted(done.counts.total(), 'log')}: {counts}; {done.results}",
-        UNREADABLE if done.unreadable else FAILED * bool(done.failed),
+        f"{counted(done.done, 'log')}: {counts}; {done.results}",
+        UNREADABLE if done.counts[Status.ERROR] == done.done else FAILED * failed,
     )
 
 
@@ -156,6 +157,7 @@ def watch(
     stopped or killed continues where it was; a log that changes is processed again; one that is
     deleted keeps its row. Exit code 0.
     """
+    from calib.line.fleet.results import NAME
     from calib.line.fleet.watch import watch as watch_folder
 
     if command is Command.DIAGNOSE:
@@ -174,8 +176,8 @@ def watch(
             )
     finally:
         pool.close()
-    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
-    say(f"{counts}; {done.results}" if done.results else "no log came")
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.items()))
+    say(f"{counts}; {out / NAME}" if done else "no log came")
     return Answer({})
 
 

@@ -117,7 +117,7 @@ def settings() -> Answer:
     found = find_project()
     if found.file is None:
         searched = f"no {NAME} in {', '.join(map(str, found.searched))}"
-        say(f"no settings file: {VARIABLE} is empty" if found.named else searched)
+        say(searched if found.searched else f"no settings file: {VARIABLE} is empty")
     rows: list[tuple[str, object, str]] = []
     for field in fields(found.settings):
         key, value = KEYS.get(field.name, field.name), getattr(found.settings, field.name)

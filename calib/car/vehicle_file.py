@@ -127,8 +127,6 @@ def answered(key: VehicleKey, typed: str) -> str:
     Raises VehicleError for what a vehicle file could not hold, with what was expected.
     """
     text = typed.strip()
-    if key.unit and "," in text:
-        raise VehicleError(f"{text!r} has a comma", expected=f"a decimal point: {key.example}")
     bare = re.fullmatch(NUMBER, text) is not None
     value = f"{text} {key.unit}" if bare and key.unit not in ("", "1") else text
     part = {"": VehicleFile, CHASSIS: _ChassisSection}.get(key.section, _AxleSection)

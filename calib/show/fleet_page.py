@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.plain import METRICS, NBSP, plain
-from calib.line.fleet.document import drift_tested, headline, name_of, too_few
+from calib.line.fleet.document import headline
 from calib.line.fleet.summary import Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
@@ -31,8 +31,8 @@ def facts(found: Summary, title: str = "") -> Facts:
     more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
-        (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
-        for s in found.shares
+        (plain(key).name, ", ".join(f"{_class(text)}: {n}" for text, n in counts.items()))
+        for key, counts in found.classes.items()
     ]
     return Facts(
         title,
@@ -67,18 +67,18 @@ def report(found: Summary, title: str) -> Facts:
 
 
 def _metric(found: Summary, look: Look) -> Facts:
-    caption = f"Distribution of {name_of(look)}, and the logs in order."
+    caption = f"Distribution of {look.name}, and the logs in order."
     picture = Picture(caption, sheet(found, look))
-    return Facts(f"{name_of(look)} ({look.metric.name})", pictures=[picture])
+    return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
 
 def reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
-    look = next(look for look in found.looks if look.metric.name == o.metric)
+    look = next(look for look in found.looks if look.metric.name == o.figure)
     shown = _shown(look)
     low, high = map(shown, look.others)
     side = "above" if o.value > look.spread.median else "below"
-    value = f"{plain(o.metric).name} {shown(o.value)}"
+    value = f"{plain(o.figure).name} {shown(o.value)}"
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
@@ -100,7 +100,7 @@ def _shown(look: Look) -> Callable[[float], str]:
 def _kind(found: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
     calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
-    if too_few(found) or (calm and not drift_tested(found)):
+    if found.too_few or (calm and not found.drift_tested):
         return UNJUDGED
     return PASSED if calm else WARNING
 
@@ -115,7 +115,7 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
         place = f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
         drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
     return (
-        name_of(look),
+        look.name,
         str(s.count),
         shown(s.median),
         f"{low} to {high}",

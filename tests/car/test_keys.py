@@ -56,7 +56,7 @@ def test_a_number_has_the_unit_of_the_question(path, typed, value):
     [
         ("chassis.mass", "heavy", "usual: 700 to 4500 kg"),
         ("chassis.mass", "1800 g", "known: kg, t, lb"),
-        ("chassis.mass", "1,8 t", "a decimal point"),
+        ("chassis.mass", "1,8 t", "is not a quantity"),
         ("chassis.mass", "12", "expected 300 to 60000 kg"),
         ("front.friction_faces", "1.5", "a whole number"),
         ("name", "a/b", "letters, digits"),

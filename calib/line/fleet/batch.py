@@ -7,10 +7,17 @@ find ──> [a limited number of chunks] ──> workers ──> journal ──
 import glob
 import math
 import os
+import pickle
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from concurrent.futures import (
+    ALL_COMPLETED,
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Future,
+    wait,
+)
 from contextlib import closing
 from dataclasses import dataclass
 from datetime import timedelta
@@ -25,7 +32,7 @@ from calib.line.fleet.work import CALIBRATION, HOLDOUT, VEHICLE, Job, WorkItem
 from calib.line.fleet.workers import Executor, Rows
 from calib.logs.read import FORMATS
 
-CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
+_CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
 
 AHEAD = 3
@@ -33,14 +40,22 @@ AHEAD = 3
 
 
 @dataclass(frozen=True)
-class Pace:
-    """``total`` logs, ``done`` in this run or before, ``fresh`` in this run, ``elapsed`` [s]."""
+class Batch:
+    """A batch, so far: ``counts`` of rows by status, of ``total`` logs.
 
+    ``fresh`` of them were computed in this run, in ``elapsed`` [s]; the others before.
+    """
+
+    results: Path
     total: int
-    done: int
+    counts: Counter[Status]
     fresh: int
-    errors: int
     elapsed: float
+
+    @property
+    def done(self) -> int:
+        """Number of logs with a row."""
+        return self.counts.total()
 
     @property
     def rate(self) -> float:
@@ -50,7 +65,8 @@ class Pace:
     def __str__(self) -> str:
         """The progress in words.
 
-        >>> str(Pace(total=300, done=200, fresh=100, errors=2, elapsed=0.5))
+        >>> counts = Counter({Status.PASSED: 198, Status.ERROR: 2})
+        >>> str(Batch(Path("out"), total=300, counts=counts, fresh=100, elapsed=0.5))
         '200 of 300 logs, 200 a second, 0:00:01 left, 2 with errors'
         """
         text = f"{self.done} of {self.total} logs"
@@ -59,37 +75,19 @@ class Pace:
             if self.done < self.total:
                 left = math.ceil((self.total - self.done) / self.rate)
                 text += f", {timedelta(seconds=left)} left"
-        return text + (f", {self.errors} with errors" if self.errors else "")
-
-
-@dataclass(frozen=True)
-class Batch:
-    """Result of a run: ``counts`` of rows by status, path of the results, and speed."""
-
-    results: Path
-    counts: Counter[Status]
-    pace: Pace
-
-    @property
-    def unreadable(self) -> bool:
-        """Whether no log has a result."""
-        return self.counts[Status.ERROR] == self.counts.total()
-
-    @property
-    def failed(self) -> bool:
-        """Whether a log fails its limits."""
-        return self.counts[Status.FAILED] > 0
+        errors = self.counts[Status.ERROR]
+        return text + (f", {errors} with errors" if errors else "")
 
     def document(self) -> dict[str, object]:
         """The counts, and data on this run, as plain data."""
         return {
             "schema": 1,
             "results": self.results,
-            "logs": self.counts.total(),
+            "logs": self.done,
             "counts": {status: self.counts[status] for status in Status},
-            "done_now": self.pace.fresh,
-            "seconds": self.pace.elapsed,
-            "logs_per_second": self.pace.rate,
+            "done_now": self.fresh,
+            "seconds": self.elapsed,
+            "logs_per_second": self.rate,
         }
 
 
@@ -98,7 +96,7 @@ def run_batch(
     arguments: Sequence[str],
     out: Path,
     executor: Executor,
-    report: Callable[[Pace], None] = lambda pace: None,
+    report: Callable[[Batch], None] = lambda batch: None,
     fresh: bool = False,
 ) -> Batch:
     """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
@@ -108,19 +106,18 @@ def run_batch(
     another batch or the workers are not of this version, OSError when ``out`` cannot be written.
     """
     logs = {printable(path): path for path in find_logs(arguments, job.command, out)}
-    out.mkdir(parents=True, exist_ok=True)
     settings = job.settings()
     with closing(BatchJournal(out, settings, fresh)) as journal:
         sweep = Sweep(job, journal, executor, len(logs), report)
         sweep.work(logs.items())
-        path = write_results(journal.rows(sorted(logs)), settings, out)
-        return Batch(path, sweep.counts, sweep.pace())
+        write_results(journal.rows(sorted(logs)), settings, out)
+        return sweep.batch()
 
 
 class Sweep:
     """Submits ``total`` logs to the workers, and writes their rows into the journal.
 
-    ``report`` is called with the pace after each chunk, ``tell`` with each of its new rows.
+    ``report`` is called with the batch so far after each chunk, ``tell`` with each of its new rows.
     """
 
     def __init__(
@@ -129,21 +126,20 @@ class Sweep:
         journal: BatchJournal,
         executor: Executor,
         total: int,
-        report: Callable[[Pace], None] = lambda pace: None,
+        report: Callable[[Batch], None] = lambda batch: None,
         tell: Callable[[Row], None] = lambda row: None,
     ):
-        self.packed, self.journal, self.executor = job.packed(), journal, executor
-        self.most, self.total, self.report, self.tell = CHUNK[job.command], total, report, tell
+        self.packed, self.journal, self.executor = pickle.dumps(job), journal, executor
+        self.most, self.total, self.report, self.tell = _CHUNK[job.command], total, report, tell
         self.pending: dict[Future[Rows], tuple[WorkItem, ...]] = {}
         self.counts: Counter[Status] = Counter()
         self.fresh = 0
         self.start = time.monotonic()
 
-    def pace(self) -> Pace:
-        """So far."""
+    def batch(self) -> Batch:
+        """The batch so far."""
         elapsed = time.monotonic() - self.start
-        errors = self.counts[Status.ERROR]
-        return Pace(self.total, self.counts.total(), self.fresh, errors, elapsed)
+        return Batch(self.journal.folder / NAME, self.total, self.counts, self.fresh, elapsed)
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
         """Compute all ``logs``, each as (name of its row, path)."""
@@ -151,15 +147,6 @@ class Sweep:
             self._drain(AHEAD * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
-
-    def _submit(self, chunk: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Submit a chunk; if the pool just broke, return a failed future."""
-        try:
-            return self.executor.submit(self.packed, chunk)
-        except BrokenExecutor as error:
-            future: Future[Rows] = Future()
-            future.set_exception(error)
-            return future
 
     def _chunks(self, logs: Iterable[tuple[str, str]]) -> Iterator[tuple[WorkItem, ...]]:
         """Small chunks first, so that few logs are spread over all workers."""
@@ -176,43 +163,47 @@ class Sweep:
         if chunk:
             yield tuple(chunk)
 
+    def _submit(self, chunk: tuple[WorkItem, ...]) -> Future[Rows]:
+        """Submit a chunk; if the pool just broke, return a failed future."""
+        try:
+            return self.executor.submit(self.packed, chunk)
+        except BrokenExecutor as error:
+            future: Future[Rows] = Future()
+            future.set_exception(error)
+            return future
+
     def _drain(self, most: int) -> None:
         """Wait until at most ``most`` chunks are unfinished, and store finished rows."""
         while len(self.pending) > most:
-            suspects = self._gather(wait(self.pending, return_when=FIRST_COMPLETED).done)
+            suspects = self._gather(FIRST_COMPLETED)
             if suspects:
                 # a pool that lost one worker loses all unfinished logs
-                suspects += self._gather(wait(self.pending).done)
+                suspects += self._gather(ALL_COMPLETED)
                 self.executor.renew()
                 for item in suspects:
                     self._keep((item,), self._alone(item))
 
-    def _gather(self, finished: Iterable[Future[Rows]]) -> list[WorkItem]:
+    def _gather(self, until: str) -> list[WorkItem]:
         """Store the rows of finished chunks; return the logs whose worker died."""
         suspects: list[WorkItem] = []
-        for future in finished:
+        for future in wait(self.pending, return_when=until).done:
             items = self.pending.pop(future)
-            try:
-                rows = future.result()
-            except BrakeCalError:
-                raise
-            except Exception:
+            if _death(future):
                 suspects += items
             else:
-                self._keep(items, rows)
+                self._keep(items, future.result())
         return suspects
 
     def _alone(self, item: WorkItem) -> Rows:
         """Repeat the log of a dead worker; an error for one that kills again."""
-        try:
-            return self.executor.submit(self.packed, (item,)).result()
-        except BrakeCalError:
-            raise
-        except Exception as error:
-            self.executor.renew()
-            text = f"{item.name}: the worker died on it twice ({type(error).__name__})"
-            hint = "; is there enough memory? the next run tries it again"
-            return [Row(item.name, None, Status.ERROR, text + hint, lost=True)]
+        future = self._submit((item,))
+        death = _death(future)
+        if death is None:
+            return future.result()
+        self.executor.renew()
+        text = f"{item.name}: the worker died on it twice ({type(death).__name__})"
+        hint = "; is there enough memory? the next run tries it again"
+        return [Row(item.name, None, Status.ERROR, text + hint, lost=True)]
 
     def _keep(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
         """Store the rows of a chunk; an unchanged log already has its row in the journal."""
@@ -223,9 +214,17 @@ class Sweep:
         self.fresh += len(computed)
         stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
         self.counts.update(row.status for row in (*computed, *self.journal.rows(stored)))
-        self.report(self.pace())
+        self.report(self.batch())
         for row in new:
             self.tell(row)
+
+
+def _death(future: Future[Rows]) -> BaseException | None:
+    """Why the worker died, None if it did not. Raises what a user can correct."""
+    error = future.exception()
+    if isinstance(error, BrakeCalError):
+        raise error
+    return error
 
 
 def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator[str]:
@@ -251,17 +250,18 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
 
 
 def _of(argument: str, command: Command, out: Path) -> Iterator[str]:
-    if os.path.isdir(argument):
-        yield from logs_below(argument, command, out)
-    elif os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument)):
-        yield argument  # a missing file gets a row with an error
-    else:
-        results = os.path.realpath(out / NAME)
-        for path in sorted(glob.iglob(argument, recursive=True)):
-            if os.path.isdir(path):
-                yield from logs_below(path, command, out)
-            elif command != Command.DIAGNOSE and _is_log(path):
-                yield from () if os.path.realpath(path) == results else (path,)
+    # a missing file gets a row with an error
+    missing = _is_log(argument) and not glob.has_magic(argument)
+    named = os.path.exists(argument) or missing
+    for path in [argument] if named else sorted(glob.iglob(argument, recursive=True)):
+        if os.path.isdir(path):
+            yield from logs_below(path, command, out)
+        elif named or (
+            command != Command.DIAGNOSE
+            and _is_log(path)
+            and os.path.realpath(path) != os.path.realpath(out / NAME)
+        ):
+            yield path
 
 
 def _refuse(error: OSError) -> None:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 Cell = float | bool | str | None
 
@@ -50,25 +51,21 @@ class Row:
     cells: tuple[Cell, ...] = ()
     lost: bool = False
 
-    def to_dict(self, command: Command) -> dict[str, object]:
+    def to_dict(self, command: Command) -> dict[str, Any]:
         """The row of a command as one JSON document."""
         head = {"log": self.log, "digest": self.digest, "status": self.status, "error": self.error}
-        return {**head, "figures": self._metrics(command)}
+        names = (column.name for column in columns_of(command))
+        return {**head, "figures": dict(zip(names, self.cells, strict=False))}
 
     def line(self, command: Command) -> str:
         """The row of a command in one line: its status or error, and the pads where it has them."""
         if self.error is not None:
             return f"{self.log}: error: {self.error.removeprefix(f'{self.log}: ')}"
-        metrics = self._metrics(command)
+        metrics = self.to_dict(command)["figures"]
         broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
-        front, rear = metrics.get("pad_friction_f"), metrics.get("pad_friction_r")
-        known = isinstance(front, float) and isinstance(rear, float)
-        pads = f", pads {front:.3f} / {rear:.3f}" if known else ""
-        return f"{self.log}: {self.status}{broken}{pads}"
-
-    def _metrics(self, command: Command) -> dict[str, Cell]:
-        names = (column.name for column in columns_of(command))
-        return dict(zip(names, self.cells, strict=False))
+        pads = [metrics.get(f"pad_friction_{axle}") for axle in "fr"]
+        told = "" if None in pads else f", pads {pads[0]:.3f} / {pads[1]:.3f}"
+        return f"{self.log}: {self.status}{broken}{told}"
 
 
 def finite(value: float | None) -> float | None:

@@ -28,15 +28,17 @@ def test_the_drift_is_found_where_it_is_and_only_there(found):
 
 def test_the_outlier_is_named(found):
     worst = found.outliers[0]
-    assert (worst.log, worst.metric, worst.value) == (
+    assert (worst.log, worst.figure, worst.value) == (
         f"line/car{OUTLIER + 1}.csv", "pad_friction_f", 0.55)  # fmt: skip
     assert len(found.outliers) <= 2
 
 
 def test_statuses_shares_and_errors(found):
     assert found.status == {"passed": 397, "error": 3}
-    shares = {s.metric.name: dict(s.counts) for s in found.shares}
-    assert shares == {"usable": {"yes": 300, "no": 100}, "verdict": {"no_gap": 266, "named": 134}}
+    assert found.classes == {
+        "usable": {"yes": 300, "no": 100},
+        "verdict": {"no_gap": 266, "named": 134},
+    }
     (failure,) = found.failures
     assert re.fullmatch(r"line/car\d+\.csv: <b>ends</b> at [\d.]+ s", failure.message)
     assert failure.count == 3
