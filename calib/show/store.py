@@ -9,9 +9,9 @@ from calib.show.facts import FAILED, Facts, Row, Table
 from calib.store.answer import answer, verdict_lines
 from calib.store.figures import effect_figures, mean_figures
 from calib.store.journal import Entry
-from calib.store.listing import ListedVersion
+from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
-from calib.store.store import StoreVerdict
+from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
 from calib.table.budget import pads_budget
 from calib.table.compare import CurveGap, Difference, ValueGap
@@ -24,27 +24,28 @@ _PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
 """Sections whose changed keys are printed; of the others only how many there are."""
 
 
-def listed(rows: Sequence[ListedVersion]) -> Facts:
+def listed(rows: Sequence[Listed]) -> Facts:
     """Versions of tables, told apart; those that cannot be used last, with the reason."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     cells = []
     for row in rows:
-        if row.flaw:
-            cells.append((row.id, row.state, row.date[:10], *[""] * 6))
+        known = (row["id"], row["state"], row["date"][:10])
+        if row["flaw"]:
+            cells.append((*known, *[""] * 6))
             continue
-        warned = counted(row.warnings, "warning") if row.warnings else ""
+        warned = counted(row["warnings"], "warning") if row["warnings"] else ""
         cells.append(
             (
-                *(row.id, row.state, row.date[:10]),
-                " ".join(filter(None, (row.serial, row.vin))),
-                str(len(row.logs)),
-                "/".join(f"{x:.3f}" for x in row.pads or ()),
-                "{:.2f}-{:.2f}".format(*row.usable or (0.0, 0.0)),
-                "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
-                ", ".join(filter(None, (row.verdict, warned, "signed" if row.keys else ""))),
+                *known,
+                " ".join(filter(None, (row["serial"], row["vin"]))),
+                str(len(row["logs"])),
+                "/".join(f"{x:.3f}" for x in row["pads"]),
+                "{:.2f}-{:.2f}".format(*row["usable"]),
+                "" if row["band_width"] is None else f"{100 * row['band_width']:.0f} %",
+                ", ".join(filter(None, (row["verdict"], warned, "signed" if row["keys"] else ""))),
             )
         )
-    flaws = [f"{row.id} cannot be used: {row.flaw}" for row in rows if row.flaw]
+    flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
     return Facts(tables=[Table(heads, cells)], notes=flaws)
 
 
@@ -174,7 +175,7 @@ def _short(written: str | None) -> str:
         return str(written)
 
 
-def verified(verdicts: Sequence[StoreVerdict], with_key: bool) -> Facts:
+def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
     """Which versions are damaged, and, with a key, which are signed as what."""
     rows = []
     for verdict in verdicts:
