@@ -27,7 +27,7 @@ def list_(
     from calib.store.listing import chosen, row_of
 
     every = [row_of(entry) for entry in store.list()]
-    rows = chosen(every, state, serial, vin, since)
+    rows = chosen(every, since, state=state, serial=serial, vin=vin)
     none = f"{store.folder} holds no {'such table' if every else 'table'}"
     return Answer({"store": store.folder, "tables": rows}, listed(rows) if rows else none)
 

@@ -92,10 +92,7 @@ def _event_cells(event: RunEvent) -> tuple[str, str, str]:
 
 
 def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
-    """Every column of a log over time, and eta. Raises ValueError without a column.
-
-    So it does for more than `MOST` panels.
-    """
+    """Every column of a log over time, and eta. Raises ValueError for none, or over `MOST`."""
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")

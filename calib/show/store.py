@@ -10,12 +10,12 @@ from calib.show.facts import FAILED, Facts, Row, Table
 from calib.store.answer import answer, verdict_lines
 from calib.store.figures import effect_figures, mean_figures
 from calib.store.journal import Entry
-from calib.store.listing import ListedVersion
+from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
-from calib.store.store import StoreVerdict
+from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
 from calib.table.budget import pads_budget
-from calib.table.compare import CurveGap, Difference, ValueGap
+from calib.table.compare import Difference
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
@@ -25,27 +25,28 @@ _PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
 """Sections whose changed keys are printed; of the others only how many there are."""
 
 
-def listed(rows: Sequence[ListedVersion]) -> Facts:
+def listed(rows: Sequence[Listed]) -> Facts:
     """Versions of tables, told apart; those that cannot be used last, with the reason."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     cells = []
     for row in rows:
-        if row.flaw:
-            cells.append((row.id, row.state, row.date[:10], *[""] * 6))
+        known = (row["id"], row["state"], row["date"][:10])
+        if row["flaw"]:
+            cells.append((*known, *[""] * 6))
             continue
-        warned = counted(row.warnings, "warning") if row.warnings else ""
+        warned = counted(row["warnings"], "warning") if row["warnings"] else ""
         cells.append(
             (
-                *(row.id, row.state, row.date[:10]),
-                " ".join(filter(None, (row.serial, row.vin))),
-                str(len(row.logs)),
-                "/".join(f"{x:.3f}" for x in row.pads or ()),
-                "{:.2f}-{:.2f}".format(*row.usable or (0.0, 0.0)),
-                "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
-                ", ".join(filter(None, (row.verdict, warned, "signed" if row.keys else ""))),
+                *known,
+                " ".join(filter(None, (row["serial"], row["vin"]))),
+                str(len(row["logs"])),
+                "/".join(f"{x:.3f}" for x in row["pads"]),
+                "{:.2f}-{:.2f}".format(*row["usable"]),
+                "" if row["band_width"] is None else f"{100 * row['band_width']:.0f} %",
+                ", ".join(filter(None, (row["verdict"], warned, "signed" if row["keys"] else ""))),
             )
         )
-    flaws = [f"{row.id} cannot be used: {row.flaw}" for row in rows if row.flaw]
+    flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
     return Facts(tables=[Table(heads, cells)], notes=flaws)
 
 
@@ -63,7 +64,12 @@ def shown(stored: Stored) -> Facts:
         ("signed", f"by key {keys}; `tables verify --key` checks it" if keys else "no"),
         ("vehicle", f"{table.vehicle.name}, {table.vehicle.mass:g} kg"),
         *table.provenance.identity.items(),
-        *_origin(table),
+        *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
+        *(
+            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
+            for one in mean_figures(table)
+        ),
+        *(("by hand", str(one)) for one in table.by_hand),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((of.effect, str(of)) for of in effect_figures(table)),
         ("pad scale", _interval(pads.pad_scale)),
@@ -91,18 +97,6 @@ def shown_document(stored: Stored) -> dict[str, Any]:
         "record": record,
         "curves": curves,
     }
-
-
-def _origin(table: LookUp) -> list[Row]:
-    """What a table was made of, how its cars differ, what was set by hand."""
-    return [
-        *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
-        *(
-            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
-            for one in mean_figures(table)
-        ),
-        *(("by hand", str(one)) for one in table.by_hand),
-    ]
 
 
 def _interval(value: Value) -> str:
@@ -182,18 +176,8 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
                 for stored in (first, second)
                 for cell in stored.table.by_hand
             ),
-            *map(_beyond, found.beyond),
         ],
     )
-
-
-def _beyond(gap: CurveGap | ValueGap) -> str:
-    count = gap.in_bands
-    bands = "beyond any band" if count == float("inf") else f"{count:.1f} times the bands of both"
-    if isinstance(gap, ValueGap):
-        return f"{gap.name}: {gap.a:.4g} and {gap.b:.4g}, {bands}"
-    axis = "slip" if gap.curve == "g" else "eta"
-    return f"{gap.curve}: {gap.largest:+.4g} at {axis} {gap.at:.5f}, {bands} at most"
 
 
 def _short(written: str | None) -> str:
@@ -204,7 +188,7 @@ def _short(written: str | None) -> str:
         return str(written)
 
 
-def verified(verdicts: Sequence[StoreVerdict], with_key: bool) -> Facts:
+def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
     """Which versions are damaged, and, with a key, which are signed as what."""
     rows = []
     for verdict in verdicts:
