@@ -184,7 +184,7 @@ def _files(value: Any) -> list[Path]:
 
 
 def _made(name: str, info: Any, value: Any) -> Any:
-    """What a value becomes; a refusal that names no option is of this one."""
+    """What a value becomes; a refusal or a ValueError that names no option is of this one."""
     make = getattr(info, "make", None)
     if make is None or (value is None and not info.always):
         return value
@@ -193,6 +193,8 @@ def _made(name: str, info: Any, value: Any) -> Any:
     except typer.BadParameter as error:
         error.param_hint = error.param_hint or _flag_of(name, info)
         raise
+    except ValueError as error:
+        raise misuse(str(error), _flag_of(name, info)) from None
 
 
 def _flag_of(name: str, info: Any) -> str:

@@ -16,7 +16,7 @@ from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.diagnose import stoppable
-from cli.options import argument, option, require_known, table_names
+from cli.options import argument, option, table_names
 from cli.outputs import check_folder, write_folder, writing
 
 if TYPE_CHECKING:
@@ -31,14 +31,7 @@ def _is(command: Command) -> Callable[[typer.Context], bool]:
     return lambda context: context.params.get("command") is command
 
 
-def _command(written: str) -> Command:
-    require_known(written, [str(one) for one in Command])
-    return Command(written)
-
-
-JobCommand = Annotated[
-    Command, typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log.")
-]
+JobCommand = Annotated[Command, typer.Argument(help="What to do with each log.")]
 JobTable = Annotated[
     str | None, option("validate: name, name@version or path.", "TABLE", autocompletion=table_names)
 ]
@@ -173,14 +166,9 @@ def _job(
 
     validates, fits = command is Command.VALIDATE, command is Command.FIT
     for name, value, taken, needed in (
-        ("--table", table, validates, "validate needs a table" if validates else ""),
+        ("--table", table, validates, "validate needs a table" * validates),
         ("--limits", limits, validates, ""),
-        (
-            "--vehicle",
-            vehicle,
-            fits or validates,
-            f"fit needs a vehicle; {options.NO_VEHICLE}" * fits,
-        ),
+        ("--vehicle", vehicle, fits or validates, f"fit needs one; {options.NO_VEHICLE}" * fits),
     ):
         if value is None and needed:
             raise misuse(needed, name)

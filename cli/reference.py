@@ -58,14 +58,13 @@ def schema(
     from calib.help.documents import FILES, documents, schema_of
     from calib.show.facts import Facts
 
-    files = {name: about for name, (about, _) in FILES.items()}
     written = {name: one.title.replace("`", "") for name, one in documents().items()}
     if name is not None:
         emit_json(schema_of(name))
     elif json:
-        emit_json({"schema": 1, "files": files, "documents": written})
+        emit_json({"schema": 1, "files": FILES, "documents": written})
     else:
-        emit(Facts(rows=[*files.items(), *written.items()]))
+        emit(Facts(rows=[*FILES.items(), *written.items()]))
     return Answer({})
 
 

@@ -17,7 +17,6 @@ from cli.sign import check_signed, key_of
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
     from calib.line.station.station import Identity
-    from calib.store.version import Stored
 
 
 @command(
@@ -74,6 +73,7 @@ def station(
     from calib.base.publish import workshop
     from calib.estimation.validate import require_same_vehicle
     from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
+    from calib.line.station.golden import golden_table
     from calib.line.station.station import Identity, StationOutcome, table_of, validated
     from calib.run.gates import refuse_copies
     from calib.show.station_page import facts, store_and_write
@@ -94,8 +94,10 @@ def station(
     results = [f"{stem}.parquet" for stem in stems]
     check_folder(out, [*FIXED, REFUSED, *map(export_name, export), *results])
     with _telling_refusals(out, identity, [*ramps, *coast, *holdouts]):
-        reference = _golden(store, golden) if golden else None
+        reference = golden_table(store, golden) if golden else None
         if golden and reference:
+            if not reference.state.released:
+                say(f"{reference.id} is {reference.state.words}")
             check_signed(golden, reference, public)
             require_same_vehicle(reference.table, vehicle, this_run().file("vehicle"))
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
@@ -127,22 +129,6 @@ def station(
     if found.passed and not stored.state.released:
         say("a person decides: `brake-cal tables release` with this station.json as --evidence")
     return Answer(document, facts(found, stored), FAILED * (not found.passed))
-
-
-def _golden(store: options.Tables, reference: str) -> "Stored":
-    """The table by which others are measured: released, or a draft that is named by its version."""
-    from calib.base.errors import StoreError
-
-    found = store.released(reference)
-    if not found.state.released:
-        say(f"{found.id} is {found.state.words}")
-    if not (found.state.usable and found.state.known):
-        raise StoreError(
-            f"is {found.state.words}; no car is measured by it",
-            where=found.id,
-            expected="a released version",
-        )
-    return found
 
 
 @contextmanager

@@ -114,7 +114,7 @@ def test_warnings_pass(station, tmp_path):
     ("words", "code", "says"),
     [
         (("--export", "dmc"), 2, "did you mean 'dcm'"),
-        (("--date", "31.3.2025"), 2, "is not a date"),
+        (("--date", "31.3.2025"), 2, "31.3.2025"),
         (("--vin", ""), 2, "is empty"),
         (("--golden", "sedan-2up"), 2, "no table store here"),
         (("--golden", "sedan@1"), 2, "no table store here"),
