@@ -24,7 +24,6 @@ from cli.options import option
 from cli.outputs import check_file, write_file
 
 if TYPE_CHECKING:
-    from calib.base.errors import BrakeCalError
     from calib.show.facts import Facts
 
 FAILED, UNREADABLE, DAMAGED = 1, 3, 4
@@ -41,14 +40,12 @@ class Answer:
     facts : for people; the warnings of `Facts` go to stderr, with --json too.
     exit_code : 0 if it passed.
     page : makes the page of --report.
-    error : raised after all is printed.
     """
 
     document: dict[str, Any]
     facts: "Facts | str" = ""
     exit_code: int = 0
     page: Callable[[], str] | None = None
-    error: "BrakeCalError | None" = None
 
 
 def _ask(context: typer.Context, asked: typer.CallbackParam, given: bool) -> None:
@@ -100,8 +97,6 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
             answer = body(**{name: _made(name, infos[name], given[name]) for name in own})
             if "json" not in own:
                 _tell(answer, given["json"], given.get("report"))
-            if answer.error is not None:
-                raise answer.error
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 

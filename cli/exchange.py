@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from cli.command import Answer, command
+from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
 from cli.options import Required, SignedBy, Table, Tables, argument, option, table_versions
 from cli.outputs import refuse_foreign, writing
@@ -67,16 +67,15 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     Exit code 3 if it is cut off, damaged or names no table, 4 if it does not agree with the table.
     Another tool may have saved it: labels are compared, and numbers that were rounded agree.
     """
-    from calib.exports.compare import difference, parent, refuse
+    from calib.exports.compare import difference, parent
     from calib.exports.read import read_back
     from calib.show.store import returned, returned_document
 
     found = read_back(file)
     stored = parent(found, store)
     told = difference(found, stored)
-    error = refuse(file, told.wrong) if told.wrong else None
     document = returned_document(found, stored, told)
-    return Answer(document, returned(found, stored, told), error=error)
+    return Answer(document, returned(found, stored, told), DAMAGED * bool(told.wrong))
 
 
 def _name(name: str) -> str:
