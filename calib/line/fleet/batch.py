@@ -5,7 +5,6 @@ find ──> [a limited number of chunks] ──> workers ──> journal ──
 """
 
 import glob
-import math
 import os
 import pickle
 import time
@@ -14,7 +13,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, BrokenExecutor, Future, wait
 from contextlib import closing
 from dataclasses import dataclass
-from datetime import timedelta
 from itertools import islice
 from pathlib import Path
 
@@ -52,27 +50,6 @@ class Batch:
         """Number of logs with a row."""
         return self.counts.total()
 
-    @property
-    def rate(self) -> float:
-        """Logs per second of this run; 0 before the first."""
-        return self.fresh / self.elapsed if self.elapsed > 0.0 else 0.0
-
-    def __str__(self) -> str:
-        """The progress in words.
-
-        >>> counts = Counter({Status.PASSED: 198, Status.ERROR: 2})
-        >>> str(Batch(Path("out"), total=300, counts=counts, fresh=100, elapsed=0.5))
-        '200 of 300 logs, 200 a second, 0:00:01 left, 2 with errors'
-        """
-        text = f"{self.done} of {self.total} logs"
-        if self.rate > 0.0:
-            text += f", {self.rate:.3g} a second"
-            if self.done < self.total:
-                left = math.ceil((self.total - self.done) / self.rate)
-                text += f", {timedelta(seconds=left)} left"
-        errors = self.counts[Status.ERROR]
-        return text + (f", {errors} with errors" if errors else "")
-
     def document(self) -> dict[str, object]:
         """The counts, and data on this run, as plain data."""
         return {
@@ -82,7 +59,7 @@ class Batch:
             "counts": {status: self.counts[status] for status in Status},
             "done_now": self.fresh,
             "seconds": self.elapsed,
-            "logs_per_second": self.rate,
+            "logs_per_second": self.fresh / self.elapsed if self.elapsed > 0.0 else 0.0,
         }
 
 
