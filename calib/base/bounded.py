@@ -66,6 +66,8 @@ PLAN = FileKind("plan", 16)
 EFFECT = FileKind("effect", 1)
 CALIBRATION = FileKind("calibration", 16)
 """DCM and CDF that come back."""
+PROGRAM = FileKind("program", 512)
+"""ELF; one without debug information is a hundredth of it."""
 VALIDATION = FileKind("validation", 16)
 """JSON that `validate` and `station` wrote."""
 RESULT = FileKind("result", 120)
