@@ -34,7 +34,7 @@ from calib.base.record import (
     validated,
 )
 from calib.base.record_errors import wrong
-from calib.base.toml import load_toml, quantity, toml_bytes, written_quantity
+from calib.base.toml import load_toml, quantity, written_quantity
 from calib.base.write import write_whole
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effect import Card, Effect
@@ -219,6 +219,8 @@ def write_model(model: Model, path: Path) -> None:
 
     Raises OSError if ``path`` cannot be written.
     """
+    import tomlkit
+
     effects = model.effects
     document: dict[str, Any] = {
         "schema": 1,
@@ -248,7 +250,7 @@ def write_model(model: Model, path: Path) -> None:
         (document["empirical"],) = document["empirical"]
     may_be_left_out = ("own_effects", "surfaces", "empirical")
     document = {key: part for key, part in document.items() if part or key not in may_be_left_out}
-    write_whole(Path(path), toml_bytes(document))
+    write_whole(Path(path), tomlkit.dumps(document).encode())
 
 
 def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:

@@ -8,11 +8,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from calib.base.bounded import PROGRAM, bytes_of
 from calib.base.errors import ProgramError
 from calib.exports.dataset import Addresses, Dataset, Object
-
-LARGEST_FILE = 512 * 1024**2
-"""Largest program [byte]."""
 
 _LARGEST_ADDRESS = 0xFFFF_FFFF
 """A2L holds addresses of 32 bits."""
@@ -23,9 +21,12 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
 
     Raises ProgramError where the file cannot be read, misses an object or holds another table.
     """
-    content = _content(path)
     from elftools.elf.elffile import ELFFile
 
+    content = bytes_of(path, PROGRAM, ProgramError, "the linked program (ELF)")
+    if not content.startswith(b"\x7fELF"):
+        expected = "the linked program, and no map file of its linker"
+        raise ProgramError("is no ELF file", where=path, expected=expected)
     try:
         elf = ELFFile(BytesIO(content))
         symbols = _symbols(path, elf, data)
@@ -40,24 +41,6 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
     moved = "it is position-independent: its addresses count from where it is loaded"
     remarks = (f"{path.name}: {moved}",) if elf["e_type"] == "ET_DYN" else ()
     return Addresses(by_label, not elf.little_endian, remarks)
-
-
-def _content(path: Path) -> bytes:
-    if path.exists() and not path.is_file():
-        raise ProgramError("is not a regular file", where=path, expected="an ELF file")
-    try:
-        size = path.stat().st_size
-        if size > LARGEST_FILE:
-            do = "take a copy without debug information (`strip --strip-debug`)"
-            expected = f"at most {LARGEST_FILE}"
-            raise ProgramError(f"has {size} bytes", where=path, expected=expected, do=do)
-        content = path.read_bytes()
-    except OSError as error:
-        raise ProgramError(f"cannot be read ({error.strerror})", where=path) from error
-    if not content.startswith(b"\x7fELF"):
-        expected = "the linked program, and no map file of its linker"
-        raise ProgramError("is no ELF file", where=path, expected=expected)
-    return content
 
 
 def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
@@ -128,6 +111,4 @@ def _held(path: Path, elf: Any, symbol: Any) -> bytes | None:
     if section["sh_type"] != "SHT_PROGBITS":
         return None
     content: bytes = section.data()[begin : begin + size]
-    if len(content) < size:
-        raise ProgramError("is cut off", where=path, do="copy or link it again")
     return content

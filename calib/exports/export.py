@@ -77,12 +77,8 @@ class Exported:
     def rounded(self) -> list[dict[str, Any]]:
         """Each object of a fixed point: its step, and the errors of rounding and of reading."""
         return [
-            {
-                "label": one.label,
-                "step": one.fixed.step,
-                "error": one.fixed.error,
-                "read_error": getattr(one, "fixed_misfit", None),
-            }
+            {"label": one.label, "step": one.fixed.step, "error": one.fixed.error}
+            | {"read_error": getattr(one, "fixed_misfit", None)}
             for one in self.data.objects
             if one.fixed is not None
         ]
@@ -91,15 +87,9 @@ class Exported:
         """The JSON document of an export."""
         data, rounded = self.data, self.rounded
         axes = [
-            {
-                "label": axis.label,
-                "points": len(axis.values),
-                "rows": axis.rows,
-                "curves": [curve.label for curve in data.curves if curve.axis.label == axis.label],
-                "worst": axis.misfit.worst,
-                "worst_at": axis.misfit.at,
-                "rms": axis.misfit.rms,
-            }
+            {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
+            | {"curves": [one.label for one in data.curves if one.axis.label == axis.label]}
+            | {"worst": axis.misfit.worst, "worst_at": axis.misfit.at, "rms": axis.misfit.rms}
             for axis in data.axes
         ]
         return {
@@ -132,8 +122,7 @@ def export(
     Parameters
     ----------
     stored : the version, of `Store.save` or `Store.load`.
-    path : the file; its ending names the format if ``form`` is not given.
-    form : json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv.
+    form : json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of ``path``.
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
     elf : linked program with the C header (ELF), for the addresses of an a2l.
@@ -142,8 +131,7 @@ def export(
     unreleased : write a version that is not released, too; the file then says so.
 
     Raises StoreError for a version that is not released, ExchangeError where the format is not
-    known or cannot hold the numbers, ProgramError where ``elf`` does not hold the table, OSError
-    if the file cannot be written.
+    known or cannot hold the numbers, ProgramError where ``elf`` does not hold the table, OSError.
 
     >>> import tempfile
     >>> from pathlib import Path

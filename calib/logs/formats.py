@@ -7,12 +7,11 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.bounded import LOG, POINTER, bytes_of
+from calib.base.bounded import POINTER
 from calib.base.errors import LogError
 from calib.base.printable import printable
 from calib.logs.assign import Assigned
@@ -25,7 +24,6 @@ from calib.logs.resample import at_times, on_one_clock
 from calib.logs.source import ChannelTrace, ColumnSource, Recording
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
-from calib.logs.text.encoding import gunzip
 from calib.logs.text.vbo import open_vbo
 
 MDF = (".mf4", ".mdf", ".dat")
@@ -116,27 +114,6 @@ def stem_of(path: Path) -> str:
 _Open = Callable[[Path, Databases], Recording]
 
 
-def _packed(open_log: _Open) -> _Open:
-    """Opens the packed form: unpacks it for as long as ``open_log`` reads. Messages name the packed
-    file.
-    """
-
-    def opened(path: Path, dbc: Databases) -> Recording:
-        content = gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path))
-        with TemporaryDirectory() as folder:
-            plain = Path(folder) / "log"
-            plain.write_bytes(content)
-            try:
-                return open_log(plain, dbc)
-            except LogError as cause:
-                where = str(cause.where).replace(str(plain), str(path))
-                raise LogError(
-                    cause.what, where=where, expected=cause.expected, do=cause.do
-                ) from cause
-
-    return opened
-
-
 _BUS: dict[str, _Open] = {
     ".blf": open_blf,
     ".asc": open_asc,
@@ -147,7 +124,7 @@ _BUS: dict[str, _Open] = {
 RECORDINGS: dict[str, _Open] = {
     **dict.fromkeys(MDF, open_mdf),
     **_BUS,
-    **{f"{ending}.gz": _packed(opener) for ending, opener in _BUS.items()},
+    **{f"{ending}.gz": opener for ending, opener in _BUS.items()},
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 

@@ -26,7 +26,7 @@ _NEAR = 0.5
 _FEWEST = 4
 """Fewest samples of a side: nearly every line goes through fewer."""
 
-_INSTANT = 1e-9
+INSTANT = 1e-9
 """Samples with a spread of less [s] are at one time, and show no slope: recorders count no finer
 than nanoseconds, and only damaged times are nearer."""
 
@@ -155,7 +155,7 @@ def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
     """Whether the samples of a side lie on a line that goes through the origin."""
     n, centre = t.size, float(t.mean())
     spread = float(np.sum((t - centre) ** 2))
-    if spread < _INSTANT**2:
+    if spread < INSTANT**2:
         return False
     slope = float(np.sum((t - centre) * x)) / spread
     line = x.mean() + slope * (t - centre)

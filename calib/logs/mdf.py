@@ -45,12 +45,12 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
     checked = check_mdf(path)
     try:
-        mdf = asammdf.MDF(io.BytesIO(path.read_bytes()) if checked.note else path)
+        file = io.BytesIO(path.read_bytes()) if checked.note else path
+        mdf = asammdf.MDF(file, process_bus_logging=False)
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
-        if not checked.version.startswith("4"):
-            _check_layout(mdf, where)
+        _check_layout(mdf, where)
         _require_counted(mdf, checked.counts, where)
         return _recording(mdf, dbc, [checked.note] if checked.note else [], where)
     except BaseException:
@@ -85,16 +85,18 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_layout(mdf: Any, where: str) -> None:
-    for number, group in enumerate(mdf.groups):
-        size = group.channel_group.samples_byte_nr
+    """Raise LogError for a channel outside its record: asammdf reads there without looking."""
+    for group in mdf.groups:
+        record = group.channel_group
+        size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
         for channel in group.channels:
-            extra = getattr(channel, "additional_byte_offset", 0)
-            if 8 * extra + channel.start_offset + channel.bit_count > 8 * size:
-                raise damaged(
-                    where,
-                    f"channel {channel.name!r} lies outside the records of group {number}",
-                    f"bits within {size} bytes",
-                )
+            if str(mdf.version) < "4":
+                byte, bit = getattr(channel, "additional_byte_offset", 0), channel.start_offset
+            else:
+                byte, bit = channel.byte_offset, channel.bit_offset
+            if 8 * byte + bit + channel.bit_count > 8 * size:
+                what = f"the channel at byte {channel.address} lies outside its records"
+                raise damaged(where, what, f"bits within {size} bytes")
 
 
 def _require_counted(mdf: Any, counts: dict[int, int], where: str) -> None:

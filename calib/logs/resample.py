@@ -16,7 +16,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.logs.clock import on_line, running, step_of
-from calib.logs.gaps import ChannelHole, Filled, fill, in_words
+from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, in_words
 from calib.logs.source import ChannelTrace
 
 _FASTEST = 1050.0
@@ -144,7 +144,7 @@ def _rates(full: list[ChannelTrace]) -> dict[str, float]:
     for w in full:
         raster = w.clock, w.time.size
         if raster not in known:
-            known[raster] = 1.0 / step_of(w.time)
+            known[raster] = 1.0 / max(step_of(w.time), INSTANT)
     return {w.name: known[w.clock, w.time.size] for w in full}
 
 

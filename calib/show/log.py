@@ -92,10 +92,7 @@ def _event_cells(event: RunEvent) -> tuple[str, str, str]:
 
 
 def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
-    """Every column of a log over time, and eta. Raises ValueError without a column.
-
-    So it does for more than `MOST` panels.
-    """
+    """Every column of a log over time, and eta. Raises ValueError for none, or over `MOST`."""
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
@@ -216,5 +213,22 @@ def document(
         "end": log.time[-1],
         "columns": columns,
         "events": events,
+        "notes": log.notes,
+    }
+
+
+def simulated(log: Log, speed: Array, out: Path, model: Path | None) -> dict[str, Any]:
+    """The JSON document of a simulation that was driven with ``speed`` [m/s] (n,)."""
+    return {
+        "out": out,
+        "name": log.name,
+        "source": log.source,
+        "model": model,
+        "samples": log.time.size,
+        "duration": log.time[-1] - log.time[0],
+        "first_speed": speed[0],
+        "last_speed": speed[-1],
+        "channels": [*log.channels, *log.truth],
+        "digest": log.digest,
         "notes": log.notes,
     }

@@ -229,18 +229,6 @@ def render(figure: Figure, ending: str) -> bytes:
         return buffer.getvalue()
 
 
-def _render_pages(figures: list[Figure], done: Callable[[], None] = lambda: None) -> bytes:
-    """Bytes of one PDF with a page for each figure; ``done`` is called after each."""
-    from matplotlib.backends.backend_pdf import PdfPages
-
-    buffer = io.BytesIO()
-    with styled(), PdfPages(buffer, metadata=_METADATA[".pdf"]) as pages:
-        for figure in figures:
-            figure.savefig(pages, format="pdf")
-            done()
-    return buffer.getvalue()
-
-
 def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: None) -> None:
     """Write each file with its pages; all are drawn before the first is written.
 
@@ -248,16 +236,20 @@ def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: Non
     KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
     written.
     """
-    ready = {path: _content(path, figures, done) for path, figures in pages.items()}
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    ready = {}
+    for path, figures in pages.items():
+        ending, buffer = path.suffix.lower(), io.BytesIO()
+        if ending == ".pdf":
+            with styled(), PdfPages(buffer, metadata=_METADATA[ending]) as book:
+                for figure in figures:
+                    figure.savefig(book, format="pdf")
+                    done()
+            ready[path] = buffer.getvalue()
+        else:
+            (figure,) = figures
+            ready[path] = render(figure, ending)
+            done()
     for path, content in ready.items():
         write_whole(path, content)
-
-
-def _content(path: Path, figures: list[Figure], done: Callable[[], None]) -> bytes:
-    ending = path.suffix.lower()
-    if ending == ".pdf":
-        return _render_pages(figures, done)
-    (figure,) = figures
-    content = render(figure, ending)
-    done()
-    return content

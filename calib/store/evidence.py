@@ -5,7 +5,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from calib.base.bounded import VALIDATION, read_bounded
+from calib.base.bounded import VALIDATION, bytes_of
 from calib.base.errors import ExchangeError
 from calib.base.printable import printable
 from calib.store.state import Evidence
@@ -56,10 +56,7 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
 
 
 def _read(path: Path) -> bytes:
-    try:
-        return read_bounded(path, VALIDATION)
-    except OSError as error:
-        raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
+    return bytes_of(path, VALIDATION, ExchangeError, "a summary.json or a station.json")
 
 
 def _quality(data: bytes, path: Path, stored: Stored) -> Quality:

@@ -33,7 +33,6 @@ from calib.store.own_errors import (
 from calib.table.budget import PadLevels, axle_budgets, level_of, pad_levels, pad_scale
 from calib.table.table import (
     Array,
-    Calibration,
     DifferenceCurve,
     PaperCurves,
     Table,
@@ -47,16 +46,6 @@ _CARS = "cars"
 """Part of a budget that is the difference between cars."""
 
 
-class _MeanCurves(NamedTuple):
-    """The curves of a mean table, the scatter of D, and the weight of each car (k,)."""
-
-    difference: DifferenceCurve
-    paper: PaperCurves
-    tyre: TyreCurve
-    scatter: RandomEffects
-    weights: Array
-
-
 class _OneCurve(NamedTuple):
     """One curve of all k cars on a common axis (n,): values and variances (k, n)."""
 
@@ -68,31 +57,22 @@ class _OneCurve(NamedTuple):
     flag: Array
 
 
-def mean_curves(tables: Sequence[Table]) -> _MeanCurves:
-    """The mean curves.
+def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects, Array]:
+    """The curves of a mean table by name, the scatter of D, and the weight of each car (k,).
 
     A car has one weight in the whole mean, by how well its D is known where D is largest: what
     belongs together in a car stays together.
     """
-    d = [t.difference for t in tables]
-    of_D = _on_one_axis(
-        1.0,
-        [(c.eta, c.D, c.upper - c.lower, c.count, c.flag) for c in d],
-        lambda eta: [own_share(t, eta) for t in tables],
-    )
+    d, g = ([[*vars(getattr(t, of)).values()] for t in tables] for of in ("difference", "tyre"))
+    of_D = _on_one_axis(1.0, d, lambda eta: [own_share(t, eta) for t in tables])
     top = int(np.argmax(np.abs(of_D.values.mean(axis=0))))
     at = slice(top, top + 1)
     weights = np.asarray(random_effects(of_D.values[:, at], of_D.own[:, at]).weights[:, 0])
-    g = [t.tyre for t in tables]
-    of_g = _on_one_axis(
-        0.0,
-        [(c.slip, c.force, c.upper - c.lower, c.count, c.flag) for c in g],
-        lambda slip: [own_share_of_tyre(t, slip) for t in tables],
-    )
+    of_g = _on_one_axis(0.0, g, lambda slip: [own_share_of_tyre(t, slip) for t in tables])
     scatter, columns = _mean(of_D, weights)
-    difference = DifferenceCurve(*columns)
-    tyre = TyreCurve(*_mean(of_g, weights)[1])
-    return _MeanCurves(difference, _paper(tables, difference, weights), tyre, scatter, weights)
+    difference, tyre = DifferenceCurve(*columns), TyreCurve(*_mean(of_g, weights)[1])
+    paper = _paper(tables, difference, weights)
+    return {"difference": difference, "paper": paper, "tyre": tyre}, scatter, weights
 
 
 def _paper(tables: Sequence[Table], d: DifferenceCurve, weights: Array) -> PaperCurves:
@@ -115,37 +95,32 @@ def _mean(of: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ..
 
 
 def _on_one_axis(
-    start: float, curves: Sequence[tuple[Array, ...]], own_shares: Callable[[Array], list[Array]]
+    start: float, curves: Sequence[Sequence[Array]], own_shares: Callable[[Array], list[Array]]
 ) -> _OneCurve:
-    """Axis, value, width of the band, blocks and flags of each car, from ``start`` to the shortest.
+    """The columns of one curve of each car on a common axis, from ``start`` to the shortest.
 
     A cell has the blocks of all cars, and the flag of the middle car, of the worse of two.
     """
-    axes = [curve[0] for curve in curves]
-    axis = np.linspace(start, min(float(a[-1]) for a in axes), max(a.size for a in axes))
+    axes = [x for x, *_ in curves]
+    axis = np.linspace(start, min(float(x[-1]) for x in axes), max(x.size for x in axes))
     values = np.array([np.interp(axis, x, y) for x, y, *_ in curves])
-    variance = np.array([(np.interp(axis, x, w) / (2.0 * Z95)) ** 2 for x, _, w, *_ in curves])
+    widths = np.array([np.interp(axis, x, high - low) for x, _, low, high, *_ in curves])
+    variance = (widths / (2.0 * Z95)) ** 2
     own = variance * np.array(own_shares(axis))
     nearest = [np.abs(x[:, None] - axis).argmin(axis=0) for x in axes]
-    counts, flags = (
+    count, flag = (
         np.array([curve[column][at] for curve, at in zip(curves, nearest, strict=True)])
-        for column in (3, 4)
+        for column in (4, 5)
     )
-    middle = np.sort(flags, axis=0)[len(curves) // 2]
-    return _OneCurve(axis, values, own, variance - own, counts.sum(axis=0), middle)
+    middle = np.sort(flag, axis=0)[len(curves) // 2]
+    return _OneCurve(axis, values, own, variance - own, count.sum(axis=0), middle)
 
 
-class _MeanPads(NamedTuple):
-    """What a mean table says of pads and tyre, and the scatter of level, ratio and stiffness."""
+def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], RandomEffects]:
+    """Parts of a mean table on pads and tyre, and the scatter of level, ratio and stiffness.
 
-    posterior: TyrePosterior
-    calibration: Calibration
-    budget: TableBudget
-    scatter: RandomEffects
-
-
-def mean_pads(tables: Sequence[Table], weights: Array) -> _MeanPads:
-    """Mean of pads and tyre; ``weights`` (k,) of the cars."""
+    ``weights`` (k,) of the cars.
+    """
     vehicle, names = tables[0].vehicle, tables[0].posterior.names
     scatter = _scatter(tables, weights)
     of_cars = inflated(scatter) ** 2
@@ -165,22 +140,22 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> _MeanPads:
     # the part of the covariance that no stop learns from: no mean makes it smaller
     scatters = [t.posterior.scatter for t in tables]
     apart = _shared([{"": one} if one else {} for one in scatters], weights)
-    return _MeanPads(
-        posterior=TyrePosterior(
+    found = {
+        "posterior": TyrePosterior(
             names,
             tuple(mean.tolist()),
             _rows(np.sum(list(parts.values()), axis=0)),
             _rows(apart[""]) if apart else (),
         ),
-        calibration=pads,
-        budget=TableBudget(
+        "calibration": pads,
+        "budget": TableBudget(
             front=front.relative,
             rear=rear.relative,
             level=level,
             posterior={part: _rows(share) for part, share in parts.items()},
         ),
-        scatter=scatter,
-    )
+    }
+    return found, scatter
 
 
 def inflated(found: RandomEffects) -> Array:

@@ -58,30 +58,21 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
         raise RevisionError("; ".join(flaws))
     parents = sorted(parents, key=lambda p: (p.name, p.version, p.digest))
     tables = [p.table for p in parents]
-    curves = mean_curves(tables)
-    pads = mean_pads(tables, curves.weights)
+    curves, of_D, weights = mean_curves(tables)
+    pads, of_pads = mean_pads(tables, weights)
     return Table(
         name=name,
         vehicle=tables[0].vehicle,
-        difference=curves.difference,
-        paper=curves.paper,
-        tyre=curves.tyre,
-        posterior=pads.posterior,
-        calibration=pads.calibration,
-        effects=_effects(tables, curves.weights),
+        **curves,
+        **pads,
+        effects=_effects(tables, weights),
         noise=_noise(tables),
         quality=_quality(tables),
         remarks=_remarks(parents),
         provenance=_provenance(parents),
         warnings=tuple(dict.fromkeys(w for t in tables for w in t.warnings)),
-        budget=pads.budget,
-        spread=_spread(curves.scatter, pads.scatter),
+        spread=FleetScatter(of_D.freedom + 1, _scatters(of_D), *_scatters(of_pads)),
     )
-
-
-def _spread(of_D: RandomEffects, of_pads: RandomEffects) -> FleetScatter:
-    D, (level, ratio, stiffness) = _scatters(of_D), _scatters(of_pads)
-    return FleetScatter(of_D.freedom + 1, D, level, ratio, stiffness)
 
 
 def _scatters(of: RandomEffects) -> tuple[Scatter, ...]:
@@ -123,12 +114,10 @@ def _quality(tables: Sequence[Table]) -> dict[str, float]:
 def _provenance(parents: Sequence[Stored]) -> Provenance:
     """Logs of all cars; the settings that all of them were fitted with."""
     origins = [p.table.provenance for p in parents]
-    settings = dict(origins[0].settings)
-    for origin in origins[1:]:
-        settings = {k: v for k, v in settings.items() if origin.settings.get(k) == v}
+    common = set.intersection(*({*origin.settings.items()} for origin in origins))
     return Provenance(
         logs=tuple(dict.fromkeys(log for origin in origins for log in origin.logs)),
-        settings=settings,
+        settings={k: v for k, v in origins[0].settings.items() if (k, v) in common},
         program=PROGRAM,
         parents=tuple(TableReference(p.id, p.digest) for p in parents),
     )
@@ -197,8 +186,8 @@ def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
                     f"{a.id} and {b.id} are of one car ({mark} {_identity(a, mark)}), which would "
                     "count as two; give one of them, or fit its ramps together"
                 )
-        if logs := sorted(_ramps(a.table) & _ramps(b.table)):
-            yield f"{a.id} and {b.id} are made of the same ramp {logs[0][0]}"
+        if a.ramps & b.ramps:
+            yield f"{a.id} and {b.id} are made of the same ramp"
         if differ := _differ(a.table, b.table):
             yield f"{a.id} and {b.id} are of different vehicles: {', '.join(differ[:4])}"
         elif a.table.posterior.names != b.table.posterior.names:
@@ -207,11 +196,6 @@ def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
 
 def _identity(stored: Stored, mark: str) -> str:
     return stored.table.provenance.identity.get(mark, "")
-
-
-def _ramps(table: Table) -> set[tuple[str, str]]:
-    """Name and digest of the ramps; a coast log may serve several tables."""
-    return {(log.name, log.digest) for log in table.provenance.logs if log.role == "ramp"}
 
 
 def _differ(a: Table, b: Table) -> list[str]:

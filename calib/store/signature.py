@@ -13,9 +13,10 @@ none.
 import hashlib
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import DamagedTable, SignatureRefused
@@ -24,29 +25,20 @@ from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
 from calib.store.journal import SIGNED, enter, read_journal, write_journal
 from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
 from calib.store.seen import SeenJournals, recall
-from calib.store.snapshot import Snapshot
+from calib.store.snapshot import Snapshot, StoreEntry
 from calib.store.state import STATES, StateDecision
-from calib.store.store import Store, StoreVerdict, entered
+from calib.store.store import Store
 from calib.store.version import Stored
 
 _NEWEST = "get the newest copy of the store"
-_LINE = "brake-cal table={table} version={version} state={state} digest={digest} journal={head}"
-_PARTS = {
-    "table": r"([A-Za-z0-9._-]{1,100})",
-    "version": r"([1-9][0-9]{0,5})",
-    "state": rf"({'|'.join(STATES)})",
-    "digest": r"([0-9a-f]{64})",
-    "head": r"([0-9a-f]{64})",
-}
+_STATEMENT = re.compile(
+    r"brake-cal table=([A-Za-z0-9._-]{1,100}) version=([1-9][0-9]{0,5}) "
+    rf"state=({'|'.join(STATES)}) digest=([0-9a-f]{{64}}) journal=([0-9a-f]{{64}})"
+)
 
 
-@dataclass(frozen=True)
-class Statement:
-    """That a version had a state when it was signed; ``head`` hash of the journal's newest line.
-
-    >>> print(Statement("sedan", 3, "released", "0" * 64, "f" * 64).line[:56])
-    brake-cal table=sedan version=3 state=released digest=00
-    """
+class Statement(NamedTuple):
+    """That a version had a state when it was signed; ``head`` hash of the journal's newest line."""
 
     table: str
     version: int
@@ -57,7 +49,10 @@ class Statement:
     @property
     def line(self) -> str:
         """The statement as a trusted comment."""
-        return _LINE.format(**asdict(self))
+        return (
+            f"brake-cal table={self.table} version={self.version} state={self.state} "
+            f"digest={self.digest} journal={self.head}"
+        )
 
 
 def parse_statement(line: str, where: object = None) -> Statement:
@@ -65,12 +60,12 @@ def parse_statement(line: str, where: object = None) -> Statement:
 
     Raises SignatureRefused for every line that is not the one spelling of a statement.
     """
-    found = re.fullmatch(_LINE.format(**_PARTS), line)
+    found = _STATEMENT.fullmatch(line)
     if not found:
         raise SignatureRefused(
             "its trusted comment is not that of a table",
             where=where,
-            expected=_LINE.format(**dict.fromkeys(_PARTS, "...")),
+            expected=Statement(*["..."] * 5).line,  # type: ignore[arg-type]
         )
     table, version, *rest = found.groups()
     return Statement(table, int(version), *rest)
@@ -89,6 +84,18 @@ class _Signed:
     statement: Statement
     note: str = ""
 
+    def to_dict(self) -> dict[str, object]:
+        """The JSON document of a signature."""
+        return {
+            "table": self.stored.id,
+            "digest": self.stored.digest,
+            "state": self.stored.state.word,
+            "key_id": self.key_id,
+            "record": self.stored.path / RECORD,
+            "signature": self.path,
+            "trusted_comment": self.statement.line,
+        }
+
 
 def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     """Sign the record and the state of ``name@version``, and enter that in the journal.
@@ -102,7 +109,7 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     key signed, or is older than what this user has seen with the key.
     """
     memory = recall()
-    memory.check(store.folder, store.now().journal, key.key_id)
+    memory.check(store.folder, store.now().journal, key.public.key_id)
     with store.changing(reference) as (now, stored):
         _check_anchors(now, key.public)
         state, head = stored.state.word, now.journal.head
@@ -116,11 +123,11 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
         def put_back() -> None:
             path.unlink() if before is None else write_whole(path, before)
 
-        decision = StateDecision(state, by=by)
-        journal = entered(SIGNED, stored, decision, now.journal, key.key_id)
+        of = (stored.name, stored.version, SIGNED, StateDecision(state, by=by))
+        journal = now.journal.added(*of, key=key.public.key_id)
         enter(store.folder, journal, put_back)
     note = _keep(store.now(), key.public, memory)
-    return _Signed(stored, path, key.key_id, statement, note)
+    return _Signed(stored, path, key.public.key_id, statement, note)
 
 
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
@@ -150,18 +157,17 @@ def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _
 
 def verify_signed(
     store: Store, public: PublicKey, name: str | None = None
-) -> tuple[tuple[StoreVerdict, ...], str]:
+) -> tuple[tuple[StoreEntry, ...], str]:
     """`Store.verify` with the signatures of a key, and a note as in `_Signed`.
 
     Every released version must have one, and each that the key has ever signed. Raises as
     `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
     """
     memory = recall()
-    verdicts, now = store.verify(name), store.now()
+    entries, now = store.verify(name), store.now()
     memory.check(store.folder, now.journal, public.key_id)
-    found = tuple(_with_signature(now, verdict, public) for verdict in verdicts)
-    sound = all(verdict.sound for verdict in found)
-    return found, _keep(now, public, memory) if sound else ""
+    found = tuple(_with_signature(now, entry, public) for entry in entries)
+    return found, _keep(now, public, memory) if all(one.sound for one in found) else ""
 
 
 def key_ids(stored: Stored) -> tuple[str, ...]:
@@ -192,18 +198,17 @@ def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bo
     return told or bool(_of_key(now.folder / name, version, public))
 
 
-def _with_signature(now: Snapshot, verdict: StoreVerdict, public: PublicKey) -> StoreVerdict:
-    name, _, number = verdict.id.partition("@")
-    stored = now.entry(name, int(number)).stored
+def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
+    stored = entry.stored
     if not stored:
-        return verdict  # which says why
-    if not stored.state.released and not _was_signed(now, name, stored.version, public):
-        return verdict
+        return entry  # which says why
+    if not entry.state.released and not _was_signed(now, entry.name, entry.version, public):
+        return entry
     try:
-        return replace(verdict, signed=_held(now, stored, public).statement.state)
+        return replace(entry, signed=_held(now, stored, public).statement.state)
     except SignatureRefused as error:
-        flaw = error.what if error.where == stored.id else f"{error.where}: {error.what}"
-        return replace(verdict, violations=(*verdict.violations, flaw))
+        flaw = error.what if error.where == entry.id else f"{error.where}: {error.what}"
+        return replace(entry, violations=(*entry.violations, flaw))
 
 
 def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
@@ -236,17 +241,16 @@ def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
 ) -> Statement:
     # what it says it is of comes first: that tells more than that it does not hold here
-    statement = parse_statement(signature.trusted_comment, path)
-    signs = (statement.table, statement.version, statement.digest)
-    if signs != (stored.name, stored.version, stored.digest):
+    said = parse_statement(signature.trusted_comment, path)
+    if (said.table, said.version, said.digest) != (stored.name, stored.version, stored.digest):
         raise SignatureRefused(
-            f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}",
+            f"is of {said.table}@{said.version}, digest {said.digest[:12]}",
             where=path,
             expected=f"{stored.id}, digest {stored.digest[:12]}",
         )
     verify(public, _record(stored), signature, path)
-    _check_state(now, stored, statement.state, _line(now, statement, path))
-    return statement
+    _check_state(now, stored, said.state, _line(now, said, path))
+    return said
 
 
 def _check_anchors(now: Snapshot, public: PublicKey) -> None:
@@ -268,7 +272,8 @@ def _check_anchors(now: Snapshot, public: PublicKey) -> None:
 
 def _line(now: Snapshot, statement: Statement, path: Path) -> int:
     """Number of the line of the journal that a signature covers as its head."""
-    number = now.journal.line_of(statement.head)
+    lines = (e.number for e in now.journal.entries if e.hash == statement.head)
+    number = next(lines, 0)
     if not number:
         raise SignatureRefused(
             "covers a line that the journal does not contain: the journal was set back, or is "

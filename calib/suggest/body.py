@@ -120,23 +120,17 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, me
         return
     named = chosen.name == "a_x" or score(chosen.name, LONG) > 0
     reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
-    if checked is not None:
-        if _wrong_size(search, chosen, checked, clock, metres):
-            return
+    if checked is None:
+        sign = -1 if DECELERATION & set(words(chosen.name)) else 1
+        reasons.append("the speed changes too slowly, or is not known, to check its sign with")
+    elif _wrong_size(search, chosen, checked, clock, metres):
+        return
+    else:
         agrees = follows(chosen.values, checked, clock)
         sign = 1 if agrees > 0 else -1
         reasons.append(f"is the derivative of speed (correlation {abs(agrees):.2f})")
-        reasons += ["positive when the car slows down: sign reversed"] if sign < 0 else []
-    else:
-        sign = -1 if DECELERATION & set(words(chosen.name)) else 1
-        if rate is None:
-            reasons.append("no speed is known to check its sign with")
-        else:
-            most = f"{float(np.abs(rate).max()):.2g} {'m/s^2' if metres else 'rad/s^2'}"
-            reasons.append(f"the speed changes by {most} at most: too slowly to check its sign")
-        reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
-    sure = named and checked is not None
-    search.propose("a_x", Mapping(chosen.name, sign=sign), sure, *reasons)
+    reasons += ["positive when the car slows down: sign reversed"] if sign < 0 else []
+    search.propose("a_x", Mapping(chosen.name, sign=sign), named and checked is not None, *reasons)
 
 
 def _wrong_size(
@@ -193,14 +187,11 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     named = chosen.name == "p_mc" or _brake_score(chosen.name) > 0
     reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
     sure = False
-    if braking is None:
-        reasons.append("no speed is known to check it with")
-    elif np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
-        reasons.append("no braking in the log to check it with")
+    if braking is None or np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
+        reasons.append("no braking is known to check it with")
     else:
         ahead, agrees = lead(chosen.values, braking, clock, _LATE)
-        when = f"{ahead:.2f} s before" if ahead > 0 else "with"
-        reasons.append(f"{when} the deceleration (correlation {agrees:.2f})")
+        reasons.append(f"{ahead:.2f} s before the deceleration (correlation {agrees:.2f})")
         sure = named
     search.propose("p_mc", Mapping(chosen.name), sure, *reasons)
 
@@ -214,11 +205,9 @@ def find_by_name(search: Search) -> None:
             do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
             search.doubt(channel, found, "several columns fit by name", do)
         elif found:
-            reasons = (
-                "name",
-                f"unit {found[0].column.unit}",
-                _NOT_TESTED.get(channel, "not tested"),
-            )
+            reasons = ["name", f"unit {found[0].column.unit}", "not tested"]
+            if channel.startswith("T_drive"):
+                reasons.append("it must be that at the wheels, negative when it slows the car")
             search.propose(channel, Mapping(found[0].name), False, *reasons)
 
 
@@ -252,10 +241,3 @@ _BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
     "T_drive_r": ("N*m", "r", (TORQUE, DRIVE)),
 }
 """SI unit, axle and words of the channels that a column is by name and unit alone."""
-
-
-_NOT_TESTED = dict.fromkeys(
-    ("T_drive_f", "T_drive_r"),
-    "not tested: it must be that at the wheels (scale by the gear), negative when it slows",
-)
-"""What the user must look at, by channel."""

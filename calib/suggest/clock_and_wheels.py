@@ -16,7 +16,6 @@ from calib.suggest.columns import (
     Series,
     moving,
     rim_mapping,
-    rim_reason,
     rising,
     together,
     without_gaps,
@@ -49,25 +48,25 @@ def find_clock(search: Search) -> None:
 
 
 def _propose_clock(search: Search) -> None:
-    free = search.free()
-    running = [s for s in free if s.si in ("s", None) and _runs(s.values)]
+    timed = [s for s in search.free() if s.si in ("s", None)]
+    gapped = [s for s in search.gapped if s.si in ("s", None)]
+    running = [s for s in timed if _runs(s.values)]
     named = [s for s in running if _is_time(s.name)]
     fit = [s for s in named if s.name == "time"] or named
+    unread = [(name, why) for name, why in search.left.items() if _is_time(name)]
     if len(fit) > 1:
         search.doubt("time", fit, "more than one column is a time", "choose one: --take time=NAME")
     elif fit:
         _take_clock(search, fit[0])
-    elif broken := [s for s in (*free, *search.gapped) if s.si in ("s", None) and _is_time(s.name)]:
+    elif broken := [s for s in (*timed, *gapped) if _is_time(s.name)]:
         why = f"{broken[0].name} is named a time, but {_disorder(broken[0].values)}"
         search.doubt("time", broken[:1], why, "correct the log, or export it again")
-    elif unread := [(name, why) for name, why in search.left.items() if _is_time(name)]:
-        name, why = unread[0]
+    elif unread:
         do = "export the log again, with a time for each row"
-        search.doubts.append(Doubt("time", (name,), why, do))
+        search.doubts.append(Doubt("time", unread[0][:1], unread[0][1], do))
     else:
         candidates = [s for s in running if s.si == "s"] or running
         do = "choose one and give its unit: --take 'time=NAME [s]'"
-        do = do if candidates else "export the log again, with its time"
         search.doubt("time", candidates, "no column is named a time", do)
 
 
@@ -177,8 +176,7 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     if not _wheels_told(search):
         for channel, one in zip(_ALL_WHEELS, chosen, strict=True):
             at_rim = rim_mapping(channel, one.name, unit, search.radius)
-            reasons = ["name", f"unit {unit}", "the four wheels agree"]
-            reasons += [rim_reason(search.radius)] if at_rim and search.radius else []
+            reasons = ("name", f"unit {unit}", "the four wheels agree")
             search.propose(channel, at_rim or Mapping(one.name), True, *reasons)
     return mean / search.radius if si == "m/s" and search.radius else mean, True
 

@@ -198,11 +198,6 @@ def rim_mapping(
     return Mapping(source, "rad/s", scale=to_si(1.0, unit, "m/s") / radius)
 
 
-def rim_reason(radius: float) -> str:
-    """How a speed at the rim became a wheel speed, in words."""
-    return f"divided by the given radius of {radius:g} m"
-
-
 @dataclass
 class Search:
     """What is known so far; a column that is proposed or in ``left`` is not looked at again."""

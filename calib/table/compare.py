@@ -97,8 +97,9 @@ class Difference:
     def beyond(self) -> tuple[CurveGap | ValueGap, ...]:
         """Curves and values that differ by more than the 95 % bands of both, the worst first."""
         every: list[CurveGap | ValueGap] = [*self.curves, *self.values]
-        wide = [gap for gap in every if gap.in_bands > 1.0]
-        return tuple(sorted(wide, key=lambda gap: -gap.in_bands))
+        return tuple(
+            sorted((gap for gap in every if gap.in_bands > 1.0), key=lambda g: -g.in_bands)
+        )
 
     @property
     def verdict(self) -> str:
@@ -122,9 +123,15 @@ def diff(a: Table, b: Table) -> Difference:
 
 
 def _value_gap(name: str, a: Value, b: Value) -> ValueGap:
-    apart, band = abs(b.value - a.value), Z95 * math.hypot(a.sigma, b.sigma)
-    far = apart / band if band > 0.0 else math.inf if apart > 0.0 else 0.0
-    return ValueGap(name, a.value, b.value, far)
+    band = np.asarray(Z95 * math.hypot(a.sigma, b.sigma))
+    return ValueGap(name, a.value, b.value, _in_bands(np.asarray(b.value - a.value), band))
+
+
+def _in_bands(gap: Array, band: Array) -> float:
+    """Largest gap over its band; at eta = 1 both are zero, and so is their ratio."""
+    over = np.full_like(gap, math.inf)
+    np.divide(np.abs(gap), band, out=over, where=band > 0.0)
+    return float(np.max(over, initial=0.0, where=gap != 0.0))
 
 
 def _axes(table: Table) -> dict[str, tuple[Array, Array, Array]]:
@@ -151,9 +158,6 @@ def _gap(
     band = np.hypot(np.interp(x, a[0], a[2]), np.interp(x, b[0], b[2]))
     worst = int(np.argmax(np.abs(gap)))
     square = (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
-    differs = gap != 0.0  # at eta = 1 both gap and band are zero
-    over = np.full_like(gap, math.inf)
-    np.divide(np.abs(gap), band, out=over, where=band > 0.0)
     return CurveGap(
         curve=name,
         start=float(start),
@@ -161,7 +165,7 @@ def _gap(
         largest=float(gap[worst]),
         at=float(x[worst]),
         rms=float(np.sqrt(np.sum(square * np.diff(x)) / (x[-1] - x[0]))),
-        in_bands=float(np.max(over, initial=0.0, where=differs)),
+        in_bands=_in_bands(gap, band),
     )
 
 

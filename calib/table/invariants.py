@@ -6,14 +6,21 @@ the table alone: only hold-outs can show whether the fit is good.
 
 import re
 from collections.abc import Iterator
-from dataclasses import fields
 
 import numpy as np
 
 from calib.base.digest import canonical_json
 from calib.base.errors import not_finite
 from calib.car.forces import axle_loads
-from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Array, Table
+from calib.table.table import (
+    BY_HAND,
+    CURVES,
+    EXTRAPOLATED,
+    INTERPOLATED,
+    MEASURED,
+    Array,
+    Table,
+)
 
 _TOLERANCE = 1e-9
 """Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
@@ -31,25 +38,23 @@ def violations(table: Table) -> tuple[str, ...]:
 
 
 def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
-    for curve in (table.difference, table.paper, table.tyre):
-        name = type(curve).__name__.removesuffix("Curve").removesuffix("Curves").lower()
-        yield name, {f.name: np.asarray(getattr(curve, f.name)) for f in fields(curve)}
+    for name in CURVES:
+        yield name, {key: np.asarray(column) for key, column in vars(getattr(table, name)).items()}
 
 
 def _shapes(table: Table) -> Iterator[str]:
     for curve, columns in _columns(table):
         shapes = {column.shape for column in columns.values()}
-        if len(shapes) != 1 or len(next(iter(shapes))) != 1:
+        if len(shapes) != 1 or len(shapes.copy().pop()) != 1:
             yield f"{curve}: columns of different shapes {sorted(shapes)}"
-        elif next(iter(shapes))[0] < 2:
+        elif shapes.pop()[0] < 2:
             yield f"{curve}: fewer than two rows"
 
 
 def require_finite(table: Table) -> None:
     """Raise NotFiniteError, with the name of the quantity, for a number that is not finite."""
-    name = next((flaw.partition(":")[0] for flaw in _finite(table)), None)
-    if name is not None:
-        raise not_finite(name, table.name)
+    for flaw in _finite(table):
+        raise not_finite(flaw.partition(":")[0], table.name)
 
 
 def _finite(table: Table) -> Iterator[str]:
@@ -57,8 +62,7 @@ def _finite(table: Table) -> Iterator[str]:
         for name, column in columns.items():
             if not np.all(np.isfinite(column)):
                 yield f"{curve}.{name}: not finite in row {int(np.argmin(np.isfinite(column)))}"
-    record, _ = table.content()
-    for key, part in record.items():
+    for key, part in table.content()[0].items():
         try:
             canonical_json({key: part})
         except ValueError:
@@ -107,31 +111,27 @@ def _constraint(table: Table) -> Iterator[str]:
 
 def _covariance(table: Table) -> Iterator[str]:
     posterior = table.posterior
-    n = len(posterior.names)
-    if {n} != {len(posterior.mean), len(posterior.covariance), *map(len, posterior.covariance)}:
-        yield f"posterior: {n} names, mean and covariance of other sizes"
-        return
-    if posterior.scatter and {n} != {len(posterior.scatter), *map(len, posterior.scatter)}:
-        yield f"posterior: {n} names, scatter of another size"
+    n, held = len(posterior.names), (posterior.covariance, posterior.scatter)
+    sizes = [len(part) for matrix in held if matrix for part in (matrix, *matrix)]
+    if {n} != {len(posterior.mean), *sizes} or (n and not posterior.covariance):
+        yield f"posterior: {n} names, mean, covariance and scatter of other sizes"
         return
     covariance = np.asarray(posterior.covariance, dtype=np.float64)
     scatter = np.asarray(posterior.scatter or np.zeros_like(covariance), dtype=np.float64)
-    if n and np.all(np.isfinite(covariance + scatter)):  # not finite: reported above
-        sigma = np.sqrt(np.abs(np.diag(covariance)))
-        scale = np.where(sigma > 0.0, sigma, 1.0)
+    if not n or not np.all(np.isfinite(covariance + scatter)):  # not finite: reported above
+        return
+    sigma = np.sqrt(np.abs(np.diag(covariance)))
+    scale = np.where(sigma > 0.0, sigma, 1.0)
+    named = ("covariance", covariance), ("scatter", scatter), ("rest", covariance - scatter)
+    for name, matrix in named if scatter.any() else named[:1]:
         # Compared as correlations: a stiffness and an exponent differ by orders of magnitude.
-        unit = np.outer(scale, scale)
-        yield from _psd("posterior.covariance", covariance / unit)
-        yield from _psd("posterior.scatter", scatter / unit)
-        if np.min(np.linalg.eigvalsh((covariance - scatter) / unit)) < -1e-9 and scatter.any():
-            yield "posterior.scatter: more than the covariance"
-
-
-def _psd(name: str, matrix: Array) -> Iterator[str]:
-    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9):
-        yield f"{name}: not symmetric"
-    elif np.min(np.linalg.eigvalsh(matrix)) < -1e-9:
-        yield f"{name}: not positive semidefinite"
+        unit = matrix / np.outer(scale, scale)
+        if not np.allclose(unit, unit.T, rtol=0.0, atol=1e-9):
+            yield f"posterior.{name}: not symmetric"
+            return
+        if np.min(np.linalg.eigvalsh(unit)) < -1e-9:
+            yield f"posterior.{name}: not positive semidefinite"
+            return
 
 
 def _parents(table: Table) -> Iterator[str]:

@@ -59,6 +59,13 @@ class DifferenceCurve:
         i = int(np.argmax(np.abs(self.D)))
         return float(self.eta[i]), float(self.D[i])
 
+    @property
+    def band_width(self) -> float | None:
+        """Half width of the band over D where D is largest [1]; None where D is 0."""
+        i = int(np.argmax(np.abs(self.D)))
+        half = 0.5 * float(self.upper[i] - self.lower[i])
+        return half / abs(float(self.D[i])) if self.D[i] else None
+
 
 @dataclass(frozen=True)
 class PaperCurves:
@@ -87,19 +94,21 @@ class PaperCurves:
     @property
     def decelerations(self) -> tuple[float, float]:
         """Least and greatest z [1] of all rows, extrapolated ones too."""
-        return float(np.min(self.z)), float(np.max(self.z))
+        return _ends(self.z)
 
     @property
     def usable(self) -> tuple[float, float]:
         """Least and greatest z [1] of the known rows: the range in which the table is usable."""
-        z = self.z[self.known]
-        return float(np.min(z)), float(np.max(z))
+        return _ends(self.z[self.known])
 
     @property
     def usable_eta(self) -> tuple[float, float]:
         """Least and greatest eta [1] of the known rows."""
-        eta = self.eta[self.known]
-        return float(np.min(eta)), float(np.max(eta))
+        return _ends(self.eta[self.known])
+
+
+def _ends(x: Array) -> tuple[float, float]:
+    return float(np.min(x)), float(np.max(x))
 
 
 @dataclass(frozen=True)
@@ -112,6 +121,10 @@ class TyreCurve:
     upper: Array
     count: Array
     flag: Array
+
+
+CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
+"""The curves of a table, which are columns and no part of its record."""
 
 
 @dataclass(frozen=True)
@@ -159,17 +172,13 @@ class TyrePosterior:
     scatter: tuple[tuple[float, ...], ...] = ()
 
     def value(self, name: str) -> float:
-        """Mean of a parameter. Raises ValueError for an unknown one, as those below."""
+        """Mean of a parameter. Raises ValueError for an unknown one, as `sigma`."""
         return self.mean[self.names.index(name)]
-
-    def variance(self, name: str) -> float:
-        """Variance of a parameter."""
-        at = self.names.index(name)
-        return self.covariance[at][at]
 
     def sigma(self, name: str) -> float:
         """Standard deviation of a parameter."""
-        return math.sqrt(self.variance(name))
+        at = self.names.index(name)
+        return math.sqrt(self.covariance[at][at])
 
     @property
     def tyre(self) -> Tyre:
@@ -196,9 +205,9 @@ class LogReference:
 
         Without a fingerprint only an equal file is known.
         """
-        if log.digest == self.digest:
-            return True
-        return self.fingerprint is not None and same_as(self.fingerprint, log)
+        return log.digest == self.digest or (
+            self.fingerprint is not None and same_as(self.fingerprint, log)
+        )
 
 
 @dataclass(frozen=True)
@@ -350,7 +359,7 @@ class Table:
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()
         }
-        curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
+        curves = {name: record.pop(name) for name in CURVES}
         return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
 
     @property

@@ -70,9 +70,9 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
     assert effect.title == "Aerodynamic drag"
     assert dict(effect.rows)["Cause"] == effect_named("aerodynamic_drag").card.cause
     gap = tables(named)
-    assert gap["Gap by"][0] == (MARKUP, "8.25", "1.50", "82 %", "")
-    assert gap["Gap by"][1][1:] == ("0.50", "0.50", "within noise", "0.0625 m/s^2")
-    assert gap["Gap by"][6][1:] == ("4.00", "8.00", "-100 %, worse", "0.0625 m/s")
+    assert gap["Gap by"][0] == (MARKUP, "8.25", "1.50", "")
+    assert gap["Gap by"][1][1:] == ("0.50", "0.50", "0.0625 m/s^2")
+    assert gap["Gap by"][6][1:] == ("4.00", "8.00", "0.0625 m/s")
     assert gap["Base parameters"][1][3] == ""  # a vehicle file says nothing of the tyres
 
 
@@ -146,7 +146,3 @@ def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
 def test_without_a_gap_there_is_one_replay_and_no_cause(named):
     found = replace(named, verdict="no_gap", effects=())
     assert [text for _, text in facts(found, "car").numbers] == ["8.2", "1"]
-    assert tables(found)["Gap by"][:2] == [
-        (MARKUP, "1.50", ""),
-        (f"{MARKUP}, a_x", "0.50", "0.0625 m/s^2"),
-    ]

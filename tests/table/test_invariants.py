@@ -87,8 +87,8 @@ def test_a_covariance_that_is_none_is_named(table, covariance, says):
     [
         (((5e-5, 2e-5), (1e-5, 2e-4)), "posterior.scatter: not symmetric"),
         (((5e-5, 0.0), (0.0, -2e-4)), "posterior.scatter: not positive semidefinite"),
-        (((2e-4, 0.0), (0.0, 2e-4)), "posterior.scatter: more than the covariance"),
-        (((5e-5,),), "scatter of another size"),
+        (((2e-4, 0.0), (0.0, 2e-4)), "posterior.rest: not positive semidefinite"),
+        (((5e-5,),), "scatter of other sizes"),
     ],
 )
 def test_a_scatter_that_is_none_is_named(table, scatter, says):

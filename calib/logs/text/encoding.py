@@ -1,9 +1,12 @@
 """Unpack a log, and convert text to UTF-8: byte order marks, UTF-16, Western encodings."""
 
 import codecs
+import io
 import zlib
+from pathlib import Path
+from typing import BinaryIO
 
-from calib.base.bounded import LOG
+from calib.base.bounded import LOG, bytes_of
 from calib.base.errors import LogError
 from calib.logs.source import damaged
 
@@ -38,9 +41,16 @@ def gunzip(data: bytes, where: str) -> bytes:
     return b"".join(parts)
 
 
+def unzipped(path: Path) -> BinaryIO:
+    """The bytes of a log of a bus, packed or not. Raises LogError as `gunzip`."""
+    if path.suffix.lower() != ".gz":
+        return path.open("rb")
+    return io.BytesIO(gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path)))
+
+
 def too_large(where: str) -> LogError:
     """The error for a log that unpacks to more than a log may have."""
-    return LogError(LOG.excess(what="it unpacks to"), where=where, do=LOG.advice)
+    return LogError(LOG.excess("it unpacks to"), where=where)
 
 
 _MARKS = {
