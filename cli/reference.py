@@ -93,16 +93,14 @@ def settings() -> Answer:
     if found.file is None:
         searched = f"no {NAME} in {', '.join(map(str, found.searched))}"
         say(searched if found.searched else f"no settings file: {VARIABLE} is empty")
+    unset = {"store": (STORE, "built-in"), "require_signed": (False, "built-in"),
+             "by": (user(), "environment")}  # fmt: skip
     rows: list[tuple[str, object, str]] = []
     for field in fields(found.settings):
-        key, value = KEYS.get(field.name, field.name), getattr(found.settings, field.name)
-        if value is not None:
-            rows.append((key, value, f"file:{found.file}"))
-        elif field.name == "by":
-            rows.append((key, user(), "environment"))
-        else:
-            built_in = {"store": STORE, "require_signed": False}.get(field.name)
-            rows.append((key, built_in, "built-in"))
+        value, source = getattr(found.settings, field.name), f"file:{found.file}"
+        if value is None:
+            value, source = unset.get(field.name, (None, "built-in"))
+        rows.append((KEYS.get(field.name, field.name), value, source))
     document = {
         "file": found.file,
         "searched": found.searched,

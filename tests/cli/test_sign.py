@@ -9,7 +9,7 @@ import pytest
 from calib.store.minisign import generate
 from calib.store.state import StateDecision
 from calib.store.store import Store
-from tests.support.signing import ADA, EVE, secret_file, set_back
+from tests.support.signing import ADA, EVE, secret_file
 
 pytestmark = pytest.mark.usefixtures("seen")
 
@@ -40,20 +40,6 @@ def public(tmp_path):
 def signed(tables, secret):
     """The store of sedan@1, released and signed."""
     assert tables("sign", "sedan@1", "--key", secret).code == 0
-
-
-def test_sign_says_what_it_signed_and_how_to_check_it(tables, secret, store):
-    ran = tables("sign", "sedan@1", "--key", secret, "--by", "Ada")
-    assert (ran.code, ran.err) == (0, "")
-    assert ran.out == (
-        f"sedan@1 is signed as released by key {ADA.public.key_id}\n"
-        f"check it with: minisign -Vm {store}/sedan/v0001/record.json "
-        f"-x {store}/sedan/v0001.minisig -p PUBLIC\n"
-    )
-    log = tables("log", "sedan").out
-    assert log.splitlines()[2].split()[1:] == [
-        "sedan@1", "signed,", "released", "Ada", "key", ADA.public.key_id
-    ]  # fmt: skip
 
 
 def test_sign_json(tables, secret, store, document):
@@ -121,20 +107,6 @@ def test_verify_with_a_key(tables, signed, two, public, document):
     assert ran.code == 4
     assert f"is signed by key {ADA.public.key_id}, not by key {EVE.public.key_id}" in ran.out
     assert tables("verify", "--key", "no.pub").code == 3
-
-
-def test_verify_names_what_was_withdrawn_and_an_older_store(tables, signed, store, public, seen):
-    tables("withdraw", "sedan@1", "--reason", "recall", "--by", "Bob")
-    ran = tables("verify", "--key", public)
-    assert ran.code == 4
-    assert "signed as released, withdrawn since (by Bob" in ran.out
-    set_back(Store(store), 2)
-    assert tables("verify", "--key", public).code == 0
-    set_back(Store(store), 1)
-    ran = tables("verify", "--key", public)
-    assert (ran.code, ran.result) == (4, "")
-    assert f"{store}: an older copy of the store" in ran.err
-    assert str(seen) in ran.err
 
 
 def test_list_and_show_say_signed_or_not(tables, signed, two, document):
@@ -210,13 +182,6 @@ def test_what_cannot_be_kept_is_a_note(use, signed, seen, public):
     ran = use("export", "--require-signed", "--key", public)
     assert ran.code == 0
     assert "an older copy of the store will not be noticed" in ran.err
-
-
-def test_a_withdrawn_golden_table_is_refused_by_its_signature(use, signed, store, public):
-    Store(store).judge("sedan@1", StateDecision("rejected", "wet"))
-    ran = use("validate", "--require-signed", "--key", public)
-    assert ran.code == 4
-    assert "signed as released, rejected since" in ran.err
 
 
 def test_a_bare_name_is_not_an_older_version(tables, signed, two, secret, public, tmp_path):
