@@ -124,21 +124,20 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "says"),
+    ("arguments", "code"),
     [
-        (("sedan@1", "sedan@2", STOP), 2, "two tables without logs"),
-        (("sedan@1", "sedan@2", "sedan@1"), 2, "two tables without logs"),
-        (("sedan@1", "--vehicle", WRONG), 2, "only with a TABLE and a LOG"),
-        (("sedan@1", "--compare"), 2, "only with a TABLE and a LOG"),
-        (("sedan@1", "--out", f"{STOP}/a.png"), 2, "not a directory"),
-        (("nothing.csv",), 3, "no such file"),
-        (("sedna",), 2, "did you mean 'sedan'"),
+        (("sedan@1", "sedan@2", STOP), 2),
+        (("sedan@1", "sedan@2", "sedan@1"), 2),
+        (("sedan@1", "--vehicle", WRONG), 2),
+        (("sedan@1", "--compare"), 2),
+        (("sedan@1", "--out", f"{STOP}/a.png"), 2),
+        (("nothing.csv",), 3),
+        (("sedna",), 2),
     ],
 )
-def test_what_cannot_be_drawn_says_why(plot, arguments, code, says):
+def test_what_cannot_be_drawn_leaves_nothing(plot, arguments, code):
     ran = plot(*arguments)
     assert (ran.code, ran.result) == (code, "")
-    assert says in ran.err
     assert files() == []
 
 
