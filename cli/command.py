@@ -10,7 +10,7 @@ file is read; warnings, the result and the page of --report are printed and writ
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
@@ -70,12 +70,17 @@ Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.htm
 def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any]], Any]:
     """Declare a command by its function, see above.
 
-    Its parameters are arguments, keyword-only ones are options: a switch, a list or what may be
-    None need not be given. Where ``json`` is one of them it prints its results itself.
+    Its parameters are arguments, keyword-only ones are options, of a dataclass each of its fields:
+    a switch, a list or what may be None need not be given. With ``json`` among them it prints its
+    results itself.
     """
 
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
-        own = {p.name: _parameter(p) for p in signature(body).parameters.values()}
+        declared = signature(body).parameters.values()
+        groups: dict[str, Any] = {
+            p.name: p.annotation for p in declared if is_dataclass(p.annotation)
+        }
+        own = {p.name: _parameter(p) for one in declared for p in _parts(one)}
         more: dict[str, Any] = {"report": Report} if report else {}
         more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in own else {"json": Json})
         every = [*own.values(), *(_added(name, hint) for name, hint in more.items())]
@@ -94,7 +99,10 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
             for name, info in writes.items():
                 if given[name] is not None and info.writes != "folder":
                     check_file(given[name], info.writes, _flag_of(name, info))
-            answer = body(**{name: _made(name, infos[name], given[name]) for name in own})
+            made = {name: _made(name, infos[name], given[name]) for name in own}
+            for name, kind in groups.items():
+                made[name] = kind(**{f.name: made.pop(f.name) for f in fields(kind)})
+            answer = body(**made)
             if "json" not in own:
                 _tell(answer, given["json"], given.get("report"))
             if answer.exit_code:
@@ -152,6 +160,16 @@ def _nothing(quiet: Quiet = False, verbose: Verbose = False) -> None:
 def example(*lines: str) -> str:
     """Epilog of a command's help: ``lines`` that can be run in the folder of the demo."""
     return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
+
+
+def _parts(given: Parameter) -> list[Parameter]:
+    """A parameter, or the fields of a dataclass in its place: options that commands share."""
+    if not is_dataclass(given.annotation):
+        return [given]
+    return [
+        Parameter(f.name, Parameter.KEYWORD_ONLY, annotation=f.type)
+        for f in fields(given.annotation)
+    ]
 
 
 def _parameter(given: Parameter) -> Parameter:

@@ -5,9 +5,9 @@ from typing import Any
 
 from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
-from cli.options import Required, SignedBy, Table, Tables, argument, option, table_versions
+from cli.options import Table, Tables, argument, option, table_versions
 from cli.outputs import refuse_foreign, writing
-from cli.sign import check_signed, key_of
+from cli.sign import Signed
 
 
 @command(
@@ -28,8 +28,7 @@ def export(
     elf: Path | None = option("Linked program (ELF), for addresses of an a2l.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     unreleased: bool = option("Also a version that is not released; the file then says so."),
-    require_signed: Required,
-    key: SignedBy,
+    signed: Signed,
     store: Tables,
 ) -> Answer:
     """Write a table for a calibration tool or an ECU.
@@ -41,9 +40,8 @@ def export(
     from calib.exports.export import export as write
     from calib.store.evidence import UNPROVED, read_quality
 
-    public = key_of(require_signed, key)
     stored = store.load(table) if unreleased else store.released(table)
-    check_signed(table, stored, public)
+    signed.check(table, stored)
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED

@@ -12,7 +12,7 @@ from cli.fit import tell_kin
 from cli.logs import read
 from cli.options import argument, day, logs_by_name, option, table_names, words
 from cli.outputs import check_folder, stems_of, write_file, writing
-from cli.sign import check_signed, key_of
+from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
@@ -58,8 +58,7 @@ def station(
     date: str | None = option("Date of the report and in a cdfx.", "YYYY-MM-DD", make=day),
     store: options.Tables,
     channel_map: options.Map,
-    require_signed: options.Required,
-    key: options.SignedBy,
+    signed: Signed,
 ) -> Answer:
     """Fit, validate and judge one car at the end of the line.
 
@@ -82,8 +81,7 @@ def station(
     identity = Identity(serial, vin, name, rxswin)
     if flaw := identity.flaw():
         raise misuse(flaw[1], f"--{flaw[0]}")
-    public = key_of(require_signed, key)
-    if public and export:
+    if signed.public and export:
         say("no exports: what is stored now is not signed; sign it, then `brake-cal tables export`")
         export = []
     stems = stems_of(holdouts, "HOLDOUT")
@@ -96,7 +94,7 @@ def station(
         if golden and reference:
             if not reference.state.released:
                 say(f"{reference.id} is {reference.state.words}")
-            check_signed(golden, reference, public)
+            signed.check(golden, reference)
             require_same_vehicle(reference.table, vehicle, this_run().file("vehicle"))
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:
