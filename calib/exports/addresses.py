@@ -45,14 +45,10 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
 
 def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
     """The global, defined symbol of each object."""
-    if elf["e_type"] == "ET_REL":
-        what = "is an object file, whose addresses are not fixed yet"
-        raise ProgramError(what, where=path, expected="the linked program")
     tables = list(elf.iter_sections("SHT_SYMTAB"))
-    if not tables:
-        expected = "the program as the linker wrote it"
-        do = "take the file from before `strip`"
-        raise ProgramError("has no symbol table", where=path, expected=expected, do=do)
+    if not tables or elf["e_type"] == "ET_REL":
+        expected = "the linked program as the linker wrote it, before `strip`"
+        raise ProgramError("has no symbols at fixed addresses", where=path, expected=expected)
     wanted = [one.label for one in data.objects]
     found = {
         symbol.name: symbol
@@ -65,9 +61,8 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
     }
     missing = [name for name in wanted if name not in found]
     if missing:
-        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
         raise ProgramError(
-            f"has no symbol {missing[0]}{more}",
+            f"has no symbol {', '.join(missing[:3])}",
             where=path,
             expected="every object of the C header",
             do=f"define {data.prefix.upper()}_DEFINE before the header in one source file, and "

@@ -25,10 +25,7 @@ FEWEST = 2
 
 @dataclass(frozen=True)
 class Misfit:
-    """Error of curves interpolated between breakpoints: largest error ``worst`` at ``at``, ``rms``.
-
-    Both in the unit of the curves; the rms is over the axis, of the curve with the largest rms.
-    """
+    """Largest error ``worst`` between breakpoints, ``at`` its place, and the largest ``rms``."""
 
     worst: float
     at: float
@@ -36,13 +33,9 @@ class Misfit:
 
 
 def place(x: Array, curves: Array, points: int) -> Index:
-    """Rows to keep, both ends among them: ``points``, or fewer where more increase the error.
+    """Rows of ``x`` (n,) to keep, both ends among them, for ``curves`` (k, n) in one unit.
 
-    Parameters
-    ----------
-    x : axis, strictly increasing, (n,).
-    curves : the curves over it, (k, n), in one unit.
-    points : 2 or more; all rows are kept where the axis has no more.
+    ``points`` of 2 or more, or fewer where more increase the error.
     """
     n = len(x)
     if points >= n:

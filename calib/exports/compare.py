@@ -82,9 +82,8 @@ _EDITED = "the numbers do not agree with its checksum"
 def parent(found: Returned, store: Store) -> Stored | None:
     """The version that the file names, None where the store does not have it.
 
-    Without a head the labels name it: they begin with the name of the table, as `prefix` has it.
-    Raises DamagedTable where that version is damaged, ExchangeError where the names of several
-    tables begin labels alike.
+    Without a head the labels name it. Raises DamagedTable where that version is damaged,
+    ExchangeError where the names of several tables begin labels alike.
     """
     name, _, version = found.table.partition("@")
     if "table" not in found.facts:
@@ -112,8 +111,8 @@ class Difference(NamedTuple):
 def difference(found: Returned, stored: Stored | None) -> Difference:
     """Contradictions in a file: to the table of the store, or to its own checksum without one.
 
-    Numbers that a tool has rounded agree, see `_best_rounding`. A file on fewer breakpoints
-    agrees when each of its rows is a row of the table. Raises ExchangeError where there is neither.
+    Numbers that a tool has rounded agree, and fewer breakpoints that are rows of the table. Raises
+    ExchangeError where there is neither table nor checksum.
     """
     edited = [_EDITED] if found.unchanged is False else []
     if stored is None and found.unchanged is None:

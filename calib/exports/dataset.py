@@ -87,17 +87,14 @@ _NONE_GIVEN = (
 
 @dataclass(frozen=True)
 class Addresses:
-    """Address of each object by label, and the byte order; all are 0 where no file was given.
-
-    ``remarks`` say what was assumed, in sentences.
-    """
+    """Address of each object by label, and the byte order; ``remarks`` on what was assumed."""
 
     by_label: dict[str, int] = field(default_factory=dict)
     big_endian: bool = False
     remarks: tuple[str, ...] = (_NONE_GIVEN,)
 
     def of(self, name: str) -> int:
-        """Address of an object."""
+        """Address of an object; 0 where no program was given."""
         return self.by_label.get(name, 0)
 
 
@@ -136,8 +133,7 @@ class Object:
 class Axis(Object):
     """Breakpoints, strictly increasing; ``shared`` by several curves, or the own axis of one.
 
-    ``rows`` number of rows of the table; ``misfit`` of the curves interpolated between the
-    breakpoints; ``origin`` of the fixed point.
+    ``rows`` of the table; ``misfit`` between the breakpoints; ``origin`` of the fixed point.
     """
 
     shared: bool
@@ -224,7 +220,7 @@ def _hex(values: Numbers) -> str:
 class Dataset:
     """The exported data of ``stored``, in integers of ``bits`` or in double.
 
-    ``date`` of the export as ISO 8601, for CDF: a table has none. ``addresses`` for A2L.
+    ``date`` of the export, for CDF: a table has none. ``addresses`` for A2L.
     """
 
     stored: Stored
@@ -292,8 +288,8 @@ def build(
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
-    Raises ExchangeError if the table has fewer rows than ``points``, for a width that C does not
-    have, and where a rounded axis is not strictly increasing.
+    Raises ExchangeError for more points than rows, a width that C does not have, and a rounded axis
+    that does not increase.
     """
     table, first = stored.table, prefix(stored.name)
     p, d, g = table.paper, table.difference, table.tyre

@@ -32,10 +32,8 @@ def format_named(written: str) -> str:
     for known, form in FORMATS.items():
         if name in (known, *form.names):
             return known
-    near = did_you_mean(name, ENDINGS)
-    raise ExchangeError(
-        f"unknown format {written!r}; {f'{near} ' if near else ''}known: {', '.join(ENDINGS)}"
-    )
+    do = did_you_mean(name, ENDINGS)
+    raise ExchangeError(f"unknown format {written!r}", expected=", ".join(ENDINGS), do=do)
 
 
 def format_of(name: str) -> str:
@@ -85,13 +83,14 @@ class Exported:
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON document of an export."""
-        data, rounded = self.data, self.rounded
+        data = self.data
         axes = [
             {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
             | {"curves": [one.label for one in data.curves if one.axis.label == axis.label]}
             | {"worst": axis.misfit.worst, "worst_at": axis.misfit.at, "rms": axis.misfit.rms}
             for axis in data.axes
         ]
+        fixed = {"bits": data.bits, "objects": self.rounded}
         return {
             **data.facts(),
             "version": data.stored.version,
@@ -101,7 +100,7 @@ class Exported:
             "sha256": self.sha256,
             "axes": axes,
             "remarks": list(self.remarks),
-            "fixed_point": {"bits": data.bits, "objects": rounded} if rounded else None,
+            "fixed_point": fixed if self.rounded else None,
         }
 
 
@@ -147,7 +146,13 @@ def export(
     ('dcm', 'sedan-sim@1', [16, 16])
     """
     if not (stored.state.released or unreleased):
-        raise _not_released(stored)
+        raise StoreError(
+            f"is {stored.state.words}",
+            where=stored.id,
+            expected="a released version",
+            do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "
+            "...`, or hand it out as it is with --unreleased: the file then says so",
+        )
     path = Path(path)
     form = format_of(path.name) if form is None else format_named(form)
     if bits is not None and form not in FIXED_POINT:
@@ -160,13 +165,3 @@ def export(
     content = FORMATS[form].write(data)
     write_whole(path, content)
     return Exported(path, form, data, content)
-
-
-def _not_released(stored: Stored) -> StoreError:
-    return StoreError(
-        f"is {stored.state.words}",
-        where=stored.id,
-        expected="a released version",
-        do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence ...`, "
-        "or hand it out as it is with --unreleased: the file then says so",
-    )

@@ -21,10 +21,7 @@ FINEST = 52
 
 @dataclass(frozen=True)
 class Fixed:
-    """Integers ``raw`` (n,) of ``bits``; ``error`` is the largest rounding error.
-
-    ``origin`` and ``error`` are in the unit of the values.
-    """
+    """Integers ``raw`` (n,) of ``bits``; ``error`` the largest rounding error, as the values."""
 
     raw: Index
     bits: int

@@ -284,7 +284,6 @@ class _Format:
     """``ending`` of the file name; ``write`` makes the whole file, ``names`` it has besides.
 
     ``fixed``: can be in fixed point; ``addressed``: holds addresses of the ECU's memory.
-    ``write`` raises ExchangeError where the format cannot hold the data.
     """
 
     ending: str

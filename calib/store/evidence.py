@@ -31,10 +31,7 @@ UNPROVED = Quality(CALIBRATED, "none given with this export")
 
 
 def read_quality(path: Path, stored: Stored) -> Quality:
-    """Quality of a version from the summary.json of `validate --out`.
-
-    Raises ExchangeError when it is no such file or is of another table.
-    """
+    """Quality of a version from the summary.json of `validate --out`. Raises ExchangeError."""
     return _quality(_read(path), path, stored)
 
 

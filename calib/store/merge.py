@@ -45,14 +45,13 @@ _SHARED = (
 
 
 def merge(parents: Sequence[Stored], name: str) -> Table:
-    """The mean table of ``parents``, named ``name``.
+    """The mean table of ``parents``, named ``name``; their order does not matter.
 
     Its bands and sigmas are those of one more car of the model; how the cars differ, and how well
-    the mean is known, is in its `FleetScatter`. The order of the parents does not matter.
+    the mean is known, is in its `FleetScatter`.
 
     Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
-    twice, different vehicles, means or tables corrected by hand, a range of eta that is far too
-    short.
+    twice, different vehicles, means or tables corrected by hand, a range of eta far too short.
     """
     if flaws := [*_names(parents, name), *_each(parents), *_pairs(parents)]:
         raise RevisionError("; ".join(flaws))
@@ -85,14 +84,15 @@ def _effects(tables: Sequence[Table], weights: Array) -> Effects:
     values: dict[str, dict[str, float]] = {}
     sigma: dict[str, dict[str, float]] = {}
     for effect, named in tables[0].effect_values.items():
+        values[effect], sigma[effect] = {}, {}
         for parameter in named:
             all_ = [t.effect_values[effect][parameter] for t in tables]
             x = np.array([[v.value] for v in all_])
             found = random_effects(x, np.zeros_like(x), weights)
             shared = weights @ np.array([v.sigma**2 for v in all_])
-            values.setdefault(effect, {})[parameter] = float(found.mean[0])
+            values[effect][parameter] = float(found.mean[0])
             of_cars = float(inflated(found)[0])
-            sigma.setdefault(effect, {})[parameter] = float(np.hypot(of_cars, np.sqrt(shared)))
+            sigma[effect][parameter] = float(np.hypot(of_cars, np.sqrt(shared)))
     return Effects(values, sigma=sigma)
 
 
@@ -103,11 +103,11 @@ def _noise(tables: Sequence[Table]) -> dict[str, float]:
 
 
 def _quality(tables: Sequence[Table]) -> dict[str, float]:
-    known = [n for n in tables[0].quality if all(n in t.quality for t in tables)]
     out = {"cars": float(len(tables))}
-    for name in known:
-        of = np.array([t.quality[name] for t in tables])
-        out[name] = float(of.min() if name in _LEAST else of.sum() if name in _SUM else of.mean())
+    for name in tables[0].quality:
+        if all(name in t.quality for t in tables):
+            how = np.min if name in _LEAST else np.sum if name in _SUM else np.mean
+            out[name] = float(how([t.quality[name] for t in tables]))
     return out
 
 
@@ -177,9 +177,6 @@ def _each(parents: Sequence[Stored]) -> Iterator[str]:
 
 def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
     for a, b in combinations(parents, 2):
-        if a.digest == b.digest:
-            yield f"{a.id} was given twice" if a.id == b.id else f"{a.id} and {b.id} are the same"
-            continue
         for mark in _CAR_MARKS:
             if _identity(a, mark) and _identity(a, mark) == _identity(b, mark):
                 yield (

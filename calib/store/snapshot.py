@@ -96,10 +96,7 @@ class Snapshot:
         return 1 + max([*self.journal.of(name), *numbers(self.folder / name)], default=0)
 
     def find(self, reference: str, released: bool = False) -> Stored:
-        """Read the version that a reference means; a bare name as in `calib.store.store`.
-
-        Raises TableNotFound, StoreError where no version of the name may be meant, DamagedTable.
-        """
+        """Read the version that a reference means; a bare name as in `Store.load`."""
         path = path_of(reference)
         if path is not None:
             return self._at(path)

@@ -85,8 +85,7 @@ def write_version(table: Table, version: int, path: Path) -> None:
 def read_version(path: Path, promised: str | None = None) -> Stored:
     """Read one version and compare it with its digests.
 
-    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable naming the part
-    that differs, StoreError when it cannot be read at all.
+    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable, StoreError.
     """
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
@@ -116,8 +115,7 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
 def curve_bytes(columns: dict[str, Array]) -> bytes:
     """A Parquet file of named ``columns``, each (n,) and dimensionless, in the given order.
 
-    Without compression and dictionary, in one row group: so any reader can read it, and the same
-    columns give the same bytes under one version of the Parquet library.
+    Without compression and in one row group: the same columns give the same bytes.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -61,10 +61,10 @@ def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
 @needs_gcc
 def test_an_object_file_a_stripped_program_and_a_moving_one(data, tmp_path):
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, "-c")
-    assert "expected the linked program" in refusal(find_addresses, elf, data, names=elf)
+    refusal(find_addresses, elf, data, kind=ProgramError, names=elf)
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
     subprocess.run(["strip", elf], check=True)
-    assert "before `strip`" in refusal(find_addresses, elf, data, names=elf)
+    refusal(find_addresses, elf, data, kind=ProgramError, names=elf)
     options = ("-pie", "-fPIE", "-nostdlib", "-Wl,-e,main")
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, *options)
     assert "from where it is loaded" in find_addresses(elf, data).remarks[0]
@@ -82,12 +82,9 @@ def test_a_program_of_other_numbers_is_refused(stored, data, program):
 
 def test_missing_symbols_are_named(data, program):
     objects = held(data, "<")
-    del objects["sedan_f2"]
-    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data, names="sedan_f2")
+    del objects["sedan_f2"], objects["sedan_D"]
+    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data, names="sedan_D")
     assert "SEDAN_DEFINE" in says
-    del objects["sedan_D"]
-    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data)
-    assert "no symbol sedan_f2 and 1 more" in says
 
 
 def test_an_address_of_more_than_32_bits_is_refused(data, program):
