@@ -72,7 +72,7 @@ class Store:
     def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
-        Without a ``decision`` a new version is a draft. Raises StoreError, with nothing changed, when
+        Without a ``decision`` a new version is a draft. Raises StoreError, and stores nothing, when
         the table is not sound, its state may not follow, or the store cannot be written.
         """
         _require_storable(table)
