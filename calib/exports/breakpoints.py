@@ -1,16 +1,10 @@
 """Which rows of a table to keep so that linear interpolation between them is most exact.
 
-    y |      .-x          kept rows x, dropped rows .
-      |   x-.             the line between two kept rows replaces those dropped between them;
-      | .                 the table itself is linear between its rows, so that the largest gap
-      |x                  is at a dropped row and is computed exactly
-      +---------- x
-
-Breakpoints are rows of the table: they keep their count, their band and (18). The placement is the
-global optimum, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc. 64,
-1969): the smallest maximum error, and among equal ones the smallest sum of squares.
-
-The time grows with the cube of the rows: meant for tables of some hundred rows.
+Breakpoints are rows of the table: they keep their count, their band and (18). The table is linear
+between its rows, so that the largest gap is at a dropped row and is computed exactly. The placement
+is the global optimum, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc.
+64, 1969): the smallest maximum error, and among equal ones the smallest sum of squares. The time
+grows with the cube of the rows: meant for some hundred.
 """
 
 from dataclasses import dataclass

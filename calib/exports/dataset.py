@@ -301,9 +301,8 @@ def build(
     ]
     gap: list[_Row] = [("D", "D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag)]
     tyre: list[_Row] = [("g", force, g.force, g.lower, g.upper, g.count, g.flag)]
-    if np.array_equal(p.eta, d.eta):
-        over_eta = [("eta", p.eta, [*paper, *gap])]
-    else:
+    over_eta = [("eta", p.eta, [*paper, *gap])]
+    if not np.array_equal(p.eta, d.eta):
         over_eta = [("eta", p.eta, paper), ("eta_D", d.eta, gap)]
     group = partial(_group, first, points, bits)
     groups = [group((name, ratio, x, True, 1.0), over) for name, x, over in over_eta]

@@ -67,11 +67,6 @@ class Exported:
         return self.data.addresses.remarks if self.form in ADDRESSED else ()
 
     @property
-    def sha256(self) -> str:
-        """SHA-256 of the file [hex]."""
-        return hashlib.sha256(self.content).hexdigest()
-
-    @property
     def rounded(self) -> list[dict[str, Any]]:
         """Each object of a fixed point: its step, and the errors of rounding and of reading."""
         return [
@@ -97,7 +92,7 @@ class Exported:
             "format": self.form,
             "out": self.path,
             "bytes": len(self.content),
-            "sha256": self.sha256,
+            "sha256": hashlib.sha256(self.content).hexdigest(),
             "axes": axes,
             "remarks": list(self.remarks),
             "fixed_point": fixed if self.rounded else None,

@@ -205,7 +205,6 @@ class Snapshot:
     def _at(self, path: Path) -> Stored:
         """The version in a directory, with its state if that is its place in this store."""
         stored = read_version(path)
-        at_home = placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve()
-        if at_home:
+        if placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve():
             return self.load(stored.name, stored.version)
         return replace(stored, state=OUTSIDE) if stored.journaled else stored

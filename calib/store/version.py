@@ -106,10 +106,10 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     journaled = file.states is not None
     if data != _content(record, file.digest, file.version, file.files, journaled):
         raise _damaged(path, f"{RECORD}: its keys or its spelling do not agree with the record")
-    name, version = table.name, file.version
-    if promised not in (None, f"{name}@{version}"):
-        raise _damaged(path, f"{RECORD}: holds {name}@{version} in the place of {promised}")
-    return Stored(table, name, version, file.digest, path, _sha256(data), journaled)
+    stored = Stored(table, table.name, file.version, file.digest, path, _sha256(data), journaled)
+    if promised not in (None, stored.id):
+        raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
+    return stored
 
 
 def curve_bytes(columns: dict[str, Array]) -> bytes:

@@ -315,14 +315,12 @@ class Table:
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
         logs = ", ".join(f"{log.name} ({log.role})" for log in self.provenance.logs)
-        return "\n".join(
-            (
-                f"Table {self.name}, {self.provenance.program}",
-                f"  f1, f2  {eta.size} rows, eta - 1 up to {100.0 * (eta[-1] - 1.0):.3f} %, "
-                f"z {low:.2f} to {high:.2f} g",
-                f"  pads    front {pads.pad_friction_f}, rear {pads.pad_friction_r} (95 %)",
-                f"  logs    {logs}",
-            )
+        return (
+            f"Table {self.name}, {self.provenance.program}\n"
+            f"  f1, f2  {eta.size} rows, eta - 1 up to {100.0 * (eta[-1] - 1.0):.3f} %, "
+            f"z {low:.2f} to {high:.2f} g\n"
+            f"  pads    front {pads.pad_friction_f}, rear {pads.pad_friction_r} (95 %)\n"
+            f"  logs    {logs}"
         )
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
