@@ -203,6 +203,10 @@ class Content:
     curves: dict[str, tuple[Numbers, Numbers]]
     scalars: dict[str, float]
 
+    def __len__(self) -> int:
+        """Number of the objects."""
+        return len(self.axes) + len(self.curves) + len(self.scalars)
+
     @property
     def checksum(self) -> str:
         """SHA-256 over labels and numbers with all their bits [hex]."""
@@ -259,7 +263,6 @@ class Dataset:
     def facts(self) -> dict[str, str]:
         """Facts that every file states, by key."""
         stored, table, content = self.stored, self.stored.table, self.content()
-        objects = len(content.axes) + len(content.curves) + len(content.scalars)
         parents = ", ".join(parent.id for parent in table.provenance.parents)
         return {
             "table": stored.id,
@@ -274,7 +277,7 @@ class Dataset:
             "validation": self.quality.words,
             "state": self.quality.state,
             "release": ("" if stored.state.released else _NOT) + stored.state.why,
-            "objects": str(objects),
+            "objects": str(len(content)),
             "checksum": content.checksum,
         }
 

@@ -23,16 +23,10 @@ ADDRESSED = tuple(name for name, form in FORMATS.items() if form.addressed)
 
 
 def format_named(written: str) -> str:
-    """The format of that name. Raises ExchangeError for an unknown one.
-
-    >>> format_named("DCM"), format_named("c_header"), format_named("inca")
-    ('dcm', 'c-header', 'inca-csv')
-    """
-    name = written.lower().replace("_", "-").lstrip(".")
-    for known, form in FORMATS.items():
-        if name in (known, *form.names):
-            return known
-    do = did_you_mean(name, ENDINGS)
+    """The format of that name in upper or lower case. Raises ExchangeError for an unknown one."""
+    if written.lower() in FORMATS:
+        return written.lower()
+    do = did_you_mean(written.lower(), ENDINGS)
     raise ExchangeError(f"unknown format {written!r}", expected=", ".join(ENDINGS), do=do)
 
 

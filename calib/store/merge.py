@@ -53,7 +53,12 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
     twice, different vehicles, means or tables corrected by hand, a range of eta far too short.
     """
-    if flaws := [*_names(parents, name), *_each(parents), *_pairs(parents)]:
+    flaws = [*_each(parents), *_pairs(parents)]
+    if len(parents) < 2:
+        flaws = [f"a mean needs two cars or more, {len(parents)} was given"]
+    if name in {p.name for p in parents}:
+        flaws.append(f"the mean cannot be named {name!r}, as a car: take another name")
+    if flaws:
         raise RevisionError("; ".join(flaws))
     parents = sorted(parents, key=lambda p: (p.name, p.version, p.digest))
     tables = [p.table for p in parents]
@@ -149,29 +154,20 @@ def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _names(parents: Sequence[Stored], name: str) -> Iterator[str]:
-    if len(parents) < 2:
-        yield f"a mean needs two cars or more, {len(parents)} was given"
-    if name in {p.name for p in parents}:
-        yield (
-            f"the mean cannot be named {name!r}: it would be the next version of a car's table; "
-            "take another name, such as golden"
-        )
-
-
 def _each(parents: Sequence[Stored]) -> Iterator[str]:
-    ranges = [float(p.table.difference.eta[-1]) - 1.0 for p in parents]
-    for parent, reach in zip(parents, ranges, strict=True):
+    longest = max((float(p.table.difference.eta[-1]) - 1.0 for p in parents), default=0.0)
+    for parent in parents:
+        reach = float(parent.table.difference.eta[-1]) - 1.0
         if not (parent.state.usable and parent.state.known):
             yield f"{parent.id} is {parent.state.words}; leave it out"
         if parent.table.spread is not None:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
         if parent.table.by_hand:
             yield f"{parent.id} was corrected by hand and is no measurement; merge its parent"
-        if reach < _LEAST_RANGE * max(ranges):
+        if reach < _LEAST_RANGE * longest:
             yield (
                 f"{parent.id} ends at eta {1.0 + reach:.5f}, less than half of the range of the "
-                f"longest, {1.0 + max(ranges):.5f}; leave it out"
+                f"longest, {1.0 + longest:.5f}; leave it out"
             )
 
 
@@ -197,8 +193,6 @@ def _identity(stored: Stored, mark: str) -> str:
 
 def _differ(a: Table, b: Table) -> list[str]:
     """What differs of the vehicles but the name and what is open about the car."""
-    if a.vehicle == b.vehicle:
-        return []
     found = changes(a, b)
     of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in found.get(part, ())]
     return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *NOT_OF_THE_CAR)]
