@@ -42,6 +42,7 @@ GONE = {
     "plot --figure coverage": "plot TABLE LOG --figure difference",
     "plot --figure force-sum": "plot TABLE LOG --figure normalised-forces",
     "plot --figure pressure": "plot LOG --figure p_mc",
+    "plot --figure validity": "validate TABLE LOG",
     "plot --figure speeds": "plot LOG --figure omega",
     **{
         f"plot --figure compensation-{axle}": f"plot TABLE LOG --figure pad-{axle}"

@@ -150,6 +150,7 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
         (("sedan@1", "--out", f"{STOP}/a.png"), 2, "not a directory"),
         (("sedan@1", "--figure", "coverage"), 2, "--figure difference"),
         ((STOP, "--figure", "speeds"), 2, "--figure omega"),
+        (("sedan@1", "--figure", "validity"), 2, "validate TABLE LOG"),
         (("nothing.csv",), 3, "no such file"),
         (("sedna",), 2, "did you mean 'sedan'"),
     ],
@@ -188,7 +189,7 @@ def test_a_log_of_another_car_is_refused_as_by_validate(plot, brake_cal, tables)
 def test_the_verdict_is_by_the_limits_given(plot, tmp_path):
     limits = tmp_path / "limits.toml"
     limits.write_text("schema = 1\n[limits]\ninterval_f = { max = 0.01 }\n")
-    drawn = ("sedan-2up", STOP, "--figure", "validity", "--json")
+    drawn = ("sedan-2up", STOP, "--figure", "slip", "--json")
     (usual,) = json.loads(plot(*drawn).out)["sheets"]
     (strict,) = json.loads(plot(*drawn, "--limits", limits).out)["sheets"]
     assert usual["result"].startswith("Passed; pad friction front 0.")
