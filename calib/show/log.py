@@ -209,3 +209,20 @@ def document(
         "events": events,
         "notes": log.notes,
     }
+
+
+def simulated(log: Log, speed: Array, out: Path, model: Path | None) -> dict[str, Any]:
+    """The JSON document of a simulation that was driven with ``speed`` [m/s] (n,)."""
+    return {
+        "out": out,
+        "name": log.name,
+        "source": log.source,
+        "model": model,
+        "samples": log.time.size,
+        "duration": log.time[-1] - log.time[0],
+        "first_speed": speed[0],
+        "last_speed": speed[-1],
+        "channels": [*log.channels, *log.truth],
+        "digest": log.digest,
+        "notes": log.notes,
+    }

@@ -1,6 +1,7 @@
 """Facts of the tables of a store: lists, one table, two of them, what happened, what came back."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from calib.base.plain import counted
 from calib.exports.compare import Difference as FromFile
@@ -82,6 +83,22 @@ def shown(stored: Stored) -> Facts:
     return Facts(rows=rows, tables=[_curves(table)], notes=notes)
 
 
+def shown_document(stored: Stored) -> dict[str, Any]:
+    """The JSON document of a table."""
+    record, curves = stored.table.content()
+    eta, D = stored.table.difference.peak
+    return {
+        **stored.address,
+        "state": stored.state.word,
+        "keys": key_ids(stored),
+        "answer": answer(stored),
+        "decelerations": stored.table.paper.decelerations,
+        "peak": {"eta": eta, "D": D},
+        "record": record,
+        "curves": curves,
+    }
+
+
 def _interval(value: Value) -> str:
     lower, upper = value.ci95
     return f"{value.value:.4g} (95 %: {lower:.4g} to {upper:.4g})"
@@ -107,6 +124,19 @@ def history(entries: Sequence[Entry]) -> Facts:
         proof += [f"key {entry.key}"] if entry.key else []
         rows.append((entry.at, entry.id, event, entry.by, entry.reason, "; ".join(proof)))
     return Facts(tables=[Table(("when", "table", "state", "by", "why", "evidence"), rows)])
+
+
+def compared_document(found: Difference, first: Stored, second: Stored) -> dict[str, Any]:
+    """The JSON document of two tables."""
+    return {
+        "a": first.id,
+        "b": second.id,
+        "states": {"a": first.state.word, "b": second.state.word},
+        "verdict": found.verdict,
+        "identical": found.identical,
+        **vars(found),
+        "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
+    }
 
 
 def compared(found: Difference, first: Stored, second: Stored) -> Facts:
@@ -183,6 +213,36 @@ def merged(stored: Stored) -> Facts:
         rows=[("parent", f"{p.id} ({p.digest[:12]})") for p in stored.table.provenance.parents],
         notes=stored.table.remarks,
     )
+
+
+def merged_document(stored: Stored) -> dict[str, Any]:
+    """The JSON document of a mean of several cars."""
+    table = stored.table
+    return {
+        **stored.address,
+        "parents": table.provenance.parents,
+        "cars": table.spread.cars if table.spread else 1,
+        "eta": [table.difference.eta[0], table.difference.eta[-1]],
+        "figures": mean_figures(table),
+        "remarks": table.remarks,
+        "warnings": table.warnings,
+    }
+
+
+def returned_document(found: Returned, stored: Stored | None, told: FromFile) -> dict[str, Any]:
+    """The JSON document of a file of a calibration tool."""
+    return {
+        "format": found.format,
+        "facts": found.facts,
+        "axes": found.content.axes,
+        "curves": {n: {"x": x, "y": y} for n, (x, y) in found.content.curves.items()},
+        "scalars": found.content.scalars,
+        "units": found.units,
+        "in_store": stored is not None,
+        "unchanged": found.unchanged,
+        "rounded": told.rounded,
+        "differences": told.wrong,
+    }
 
 
 def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:
