@@ -79,6 +79,18 @@ class _Signed:
     statement: Statement
     note: str = ""
 
+    def to_dict(self) -> dict[str, object]:
+        """The JSON document of a signature."""
+        return {
+            "table": self.stored.id,
+            "digest": self.stored.digest,
+            "state": self.stored.state.word,
+            "key_id": self.key_id,
+            "record": self.stored.path / RECORD,
+            "signature": self.path,
+            "trusted_comment": self.statement.line,
+        }
+
 
 def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     """Sign the record and the state of ``name@version``, and enter that in the journal.
