@@ -20,7 +20,7 @@ from calib.base.arrays import Array
 from calib.base.errors import StoreError
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
-from calib.store.own_errors import (
+from calib.store.mean import (
     COMPLIANCE,
     RATIO,
     own_level,
