@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 def _is(command: Command) -> Callable[[typer.Context], bool]:
     """Whether the job is ``command``; an argument is read before options that are not given."""
-    return lambda context: context.params.get("command") is command
+    return lambda context: context.params.get("command") == command
 
 
 JobCommand = Annotated[
