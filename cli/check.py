@@ -24,24 +24,23 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
     from calib.show.check import facts
 
     found: list[Findings] = []
-    errors: list[tuple[Path, InputError]] = []
+    failed: list[tuple[Path, InputError]] = []
     with progress() as step:  # a log that cannot be read does not stop the check of the others
         for i, (path, name) in enumerate(zip(logs, named(logs), strict=True)):
             step(f"reading {name.name}", i, len(logs))
             try:
                 found.append(_findings(path, channel_map))
             except InputError as error:
-                errors.append((path, error))
-    for _, wrong in errors:
+                failed.append((path, error))
+    for _, wrong in failed:
         complain(str(wrong))
-    failed = [{"source": path, "error": str(wrong)} for path, wrong in errors]
-    first = {"error": errors[0][1].to_dict()} if errors else {}
-    useless = FAILED * (not all(findings.usable for findings in found))
-    return Answer(
-        {**first, "logs": [to_dict(f) for f in found], "unreadable": failed},
-        facts(found, this_run().verbose),
-        UNREADABLE if errors else useless,
-    )
+    document = {
+        **({"error": failed[0][1].to_dict()} if failed else {}),
+        "logs": [to_dict(f) for f in found],
+        "unreadable": [{"source": path, "error": str(wrong)} for path, wrong in failed],
+    }
+    useless = FAILED * (not all(one.usable for one in found))
+    return Answer(document, facts(found, this_run().verbose), UNREADABLE if failed else useless)
 
 
 def _findings(path: Path, mapping: Map) -> "Findings":

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cli.console import Step, detail, misuse
+from cli.console import Step, detail
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
@@ -23,9 +23,7 @@ def is_stdin(path: Path) -> bool:
 
 
 def named(paths: Sequence[Path]) -> list[Path]:
-    """The paths by which results name the logs; refuses stdin that is given twice."""
-    if sum(map(is_stdin, paths)) > 1:
-        raise misuse("stdin holds one log; give - once", "LOG")
+    """The paths by which results name the logs."""
     return [NAMED if is_stdin(path) else path for path in paths]
 
 
@@ -54,18 +52,12 @@ def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | No
     return log
 
 
-def read_whole(path: Path, mapping: "ChannelMap | None", keep_names: bool = False) -> "WholeLog":
-    """Read every column of a log, a file or that on stdin, and tell with -v what was read.
-
-    Raises LogError as `calib.logs.whole.read_whole` does.
-    """
+def read_whole(path: Path, mapping: "ChannelMap | None") -> "WholeLog":
+    """Read every column of a log, a file or that on stdin. Raises LogError."""
     from calib.logs import whole
 
     name, data = _known(path)
-    log = whole.read_whole(name, mapping, keep_names, data=data)
-    rows, names = log.columns[0].values.size, ", ".join(column.name for column in log.columns)
-    detail(f"read {log.source}: {rows} rows, {names}; SHA-256 {log.digest[:12]}")
-    return log
+    return whole.read_whole(name, mapping, data=data)
 
 
 def opened(path: Path, mapping: "ChannelMap | None") -> "Opened":
@@ -90,22 +82,13 @@ def tell(log: "Log") -> None:
 
 
 def _stdin() -> bytes:
-    """The bytes on stdin. Raises LogError where they are no table, or more than a log may have."""
+    """The bytes on stdin. Raises LogError where there are none, or more than a log may have."""
     from calib.base.bounded import LOG
     from calib.base.errors import LogError
-    from calib.logs.formats import kind_of
 
     if sys.stdin.isatty():
         raise LogError("stdin is a terminal", where="-", expected="a log", do="cat LOG | ...")
     data = sys.stdin.buffer.read(LOG.most + 1)
     if len(data) > LOG.most:
-        raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where="-")
-    if other := kind_of(data[:64]):
-        name, endings = other
-        raise LogError(
-            f"stdin holds {name}",
-            where="-",
-            expected="CSV: stdin has no ending that names another format",
-            do=f"write it to a file that ends in {endings[0]}" if endings else "",
-        )
+        raise LogError(f"not readable: {LOG.excess()}", where="-")
     return data

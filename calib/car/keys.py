@@ -115,9 +115,3 @@ def _written(key: VehicleKey, value: str) -> str:
         return json.dumps(value, ensure_ascii=False)  # a text of JSON is one of TOML
     number = float(value)
     return str(int(number) if number == int(number) else number)
-
-
-def default_of(key: VehicleKey, before: Mapping[str, str]) -> str:
-    """The value that Enter takes: for the rear wheel that of the front one, else the example."""
-    alike = key.section == REAR and key.name in ("rolling_radius", "friction_faces", "pad_friction")
-    return before[f"{FRONT}.{key.name}"] if alike else key.example

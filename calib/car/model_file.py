@@ -34,7 +34,7 @@ from calib.base.record import (
     validated,
 )
 from calib.base.record_errors import wrong
-from calib.base.toml import load_toml, quantity, toml_bytes, written_quantity
+from calib.base.toml import load_toml, quantity, written_quantity
 from calib.base.write import write_whole
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effect import Card, Effect
@@ -176,26 +176,26 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     """
     document = load_toml(Path(path), ModelError)
     own = _own(document, vehicle.effects, path)
-    schema = _schema(Effects(own=own)) if own else ModelFile
+    schema: type[ModelFile] = ModelFile
+    if own:
+        effects: Any = _effects_section(every_effect(Effects(own=own))) | None
+        schema = create_model("ModelFile", __base__=ModelFile, effects=(effects, None))
     file = validated(document, schema, path, ModelError)
     base = default_model(vehicle)
-    named: Any = file.effects
-    terms = tuple(
-        EmpiricalTerm(term.place, term.driver, tuple(term.knots), tuple(term.values))
-        for term in file.empirical
-    )
-    return Model(
-        vehicle=vehicle,
-        pad_friction_f=base.pad_friction_f if file.pads.front is None else file.pads.front,
-        pad_friction_r=base.pad_friction_r if file.pads.rear is None else file.pads.rear,
+    named, terms = base.effects.parameters, base.effects.terms
+    if file.effects is not None:
+        named = {name: dict(effect) for name, effect in file.effects.entries()}
+    if file.empirical:
+        terms = tuple(
+            EmpiricalTerm(term.place, term.driver, tuple(term.knots), tuple(term.values))
+            for term in file.empirical
+        )
+    return replace(
+        base,
+        pad_friction_f=file.pads.front or base.pad_friction_f,
+        pad_friction_r=file.pads.rear or base.pad_friction_r,
         tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
-        effects=Effects(
-            base.effects.parameters
-            if named is None
-            else {name: dict(effect) for name, effect in named.entries()},
-            terms or base.effects.terms,
-            own=own,
-        ),
+        effects=Effects(named, terms, own=own),
         surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
     )
 
@@ -208,17 +208,13 @@ def _own(document: Mapping[str, Any], known: Effects, path: Path) -> dict[str, D
     return {n: given(n, one, path) for n, one in completed(named, files, path).items()}
 
 
-def _schema(effects: Effects) -> type[ModelFile]:
-    """The schema of a model that may have these own effects."""
-    named: Any = _effects_section(every_effect(effects)) | None
-    return create_model("ModelFile", __base__=ModelFile, effects=(named, None))
-
-
 def write_model(model: Model, path: Path) -> None:
     """Write a model file that `read_model` reads back exactly, with the same vehicle.
 
     Raises OSError if ``path`` cannot be written.
     """
+    import tomlkit
+
     effects = model.effects
     document: dict[str, Any] = {
         "schema": 1,
@@ -233,11 +229,7 @@ def write_model(model: Model, path: Path) -> None:
         },
         "own_effects": {name: asdict(one) for name, one in effects.defined_in.items()},
         "surfaces": [
-            {
-                "start": written_quantity(s.start, s.unit),
-                "stiffness": s.stiffness,
-                "peak": s.peak,
-            }
+            {"start": written_quantity(s.start, s.unit), "stiffness": s.stiffness, "peak": s.peak}
             for s in model.surfaces
         ],
         "empirical": [
@@ -248,7 +240,7 @@ def write_model(model: Model, path: Path) -> None:
         (document["empirical"],) = document["empirical"]
     may_be_left_out = ("own_effects", "surfaces", "empirical")
     document = {key: part for key, part in document.items() if part or key not in may_be_left_out}
-    write_whole(Path(path), toml_bytes(document))
+    write_whole(Path(path), tomlkit.dumps(document).encode())
 
 
 def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:

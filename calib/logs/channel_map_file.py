@@ -26,7 +26,8 @@ from calib.base.record import (
     read_toml,
     section,
 )
-from calib.base.record_errors import shown, wrong
+from calib.base.record_errors import wrong
+from calib.base.toml import shown
 from calib.base.units import UnknownUnit, spellings, unit_of
 from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat

@@ -177,8 +177,7 @@ def _check_records(data: mmap.mmap, path: Path) -> None:
         there = _bytes_of_data(data, place)
         most = max(needed, there or 0)
         if most > RECORDING.most:
-            what = RECORDING.excess(most, f"data group {number} unpacks to")
-            raise LogError(what, where=path, do=RECORDING.advice)
+            raise LogError(RECORDING.excess(f"data group {number} unpacks to"), where=path)
         if there is not None and there < needed:
             what = (
                 f"data group {number} holds {there} of {needed} bytes of samples: "

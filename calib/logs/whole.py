@@ -14,7 +14,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import to_si
-from calib.logs.assign import MAP_IT, Assigned, assign
+from calib.logs.assign import MAP_IT, assign
 from calib.logs.channel_map import ChannelMap
 from calib.logs.clock import GAP, step_of
 from calib.logs.formats import stem_of
@@ -68,24 +68,17 @@ class WholeLog:
 
 
 def read_whole(
-    path: Path,
-    channel_map: ChannelMap | None = None,
-    keep_names: bool = False,
-    *,
-    data: bytes | None = None,
+    path: Path, channel_map: ChannelMap | None = None, *, data: bytes | None = None
 ) -> WholeLog:
     """Read every column of a log; of several sample rates on the clock that `read_log` takes.
 
-    With ``keep_names`` of ``channel_map`` only text format and DBC are used. Raises LogError for a
-    file that is not a log, ChannelMapError for a map that does not fit.
+    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
     """
     with open_log(path, channel_map, data=data) as opened:
-        taken: dict[int, Assigned] = {}
-        if not keep_names:
-            assigned, _ = assign(opened.source.columns, channel_map, (), str(path))
-            taken = {item.index: item for item in assigned}
-            if isinstance(opened.source, Recording):
-                recorded_clock(assigned, channel_map)
+        assigned, _ = assign(opened.source.columns, channel_map, (), str(path))
+        taken = {item.index: item for item in assigned}
+        if isinstance(opened.source, Recording):
+            recorded_clock(assigned, channel_map)
         source = opened.table(taken)
     every = dict(enumerate(source.each()))
     values = {i: x for i, x in every.items() if not isinstance(x, LogError)}
@@ -94,7 +87,7 @@ def read_whole(
         for i, error in every.items()
         if isinstance(error, LogError)
     ]
-    if channel_map and not keep_names:  # under their own names they would be channels
+    if channel_map:  # under their own names they would be channels
         for index in [i for i in values if source.columns[i].name in channel_map.ignore]:
             del values[index]
             notes.append(f"{source.columns[index].full_name} was left out: the map ignores it")

@@ -237,9 +237,7 @@ def without_runout(omega: Array, step: float) -> Array:
     near = np.abs(apart) <= 5.0 * max(spread, 1e-9)
     if np.count_nonzero(near) < _FEWEST:
         return omega
-    once, again = np.cos(angle), np.sin(angle)
-    turning = np.stack([once, again, once**2 - again**2, 2.0 * once * again])
-    columns, apart = turning[:, inside][:, near], apart[near]
+    apart, columns = apart[near], _turning(angle[inside][near])
     first, second = slice(apart.size // 2), slice(apart.size // 2, None)
     whole, early, late = (
         np.linalg.solve(columns[:, of] @ columns[:, of].T, columns[:, of] @ apart[of])
@@ -247,6 +245,11 @@ def without_runout(omega: Array, step: float) -> Array:
     )
     size, changed = (np.hypot(x[0::2], x[1::2]) for x in (whole, early - late))
     sigma = float(np.std(apart - whole @ columns)) * np.sqrt(2.0 / apart.size)
-    sure = size > max(_SURE * sigma, _LEAST_ERROR)
-    kept = np.repeat(sure & (changed < _ALIKE * size), 2)
-    return omega / (1.0 + (whole * kept) @ turning) if kept.any() else omega
+    sure = (size > max(_SURE * sigma, _LEAST_ERROR)) & (changed < _ALIKE * size)
+    return omega / (1.0 + (whole * np.repeat(sure, 2)) @ _turning(angle)) if sure.any() else omega
+
+
+def _turning(angle: Array) -> Array:
+    """Cosine and sine (4, n) of once and twice the ``angle`` (n,)."""
+    once, again = np.cos(angle), np.sin(angle)
+    return np.stack([once, again, once**2 - again**2, 2.0 * once * again])

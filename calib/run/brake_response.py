@@ -136,8 +136,9 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     usual = float(np.median(y[braked[inside] > 0.5]))
     one = np.ones_like(time)
     tried, late, on = _tried(time, nominal, braked, step)
-    others = (np.broadcast_to(x, late.shape) for x in (one, slow))
-    best = _best(tried, np.stack([late, late * age, on, *others], -1)[:, inside], y)
+    late, on = late[:, inside], on[:, inside]
+    others = (np.broadcast_to(x[inside], late.shape) for x in (one, slow))
+    best = _best(tried, np.stack([late, late * age[inside], on, *others], 1), y)
     lagged, delay = best >= tried.size - _LAGS.size, float(tried[best])
     for _ in range(_REFINED):
         n, applied = (_delayed(time, x, delay, lagged=lagged) for x in (nominal, braked))
@@ -230,14 +231,15 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
 def _best(delays: Array, columns: Array, y: Array) -> int:
     """The most probable of the delays: the least residual, weighed with what is usual.
 
-    ``columns`` (m, n, 5) of what ``y`` (n,) is made of, with each delay.
+    ``columns`` (m, 5, n) of what ``y`` (n,) is made of, with each delay.
     """
-    size = np.sqrt(np.sum(columns**2, axis=1, keepdims=True))
-    unit = columns / np.where(size > 0.0, size, 1.0)
-    gram = np.einsum("mni,mnj->mij", unit, unit) + 1e-9 * np.eye(columns.shape[-1])
-    side = np.einsum("mni,n->mi", unit, y)
-    rest = y @ y - np.einsum("mi,mi->m", side, np.linalg.solve(gram, side[..., None])[..., 0])
-    A = columns[int(np.argmin(rest))]
+    gram = columns @ np.swapaxes(columns, 1, 2)
+    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+    size = np.where(size > 0.0, size, 1.0)
+    gram = gram / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(size.shape[1])
+    side = columns @ y / size
+    rest = y @ y - np.sum(side * np.linalg.solve(gram, side[..., None])[..., 0], axis=1)
+    A = columns[int(np.argmin(rest))].T
     variance = _variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
     return int(np.argmin(rest / variance + ((delays - USUAL) / SPREAD) ** 2))
 

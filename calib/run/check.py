@@ -1,7 +1,7 @@
 """Check a log: its content, and the purposes it is usable for."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,7 +10,6 @@ from calib.base.units import from_si, to_si
 from calib.base.warning import PlausibilityWarning
 from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
-from calib.run.copies import ComputedChannel
 from calib.run.driving_record import BrakeEvent
 from calib.run.observation import Observation, figures, observe
 from calib.run.rules import PURPOSES, problems, uses
@@ -90,11 +89,11 @@ class Findings:
         return any(verdict.usable for verdict in self.verdicts)
 
 
-def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
+def check(log: Log, copies: Iterable[str] = ()) -> Findings:
     """Check a log and judge it for each purpose.
 
     Channels may be missing (``require=()`` of `read_log`). It judges the driving and the sensors,
-    not whether the vehicle file fits the car. ``copies`` are pressures that were computed from
+    not whether the vehicle file fits the car. ``copies`` name pressures that were computed from
     another column: they make the log unusable.
 
     >>> import calib
@@ -104,8 +103,8 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     >>> findings.verdicts[0].reasons
     ('no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition',)
     """
-    seen = observe(log)
-    reasons = {name: (*map(str, copies), *problems(seen, name)) for name in PURPOSES}
+    seen, copies = observe(log), tuple(copies)
+    reasons = {name: (*copies, *problems(seen, name)) for name in PURPOSES}
     return Findings(
         log=log.name,
         source=log.source,

@@ -31,10 +31,8 @@ _DRIVEN = 0.05
 """Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
 and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
 shows."""
-_SHORTEST = 0.3
-"""Shortest brake event [s]."""
-_PAUSE = 0.2
-"""Shortest release that ends a brake event [s]."""
+_SHORTEST, _PAUSE = 0.3, 0.2  # shortest brake event, and release that ends one [s]
+_STROKE = 0.25  # interval in which a rise is judged [s]: over pedal tremble, below a ramp
 SETTLE = 0.1
 """Time left out between lead-in and first event [s]: pressure rises before it reaches ``BITE``."""
 SMOOTH = 0.1
@@ -114,10 +112,8 @@ def driving_record(log: Log) -> DrivingRecord:
     pressure = centred_mean(log["p_mc"], width) if "p_mc" in log else None
     active = pressure > BITE if pressure is not None else (z > BITE_Z) & (speed > 0.5)
     braked = _joined(np.asarray(active), step)
-    first = int(np.argmax(braked)) if braked.any() else time.size
-    lead_in = np.arange(time.size) < first - round(SETTLE / step)
-    if not braked.any():
-        lead_in[:] = True
+    before = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
+    lead_in = np.arange(time.size) < before
     wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
     return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, lead_in)
 
@@ -126,11 +122,9 @@ def _joined(active: Mask, step: float) -> Mask:
     """Applications of the brake: short pauses are closed, short applications dropped."""
     braked = active.copy()
     for start, end in runs(~active):
-        if start > 0 and end < active.size and (end - start) * step < _PAUSE:
-            braked[start:end] = True
+        braked[start:end] = start > 0 and end < active.size and (end - start) * step < _PAUSE
     for start, end in runs(braked):
-        if (end - start) * step < _SHORTEST:
-            braked[start:end] = False
+        braked[start:end] = (end - start) * step >= _SHORTEST
     return braked
 
 
@@ -158,10 +152,6 @@ def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
         rise=rise,
         rise_z=rise_z,
     )
-
-
-_STROKE = 0.25
-"""Interval in which a rise is judged [s]: longer than pedal tremble, shorter than a ramp."""
 
 
 def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:

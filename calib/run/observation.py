@@ -15,7 +15,6 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import AXLES, CHANNELS, G
 from calib.base.noise import explained_square
-from calib.car.braking import MOVING
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure, wheels_held
@@ -135,15 +134,9 @@ def observe(log: Log, *, full: bool = True) -> Observation:
     )
 
 
-_SLOWS = 1.5 * BITE_Z
-"""Deceleration [g] that counts as braking whatever the pressure is: an engine in a low gear stays
-below it."""
-
-_GREATEST = 1.5 * G
-"""Deceleration [m/s^2] that no road car reaches: a sample past it is a glitch of a_x."""
-
-_DELAYS = np.arange(-0.2, 0.51, 0.05)
-"""Delays of the deceleration against the pressure that are tried [s]: clocks may be early."""
+_SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
+_GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch of a_x
+_DELAYS = np.arange(-0.2, 0.51, 0.05)  # of the deceleration that are tried [s]: clocks may be early
 
 
 def explained(log: Log, driving: DrivingRecord) -> float | None:
@@ -163,11 +156,9 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     before = np.arange(z.size) < int(np.argmax(active))
     rolling = before & (np.abs(driving.z) < STEADY)
     glitch = (np.abs(log["a_x"]) > _GREATEST).astype(float)
-    use = (driving.speed > MOVING) & (centred_mean(glitch, width) == 0.0)
-    enough = (use & active).sum() * step >= LIMITS.pressure_braked and (
-        use & rolling
-    ).sum() * step >= LIMITS.pressure_lead_in
-    if not enough:
+    use = driving.moving & (centred_mean(glitch, width) == 0.0)
+    braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
+    if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
     at = np.flatnonzero(use & (rolling | (since(log.time, active) < LIMITS.pressure_after)))
     at = at[:: max(1, round(LIMITS.pressure_every / step))]
@@ -177,24 +168,17 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     pressures = [centred_mean(p, width) for p in unlike]
     if not np.ptp(y) > 0.0:  # an a_x that hangs has no course to explain
         return None
-    return float(np.max(_fitted(log.time, pressures, time, y))) / float(y @ y)
-
-
-def _fitted(clock: Array, pressures: list[Array], time: Array, y: Array) -> Array:
-    """Sum of squares of ``y`` at ``time`` that the pressures explain, for each of `_DELAYS`."""
-    earlier = time - _DELAYS[:, None]
-    age = time - float(time.mean())
+    earlier, age = time - _DELAYS[:, None], time - float(time.mean())
     columns = [np.ones_like(earlier)]
     for pressure in pressures:
-        p = np.interp(earlier, clock, pressure)
+        p = np.interp(earlier, log.time, pressure)
         columns += [p, p * age]
-    return explained_square(np.stack(columns, axis=1), y)
+    return float(np.max(explained_square(np.stack(columns, axis=1), y))) / float(y @ y)
 
 
 def clock_of(time: Array) -> _Clock:
     """Sampling of a strictly increasing time [s], shape (n,)."""
-    steps = np.diff(time)
-    step = step_of(time)
+    steps, step = np.diff(time), step_of(time)
     wide = steps > GAP * step
     jitter = steps[~wide] - step
     return _Clock(

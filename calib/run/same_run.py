@@ -28,7 +28,8 @@ from calib.logs.log import Log
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
-_COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
+_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
+_COMPARED = ("p_mc", "a_x", *_WHEELS, "v")
 _NORMAL = 1.4826  # standard deviation over the median of the absolute values, of normal noise [1]
 _ROUNDS = 3  # steps of Newton's method to a lag between the samples
 VERSION = 1
@@ -67,7 +68,7 @@ class Fingerprint:
         names = [channel.name for channel in self.channels]
         if self.version != VERSION:
             raise ValueError(f"fingerprint of version {self.version}, known is {VERSION}")
-        if not {f"omega_{w}" for w in WHEELS} <= set(names) <= set(_COMPARED):
+        if not set(_WHEELS) <= set(names) <= set(_COMPARED):
             raise ValueError(f"a fingerprint has the channels of a run, not {', '.join(names)}")
         if not all(0.0 < x < math.inf for x in (self.step, *(c.unit for c in self.channels))):
             raise ValueError("the step and the units of a fingerprint are above 0")
@@ -97,7 +98,7 @@ def _agree(a: _View, other: Log, step: float) -> bool:
 
     The lag need not be a whole number of steps: ``other`` is read again between them.
     """
-    b = _view_of(other, step)
+    b = _view_of(other, step, of=_WHEELS)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
     lag = _best_lag(a["wheels"], b["wheels"])
@@ -106,15 +107,15 @@ def _agree(a: _View, other: Log, step: float) -> bool:
         rest, far = _rest(a["wheels"], b["wheels"], lag)
         if far > LIMITS.run_far:
             return False
-        if turn == 0 and _alike(a, b, lag):
+        if turn == 0 and _alike(a, _view_of(other, step), lag):
             return True
         late += rest
         lag = int(np.ceil(late))
-        b = _view_of(other, step, (lag - late) * step)
+        b = _view_of(other, step, (lag - late) * step, of=_WHEELS)
         sizes = a["wheels"].size, b["wheels"].size
         if min(min(sizes), max(sizes) - abs(lag)) < LIMITS.run_fewest:
             return False
-    return _alike(a, b, lag)
+    return _alike(a, _view_of(other, step, (lag - late) * step), lag)
 
 
 def _alike(one: _View, other: _View, lag: int) -> bool:
@@ -214,17 +215,22 @@ def _decoded(text: str) -> Array:
     return np.cumsum(np.cumsum(differences)).astype(float)
 
 
-def _view_of(log: Log, step: float = LIMITS.run_means, offset: float = 0.0) -> _View:
+def _view_of(
+    log: Log,
+    step: float = LIMITS.run_means,
+    offset: float = 0.0,
+    of: tuple[str, ...] = _COMPARED,
+) -> _View:
     """Means over every ``step`` [s] of the channels, from ``offset`` [s] on."""
     time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
-    integrals = {name: integral(log.time, log[name]) for name in _COMPARED if name in log}
+    integrals = {name: integral(log.time, log[name]) for name in of if name in log}
     return _with_wheels(
         {name: np.diff(np.interp(time, log.time, x)) / step for name, x in integrals.items()}
     )
 
 
 def _with_wheels(channels: dict[str, Array]) -> _View:
-    return channels | {"wheels": np.mean([channels[f"omega_{w}"] for w in WHEELS], axis=0)}
+    return channels | {"wheels": np.mean([channels[name] for name in _WHEELS], axis=0)}
 
 
 def spread(x: Array) -> float:

@@ -123,14 +123,15 @@ def saturation(x: Array, step: float) -> float:
 
     A value that is constant from the first sample on is a signal at rest, not saturation.
     """
-    if np.ptp(x) == 0:
+    top = x.max()
+    if not 10 <= np.count_nonzero(x == top) < x.size:
         return 0.0
     edges = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1, [x.size]])
     length, value = np.diff(edges), x[edges[:-1]]
-    at_top = value == x.max()
+    at_top = value == top
     at_top[0] = False
     longest = int(length[at_top].max(initial=0))
-    other = int(length[value < x.max()].max(initial=1))
+    other = int(length[value < top].max(initial=1))
     odd = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * other
     return longest * step if odd else 0.0
 

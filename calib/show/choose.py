@@ -39,9 +39,8 @@ class PlotInput:
 def sheets(given: PlotInput) -> Iterator[Sheet]:
     """The sheets of the given inputs, one after the other.
 
-    At most two tables; two tables without logs or results. Raises ValueError otherwise, and for a
-    vehicle that no estimate uses; LogError and VehicleError as `validate_one`, for a
-    log of another car for example.
+    Raises ValueError for more than two tables, and for two with logs; LogError and VehicleError as
+    `validate_one`.
     """
     if len(given.tables) == 2 and not given.logs:
         a, b = given.tables

@@ -15,23 +15,16 @@ from calib.base.intervals import Z95
 from calib.base.names import WHEELS
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnose import Diagnosis
-from calib.diagnosis.proof.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.proof.gap import UNITS
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes
 from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome
 from calib.show.facts import Facts, Picture, Table
-from calib.show.numbers import estimate, in_shown, listed, percent, spaced, unit_shown
+from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
 from calib.show.sheet import Line, Panel, Sheet
 from calib.show.style import BODY, FRONT, REAR, Stroke, as_text, reach, smooth
 
-_BASE = {
-    "pad_friction_f": "pad friction, front",
-    "pad_friction_r": "pad friction, rear",
-    "tyre_stiffness": "slip stiffness of the tyres, over load",
-    "tyre_peak": "peak of the tyres, over load",
-    "rolling_radius": "rolling radii, over those of the vehicle file",
-}
 _SPEED = "Speed of the open-loop replays less the measured one."
 _LARGEST = "Replay less measurement of the log with the largest gap; the band is the noise."
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
@@ -46,13 +39,12 @@ _PAUSE = 0.6
 def report(found: Diagnosis, title: str) -> Facts:
     """The facts of a diagnosis of the car ``title``, with everything that they rest on."""
     drawn, told = sheet(found, title), facts(found, title)
-    when = ("after",) if found.verdict == NO_GAP else ("before", "after")
     parts = [
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
         *([_unexplained(found.unexplained)] if found.unexplained else []),
         _search(found),
-        _gap(found, drawn, when),
+        _gap(found, drawn),
         Facts("Base parameters", tables=[_base(found)]),
     ]
     return replace(told, pictures=[Picture(_SPEED, drawn, ("speed",))], parts=parts)
@@ -109,8 +101,11 @@ def _unexplained(found: UnexplainedTerm) -> Facts:
         (f"{in_shown(knot, unit):.3g}", f"{100.0 * value:+.2f} %")
         for knot, value in zip(term.knots, term.values, strict=True)
     ]
-    others = [(spaced(place), driver, percent(share)) for place, driver, share in found.runners_up]
-    heads = (f"{term.driver} [{unit_shown(unit) or '1'}]", f"change of {on}")
+    others = [
+        (spaced(place), driver, f"{100.0 * share:.0f} %")
+        for place, driver, share in found.runners_up
+    ]
+    heads = (f"{term.driver} [{with_unit('', unit).strip() or '1'}]", f"change of {on}")
     shares = "Other places and drivers, by the share of the gap that they explain."
     return Facts(
         "What no effect explains",
@@ -121,36 +116,21 @@ def _unexplained(found: UnexplainedTerm) -> Facts:
     )
 
 
-def _gap(found: Diagnosis, drawn: Sheet, when: tuple[str, ...]) -> Facts:
+def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    heads = ("log, channel", *when, *(("closed",) if len(when) > 1 else ()), "noise")
+    rows = []
+    for log, ends in found.gap.by_log.items():
+        rows.append((log, *(f"{end:.2f}" for end in ends), ""))
+        for name, x in found.gap.cells[log].items():
+            ends = (x.before / x.noise, x.after / x.noise)
+            unit = f"{x.noise:.4f} {UNITS[name]}"
+            rows.append((f"{log}, {name}", *(f"{end:.2f}" for end in ends), unit))
     caption = "Gap by log and channel, noise taken out, in units of the sensor's noise."
     return Facts(
         "The gap on the hold-outs",
-        tables=[Table(heads, _by_log(found.gap, when), caption)],
+        tables=[Table(("log, channel", "before", "after", "noise"), rows, caption)],
         pictures=[Picture(_LARGEST, drawn, ("acceleration", "split"))],
     )
-
-
-def _by_log(gap: Gap, when: tuple[str, ...]) -> list[tuple[str, ...]]:
-    """Each log with all channels together, then channel by channel."""
-    rows = []
-    for log, (before, after) in gap.by_log.items():
-        rows.append((log, *_cells(ChannelGap(before, after, 1.0), when), ""))
-        for name, channel in gap.cells[log].items():
-            cells = _cells(channel, when)
-            rows.append((f"{log}, {name}", *cells, f"{channel.noise:.4f} {UNITS[name]}"))
-    return rows
-
-
-def _cells(channel: ChannelGap, when: tuple[str, ...]) -> list[str]:
-    """The gap over the noise, before and after, and the share that is closed."""
-    cells = [f"{getattr(channel, key) / channel.noise:.2f}" for key in when]
-    if len(when) == 1:
-        return cells
-    if channel.closed is None or channel.within_noise:  # the share of such a gap says nothing
-        return [*cells, "within noise"]
-    return [*cells, percent(channel.closed) + ", worse" * (channel.closed < 0.0)]
 
 
 def _base(found: Diagnosis) -> Table:
@@ -158,7 +138,7 @@ def _base(found: Diagnosis) -> Table:
     car = found.model_before.vehicle
     nominal = {"pad_friction_f": car.front.pad_friction, "pad_friction_r": car.rear.pad_friction}
     rows = [
-        (_BASE.get(name, name), *estimate(x), f"{nominal[name]:g}" if name in nominal else "")
+        (spaced(name), *estimate(x), f"{nominal[name]:g}" if name in nominal else "")
         for name, x in found.base.items()
     ]
     heads = ("parameter", "value", "95 % interval", "vehicle file")
@@ -196,9 +176,8 @@ def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
         if f"{axle}_sides" in channels:
             left, right = (f"omega_{axle[0]}{side}" for side in "lr")
             return {left: 1.0, right: -1.0}, f"{axle}, left less right"
-    return {f"omega_{wheel}": 0.5 if wheel[0] == "f" else -0.5 for wheel in WHEELS}, (
-        "front less rear"
-    )
+    weights = {"f": 0.5, "r": -0.5}
+    return {f"omega_{wheel}": weights[wheel[0]] for wheel in WHEELS}, "front less rear"
 
 
 def _errors(

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.base.plain import METRICS, NBSP, counted, plain
+from calib.base.plain import METRICS, NBSP, plain
 from calib.line.fleet.document import headline
 from calib.line.fleet.summary import Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
@@ -48,7 +48,6 @@ def facts(found: Summary, title: str = "") -> Facts:
         notes=[
             *([f"And {more} more stand apart: fleet.json has them."] if more > 0 else []),
             *(f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies),
-            *([told] if (told := reach(found)) else []),
         ],
     )
 
@@ -71,26 +70,6 @@ def _metric(found: Summary, look: Look) -> Facts:
     caption = f"Distribution of {look.name}, and the logs in order."
     picture = Picture(caption, sheet(found, look))
     return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
-
-
-def reach(found: Summary) -> str:
-    """How far from the others a log must be to be named, in words; "" if none can be judged."""
-    ratios = [
-        min(abs(edge - s.median) for edge in s.edges) / s.scale
-        for look in found.looks
-        if (s := look.spread).edges is not None and s.scale > plain(look.metric.name).step
-    ]
-    if not ratios:
-        return ""
-    middle = float(np.quantile(ratios, 0.5, method="nearest"))
-    logs = counted(max(look.spread.count for look in found.looks), "log")
-    if not np.isfinite(middle):
-        return f"{logs} are too few to tell one apart in a typical metric, however far away it is."
-    return (
-        f"Among {logs} only one that is far away can be told apart: {middle:.1f} times the usual "
-        "scatter (one sigma) from the median in a typical metric. One that is nearer may be odd, "
-        "too: these logs cannot show it."
-    )
 
 
 def reason(found: Summary, o: Outlier) -> str:

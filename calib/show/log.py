@@ -53,7 +53,7 @@ def facts(
 ) -> Facts:
     """What is in a log; ``drawn`` its picture as PNG, for a page."""
     time = log.time
-    rows = [_event_cells(event) for event in events]
+    rows = [(one.kind, f"{one.start:.2f} s", f"{one.end - one.start:.2f} s") for one in events]
     heads = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
     return Facts(
         title=f"Log {log.name}",
@@ -64,7 +64,7 @@ def facts(
         ],
         tables=[
             Table(heads, [_cells(column) for column in columns], "What is in each column."),
-            Table(("event", "time", "length"), rows, "Events in order of time."),
+            Table(("event", "from", "for"), rows, "Events in order of time."),
         ],
         notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
         pictures=[Picture(_RAW, drawn)] if drawn else [],
@@ -85,17 +85,8 @@ def _cells(column: Inventory) -> tuple[str, ...]:
     )
 
 
-def _event_cells(event: RunEvent) -> tuple[str, str, str]:
-    if event.kind == BITES:
-        return event.kind, f"{event.start:.2f} s", ""
-    return event.kind, f"{event.start:.2f} to {event.end:.2f} s", f"{event.end - event.start:.2f} s"
-
-
 def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
-    """Every column of a log over time, and eta. Raises ValueError without a column.
-
-    So it does for more than `MOST` panels.
-    """
+    """Every column of a log over time, and eta. Raises ValueError for none, or over `MOST`."""
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
@@ -216,5 +207,22 @@ def document(
         "end": log.time[-1],
         "columns": columns,
         "events": events,
+        "notes": log.notes,
+    }
+
+
+def simulated(log: Log, speed: Array, out: Path, model: Path | None) -> dict[str, Any]:
+    """The JSON document of a simulation that was driven with ``speed`` [m/s] (n,)."""
+    return {
+        "out": out,
+        "name": log.name,
+        "source": log.source,
+        "model": model,
+        "samples": log.time.size,
+        "duration": log.time[-1] - log.time[0],
+        "first_speed": speed[0],
+        "last_speed": speed[-1],
+        "channels": [*log.channels, *log.truth],
+        "digest": log.digest,
         "notes": log.notes,
     }

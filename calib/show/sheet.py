@@ -86,7 +86,7 @@ class Panel:
     texts : words, each beside a point of the axes.
     xlim, ylim : ends of the axes. Without ``ylim`` measured lines set it, by their means and zero,
         ``where`` it is true (n,).
-    xticks, yticks : words at 0, 1, 2 ... instead of numbers.
+    xticks : words at 0, 1, 2 ... instead of numbers.
     columns : entries in a row of the legend.
     """
 
@@ -101,7 +101,6 @@ class Panel:
     ylim: tuple[float, float] | None = None
     where: Mask | None = None
     xticks: Sequence[str] = ()
-    yticks: Sequence[str] = ()
     columns: int = 3
 
     def fill(self, ax: Axes) -> float:
@@ -117,9 +116,8 @@ class Panel:
         for limit, set_to in ((self.xlim, ax.set_xlim), (self._height(means), ax.set_ylim)):
             if limit is not None:
                 set_to(*limit)
-        for words, set_ticks in ((self.xticks, ax.set_xticks), (self.yticks, ax.set_yticks)):
-            if words:
-                set_ticks(range(len(words)), words)
+        if self.xticks:
+            ax.set_xticks(range(len(self.xticks)), self.xticks)
         if not ax.get_legend_handles_labels()[1]:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
@@ -229,18 +227,6 @@ def render(figure: Figure, ending: str) -> bytes:
         return buffer.getvalue()
 
 
-def _render_pages(figures: list[Figure], done: Callable[[], None] = lambda: None) -> bytes:
-    """Bytes of one PDF with a page for each figure; ``done`` is called after each."""
-    from matplotlib.backends.backend_pdf import PdfPages
-
-    buffer = io.BytesIO()
-    with styled(), PdfPages(buffer, metadata=_METADATA[".pdf"]) as pages:
-        for figure in figures:
-            figure.savefig(pages, format="pdf")
-            done()
-    return buffer.getvalue()
-
-
 def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: None) -> None:
     """Write each file with its pages; all are drawn before the first is written.
 
@@ -248,16 +234,20 @@ def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: Non
     KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
     written.
     """
-    ready = {path: _content(path, figures, done) for path, figures in pages.items()}
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    ready = {}
+    for path, figures in pages.items():
+        ending, buffer = path.suffix.lower(), io.BytesIO()
+        if ending == ".pdf":
+            with styled(), PdfPages(buffer, metadata=_METADATA[ending]) as book:
+                for figure in figures:
+                    figure.savefig(book, format="pdf")
+                    done()
+            ready[path] = buffer.getvalue()
+        else:
+            (figure,) = figures
+            ready[path] = render(figure, ending)
+            done()
     for path, content in ready.items():
         write_whole(path, content)
-
-
-def _content(path: Path, figures: list[Figure], done: Callable[[], None]) -> bytes:
-    ending = path.suffix.lower()
-    if ending == ".pdf":
-        return _render_pages(figures, done)
-    (figure,) = figures
-    content = render(figure, ending)
-    done()
-    return content

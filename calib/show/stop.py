@@ -1,6 +1,7 @@
 """A stop with its estimate: the panels of Figs. 13 to 16, and with truth the lines of 9 to 11."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,9 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import truth_of
 from calib.estimation.plan import calibrated
 from calib.estimation.validate import Validation
-from calib.logs.clock import step_of
 from calib.logs.log import Log
 from calib.run.filters import runs
+from calib.show.facts import Picture
 from calib.show.judged import broken, pads, word
 from calib.show.result import StoredResult
 from calib.show.sheet import Line, Mark, Panel, Sheet
@@ -24,7 +25,6 @@ from calib.show.style import (
     DASH_DOT,
     DOTTED,
     FRONT,
-    IDENTIFIED,
     LAW,
     LEVEL,
     MEAN,
@@ -36,7 +36,6 @@ from calib.show.style import (
     Array,
     Mask,
     Stroke,
-    as_text,
     reach,
     smooth,
 )
@@ -60,18 +59,16 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
 _AXLES = (("f", "front", FRONT), ("r", "rear", REAR))
-_LEAST = 0.02
-"""Share of the log from which a reason for not being valid is drawn."""
 _EVERY = 5
-"""Samples between two points of a drawn line: 25 ms at 200 Hz, less than the window of its mean."""
+"""Samples between two points of a line on a page: 25 ms at 200 Hz."""
 
 
 def of_result(result: StoredResult) -> Sheet:
     """The sheet of a stored result."""
-    means: list[str | None] = [None, None]
-    if result.valid.any():
-        means = [_mean_pads(result, side) for side in "fr"]
-    panels = _panels(result.values, result.valid, means)
+    valid, means = result.valid, ("none", "none")
+    if valid.any():
+        means = (_mean_pads(result, "f"), _mean_pads(result, "r"))
+    panels = _panels(result.values, valid, means, _over(result.values["time"], valid))
     return Sheet(
         kind="stop",
         name=result.name,
@@ -87,21 +84,28 @@ def of_validation(
     table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
 ) -> Sheet:
     """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``."""
-    e, split = result.estimate, result.estimate.split
-    car = vehicle or calibrated(table)
-    means = [pads(result.figures, side) for side in "fr"]
-    more = _beside(e, log, car, "of the table" if vehicle is None else "of the vehicle file")
+    e, split, car = result.estimate, result.estimate.split, vehicle or calibrated(table)
+    means = _means(result)
     marks = [Mark(time, time, _CHANGED) for time in split.changes]
     marks += [Mark(start, end, _BUMP) for start, end in split.bumps]
-    inner = _panels(e.columns(), e.valid, means, more, marks)
-    panels = (_wheel_speeds(e, log, car, inner[0].marks), *inner, _validity(e))
+    over = _over(e.time, e.valid, marks)
+    more = _beside(e, log, car, "of the table" if vehicle is None else "of the vehicle file")
+    wheels = [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
+    if "v" in log:  # first, so that it is drawn below the wheels
+        wheels.insert(0, Line(e.time, log["v"] / car.rear.rolling_radius, BODY, "$V/R$"))
+    panels = (
+        over("wheel-speeds", "Wheel speeds", y="wheel speed [rad/s]", lines=wheels, columns=5),
+        *_panels(e.columns(), e.valid, means, over, more),
+    )
     kind = "stop" if truth_of(log, car, e) is None else "simulation"
+    refused = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
     notes = (
         f"Estimator with table {name}, digest {table.digest[:16]}.",
         *e.notes,
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         _SHADED,
+        *(f"Not valid for {lasts:.1f}\u00a0s: {why}." for why, lasts in refused.items() if lasts),
         *([_MARKED] if marks else ()),
     )
     told = "; ".join([word(result), *broken(result), _in_words(means)])
@@ -116,20 +120,40 @@ def of_validation(
     )
 
 
+def pads_over_time(result: Validation) -> Picture:
+    """Pad friction of both axles of a stop, for a page."""
+    part = {name: values[::_EVERY] for name, values in result.estimate.columns().items()}
+    valid = np.asarray(part["valid"], bool)
+    panels = _panels(part, valid, _means(result), _over(result.estimate.time[::_EVERY], valid))
+    caption = f"{result.log}: pad friction with its 95 % band; grey: not valid."
+    return Picture(caption, Sheet("stop", result.log, tuple(panels)), ("pad-front", "pad-rear"))
+
+
+def _means(result: Validation) -> tuple[str, str]:
+    """Pad friction of both axles in words."""
+    return pads(result.figures, "f") or "none", pads(result.figures, "r") or "none"
+
+
+def _over(time: Array, valid: Mask, marks: Sequence[Mark] = ()) -> Callable[..., Panel]:
+    """The maker of a panel over ``time`` (n,), grey where it is not ``valid``."""
+    last = time.size - 1
+    grey = [Mark(time[a], time[min(b, last)], {"color": SHADE}) for a, b in runs(~valid)]
+    return partial(Panel, x=_TIME, marks=(*grey, *marks), xlim=(time[0], time[-1]))
+
+
 def _pairs(panels: Sequence[Panel]) -> tuple[tuple[str, str], ...]:
     """Rows of two; a last one alone is as wide as both."""
     names = [panel.name for panel in panels]
     return tuple(zip(names[::2], [*names[1::2], names[-1]], strict=False))
 
 
-def _in_words(means: Sequence[str | None]) -> str:
-    front, rear = ("none" if mean is None else mean for mean in means)
-    return f"pad friction front {front}, rear {rear} (95 %)"
+def _in_words(means: tuple[str, str]) -> str:
+    return f"pad friction front {means[0]}, rear {means[1]} (95 %)"
 
 
 def _mean_pads(result: StoredResult, side: str) -> str:
     """As the validation counts them, over the valid samples."""
-    columns = (result[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
+    columns = (result.values[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
     mu, lower, upper = (values[result.valid] for values in columns)
     mean = float(np.mean(mu))
     return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
@@ -138,72 +162,51 @@ def _mean_pads(result: StoredResult, side: str) -> str:
 def _panels(
     values: Mapping[str, Any],
     valid: Mask,
-    means: Sequence[str | None],
+    means: tuple[str, str],
+    over: Callable[..., Panel],
     more: Mapping[str, Sequence[Line]] | None = None,
-    marks: Sequence[Mark] = (),
 ) -> list[Panel]:
     """Panels of a stop in the order of Fig. 13, with ``more`` lines by the names of the panels."""
     time, more = values["time"], more or {}
-    over: dict[str, Any] = {
-        "marks": (*_not_valid(time, valid), *marks),
-        "xlim": (time[0], time[-1]),
-    }
-    forces = [
-        Line(time, values[f"normalised_force_{side}"], stroke, f"{axle} $F_{side}$", mean=MEAN)
-        for side, axle, stroke in _AXLES
-    ]
-    torques = [
-        Line(
-            time, sum(values[f"brake_torque_{side}{hand}"] for hand in "lr") / 1e3, stroke,
-            f"{axle} compensated", mean=MEAN,
-        )
-        for side, axle, stroke in _AXLES
-    ]  # fmt: skip
+    forces, torques, of_pads = [], [], []
+    for mean, (side, axle, stroke) in zip(means, _AXLES, strict=True):
+        force, label = values[f"normalised_force_{side}"], f"{axle} $F_{side}$"
+        forces.append(Line(time, force, stroke, label, mean=MEAN))
+        torque = (values[f"brake_torque_{side}l"] + values[f"brake_torque_{side}r"]) / 1e3
+        torques.append(Line(time, torque, stroke, f"{axle} compensated", mean=MEAN))
+        beside = more.get(f"pad-{axle}", ())
+        lines, ends = _pad(side, values, valid, stroke, beside)
+        title, unit = f"{axle.capitalize()} pad friction: {mean}", "pad friction [1]"
+        of_pads.append(over(f"pad-{axle}", title, y=unit, lines=lines, ylim=ends, columns=2))
     z = Line(time, values["z"], BODY, "$z = -a_x/g$", mean=MEAN)
     ratio = 100.0 * (values["eta"] - 1.0)
     eta = Line(time, ratio, _RATIO, r"$\eta - 1$, zeroed", mean=_SLIP_MEAN)
-    slips, unit = more.get("slip", ()), r"$\eta - 1$ [%]"
-    title, slip_unit = ("Slip and speed ratio", f"slip, {unit}") if slips else ("Speed ratio", unit)
+    slips = [*more.get("slip", ()), eta]
     torques += more.get("axle-torques", ())
     return [
-        Panel("deceleration", "Deceleration", _TIME, "deceleration [g]", [z], **over),
-        Panel("normalised-forces", "Normalised forces", _TIME, "normalised force [1]", forces,
-              **over),
-        Panel("slip", title, _TIME, slip_unit, [*slips, eta], where=valid, **over),
-        *(
-            _pad(axle, values, valid, mean, stroke, more.get(f"pad-{axle}", ()), over)
-            for mean, (_, axle, stroke) in zip(means, _AXLES, strict=True)
-        ),
-        Panel("axle-torques", "Axle brake torques", _TIME, "axle torque [kN m]", torques,
-              columns=2, **over),
+        over("deceleration", "Deceleration", y="deceleration [g]", lines=[z]),
+        over("normalised-forces", "Normalised forces", y="normalised force [1]", lines=forces),
+        over("slip", "Slip and speed ratio", y=r"slip, $\eta - 1$ [%]", lines=slips, where=valid),
+        *of_pads,
+        over("axle-torques", "Axle brake torques", y="axle torque [kN m]", lines=torques,
+             columns=2),
     ]  # fmt: skip
 
 
 def _pad(
-    axle: str,
-    values: Mapping[str, Any],
-    valid: Mask,
-    mean: str | None,
-    stroke: Stroke,
-    more: Sequence[Line],
-    over: dict[str, Any],
-) -> Panel:
-    """Panel (d) and Fig. 9, one axle: the estimate with its interval, truth, nominal, others.
+    side: str, values: Mapping[str, Any], valid: Mask, stroke: Stroke, more: Sequence[Line]
+) -> tuple[list[Line], tuple[float, float] | None]:
+    """Panel (d) and Fig. 9, one axle: the estimate with its interval over others; ends of y.
 
-    The valid samples set the range of y; other methods may leave it, but widen it to a limit.
+    The valid samples set them; other methods may leave the panel, but widen it to a limit.
     """
-    columns = (values[f"pad_friction_{axle[0]}{end}"] for end in ("", "_lower", "_upper"))
+    columns = (values[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
     pad, lower, upper = (np.where(valid, x, np.nan) for x in columns)
     look: Stroke = {**stroke, "linewidth": 1.7}
-    label = r"estimate $\mu_{p,c}$, 95 %"
-    lines = [*more, Line(values["time"], pad, look, label, (lower, upper))]
+    estimate = Line(values["time"], pad, look, r"estimate $\mu_{p,c}$, 95 %", (lower, upper))
     known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in more)]
     wide = [np.percentile(y, [5, 95]) for y in known if y.size]
-    title = f"{axle.capitalize()} pad friction{f': {mean}' if mean else ''}"
-    height = reach(lower, upper, *wide)
-    return Panel(
-        f"pad-{axle}", title, _TIME, "pad friction [1]", lines, ylim=height, columns=2, **over
-    )
+    return [*more, estimate], reach(lower, upper, *wide)
 
 
 def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:
@@ -233,53 +236,3 @@ def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[L
         found[f"pad-{name}"] = held
         found["axle-torques"] += torques
     return found
-
-
-def _not_valid(time: Array, valid: Mask) -> list[Mark]:
-    last = time.size - 1
-    spans = [(time[a], time[min(b, last)]) for a, b in runs(~valid)]
-    return [Mark(start, end, {"color": SHADE}) for start, end in spans]
-
-
-def _wheel_speeds(e: Estimate, log: Log, car: Vehicle, marks: Sequence[Mark]) -> Panel:
-    lines = []
-    if "v" in log:  # first, so that it is drawn below the wheels
-        lines.append(Line(e.time, log["v"] / car.rear.rolling_radius, BODY, "$V/R$"))
-    lines += [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
-    ends, unit = (e.time[0], e.time[-1]), "wheel speed [rad/s]"
-    return Panel("wheel-speeds", "Wheel speeds", _TIME, unit, lines, marks, xlim=ends, columns=5)
-
-
-def _validity(e: Estimate) -> Panel:
-    """When the estimate is valid, and each reason why it is not, as bars over time."""
-    reasons = {"the brakes are released": ~e.braked, **e.refused}
-    rows = {"valid": e.valid, **{why: x for why, x in reasons.items() if np.mean(x) >= _LEAST}}
-    lines, texts = [], []
-    for place, (why, mask) in enumerate(rows.items()):
-        colour = (NOMINAL if place else IDENTIFIED)["color"]
-        bar: Stroke = {"color": colour, "linewidth": 6.0, "solid_capstyle": "butt"}
-        lines.append(Line(e.time, np.where(mask, float(place), np.nan), bar))
-        lasts = step_of(e.time) * np.count_nonzero(mask)
-        texts.append((f"{why}: {lasts:.1f} s", e.time[0], float(place)))
-    title, ends = "Where the estimate is valid, and why not", (e.time[0], e.time[-1])
-    height, blank = (len(rows) - 0.2, -0.5), (" ",) * len(rows)
-    return Panel(
-        "validity", title, _TIME, "", lines, texts=texts, xlim=ends, ylim=height, yticks=blank
-    )
-
-
-def pads_over_time(result: Validation, name: str) -> Panel:
-    """Pad friction of both axles over time with its 95 % band where it is valid; else grey."""
-    e = result.estimate
-    time, lines = e.time[::_EVERY], []
-    for axle, (_, word_of, stroke) in zip((e.front, e.rear), _AXLES, strict=True):
-        good, lower, upper = (
-            np.where(e.valid, x, np.nan) for x in (axle.pad_friction, axle.lower, axle.upper)
-        )
-        line, low, high = (x[::_EVERY] for x in (smooth(e.time, good), lower, upper))
-        lines.append(Line(time, line, stroke, word_of, (low, high)))
-    height = reach(*(end for line in lines for end in line.band or ()), zero=True)
-    marks = _not_valid(e.time, e.valid)
-    return Panel(
-        name, as_text(result.log), _TIME, "pad friction [1]", lines, marks, ylim=height, columns=2
-    )

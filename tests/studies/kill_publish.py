@@ -104,7 +104,7 @@ def study(
             time.sleep(dice.uniform(0.0, LONGEST))
             for child in children:
                 kill(child)
-            counts["killed with an intent"] += (out / ".publishing.json").exists()
+            counts["killed with an intent"] += (out / ".publishing").exists()
             counts["killed with a work folder"] += any(p.is_dir() for p in out.glob(".making-*"))
             counts["killed without a verdict"] += not (out / DOCUMENT).exists()
             counts["flaws after the kill"] += bool(flaws(out))

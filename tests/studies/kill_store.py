@@ -60,7 +60,7 @@ def look(store: Store, told: dict[str, str], counts: Counter[str]) -> None:
         entries[key].state.word != word for key, word in told.items() if key in entries
     )
     counts["without a verdict"] += sum(e.state.word == "draft" for e in entries.values())
-    counts["cannot be read"] += sum(bool(e.flaw) for e in entries.values())
+    counts["cannot be read"] += sum(bool(e.violations) for e in entries.values())
     digests = [e.stored.digest for e in entries.values() if e.stored]
     counts["stored twice"] += len(digests) - len(set(digests))
     if entries:

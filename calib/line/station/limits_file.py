@@ -4,10 +4,15 @@ Every limit has its reason and a next step, so that the operator knows what to d
 """
 
 from math import inf
+from pathlib import Path
 from typing import Any
 
+from calib.base.errors import LimitsError
 from calib.base.plain import METRICS
 from calib.estimation.limits import DEFAULTS, Limit
+from calib.estimation.limits_file import read_limits
+from calib.estimation.metrics import METRICS as OF_STOPS
+from calib.line.station.metrics import METRICS as OF_CAR
 
 _OF_STOPS = {limit.figure: limit for limit in DEFAULTS}
 """One limit for a stop, whichever command judges it."""
@@ -22,6 +27,22 @@ def _limit(key: str) -> Limit:
 _JUDGED = (key for key, one in METRICS.items() if one.judged)
 LIMITS = tuple(map(_limit, sorted(_JUDGED, key=lambda key: METRICS[key].judged)))
 """Of each metric that is judged by default: first of the car, then of each stop."""
+
+
+def limits_of_car(path: Path | None) -> tuple[Limit, ...]:
+    """The limits of a file for a car and its stops; `LIMITS` without one. Raises LimitsError."""
+    return read_limits(path, {*OF_STOPS, *OF_CAR}) if path else LIMITS
+
+
+def limits_of_stops(path: Path | None) -> tuple[Limit, ...]:
+    """The limits of a file for single stops; `DEFAULTS` without one. Raises LimitsError."""
+    if path is None:
+        return DEFAULTS
+    limits = tuple(limit for limit in limits_of_car(path) if limit.figure in OF_STOPS)
+    if not limits:
+        do = "judge the car with `brake-cal station`"
+        raise LimitsError("no limit for a stop", where=path, do=do)
+    return limits
 
 
 def document() -> list[dict[str, Any]]:

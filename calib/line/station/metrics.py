@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.plain import bound, meanings
+from calib.car.bias import front_biased_up_to
 from calib.car.braking import MOVING
-from calib.car.forces import front_biased_up_to, slip
+from calib.car.forces import slip
 from calib.car.vehicle import Vehicle
 from calib.estimation.validate import Validation, agreement
 from calib.line.station.golden import golden_metrics
@@ -18,7 +19,6 @@ from calib.run.driving_record import DrivingRecord, driving_record
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
 from calib.run.wheels import axles_of, slips_of
-from calib.store.listing import band_width
 from calib.table.table import MEASURED, Table, TyreCurve
 
 METRICS: dict[str, str] = meanings("car")
@@ -44,7 +44,7 @@ def metrics_of(
     out: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
-        "band_width": band_width(table),
+        "band_width": table.difference.band_width,
         "ramp_eta_zero": _largest([_eta_zero(table.vehicle, log) for log in ramps]),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),

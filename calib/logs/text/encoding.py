@@ -50,7 +50,7 @@ def unzipped(path: Path) -> BinaryIO:
 
 def too_large(where: str) -> LogError:
     """The error for a log that unpacks to more than a log may have."""
-    return LogError(LOG.excess(what="it unpacks to"), where=where, do=LOG.advice)
+    return LogError(LOG.excess("it unpacks to"), where=where)
 
 
 _MARKS = {
