@@ -105,7 +105,11 @@ def of_validation(
         *e.notes,
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         _SHADED,
-        *(f"Not valid for {lasts:.1f}\u00a0s: {why}." for why, lasts in refused.items() if lasts),
+        *(
+            f"Not valid for {lasts:.1f}\u00a0s: {why}."
+            for why, lasts in refused.items()
+            if lasts >= 0.05
+        ),
         *([_MARKED] if marks else ()),
     )
     told = "; ".join([word(result), *broken(result), _in_words(means)])
