@@ -27,7 +27,7 @@ _MARKS = (
 def facts(found: Summary, title: str = "") -> Facts:
     """A fleet, the logs that stand apart first."""
     looks = [look for look in found.looks if look.spread.count]
-    apart = [(car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in found.apart]
+    apart = [(car.log, "; ".join(_reason(found, o) for o in car.reasons)) for car in found.apart]
     more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
@@ -72,7 +72,7 @@ def _metric(found: Summary, look: Look) -> Facts:
     return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
 
-def reason(found: Summary, o: Outlier) -> str:
+def _reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
     look = next(look for look in found.looks if look.metric.name == o.figure)
     shown = _shown(look)
