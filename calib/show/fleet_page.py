@@ -31,7 +31,7 @@ def facts(found: Summary, title: str = "") -> Facts:
     more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
-        (plain(key).name, ", ".join(f"{_class(text)}: {n}" for text, n in counts.items()))
+        (plain(key).name, ", ".join(f"{text}: {n}" for text, n in counts.items()))
         for key, counts in found.classes.items()
     ]
     return Facts(
