@@ -159,10 +159,17 @@ def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
             say(task)
         yield lambda *_stage: None
         return
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
     text = TextColumn("{task.description}", style="progress.description", markup=False)
-    with Progress(text, BarColumn(), TaskProgressColumn(), console=console, transient=True) as bar:
+    columns = (text, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
         one = bar.add_task(printable(task), total=total)
 
         def step(stage: str = "", done: int = -1, of: int = 0) -> None:

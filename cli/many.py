@@ -91,11 +91,15 @@ def batch(
         try:
             with progress() as step, writing(out):
                 done = run_batch(
-                    job, logs, out, executor, lambda b: step(str(b), b.done, b.total), fresh
+                    job,
+                    logs,
+                    out,
+                    executor,
+                    lambda b: step(f"{b.done} of {b.total} logs", b.done, b.total),
+                    fresh,
                 )
         finally:
             executor.close()
-    say(str(done))
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
     failed = done.counts[Status.FAILED] > 0
     return Answer(

@@ -82,8 +82,6 @@ def station(
     identity = Identity(serial, vin, name, rxswin)
     if flaw := identity.flaw():
         raise misuse(flaw[1], f"--{flaw[0]}")
-    if doubt := identity.doubt():
-        say(doubt)
     public = key_of(require_signed, key)
     if public and export:
         say("no exports: what is stored now is not signed; sign it, then `brake-cal tables export`")

@@ -12,7 +12,7 @@ import textwrap
 import numpy as np
 
 from calib.base.plain import plain
-from calib.line.fleet.control_chart import FEWEST, RULES
+from calib.line.fleet.control_chart import FEWEST
 from calib.line.fleet.summary import Look, Summary, in_words
 from calib.show.sheet import Line, Mark, Panel, Sheet
 from calib.show.style import (
@@ -81,7 +81,7 @@ def _in_order(found: Summary, look: Look) -> Panel:
     if look.chart is not None and look.drifts:
         for end, label in zip(look.chart.limits, ("3 sigma of a steady line", ""), strict=True):
             lines.append(_level(x, k * end, {**_THIN, "linestyle": DASHED}, label))
-        alarm = np.logical_or.reduce([look.chart.alarms[rule] for rule in RULES])
+        alarm = np.logical_or.reduce([*look.chart.alarms.values()])
         label = "run rule broken" if alarm.any() else ""
         lines.append(Line(x[alarm], k * y[alarm], {**_DOT, "color": "#E69F00"}, label))
     if look.drifts and (change := look.change) is not None:

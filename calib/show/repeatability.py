@@ -53,11 +53,11 @@ def _cells(result: GaugeResult) -> tuple[str, ...]:
         return ("-",) * 7
     names = (REPEATABILITY, REPRODUCIBILITY, CAR)
     sds = [f"{g.components[name].sd:.3g}" if name in g.components else "-" for name in names]
-    of_tolerance = "-" if g.tolerance is None else f"{100.0 * g.tolerance:.1f}"
+    of_tolerance = "-" if g.grr_of_tolerance is None else f"{100.0 * g.grr_of_tolerance.value:.1f}"
     if not g.cars_differ:
         return *sds, "-", "-", "-", of_tolerance
-    low, high = (100.0 * end for end in g.grr95)
-    share = (f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories))
+    low, high = (100.0 * end for end in g.grr.ci95)
+    share = (f"{100.0 * g.grr.value:.1f}", f"{low:.0f} to {high:.0f}", str(g.ndc.value))
     return *sds, *share, of_tolerance
 
 

@@ -205,7 +205,7 @@ FOLDERS = {
     "diagnose": ("diagnose", RAMP, *CAR),
     "station": ("station", RAMP, OURS / "dry_asphalt_stop.csv", *CAR),
     "batch": ("batch", "check", OURS),
-    "repeatability": ("repeatability", RAMP, *CAR),
+    "repeatability": ("repeatability", "--plan", "none.csv", *CAR),
     "qualify": ("qualify",),
     "fleet": ("fleet", "none.parquet"),
     "demo": ("demo",),

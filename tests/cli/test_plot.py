@@ -177,7 +177,7 @@ def test_a_log_of_another_car_is_refused_as_by_validate(plot, brake_cal, tables)
 def test_the_verdict_is_by_the_limits_given(plot, tmp_path):
     limits = tmp_path / "limits.toml"
     limits.write_text("schema = 1\n[limits]\ninterval_f = { max = 0.01 }\n")
-    drawn = ("sedan-2up", STOP, "--figure", "validity", "--json")
+    drawn = ("sedan-2up", STOP, "--figure", "slip", "--json")
     (usual,) = json.loads(plot(*drawn).out)["sheets"]
     (strict,) = json.loads(plot(*drawn, "--limits", limits).out)["sheets"]
     assert usual["result"].startswith("Passed; pad friction front 0.")

@@ -98,10 +98,12 @@ def test_what_is_left_says_where_the_replays_show_it(named, left, where):
 def test_slopes_and_pads_of_single_logs_are_told(named):
     slopes = LogOffsets("road_grade", "grade", "1", {"north": 0.012, "south": -0.012})
     pads = {"north": Ground(1.02, 0.99, 1.0, 1.0), "south": Ground()}
-    table = tables(replace(named, offsets=slopes, own_pads=pads))["What each"]
-    assert table[0] == ("north", "+2.0", "-1.0", "+0.0", "+0.0", "+1.2")
-    zeros = LogOffsets("accelerometer_bias", "bias", "m/s^2", {"monday": 0.08})
-    assert tables(replace(named, offsets=zeros))["What each"] == [("monday", "+0.08")]
+    told = replace(named, offsets=slopes, own_pads=pads, sides={"f": 0.003})
+    rows = tables(told)["States of"]
+    assert [value for _, of, value in rows if of == "north"] == [
+        "+2.0", "-1.0", "+0.0", "+0.0", "+0.012"
+    ]  # fmt: skip
+    assert rows[-1] == ("left wheel slower than right [%]", "front axle", "+0.30")
 
 
 def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):

@@ -5,22 +5,15 @@ find ──> [a limited number of chunks] ──> workers ──> journal ──
 """
 
 import glob
-import math
 import os
 import pickle
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import (
-    ALL_COMPLETED,
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    Future,
-    wait,
-)
+from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, BrokenExecutor, Future, wait
 from contextlib import closing
 from dataclasses import dataclass
-from datetime import timedelta
+from itertools import islice
 from pathlib import Path
 
 from calib.base.errors import BrakeCalError, LogError
@@ -57,27 +50,6 @@ class Batch:
         """Number of logs with a row."""
         return self.counts.total()
 
-    @property
-    def rate(self) -> float:
-        """Logs per second of this run; 0 before the first."""
-        return self.fresh / self.elapsed if self.elapsed > 0.0 else 0.0
-
-    def __str__(self) -> str:
-        """The progress in words.
-
-        >>> counts = Counter({Status.PASSED: 198, Status.ERROR: 2})
-        >>> str(Batch(Path("out"), total=300, counts=counts, fresh=100, elapsed=0.5))
-        '200 of 300 logs, 200 a second, 0:00:01 left, 2 with errors'
-        """
-        text = f"{self.done} of {self.total} logs"
-        if self.rate > 0.0:
-            text += f", {self.rate:.3g} a second"
-            if self.done < self.total:
-                left = math.ceil((self.total - self.done) / self.rate)
-                text += f", {timedelta(seconds=left)} left"
-        errors = self.counts[Status.ERROR]
-        return text + (f", {errors} with errors" if errors else "")
-
     def document(self) -> dict[str, object]:
         """The counts, and data on this run, as plain data."""
         return {
@@ -87,7 +59,7 @@ class Batch:
             "counts": {status: self.counts[status] for status in Status},
             "done_now": self.fresh,
             "seconds": self.elapsed,
-            "logs_per_second": self.rate,
+            "logs_per_second": self.fresh / self.elapsed if self.elapsed > 0.0 else 0.0,
         }
 
 
@@ -143,25 +115,18 @@ class Sweep:
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
         """Compute all ``logs``, each as (name of its row, path)."""
-        for chunk in self._chunks(logs):
+        # small chunks of few logs, so that all workers have some
+        size = min(self.most, 1 + self.total // (8 * self.executor.workers))
+        items = (self._item(name, path) for name, path in logs)
+        while chunk := tuple(islice(items, size)):
             self._drain(AHEAD * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
 
-    def _chunks(self, logs: Iterable[tuple[str, str]]) -> Iterator[tuple[WorkItem, ...]]:
-        """Small chunks first, so that few logs are spread over all workers."""
-        chunk: list[WorkItem] = []
-        begun = 0
-        for name, path in logs:
-            row = self.journal.row(name)
-            known = None if row is None or row.lost else row.digest
-            chunk.append(WorkItem(name, os.path.abspath(path), known))
-            if len(chunk) >= min(self.most, 1 + begun // (8 * self.executor.workers)):
-                begun += len(chunk)
-                yield tuple(chunk)
-                chunk = []
-        if chunk:
-            yield tuple(chunk)
+    def _item(self, name: str, path: str) -> WorkItem:
+        row = self.journal.row(name)
+        known = None if row is None or row.lost else row.digest
+        return WorkItem(name, os.path.abspath(path), known)
 
     def _submit(self, chunk: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit a chunk; if the pool just broke, return a failed future."""
@@ -232,36 +197,28 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
 
     A folder means all logs in it and below. For DIAGNOSE a log is a folder with calibration/,
     holdout/ and vehicle.toml. Hidden files and the results in ``out`` are left out; if ``out`` is a
-    folder within an argument, so is all its content. Raises LogError for a pattern or folder
-    without logs, and for a missing path; a missing file with the ending of a log is returned.
+    folder within an argument, so is all its content. Raises LogError for what names no log; a
+    missing file with the ending of a log is returned, and gets a row with an error.
     """
-    folders = command == Command.DIAGNOSE
+    results = os.path.realpath(out / NAME)
     for argument in arguments:
-        found = list(_of(argument, command, out))
+        named = os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument))
+        found: list[str] = []
+        for path in [argument] if named else sorted(glob.iglob(argument, recursive=True)):
+            if os.path.isdir(path):
+                found += logs_below(path, command, out)
+            elif named or (command != Command.DIAGNOSE and _is_log(path)):
+                found += [path] * (named or os.path.realpath(path) != results)
         if not found:
-            wanted = f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
+            folders = f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
+            files = f"files that end in {', '.join(FORMATS)}"
             raise LogError(
                 "no log found",
                 where=argument,
-                expected=wanted if folders else f"files that end in {', '.join(FORMATS)}",
+                expected=folders if command == Command.DIAGNOSE else files,
                 do="check the path; put a pattern in quotes",
             )
         yield from found
-
-
-def _of(argument: str, command: Command, out: Path) -> Iterator[str]:
-    # a missing file gets a row with an error
-    missing = _is_log(argument) and not glob.has_magic(argument)
-    named = os.path.exists(argument) or missing
-    for path in [argument] if named else sorted(glob.iglob(argument, recursive=True)):
-        if os.path.isdir(path):
-            yield from logs_below(path, command, out)
-        elif named or (
-            command != Command.DIAGNOSE
-            and _is_log(path)
-            and os.path.realpath(path) != os.path.realpath(out / NAME)
-        ):
-            yield path
 
 
 def _refuse(error: OSError) -> None:

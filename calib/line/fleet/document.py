@@ -2,8 +2,10 @@
 
 from typing import Any
 
+import numpy as np
+
 from calib.base.plain import counted
-from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
+from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE
 from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.summary import Look, Summary
 
@@ -22,12 +24,6 @@ def headline(found: Summary) -> str:
         drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
     apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
     return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
-
-
-def _by_chance(look: Look, rule: int) -> float | None:
-    """How often a steady line would break ``rule``; None where there are too few logs to say."""
-    n = look.values.size
-    return BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None
 
 
 def document(found: Summary) -> dict[str, Any]:
@@ -52,14 +48,17 @@ def document(found: Summary) -> dict[str, Any]:
 
 
 def _entry(found: Summary, look: Look) -> dict[str, Any]:
-    s, c = look.spread, look.change
+    s, c, n = look.spread, look.change, look.values.size
     return {
         "unit": look.metric.unit,
         "count": s.count,
         "median": s.median,
         "scale": s.scale,
         "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
-        "beyond_3": {"count": s.beyond, "by_chance": s.expected},
+        "beyond_3": {
+            "count": int(np.sum(np.abs(s.z) > 3.0)),
+            "by_chance": BY_CHANCE[1] * int(np.isfinite(s.p).sum()),
+        },
         "outliers": int(look.outlying.sum()),
         "named_beyond": s.edges,
         "chart": look.chart
@@ -68,10 +67,10 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
             "limits": look.chart.limits,
             "rules": {
                 str(rule): {
-                    "broken": int(look.chart.alarms[rule].sum()),
-                    "by_chance": _by_chance(look, rule),
+                    "broken": int(alarm.sum()),
+                    "by_chance": BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None,
                 }
-                for rule in RULES
+                for rule, alarm in look.chart.alarms.items()
             },
         },
         "change": c

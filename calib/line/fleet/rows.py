@@ -38,10 +38,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """Result of a command for one log.
+    """Result of a command for one log; ``cells`` follow `columns_of`, none for an error.
 
-    ``cells`` follow `columns_of` and are empty for an error. ``lost`` marks an error that the log
-    may not cause: the worker died or had no memory. The next run tries it again.
+    ``lost``: an error that the log may not cause, as of a worker that died. It is tried again.
     """
 
     log: str
@@ -87,13 +86,13 @@ HEAD = (
 
 _WARNED = _text("warned", "codes of the warnings; null without any")
 
+_PADS = ("friction_f", "friction_r", "scale")
+
 FIT = (
     Column("pad_friction_f", "1", "pad friction, front"),
     Column("pad_friction_r", "1", "pad friction, rear"),
     Column("pad_scale", "1", "common factor on the nominal pad friction"),
-    Column("pad_friction_f_sigma", "1", "one sigma of it"),
-    Column("pad_friction_r_sigma", "1", "one sigma of it"),
-    Column("pad_scale_sigma", "1", "one sigma of it"),
+    *(Column(f"pad_{name}_sigma", "1", "one sigma of it") for name in _PADS),
     Column("deceleration_max", "1", "deceleration that the ramp reached, z"),
     Column("front_biased_up_to", "1", "z up to which the front axle brakes more for its load"),
     Column("eta_peak", "1", "largest eta on the ramp"),

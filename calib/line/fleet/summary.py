@@ -23,9 +23,6 @@ _DRIFT = 0.01
 _EXAMPLES = 3
 """Most logs that are named for a kind of error."""
 
-_SHORTEST = 3
-"""Fewest characters of a log's name, without ending, that is replaced in a message."""
-
 _MANY = 20
 """A text column with more different values than this is not a class: names, digests."""
 
@@ -254,17 +251,11 @@ def _grouped(logs: tuple[str, ...], keys: Sequence[object]) -> dict[str, list[st
 
 
 def kind_of(error: str, log: str) -> str:
-    """The message without names of this log and without numbers.
-
-    The name without ending is replaced only if it has three or more characters and is not a number:
-    a shorter one could be a word or a unit.
+    """The message without the name of this log and without numbers.
 
     >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
     'LOG: ends at # s; expected # s'
     """
-    name = re.split(r"[/\\]", log)[-1]
-    stem = name.rpartition(".")[0]
-    own = [log, name] + [stem] * (len(stem) >= _SHORTEST and not stem.isdecimal())
-    for text in filter(None, own):
-        error = re.sub(rf"""([^\s'"]*[/\\])?(?<![\w-]){re.escape(text)}(?![\w-])""", "LOG", error)
+    for own in filter(None, (log, re.split(r"[/\\]", log)[-1])):
+        error = error.replace(own, "LOG")
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)

@@ -78,17 +78,14 @@ def watch(
 ) -> Counter[Status]:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
-    Returns the number of rows by status; without a row there is no results.parquet.
-
     ``folder`` is scanned each ``every`` [s], a log is complete after ``settle`` [s] without change;
     ``out`` keeps journal and results.parquet as in `run_batch`, rows named by their path within
-    ``folder``, and ``fresh`` deletes them. ``tell`` is called with each row after it is on the
-    disk, ``trouble`` once when a folder cannot be read, ``each`` after each scan; ``clock`` [s].
+    ``folder``. ``tell`` is called with each row after it is on the disk, ``trouble`` once when a
+    folder cannot be read, ``each`` after each scan; ``clock`` [s]. Returns the number of rows by
+    status; without a row there is no results.parquet.
 
-    A log is repeated only if its digest has changed, so a watch that was stopped or killed
-    continues. A log that was deleted keeps its row. The job is not "diagnose": its logs are folders
-    without a sign of completion. Raises BatchError like `run_batch` and when ``out`` belongs to
-    another folder, OSError when it cannot be written.
+    A log is repeated only if its digest has changed; one that was deleted keeps its row. The job is
+    not "diagnose": its logs are folders without a sign of completion. Raises like `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     settled, troubled, written, behind = Settled(settle), set[str](), -math.inf, True

@@ -165,40 +165,40 @@ class _VarianceComponent:
 
 
 @dataclass(frozen=True)
+class _Ratio:
+    """A ratio [1] with its 95 % interval."""
+
+    value: float
+    ci95: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class _Categories:
+    """Number of distinct categories, rounded down and ``uncut``, with its 95 % interval."""
+
+    value: int
+    uncut: float
+    ci95: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class GaugeRR:
-    """Components of a metric's scatter.
+    """Components of a metric's scatter, as the document has them.
 
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
-    ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1]; ``ndc``
-    number of distinct categories, not rounded [1]; ``tolerance`` six standard deviations of the
-    gauge over the tolerance's width [1], None without one; each with its 95 % interval.
+    ``gauge`` and ``total``; ``negative`` those whose estimated variance is negative, and counts as
+    zero; ``grr`` share of the gauge in the total standard deviation; ``grr_of_tolerance`` six of
+    its standard deviations over the tolerance, None without one; ``cars_differ`` whether the
+    interval of the cars' standard deviation is above zero.
     """
 
+    anova: tuple[_VarianceSource, ...]
     components: dict[str, _VarianceComponent]
-    grr: float
-    grr95: tuple[float, float]
-    ndc: float
-    ndc95: tuple[float, float]
-    tolerance: float | None = None
-    tolerance95: tuple[float, float] | None = None
-
-    @property
-    def cars_differ(self) -> bool:
-        """Whether the 95 % interval of the cars' standard deviation is above zero."""
-        return self.components[CAR].ci95[0] > 0.0
-
-    @property
-    def categories(self) -> int:
-        """Number of distinct categories, rounded down."""
-        return int(min(self.ndc, 1e9))
-
-    @property
-    def negative(self) -> tuple[str, ...]:
-        """Causes with a negative estimated variance, which counts as zero."""
-        sums = (REPRODUCIBILITY, GAUGE, TOTAL)
-        return tuple(
-            n for n, c in self.components.items() if c.raw_variance < 0.0 and n not in sums
-        )
+    negative: tuple[str, ...]
+    grr: _Ratio
+    ndc: _Categories
+    grr_of_tolerance: _Ratio | None
+    cars_differ: bool
 
 
 def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
@@ -215,12 +215,17 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(found).items()})
     components = {n: _component(float(point[n]), float(raw[n]), spread[n]) for n in point}
     (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(spread)
-    shares = float(grr), _ends(grrs), float(ndc), _ends(ndcs)
-    if tolerance is None:
-        return GaugeRR(components, *shares)
-    gauge, per = components[GAUGE], _SIGMAS / tolerance
+    gauge, per = components[GAUGE], _SIGMAS / tolerance if tolerance else math.nan
     low, high = gauge.ci95
-    return GaugeRR(components, *shares, per * gauge.sd, (per * low, per * high))
+    return GaugeRR(
+        found.sources,
+        components,
+        tuple(name for name in components if found.variances.get(name, 0.0) < 0.0),
+        _Ratio(float(grr), _ends(grrs)),
+        _Categories(int(min(float(ndc), 1e9)), float(ndc), _ends(ndcs)),
+        _Ratio(per * gauge.sd, (per * low, per * high)) if tolerance else None,
+        components[CAR].ci95[0] > 0.0,
+    )
 
 
 def _component(variance: float, raw: float, draws: Array) -> _VarianceComponent:

@@ -91,12 +91,11 @@ class GaugeReading:
 class GaugeResult:
     """Result for one metric; ``values`` are in the order of the readings.
 
-    ``analysis`` and ``gauge`` are None if repeats do not scatter at all.
+    ``gauge`` is None if repeats do not scatter at all.
     """
 
     name: str
     values: Array
-    analysis: Anova | None
     gauge: GaugeRR | None
     judgements: tuple[Judgement, ...]
     verdict: GaugeVerdict
@@ -238,20 +237,21 @@ def _result(
     name: str, values: Array, analysis: Anova, limits: tuple[Limit, ...], tolerance: float | None
 ) -> GaugeResult:
     try:
-        judged = gauge_rr(analysis, tolerance)
+        gauge = gauge_rr(analysis, tolerance)
     except ValueError:
-        return GaugeResult(name, values, None, None, (), GaugeVerdict.NOT_JUDGED)
-    of_cars = (judged.grr, float(judged.categories)) if judged.cars_differ else (None, None)
-    figures = dict(zip(_FIGURES, (*of_cars, judged.tolerance), strict=True))
+        return GaugeResult(name, values, None, (), GaugeVerdict.NOT_JUDGED)
+    of_cars = (gauge.grr.value, float(gauge.ndc.value)) if gauge.cars_differ else (None, None)
+    of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
+    figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
     judgements = judge(_limits_of(name, limits), figures)
-    shares = [x for x in (figures["grr"], figures["grr_of_tolerance"]) if x is not None]
+    shares = [x for x in (of_cars[0], of_tolerance) if x is not None]
     if any(j.passed is False for j in judgements):
         verdict = GaugeVerdict.BAD
     elif not shares:
         verdict = GaugeVerdict.ALIKE
     else:
         verdict = GaugeVerdict.GOOD if max(shares) <= _GOOD_GRR else GaugeVerdict.MARGINAL
-    return GaugeResult(name, values, analysis, judged, judgements, verdict)
+    return GaugeResult(name, values, gauge, judgements, verdict)
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
@@ -305,20 +305,8 @@ def to_dict(found: GaugeStudy) -> dict[str, object]:
 
 def _entry(result: GaugeResult) -> dict[str, object]:
     entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
-    if result.analysis is None or result.gauge is None:
+    if result.gauge is None:
         return entry | dict.fromkeys(
             ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
         )
-    g = result.gauge
-    return entry | {
-        "mean": float(result.values.mean()),
-        "anova": result.analysis.sources,
-        "components": g.components,
-        "negative": g.negative,
-        "grr": {"value": g.grr, "ci95": g.grr95},
-        "ndc": {"value": g.categories, "uncut": g.ndc, "ci95": g.ndc95},
-        "grr_of_tolerance": None
-        if g.tolerance is None
-        else {"value": g.tolerance, "ci95": g.tolerance95},
-        "cars_differ": g.cars_differ,
-    }
+    return entry | {"mean": float(result.values.mean()), **vars(result.gauge)}

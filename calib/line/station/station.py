@@ -4,7 +4,6 @@ ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or 
 """
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -32,9 +31,6 @@ from calib.table.table import Table
 _LONGEST = 64
 """Largest number of characters of an identifier."""
 
-_VIN = "[A-HJ-NPR-Z0-9]{17}"
-"""A vehicle identification number, ISO 3779."""
-
 _LEVEL = 0.06
 """Change of the brakes from the ramp to the stops [1] from which it is named: pads with one load
 and one temperature repeat to 2 %, and the estimate of a stop errs by 2 %."""
@@ -60,15 +56,6 @@ class Identity:
         {'vin': 'WVWZZZ1JZXW000001'}
         """
         return {name: value for name, value in asdict(self).items() if value is not None}
-
-    def doubt(self) -> str:
-        """What is unusual of the VIN; "" if nothing is. Cars before series have such ones."""
-        if self.vin is None or re.fullmatch(_VIN, self.vin):
-            return ""
-        return (
-            f"vin {self.vin!r} is not of the form of ISO 3779, which has 17 letters and digits "
-            "without I, O and Q; it is taken as it is"
-        )
 
     def flaw(self) -> tuple[str, str] | None:
         """Name of the first identifier that is not valid, and why; None if all are valid."""

@@ -91,16 +91,3 @@ def test_errors_of_one_kind_meet():
         ("no channel p_mc in run4", 1),
     ]
     assert kind_of("omega_fl3 reads -2.5e-3 rad/s", "x.csv") == "omega_fl3 reads # rad/s"
-
-
-@pytest.mark.parametrize(
-    ("error", "log", "kind"),
-    [
-        ("/d/s.csv: ends at 3.2 s", "a/s.csv", "LOG: ends at # s"),
-        ("5.csv: ends at 5 s", "5.csv", "LOG: ends at # s"),
-        ("no channel p_mc in 'd/run.csv'", "d/run.csv", "no channel p_mc in 'LOG'"),
-        ("run of run.csv, rerun, runs, run-in", "d/run.csv", "LOG of LOG, rerun, runs, run-in"),
-    ],
-)
-def test_only_whole_names_of_the_log_are_left_out(error, log, kind):
-    assert kind_of(error, log) == kind

@@ -143,20 +143,20 @@ def test_the_published_study():
     assert sd[REPRODUCIBILITY] == pytest.approx(0.226838, abs=2e-6)
     assert sd[GAUGE] == pytest.approx(0.302373, abs=2e-6)
     assert sd[CAR] == pytest.approx(1.042327, abs=2e-6)
-    assert found.grr == pytest.approx(0.279, abs=5e-4)
-    assert found.ndc == pytest.approx(4.861, abs=1e-3)
-    assert found.categories == 4
+    assert found.grr.value == pytest.approx(0.279, abs=5e-4)
+    assert found.ndc.uncut == pytest.approx(4.861, abs=1e-3)
+    assert found.ndc.value == 4
 
 
 def test_the_tolerance_is_compared_with_six_standard_deviations():
     # AIAG MSA, 4th ed.: 6 GRR/(USL - LSL), GRR 0.302373 as published
     design = anova(*aiag(), terms=(CAR, STATION, REPEATABILITY))
     found = gauge_rr(design, tolerance=8.0)
-    assert found.tolerance == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
-    low, high = found.tolerance95
-    assert low < found.tolerance < high
+    assert found.grr_of_tolerance.value == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
+    low, high = found.grr_of_tolerance.ci95
+    assert low < found.grr_of_tolerance.value < high
     assert found.cars_differ
-    assert gauge_rr(design).tolerance is None
+    assert gauge_rr(design).grr_of_tolerance is None
 
 
 def test_a_negative_variance_is_nought_and_told():
@@ -194,7 +194,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
             for truth, (low, high) in (
                 (sd[0], c[CAR].ci95),
                 (sd[3], c[REPEATABILITY].ci95),
-                (grr, found.grr95),
+                (grr, found.grr.ci95),
             )
         ]
     assert np.all(held / 200 > 0.90)

@@ -131,13 +131,6 @@ def test_no_table_is_cut(browser, page):
     assert ask(browser, f"{cut}.length") == 0
 
 
-@needs_browser
-def test_a_request_and_a_complaint_would_be_seen(browser, tmp_path):
-    bad = tmp_path / "bad.html"
-    bad.write_text("<script src='file:///nowhere.js'></script><script>nothing()</script>")
-    assert all(opened(browser, bad))
-
-
 CONTRAST = """
 (() => {
   const parts = c => c.match(/[\\d.]+/g).map(Number);
