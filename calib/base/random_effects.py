@@ -74,27 +74,21 @@ def random_effects(values: Array, variances: Array, weights: Array | None = None
     ([2.0], [1.5], 1)
     """
     x, v = np.asarray(values, float), np.asarray(variances, float)
-    k = x.shape[0]
-    if k < 2:
+    freedom = x.shape[0] - 1
+    if freedom < 1:
         raise ValueError("one thing alone has no scatter")
     between = between_variance(x, v)
-    best = _weights(v, between, _scale(x, v))
+    variance = between + v
+    best = 1.0 / np.maximum(variance, _SETTLED * _scale(x, v))
+    best = np.asarray(best / best.sum(axis=0))
     w = best if weights is None else np.broadcast_to(weights[:, None] / weights.sum(), x.shape)
     mean = (w * x).sum(axis=0)
-    variance = between + v
-    sigma = np.sqrt(_scatter(x, variance, best) * (w**2 * variance).sum(axis=0))
-    return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, k - 1)
-
-
-def _scatter(x: Array, variance: Array, best: Array) -> Array:
-    """Scatter of the things over what their ``variance`` expects (n,), that of Hartung and Knapp.
-
-    ``best`` weights of the mean. At least so much that Student's interval is the normal one.
-    """
-    freedom = x.shape[0] - 1
     square = (x - (best * x).sum(axis=0)) ** 2
     seen = np.divide(square, variance, out=np.zeros_like(x), where=variance > 0.0).sum(axis=0)
-    return np.asarray(np.maximum(seen / freedom, (Z95 / quantile95(freedom)) ** 2))
+    # Hartung and Knapp; at least so much that Student's interval is the normal one
+    scatter = np.maximum(seen / freedom, (Z95 / quantile95(freedom)) ** 2)
+    sigma = np.sqrt(scatter * (w**2 * variance).sum(axis=0))
+    return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, freedom)
 
 
 def between_variance(values: Array, variances: Array) -> Array:
@@ -144,8 +138,3 @@ def _scale(x: Array, v: Array) -> Array:
     """A variance of the size of the whole, never zero."""
     whole = x.var(axis=0) + v.mean(axis=0)
     return np.where(whole > 0.0, whole, 1.0)
-
-
-def _weights(v: Array, between: Array, scale: Array) -> Array:
-    w = 1.0 / np.maximum(between + v, _SETTLED * scale)
-    return np.asarray(w / w.sum(axis=0))

@@ -16,12 +16,13 @@ from calib.base.warning import to_dict
 from calib.car.bias import (
     force_per_pressure,
     friction_used,
+    front_biased_up_to,
     front_share,
     ideal_front_share,
     locks_at,
     pressure_per_g,
 )
-from calib.car.forces import axle_loads, front_biased_up_to
+from calib.car.forces import axle_loads
 from calib.car.plausible import plausible
 from calib.car.vehicle import Axle, Vehicle
 
