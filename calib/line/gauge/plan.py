@@ -13,7 +13,6 @@ from pathlib import Path
 from calib.base.bounded import PLAN, bytes_of
 from calib.base.errors import InputError
 from calib.base.toml import did_you_mean
-from calib.car.vehicle_file import read_vehicle
 from calib.fitting.fit import fit
 from calib.line.gauge.study import GaugeReading, metrics_of, refuse_repeated
 from calib.logs.channel_map import ChannelMap
@@ -114,6 +113,8 @@ def readings(
     ``reference`` is eta - 1 at which curves are compared [1]; ``done`` is called after each. Raises
     LogError for a ramp that cannot be fitted, and one that was given twice.
     """
+    from calib.car.vehicle_file import read_vehicle
+
     cars = {file: read_vehicle(file) for file in {place.vehicle for place in places} if file}
     found: list[GaugeReading] = []
     parents: list[LogReference] = []
