@@ -72,9 +72,9 @@ def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, 
         assert (store / "sedan" / "v0001.minisig").exists() == (code == 0)
 
 
-@pytest.mark.parametrize("table", ["sedan", "sedan@9", "sedna@1"])
-def test_what_cannot_be_signed(tables, secret, store, table):
-    ran = tables("sign", table, "--key", secret)
+@pytest.mark.parametrize("reference", ["sedan", "sedan@9", "sedna@1"])
+def test_what_cannot_be_signed(tables, secret, store, reference):
+    ran = tables("sign", reference, "--key", secret)
     assert (ran.code, ran.result) == (2, "")
     assert not list(store.rglob("*.minisig"))
 
