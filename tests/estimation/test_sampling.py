@@ -19,15 +19,14 @@ def table():
     return fit(replace(CAR, motor_odds=0.0), [noisy(ramp(PLANT), 1)])
 
 
-@pytest.mark.parametrize("rise", [0.1, 0.15])
-def test_a_hard_stop_has_the_same_answer_at_every_rate(table, rise):
-    """30 bar within 0.1 and 0.15 s, as in an emergency."""
+def test_a_hard_stop_has_the_same_answer_at_every_rate(table):
+    """30 bar within 0.1 s, as in an emergency."""
     how = {"duration": 9.0, "stop_speed": 1.5}
     logs = [
         as_log(
-            drive(PLANT, lambda t: 30e5 * min(max((t - 1.5) / rise, 0.0), 1.0), 27.0, rate=r, **how)
+            drive(PLANT, lambda t: 30e5 * min(max((t - 1.5) / 0.1, 0.0), 1.0), 27.0, rate=r, **how)
         )
-        for r in (80.0, 100.0, 110.0, 130.0, 200.0, 333.0)
+        for r in (80.0, 110.0, 333.0)
     ]
     silent = [replace(noisy(log, 4), truth={}) for log in logs]
     results = [validate_one(table, log, None, DEFAULTS, baselines=False) for log in silent]

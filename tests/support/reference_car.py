@@ -8,6 +8,7 @@ import numpy as np
 
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
+from calib.estimation.estimator import Estimate
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from tests.support.plant import WHEELS, Plant, as_log, drive, magic
@@ -81,6 +82,18 @@ def stop(plant: Plant = REAL, pressure: float = 25e5, name: str = "stop", **how:
     how = {"duration": 9.0, "stop_speed": 1.5, **how}
     run = drive(plant, lambda t: pressure * min(max((t - 1.5) / 0.25, 0.0), 1.0), 27.0, **how)
     return as_log(run, name)
+
+
+def held(e: Estimate, front: float = 0.38, rear: float = 0.38, of: str = "") -> list[float]:
+    """Shares of the valid samples whose interval holds the truth, front and rear [1].
+
+    ``of`` "change_" for the change since the ramp.
+    """
+    out = []
+    for axle, true in ((e.front, front), (e.rear, rear)):
+        low, high = getattr(axle, f"{of}lower"), getattr(axle, f"{of}upper")
+        out.append(float(np.mean(((low <= true) & (true <= high))[e.valid])))
+    return out
 
 
 def noisy(log: Log, seed: int) -> Log:
