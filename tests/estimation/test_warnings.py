@@ -10,7 +10,7 @@ from calib.estimation.estimator import estimate
 from calib.estimation.validate import to_dict, validate
 from calib.estimation.warnings import warnings_of
 from tests.support.plant import as_log, drive
-from tests.support.reference_car import CAR, REAL, noisy, stop, with_pads, without
+from tests.support.reference_car import CAR, REAL, misread, noisy, stop, with_pads, without
 from tests.support.tables import stored_as
 
 
@@ -24,10 +24,6 @@ def codes(log, estimate):
 @pytest.fixture(scope="module")
 def clean():
     return stop(REAL)
-
-
-def misread(log, scale=1.0, offset=0.0):
-    return replace(log, channels={**log.channels, "a_x": scale * log["a_x"] + offset})
 
 
 def test_a_clean_stop_is_not_warned_about(fitted, clean):

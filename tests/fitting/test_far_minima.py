@@ -9,17 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle
 from calib.fitting.fit import fit
 from calib.model.parameters import PRIORS
-from calib.model.ramp import prepare, sigma_eta
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import sensor_noise
+from calib.model.ramp import sigma_eta
 from tests.studies.clean_cars import logs, plant
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
-from tests.support.reference_car import CAR, noisy
+from tests.support.reference_car import CAR, noisy, prepared
 
 PADS = 0.42
 
@@ -79,8 +75,7 @@ def test_a_top_that_bends_more_than_a_cubic_leads_to_no_far_minimum():
 def test_the_sizes_of_the_wheels_have_no_say_in_what_the_brakes_do_to_eta():
     run = drive(Plant(SPORTS), lambda t: 8e5 * max(t - 1.5, 0.0), 33.0, duration=5.0)
     log = noisy(as_log(run, "ramp"), 0)
-    b = blocks(signals(log, SPORTS))
-    one = prepare(SPORTS, "ramp", b, sensor_noise(log, b), Effects())
-    other = replace(one, blocks=replace(b, omega_r=1.1 * b.omega_r))
+    one = prepared(log, SPORTS)
+    other = replace(one, blocks=replace(one.blocks, omega_r=1.1 * one.blocks.omega_r))
     seen = [sigma_eta(each, each.since_rolling(each.blocks.eta)) for each in (one, other)]
     assert seen[1][one.use] == pytest.approx(seen[0][one.use], rel=0.11)

@@ -22,13 +22,11 @@ from calib.fitting.identify import identify
 from calib.logs.read import read_log
 from calib.logs.write import write_csv, write_parquet
 from calib.model.manoeuvre import manoeuvre
-from calib.model.ramp import prepare
 from calib.model.resistance import Resistance
 from calib.model.simulate import simulate
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.gates import eta_rise
-from calib.run.noise import sensor_noise
 from calib.table.invariants import violations
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import (
@@ -38,6 +36,7 @@ from tests.support.reference_car import (
     SEDAN,
     cut,
     noisy,
+    prepared,
     ramp,
     stop,
     swapped,
@@ -315,11 +314,7 @@ def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
             "rolling_resistance": {"coefficient": 0.011},
         }
     )
-    made = []
-    for log in logs:
-        b = blocks(signals(log, CAR))
-        made.append(prepare(CAR, log.name, b, sensor_noise(log, b), effects))
-    found, runs = identify(CAR, made)
+    found, runs = identify(CAR, [prepared(log, effects=effects) for log in logs])
     sure = Resistance(effects, ((1e-12, 0.0), (0.0, 1e-12)), known=True)
     weighed = replace(CAR, mass_tolerance=0.0)
     value = calibration(weighed, found, level_parts(weighed, found, runs, sure)).pad_scale

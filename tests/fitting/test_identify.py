@@ -7,16 +7,22 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify, identify_once
 from calib.model.parameters import RampParameters
-from calib.model.ramp import prepare, sigma_eta, sigma_slip
+from calib.model.ramp import sigma_eta, sigma_slip
 from calib.model.settings import SETTINGS
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import SensorNoise, sensor_noise
+from calib.run.noise import SensorNoise
 from tests.support.plant import magic
-from tests.support.reference_car import CAR, IDEAL, noisy, ramp, with_pads, with_ratio, without
+from tests.support.reference_car import (
+    CAR,
+    IDEAL,
+    noisy,
+    prepared,
+    ramp,
+    with_pads,
+    with_ratio,
+    without,
+)
 
 SEEDS = range(3)
 PLANTS = {
@@ -24,11 +30,6 @@ PLANTS = {
     "front 15 % better": with_ratio(IDEAL, 1.15),
     "rear 15 % better": with_ratio(IDEAL, 1.0 / 1.15),
 }
-
-
-def prepared(log):
-    b = blocks(signals(log, CAR))
-    return prepare(CAR, log.name, b, sensor_noise(log, b), Effects())
 
 
 def found(*logs):

@@ -5,15 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle
 from calib.fitting.fit import fit
-from calib.model.ramp import prepare
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import sensor_noise
 from tests.support.plant import magic
-from tests.support.reference_car import CAR, REAL, noisy, one_axle, ramp
+from tests.support.reference_car import CAR, REAL, noisy, one_axle, prepared, ramp
 
 PEAK, SHAPE, STIFFNESS = 0.92, 1.65, 25.0
 
@@ -41,9 +36,8 @@ def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
 
 def test_the_model_error_grows_near_the_peak_where_both_axles_brake():
     def errors(log):
-        b = blocks(signals(log, CAR))
-        run = prepare(CAR, log.name, b, sensor_noise(log, b), Effects())
-        return np.broadcast_to(run.model_error, b.end.shape)[run.use]
+        run = prepared(log)
+        return np.broadcast_to(run.model_error, run.blocks.end.shape)[run.use]
 
     usual = errors(ramp(REAL, 4e5))  # to 0.45 g
     hard = errors(ramp(REAL, 7e5))  # to 0.75 g

@@ -6,11 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
 from calib.estimation.estimator import Estimate
 from calib.logs.log import Log
+from calib.model.ramp import RampRun, prepare
 from calib.model.sensor_noise import add_noise
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
 from tests.support.plant import WHEELS, Plant, as_log, drive, magic
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
@@ -114,6 +119,17 @@ def cut(log: Log, first: float, last: float = math.inf) -> Log:
         channels={k: x[keep] for k, x in log.channels.items()},
         truth={k: x[keep] for k, x in log.truth.items()},
     )
+
+
+def prepared(log: Log, car: Vehicle = CAR, effects: Effects | None = None) -> RampRun:
+    """The log as a fit reads it."""
+    b = blocks(signals(log, car))
+    return prepare(car, log.name, b, sensor_noise(log, b), effects or Effects())
+
+
+def misread(log: Log, scale: float = 1.0, offset: float = 0.0) -> Log:
+    """The log as an accelerometer of another scale [1] and zero [m/s^2] gives it."""
+    return replace(log, channels={**log.channels, "a_x": scale * log["a_x"] + offset})
 
 
 def swapped(log: Log) -> Log:
