@@ -34,10 +34,15 @@ def table():
     return fit(CAR, [noisy(ramp(LATE), 1)])
 
 
-def test_the_intervals_hold_the_pads_of_a_foot_that_pumps(table):
-    e = estimate(table, noisy(pumped(LATE), 2), with_laws=False)
-    wider = replace(with_delay(e), valid=e.valid)
-    assert min(held(e)) < 0.9
+@pytest.fixture(scope="module")
+def late(table):
+    """The estimate of a stop with a foot that pumps."""
+    return estimate(table, noisy(pumped(LATE), 2), with_laws=False)
+
+
+def test_the_intervals_hold_the_pads_of_a_foot_that_pumps(late):
+    wider = replace(with_delay(late), valid=late.valid)
+    assert min(held(late)) < 0.9
     assert min(held(wider)) > 0.85
 
 
@@ -56,8 +61,8 @@ def test_a_foot_that_holds_loses_no_sample(table):
         assert np.median((wider.front.half_width / e.front.half_width)[wider.valid]) < 1.05
 
 
-def test_the_budget_has_the_delay_and_adds_up(table):
-    e = with_delay(estimate(table, noisy(pumped(LATE), 6), with_laws=False))
+def test_the_budget_has_the_delay_and_adds_up(late):
+    e = with_delay(late)
     for axle, made_of in zip((e.front, e.rear), budget(e), strict=True):
         widths = np.sort((np.log(axle.upper / axle.lower) / (2.0 * Z95))[e.valid])
         assert made_of.parts["delay"] > 0.0

@@ -212,9 +212,9 @@ def test_dry_roads_are_left_alone(fitted):
 
 
 def test_a_small_ensemble_is_held_by_its_intervals():
-    """Five cars that nobody tuned for, on roads and pads drawn at random."""
+    """Three cars that nobody tuned for, on roads and pads drawn at random."""
     held, shares = [], []
-    for case in cases(5, seed=5, stops=2):
+    for case in cases(3, seed=5, stops=2):
         table = fit(case.vehicle, [case.ramp])
         for drawn in case.stops:
             e = estimate(table, drawn.log)

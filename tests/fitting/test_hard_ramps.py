@@ -1,7 +1,8 @@
-"""Ramps of a car whose axles brake nearly alike: a fit must not end far from all that tyres are.
+"""Ramps near the peak of the tyres, where no cubic follows them, and of axles that brake alike.
 
-There eta says little. Were a prior less than quadratic far out, as data are for outliers, pads at a
-third of their friction and tyres of three times the stiffness would be a minimum of their own.
+The top of a ramp is believed only as far as it agrees. Where eta says little, a fit must not end
+far from all that tyres are: were a prior less than quadratic far out, pads at a third of their
+friction and tyres of three times the stiffness would be a minimum of their own.
 """
 
 from dataclasses import replace
@@ -15,7 +16,70 @@ from calib.model.parameters import PRIORS
 from calib.model.ramp import sigma_eta
 from tests.studies.clean_cars import logs, plant
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
-from tests.support.reference_car import CAR, noisy, prepared
+from tests.support.reference_car import CAR, REAL, noisy, one_axle, prepared, ramp
+
+TRUE = CAR.front.pad_friction, CAR.rear.pad_friction
+
+
+def left_out(table):
+    return [remark for remark in table.remarks if "left out above" in remark]
+
+
+def pads(table):
+    return table.calibration.pad_friction_f, table.calibration.pad_friction_r
+
+
+def test_on_a_wet_road_the_pads_are_those_of_a_dry_one():
+    """A ramp to 0.53 g, at up to 0.9 of the tyres' peak; brakes are 20 to 30 ms late."""
+    plant = replace(REAL, tyre=magic(25.0, 0.58), hydraulic_lag=0.03)
+    table = fit(CAR, [noisy(ramp(plant, 4.8e5), 0)])
+    for found, true in zip(pads(table), TRUE, strict=True):
+        assert found.ci95[0] < true < found.ci95[1]
+
+
+def test_what_is_not_believed_is_told_and_not_in_the_table(fitted):
+    assert left_out(fitted) == []  # a dry road
+    table = fit(CAR, [noisy(ramp(replace(REAL, tyre=magic(25.0, 0.58)), 4.8e5), 0)])
+    assert len(left_out(table)) == 1
+    assert table.quality["deceleration_max"] == pytest.approx(0.43, abs=0.005)
+
+
+PEAK, SHAPE, STIFFNESS = 0.92, 1.65, 25.0
+
+
+ESTATE = replace(
+    CAR,
+    mass=1610.0,
+    cg_to_front_axle=1.31,
+    cg_to_rear_axle=1.49,
+    cg_height=0.55,
+    front=Axle(0.327, 1.25, 28.3e-4, 0.131, 2, 0.4),
+    rear=Axle(0.327, 1.15, 11.3e-4, 0.126, 2, 0.4),
+)
+"""Front brakes that take 0.72 of the force: at 0.68 g the front tyres are at 0.8 of their peak."""
+
+
+def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
+    plant = replace(REAL, vehicle=ESTATE, tyre=magic(18.4, PEAK, 1.57, curvature=0.33))
+    found = fit(ESTATE, [noisy(ramp(plant, 6.6e5), 1)])
+    ratio = found.calibration.pad_log_ratio
+    assert abs(ratio.value) < 0.1
+    assert abs(ratio.value) < 1.96 * ratio.sigma
+    assert "pad_ratio" not in [one.code for one in found.warnings]
+
+
+def test_the_model_error_grows_near_the_peak_where_both_axles_brake():
+    def errors(log):
+        run = prepared(log)
+        return np.broadcast_to(run.model_error, run.blocks.end.shape)[run.use]
+
+    usual = errors(ramp(REAL, 4e5))  # to 0.45 g
+    hard = errors(ramp(REAL, 7e5))  # to 0.75 g
+    assert usual.max() < 0.015
+    assert hard[0] == pytest.approx(usual[0])
+    assert hard.max() > 0.05
+    assert np.ptp(errors(one_axle(REAL, "f"))) == 0.0
+
 
 PADS = 0.42
 
