@@ -48,6 +48,7 @@ def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected
     assert better(before, after) is expected
 
 
+@pytest.mark.slow
 def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
     """A motor and a delay, not fitted to the end: a ripple explains what that leaves."""
     base = based(case := draw("double", 1360008))
@@ -74,6 +75,7 @@ def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():
     assert (proved.decision.verdict, proved.rest) == ("named", False)
 
 
+@pytest.mark.slow
 def test_an_effect_that_ends_at_its_bound_is_exchanged_for_a_simpler_one():
     """A lag and a delay beside a motor, first taken for an oscillation without overshoot."""
     hidden = ("hydraulic_lag", "hydraulic_delay", "regenerative_torque")

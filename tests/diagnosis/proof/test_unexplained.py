@@ -42,7 +42,7 @@ def test_a_wheel_that_always_drags_is_named_and_depends_on_nothing():
 
 
 def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
-    case = draw("outside", 35, names=("tank_slosh",), severity=2)
+    case = draw("outside", 35, names=("tank_slosh",), severity=2, only=FEW)
     found = locate(based(case))
     assert (found.axle, found.driver) == ("body", "frequency")
     # a mass on a spring, beside a car that it moves with
@@ -52,7 +52,7 @@ def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
 
 
 def test_brakes_that_a_control_releases_go_with_the_slip():
-    found = locate(based(draw("outside", 36, names=("abs_modulation",), severity=1)))
+    found = locate(based(draw("outside", 36, ("abs_modulation",), severity=1, only=FEW)))
     assert (found.axle, found.driver) == ("front", "slip")
 
 

@@ -83,12 +83,9 @@ def test_logs_differ_where_their_offsets_do(effect, most):
     assert not differ(apart.runs[:1], apart.noise)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("seed", "named", "driven", "margin"),
-    [
-        (2, GRADE, "grade", 0.002),
-        pytest.param(0, ZERO, "bias", 0.02, marks=pytest.mark.slow),
-    ],
+    ("seed", "named", "driven", "margin"), [(2, GRADE, "grade", 0.002), (0, ZERO, "bias", 0.02)]
 )
 def test_an_effect_is_named_beside_offsets_of_the_logs(seed, named, driven, margin):
     """On the independent plant, whose braking has a cause of its own."""
