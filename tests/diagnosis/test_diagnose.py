@@ -16,7 +16,6 @@ from calib.diagnosis.written.document import to_dict
 from tests.support.explained import based, diagnosed
 from tests.support.hidden.cases import HiddenCase, draw
 
-
 SEVEN = ("coast", "ramp", "hot", "release", "step_high", "stop_a", "mixed")
 """Runs of a case that is not all driven: five to learn from, two held out."""
 
