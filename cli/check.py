@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, progress, this_run
-from cli.logs import named, open_table, read, tell
+from cli.logs import named, opened, tell
 from cli.options import Map, logs
 
 if TYPE_CHECKING:
@@ -24,36 +24,34 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
     from calib.show.check import facts
 
     found: list[Findings] = []
-    errors: list[tuple[Path, InputError]] = []
+    failed: list[tuple[Path, InputError]] = []
     with progress() as step:  # a log that cannot be read does not stop the check of the others
         for i, (path, name) in enumerate(zip(logs, named(logs), strict=True)):
             step(f"reading {name.name}", i, len(logs))
             try:
-                found.append(_findings(path, name, channel_map))
+                found.append(_findings(path, channel_map))
             except InputError as error:
-                errors.append((path, error))
-    for _, wrong in errors:
+                failed.append((path, error))
+    for _, wrong in failed:
         complain(str(wrong))
-    failed = [{"source": path, "error": str(wrong)} for path, wrong in errors]
-    first = {"error": errors[0][1].to_dict()} if errors else {}
-    useless = FAILED * (not all(findings.usable for findings in found))
-    return Answer(
-        {**first, "logs": [to_dict(f) for f in found], "unreadable": failed},
-        facts(found, this_run().verbose),
-        UNREADABLE if errors else useless,
-    )
+    document = {
+        **({"error": failed[0][1].to_dict()} if failed else {}),
+        "logs": [to_dict(f) for f in found],
+        "unreadable": [{"source": path, "error": str(wrong)} for path, wrong in failed],
+    }
+    useless = FAILED * (not all(one.usable for one in found))
+    return Answer(document, facts(found, this_run().verbose), UNREADABLE if failed else useless)
 
 
-def _findings(path: Path, name: Path, mapping: Map) -> "Findings":
-    from calib.logs.formats import RECORDINGS, ending_of
+def _findings(path: Path, mapping: Map) -> "Findings":
     from calib.logs.read import read_opened
+    from calib.logs.source import ColumnSource
     from calib.run.check import check as look_at
     from calib.run.copies import computed_channels
 
-    # a bus has thousands of signals: no search for copies of a pressure among them
-    if ending_of(name) in RECORDINGS:
-        return look_at(read(path, mapping, require=()))
-    opened = open_table(path, mapping)
-    log = read_opened(opened, name, mapping, require=())
+    with opened(path, mapping) as source:
+        log = read_opened(source, mapping, require=())
     tell(log)
-    return look_at(log, computed_channels(log, opened.source))
+    # a bus has thousands of signals: no search for copies of a pressure among them
+    table = source.source
+    return look_at(log, computed_channels(log, table) if isinstance(table, ColumnSource) else ())

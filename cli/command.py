@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
 
-from cli.console import Markdown, emit, emit_json, misuse, this_run, warn
+from cli.console import emit, emit_json, misuse, this_run, warn
 from cli.group import Group, first_sentence
 from cli.options import option
 from cli.outputs import check_file, write_file
@@ -45,7 +45,7 @@ class Answer:
     """
 
     document: dict[str, Any]
-    facts: "Facts | Markdown | str" = ""
+    facts: "Facts | str" = ""
     exit_code: int = 0
     page: Callable[[], str] | None = None
     error: "BrakeCalError | None" = None
@@ -78,22 +78,17 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
     """
 
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
-        own = [_parameter(p) for p in signature(body).parameters.values()]
-        infos = {p.name: get_args(p.annotation)[1] for p in own}
+        own = {p.name: _parameter(p) for p in signature(body).parameters.values()}
         more: dict[str, Any] = {"report": Report} if report else {}
+        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in own else {"json": Json})
+        every = [*own.values(), *(_added(name, hint) for name, hint in more.items())]
+        infos = {p.name: get_args(p.annotation)[1] for p in every}
         writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
         if any(i.writes != "folder" for i in writes.values()):
-            more["force"] = Force
-        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in infos else {"json": Json})
-        added = [
-            Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
-            for name, hint in more.items()
-        ]
+            every.append(_added("force", Force))
 
         @wraps(body)
         def run(**given: Any) -> None:
-            printed, page = "json" in infos, given.pop("report", None)
-            as_json = False if printed else given.pop("json")
             this_run().inputs |= {
                 name: files
                 for name, value in given.items()
@@ -102,24 +97,26 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
             for name, info in writes.items():
                 if given[name] is not None and info.writes != "folder":
                     check_file(given[name], info.writes, _flag_of(name, info))
-            if page is not None:
-                check_file(page, "page", "--report")
-            answer = body(**{name: _made(name, infos[name], given[name]) for name in infos})
-            if not printed:
-                _tell(answer, as_json, page)
+            answer = body(**{name: _made(name, infos[name], given[name]) for name in own})
+            if "json" not in own:
+                _tell(answer, given["json"], given.get("report"))
             if answer.error is not None:
                 raise answer.error
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 
         vars(run)["__signature__"] = signature(body).replace(
-            parameters=[*own, *added], return_annotation=None
+            parameters=every, return_annotation=None
         )
-        run.__annotations__ = {p.name: p.annotation for p in (*own, *added)}
+        run.__annotations__ = {p.name: p.annotation for p in every}
         vars(run)["examples"] = examples
         return run
 
     return declare
+
+
+def _added(name: str, hint: Any) -> Parameter:
+    return Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
 
 
 def add(app: typer.Typer, heading: str, *commands: Any, cls: Any = None) -> None:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path, PurePath
-from typing import IO, TYPE_CHECKING, Any, ClassVar
+from typing import IO, TYPE_CHECKING, Any
 
 import typer
 
@@ -91,7 +91,7 @@ def misuse(message: str, option: str | None = None) -> typer.BadParameter:
 
 
 @contextmanager
-def at_option(option: str, error: type[Exception]) -> Iterator[None]:
+def at_option(option: str | None, error: type[Exception]) -> Iterator[None]:
     """Turn an error of the library into a mistake of an option."""
     try:
         yield
@@ -99,43 +99,13 @@ def at_option(option: str, error: type[Exception]) -> Iterator[None]:
         raise misuse(str(found), option) from None
 
 
-@dataclass(frozen=True)
-class Markdown:
-    """A page: ``laid_out`` on a terminal, ``text`` elsewhere."""
-
-    laid_out: str
-    text: str
-
-
-def emit(result: "Facts | Markdown | str", to: IO[str] | None = None) -> None:
+def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
     """Print a result on stdout, without markup; of facts the verdict is the last line."""
     from calib.show.terminal import drawn
 
     console = _console(to or sys.stdout)
-    if isinstance(result, Markdown):
-        if sys.stdout.isatty():
-            console.print(_laid_out(result.laid_out), crop=False)
-            return
-        result = result.text
     for part in [result] if isinstance(result, str) else drawn(result):
         console.print(part, soft_wrap=isinstance(part, str))
-
-
-def _laid_out(text: str) -> Any:
-    """Markdown whose lines of code stay whole, so that they can be copied."""
-    from rich.markdown import CodeBlock
-    from rich.markdown import Markdown as Drawn
-    from rich.text import Text
-
-    class WholeLines(CodeBlock):
-        def __rich_console__(self, console: Any, options: Any) -> Any:
-            for line in str(self.text).rstrip().splitlines():
-                yield Text(f" {printable(line)}", "markdown.code_block", overflow="ignore")
-
-    class Page(Drawn):
-        elements: ClassVar = {**Drawn.elements, "fence": WholeLines, "code_block": WholeLines}
-
-    return Page(text, hyperlinks=False)
 
 
 def emit_line(text: str) -> None:
@@ -189,10 +159,17 @@ def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
             say(task)
         yield lambda *_stage: None
         return
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
     text = TextColumn("{task.description}", style="progress.description", markup=False)
-    with Progress(text, BarColumn(), TaskProgressColumn(), console=console, transient=True) as bar:
+    columns = (text, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
         one = bar.add_task(printable(task), total=total)
 
         def step(stage: str = "", done: int = -1, of: int = 0) -> None:

@@ -50,9 +50,7 @@ def diagnose(
     """Name the effect that the model of a car lacks.
 
     It says where simulation and measured runs disagree, adds the effect, and confirms it on the
-    logs of --holdout. Logs that look like a mistake are refused before the search: a hold-out that
-    is a copy, swapped wheel speeds, a pressure of another run. Exit code 0, or 130 if stopped by
-    Ctrl-C or SIGTERM.
+    logs of --holdout. Exit code 0, or 130 if stopped by Ctrl-C or SIGTERM.
     """
     from calib.base.plain import counted
     from calib.base.processes import cores, side_by_side

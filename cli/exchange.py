@@ -1,17 +1,13 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-import calib
 from cli.command import Answer, command
 from cli.console import at_option, misuse, say
 from cli.options import Required, SignedBy, Table, Tables, argument, option, table_versions
 from cli.outputs import refuse_foreign, writing
 from cli.sign import check_signed, key_of
-
-if TYPE_CHECKING:
-    from calib.exports.export import Exported
 
 
 @command(
@@ -38,44 +34,22 @@ def export(
 ) -> Answer:
     """Write a table for a calibration tool or an ECU.
 
-    Only a released one, unless --unreleased is given. A bare name is its newest released version.
-    Every file states the table's id, version, digest and state, the checksum of its numbers, and
-    which value holds beyond the ends of an axis.
+    Only a released one, unless --unreleased is given. Every file states the table's id, digest and
+    state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     from calib.base.errors import ExchangeError
+    from calib.exports.export import export as write
     from calib.store.evidence import UNPROVED, read_quality
 
-    form = _form(form, out, bits, elf)
     public = key_of(require_signed, key)
     stored = store.load(table) if unreleased else store.released(table)
     check_signed(table, stored, public)
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED
-    with at_option("--points, --fixed-point", ExchangeError), writing(out):
-        written = calib.export(
-                stored, out, form,
-                points=points, bits=bits, elf=elf, quality=quality, unreleased=unreleased,
-            )  # fmt: skip
-    return _answer(written)
-
-
-def _form(form: str | None, out: Path, bits: int | None, elf: Path | None) -> str:
-    """The format that was named, or that of the ending; refuses options that it does not take."""
-    from calib.base.errors import ExchangeError
-    from calib.exports.export import ADDRESSED, FIXED_POINT, format_named, format_of
-
-    with at_option("--format", ExchangeError):
-        form = format_of(out.name) if form is None else format_named(form)
-    for option_, value, forms in (("--fixed-point", bits, FIXED_POINT), ("--elf", elf, ADDRESSED)):
-        if value is not None and form not in forms:
-            raise misuse(f"only with {', '.join(forms)}", option_)
-    if elf is not None and elf.suffix.lower() == ".map":
-        raise misuse("a linker's map is no longer read: give the linked program (ELF)", "--elf")
-    return form
-
-
-def _answer(written: "Exported") -> Answer:
+    how: dict[str, Any] = {"points": points, "bits": bits, "elf": elf, "unreleased": unreleased}
+    with at_option("--format, --points, --fixed-point, --elf", ExchangeError), writing(out):
+        written = write(stored, out, form, quality=quality, **how)
     for axis in written.data.axes:
         say(f"{axis.label}: {axis.placed}")
     for row in written.rounded:
@@ -90,30 +64,18 @@ def _answer(written: "Exported") -> Answer:
 def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store: Tables) -> Answer:
     """Compare a DCM or CDF file with the table that it names.
 
-    Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
-    is cut off, damaged or names no table, 4 if it does not agree with the table. Another tool may
-    have saved it: labels are compared, and numbers that were rounded agree.
+    Exit code 3 if it is cut off, damaged or names no table, 4 if it does not agree with the table.
+    Another tool may have saved it: labels are compared, and numbers that were rounded agree.
     """
     from calib.exports.compare import difference, parent, refuse
     from calib.exports.read import read_back
-    from calib.show.store import returned
+    from calib.show.store import returned, returned_document
 
     found = read_back(file)
     stored = parent(found, store)
     told = difference(found, stored)
-    document = {
-        "format": found.format,
-        "facts": found.facts,
-        "axes": found.content.axes,
-        "curves": {n: {"x": x, "y": y} for n, (x, y) in found.content.curves.items()},
-        "scalars": found.content.scalars,
-        "units": found.units,
-        "in_store": stored is not None,
-        "unchanged": found.unchanged,
-        "rounded": told.rounded,
-        "differences": told.wrong,
-    }
     error = refuse(file, told.wrong) if told.wrong else None
+    document = returned_document(found, stored, told)
     return Answer(document, returned(found, stored, told), error=error)
 
 
@@ -136,22 +98,10 @@ def merge(
 ) -> Answer:
     """Store the mean of several cars as a golden table.
 
-    With the spread between them. Random effects: the spread between cars by REML, the interval of
-    the mean after Hartung and Knapp. Its bands are those of one more car of the model.
+    With the spread between them; its bands are those of one more car of the model.
     """
-    from calib.show.store import merged
-    from calib.store.figures import mean_figures
+    from calib.show.store import merged, merged_document
     from calib.store.merge import merge as mean_of
 
     stored = store.save(mean_of([store.load(table) for table in tables], name))
-    table = stored.table
-    document = {
-        **stored.address,
-        "parents": table.provenance.parents,
-        "cars": table.spread.cars if table.spread else 1,
-        "eta": [table.difference.eta[0], table.difference.eta[-1]],
-        "figures": mean_figures(table),
-        "remarks": table.remarks,
-        "warnings": table.warnings,
-    }
-    return Answer(document, merged(stored))
+    return Answer(merged_document(stored), merged(stored))

@@ -30,10 +30,9 @@ def fit(
 ) -> Answer:
     """Make the look-up table of a car from ramped brakings.
 
-    From a LOG without braking drag and rolling resistance are estimated. A ramp on which one axle
-    brakes alone by its wheel pressures tells pads and tyres of the axles apart. Effects of the
-    vehicle file or of --model are removed from the logs first. The table goes into the store as a
-    new version; the same logs give the same version again.
+    From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
+    file or of --model are removed from the logs first. The table goes into the store as a new
+    version; the same logs give the same version again.
     """
     from calib.base.plain import counted
     from calib.car.mass import mass_used
@@ -53,7 +52,6 @@ def fit(
         table = fit_table(car, runs, mass)
     stored, used = store.save(table), mass_used(car, mass)
     tell_kin(store, stored)
-    _tell_newest(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
     return Answer(
@@ -67,19 +65,6 @@ def tell_kin(store: Tables, stored: "Stored") -> None:
     """Say which rejected and withdrawn versions are made of the same ramp."""
     for other in store.now().refused_kin(stored):
         say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
-
-
-def _tell_newest(store: Tables, stored: "Stored") -> None:
-    """Say that a bare name means a new version from now on, where its fit has warnings."""
-    journal = store.journal(stored.name)
-    before = [v for v in journal.of(stored.name) if v < stored.version]
-    usable = [v for v in before if journal.state(stored.name, v).usable]
-    if usable and stored.table.warnings and not stored.existed:
-        say(
-            f"note: {stored.name} without a number means {stored.id} from now on, and its fit has "
-            f"warnings; if it is a mistake, `brake-cal tables reject {stored.id} --reason ...`: "
-            f"then {stored.name} is {stored.name}@{max(usable)} again"
-        )
 
 
 def origin(*options: str) -> "PageOrigin":

@@ -1,7 +1,6 @@
 """A group of commands: its help by subject, and what there was once."""
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Any
 
 from typer.core import TyperGroup
@@ -32,26 +31,17 @@ GONE = {
     "limits init": "limits",
     "fleet report": "fleet RESULTS.parquet",
     "fleet index": "fleet DIR",
+    "watch --index": "fleet DIR",
     "log view": "log LOG",
     "log cut": "log LOG --out FILE --from TIME --until TIME",
-    "log convert": "log LOG... --out FILE",
+    "log convert": "log LOG --out FILE",
+    "log --to": "log LOG --out FILE, once for each log",
+    "log --keep-names": "log LOG --out FILE without --map",
+    "simulate --deceleration": "simulate --pressure P; 'vehicle show' has the pressure per g",
+    "vehicle init --from": "vehicle init FILE",
+    "repeatability --folders": "repeatability --plan PLAN.csv",
+    "repeatability --road": "repeatability LOG... --plan PLAN.csv",
     "manual --html": "manual PAGE",
-    "plot --figure budget": "tables show TABLE",
-    "plot --figure coverage": "plot TABLE LOG --figure difference",
-    "plot --figure force-sum": "plot TABLE LOG --figure normalised-forces",
-    "plot --figure pressure": "plot LOG --figure pressure",
-    **{
-        f"plot --figure compensation-{axle}": f"plot TABLE LOG --figure pad-{axle}"
-        for axle in ("front", "rear")
-    },
-    **{
-        f"plot --figure torque-{axle}-left": "plot TABLE LOG --figure axle-torques"
-        for axle in ("front", "rear")
-    },
-    **{
-        f"plot --figure error-{axle}-left": "plot TABLE LOG --figure error"
-        for axle in ("front", "rear")
-    },
     **{f"manual {old}": f"manual {new}" for new in PAGES for old in PAGES[new]},
 }
 """Commands, arguments and options that there were once, and what to use instead."""
@@ -84,8 +74,7 @@ class Group(TyperGroup):
         path = " ".join([*ctx.command_path.split()[1:], typed])
         after = " ".join(args[1:]).replace("=", " ").split()
         options = [word for word in after if word.startswith("-")]
-        values = [f"{name} {value}" for name, value in pairwise(after) if name in options]
-        for words in (path, *(f"{path} {word}" for word in (*after[:1], *options, *values))):
+        for words in (path, *(f"{path} {word}" for word in (*after[:1], *options))):
             if instead := GONE.get(words):
                 ctx.fail(f"{words!r} is gone. Use 'brake-cal {instead}'.")
         if typed not in self.commands:

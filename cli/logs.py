@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cli.console import Step, detail, misuse
+from cli.console import Step, detail
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
@@ -23,9 +23,7 @@ def is_stdin(path: Path) -> bool:
 
 
 def named(paths: Sequence[Path]) -> list[Path]:
-    """The paths by which results name the logs; refuses stdin that is given twice."""
-    if sum(map(is_stdin, paths)) > 1:
-        raise misuse("stdin holds one log; give - once", "LOG")
+    """The paths by which results name the logs."""
     return [NAMED if is_stdin(path) else path for path in paths]
 
 
@@ -45,38 +43,34 @@ def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | No
 
     Raises LogError as `calib.logs.read.read_log` does.
     """
-    from calib.logs.read import REQUIRED, log_of, read_log
+    from calib.logs.read import REQUIRED, read_log
 
+    name, data = _known(path)
     needed = REQUIRED if require is None else require
-    if is_stdin(path):
-        log = log_of(_stdin(), NAMED, mapping, require=needed)
-    else:
-        log = read_log(path, mapping, require=needed)
+    log = read_log(name, mapping, require=needed, data=data)
     tell(log)
     return log
 
 
-def read_whole(path: Path, mapping: "ChannelMap | None", keep_names: bool = False) -> "WholeLog":
-    """Read every column of a log, a file or that on stdin, and tell with -v what was read.
-
-    Raises LogError as `calib.logs.whole.read_whole` does.
-    """
+def read_whole(path: Path, mapping: "ChannelMap | None") -> "WholeLog":
+    """Read every column of a log, a file or that on stdin. Raises LogError."""
     from calib.logs import whole
 
-    if is_stdin(path):
-        log = whole.whole_of(open_table(path, mapping), NAMED, mapping, keep_names)
-    else:
-        log = whole.read_whole(path, mapping, keep_names)
-    rows, names = log.columns[0].values.size, ", ".join(column.name for column in log.columns)
-    detail(f"read {log.source}: {rows} rows, {names}; SHA-256 {log.digest[:12]}")
-    return log
+    name, data = _known(path)
+    return whole.read_whole(name, mapping, data=data)
 
 
-def open_table(path: Path, mapping: "ChannelMap | None") -> "Opened":
-    """Open a log that is a table, a file or that on stdin. Raises LogError."""
-    from calib.logs.read import open_bytes, open_log
+def opened(path: Path, mapping: "ChannelMap | None") -> "Opened":
+    """Open a log, a file or that on stdin. Raises LogError."""
+    from calib.logs.read import open_log
 
-    return open_bytes(_stdin(), NAMED, mapping) if is_stdin(path) else open_log(path, mapping)
+    name, data = _known(path)
+    return open_log(name, mapping, data=data)
+
+
+def _known(path: Path) -> tuple[Path, bytes | None]:
+    """What names a log, and its bytes where they are on stdin."""
+    return (NAMED, _stdin()) if is_stdin(path) else (path, None)
 
 
 def tell(log: "Log") -> None:
@@ -88,22 +82,13 @@ def tell(log: "Log") -> None:
 
 
 def _stdin() -> bytes:
-    """The bytes on stdin. Raises LogError where they are no table, or more than a log may have."""
+    """The bytes on stdin. Raises LogError where there are none, or more than a log may have."""
     from calib.base.bounded import LOG
     from calib.base.errors import LogError
-    from calib.logs.formats import kind_of
 
     if sys.stdin.isatty():
         raise LogError("stdin is a terminal", where="-", expected="a log", do="cat LOG | ...")
     data = sys.stdin.buffer.read(LOG.most + 1)
     if len(data) > LOG.most:
-        raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where="-")
-    if other := kind_of(data[:64]):
-        name, endings = other
-        raise LogError(
-            f"stdin holds {name}",
-            where="-",
-            expected="CSV: stdin has no ending that names another format",
-            do=f"write it to a file that ends in {endings[0]}" if endings else "",
-        )
+        raise LogError(f"not readable: {LOG.excess()}", where="-")
     return data

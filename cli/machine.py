@@ -2,16 +2,12 @@
 
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from calib.base.program import PROGRAM, VERSION
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress, say
 from cli.options import option
 from cli.outputs import check_folder, write_folder
-
-if TYPE_CHECKING:
-    pass
 
 DOCUMENT, REPORT = "qualification.json", "qualification.html"
 
@@ -25,28 +21,14 @@ def demo(
 ) -> Answer:
     """Try all steps on the sample logs.
 
-    Checks, fits, validates and draws them, and prints the paper's two studies. At the end it
-    diagnoses a car with a hidden effect: the gap, the effect, the gap with it. All files go into
-    one folder: the sample logs, the store, results and figures.
+    Checks, fits, validates and draws them, prints the paper's two studies, and diagnoses a car with
+    a hidden effect.
     """
-    from calib.diagnosis.written.document import to_dict
-    from calib.help.demo import facts, hidden_story, run, section_five, section_four
+    from calib.help.demo import run
 
     check_folder(out, ())
     out.mkdir(parents=True, exist_ok=True)
-    outcomes = run(out, say)
-    by_folder = {outcome.study.folder: outcome for outcome in outcomes}
-    four = section_four(by_folder["simulation_study"])
-    five = section_five(by_folder["sedan"])
-    story = hidden_story(out, say)
-    document = {
-        "folder": out,
-        "diagnosis": to_dict(story.found),
-        "tables": [outcome.stored.id for outcome in outcomes],
-        "section_4": four,
-        "section_5": five,
-    }
-    return Answer(document, facts(four, five, story, out))
+    return Answer(*run(out, say))
 
 
 @command("brake-cal doctor", "brake-cal doctor --json")
@@ -55,9 +37,8 @@ def doctor(
 ) -> Answer:
     """Say whether the program can work on this machine.
 
-    Looks at the packages against the lowest versions that hold, the extras and what they give, the
-    font of the pictures, cores, memory, the store, the settings and the terminal. It writes nothing
-    and uses no network. Exit code 0 if it can work, 1 if something that it needs is wrong.
+    It looks at packages, extras, machine, store and settings, and writes nothing. Exit code 0 if
+    it can work, 1 if something that it needs is wrong.
     """
     from calib.help.doctor import FINE, WRONG, examine
     from calib.show.facts import Facts, Table
@@ -80,21 +61,19 @@ def qualify(
 ) -> Answer:
     """Try the program on this machine against known truths.
 
-    Writes the environment and the checks with their results. Exit code 0 if all checks hold. Takes
-    about 5 s of computing.
+    Writes the environment and the checks with their results. Exit code 0 if all checks hold.
     """
     from calib.base.plain import counted
     from calib.help.checks import SUITE
-    from calib.help.qualify import facts, to_dict
+    from calib.help.qualify import facts
     from calib.help.qualify import qualify as made
     from calib.show.html import page_of
 
     check_folder(out, (DOCUMENT, REPORT))
     task = f"making {counted(len(SUITE), 'check')} on the sample logs"
     with progress(task, len(SUITE)) as step:
-        found = made(SUITE, step)
-    document = to_dict(found, datetime.now(UTC).isoformat(timespec="seconds"))
-    page = page_of(facts(found, document)).encode()
+        document = made(SUITE, datetime.now(UTC).isoformat(timespec="seconds"), step)
+    page = page_of(facts(document)).encode()
     contents = [(REPORT, page), (DOCUMENT, json_text(document).encode())]
     write_folder(out, contents, DOCUMENT)
-    return Answer(document, facts(found, document), FAILED * bool(found.failed))
+    return Answer(document, facts(document), FAILED * (document["verdict"] == "failed"))

@@ -11,20 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.printable import printable
-from calib.line.fleet.rows import Command
+from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.diagnose import stoppable
-from cli.options import (
-    NO_VEHICLE,
-    READ_VEHICLE,
-    argument,
-    limits_of_stops,
-    option,
-    require_known,
-    table_names,
-)
+from cli.options import argument, option, require_known, table_names
 from cli.outputs import check_folder, write_folder, writing
 
 if TYPE_CHECKING:
@@ -32,7 +24,6 @@ if TYPE_CHECKING:
     from calib.estimation.limits import Limit
     from calib.line.fleet.rows import Row
     from calib.line.fleet.work import Job
-    from calib.line.fleet.workers import Executor
 
 
 def _is(command: Command) -> Callable[[typer.Context], bool]:
@@ -51,27 +42,12 @@ JobCommand = Annotated[
 JobTable = Annotated[
     str | None, option("validate: name, name@version or path.", "TABLE", autocompletion=table_names)
 ]
-JobCar = Annotated[
-    "Vehicle | None",
-    option(
-        "fit, validate: vehicle file; of the settings for fit only.",
-        "V.toml",
-        typed=Path | None,
-        make=READ_VEHICLE,
-        setting="vehicle",
-        when=_is(Command.FIT),
-    ),
-]
+CAR = "fit, validate: vehicle file; of the settings for fit only."
+JobCar = Annotated["Vehicle | None", options.vehicle(CAR, setting="vehicle", when=_is(Command.FIT))]
+LIMITS, WITH_LIMITS = "validate: limits for pass or fail.", _is(Command.VALIDATE)
 JobLimits = Annotated[
     "tuple[Limit, ...] | None",
-    option(
-        "validate: limits for pass or fail.",
-        "L.toml",
-        typed=Path | None,
-        make=limits_of_stops,
-        setting="limits",
-        when=_is(Command.VALIDATE),
-    ),
+    options.limits(LIMITS, options.LIMITS_OF_STOPS, always=False, when=WITH_LIMITS),
 ]
 Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
 Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
@@ -97,33 +73,39 @@ def batch(
 ) -> Answer:
     """Run one command on many logs, one row per log.
 
-    The rows are in DIR/results.parquet. A log that cannot be read is a row with its error; it
-    changes the exit code only if no log can be read. A run that was stopped continues when it is
+    A log that cannot be read is a row with its error. A run that was stopped continues when it is
     started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
     if none could be read, 130 if stopped.
     """
     from calib.base.plain import counted
+    from calib.base.processes import cores
     from calib.line.fleet.batch import run_batch
+    from calib.line.fleet.workers import Cluster, Pool
 
     if workers is not None and scheduler is not None:
         raise misuse("the scheduler has its own workers", "--workers")
     job = _job(command, out, table, store, vehicle, limits, channel_map)
     with stoppable("stopped; the same command continues where it was"):
-        executor = _executor(workers, scheduler)
+        executor = Cluster(scheduler) if scheduler else Pool(workers or cores())
         say(f"{command.value} on {counted(executor.workers, 'worker')}")
         try:
             with progress() as step, writing(out):
                 done = run_batch(
-                    job, logs, out, executor, lambda p: step(str(p), p.done, p.total), fresh
+                    job,
+                    logs,
+                    out,
+                    executor,
+                    lambda b: step(f"{b.done} of {b.total} logs", b.done, b.total),
+                    fresh,
                 )
         finally:
             executor.close()
-    say(str(done.pace))
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
+    failed = done.counts[Status.FAILED] > 0
     return Answer(
         done.document(),
-        f"{counted(done.counts.total(), 'log')}: {counts}; {done.results}",
-        UNREADABLE if done.unreadable else FAILED * bool(done.failed),
+        f"{counted(done.done, 'log')}: {counts}; {done.results}",
+        UNREADABLE if done.counts[Status.ERROR] == done.done else FAILED * failed,
     )
 
 
@@ -144,38 +126,37 @@ def watch(
     settle: float = option(
         "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
     ),
-    index: Path | None = option(
-        "Keep the index of these station runs up to date.", "RUNS", exists=True, file_okay=False
-    ),
     json: bool = option("One line of JSON per log.", None, "--json"),
 ) -> Answer:
     """Process each log that appears in a folder, until stopped.
 
-    Ctrl-C or SIGTERM stop it. A second signal ends it at once. Prints a line per log, after its row
-    is on the disk. Rows are kept as by `batch`, named by their path within DIR: a watch that was
-    stopped or killed continues where it was; a log that changes is processed again; one that is
-    deleted keeps its row. Exit code 0.
+    Ctrl-C or SIGTERM stop it, a second one at once. Prints a line per log, after its row is on the
+    disk. Rows are kept as by `batch`: a watch that was stopped continues where it was, and a log
+    that changes is processed again.
     """
+    from calib.base.processes import cores
+    from calib.line.fleet.results import NAME
     from calib.line.fleet.watch import watch as watch_folder
+    from calib.line.fleet.workers import Pool
 
     if command is Command.DIAGNOSE:
         raise misuse("diagnose takes folders: use `brake-cal batch`")
     job = _job(command, out, table, store, vehicle, limits, channel_map)
-    pool = _executor(workers, None)
+
+    def tell(row: "Row") -> None:
+        as_json = json_module.dumps(row.to_dict(command), allow_nan=False) if json else ""
+        emit_line(as_json or row.line(command))
+
+    pool = Pool(workers or cores())
     try:
         with writing(out), _stopped() as stop:
             say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-            done = watch_folder(
-                *(job, folder, out, pool, stop, _teller(command, json), complain),
-                every=every,
-                settle=settle,
-                fresh=fresh,
-                each=_indexer(index),
-            )
+            scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": fresh}
+            done = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
     finally:
         pool.close()
-    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
-    say(f"{counts}; {done.results}" if done.results else "no log came")
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.items()))
+    say(f"{counts}; {out / NAME}" if done else "no log came")
     return Answer({})
 
 
@@ -198,7 +179,12 @@ def _job(
     for name, value, taken, needed in (
         ("--table", table, validates, "validate needs a table" if validates else ""),
         ("--limits", limits, validates, ""),
-        ("--vehicle", vehicle, fits or validates, f"fit needs a vehicle; {NO_VEHICLE}" * fits),
+        (
+            "--vehicle",
+            vehicle,
+            fits or validates,
+            f"fit needs a vehicle; {options.NO_VEHICLE}" * fits,
+        ),
     ):
         if value is None and needed:
             raise misuse(needed, name)
@@ -218,64 +204,26 @@ def _job(
     )
 
 
-def _executor(workers: int | None, scheduler: str | None) -> "Executor":
-    from calib.base.processes import cores
-    from calib.line.fleet.workers import Cluster, Pool
-
-    return Cluster(scheduler) if scheduler else Pool(workers or cores())
-
-
-def _indexer(runs: Path | None) -> Callable[[], None]:
-    """The function that is called after each scan: it writes the index, if there is one.
-
-    A disk that is full for a while must not end the watch: the next scan tries again.
-    """
-    if runs is None:
-        return lambda: None
-    from calib.show.station_index import write_index
-
-    troubled = False
-
-    def write() -> None:
-        nonlocal troubled
-        try:
-            write_index(runs)
-        except OSError as error:
-            if not troubled:
-                complain(f"{runs}: the index cannot be written ({error.strerror})")
-            troubled = True
-        else:
-            troubled = False
-
-    return write
-
-
 @contextmanager
 def _stopped() -> Iterator[Event]:
     """An event that Ctrl-C and SIGTERM set; logs in work are finished. A second signal kills."""
     stop = Event()
-    handlers: dict[signal.Signals, Any] = {}
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
     def restore() -> None:
-        for number, handler in handlers.items():
+        for number, handler in before.items():
             signal.signal(number, handler or signal.SIG_DFL)
 
     def end(number: int, frame: object) -> None:
         stop.set()
         restore()
 
-    for number in (signal.SIGINT, signal.SIGTERM):
-        handlers[number] = signal.signal(number, end)
+    for number in before:
+        signal.signal(number, end)
     try:
         yield stop
     finally:
         restore()
-
-
-def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
-    return lambda row: emit_line(
-        json_module.dumps(row.to_dict(command), allow_nan=False) if json else row.line(command)
-    )
 
 
 @command(
@@ -289,23 +237,19 @@ def fleet(
     ),
     *,
     order: str | None = option("Column that orders the logs, else names.", "COLUMN"),
-    figure: list[str] = option(
-        "Only this metric; repeatable.", "NAME", autocompletion=lambda: [*_metrics()]
-    ),
+    figure: list[str] = option("Only this metric; repeatable.", "NAME"),
     out: Path | None = option("Write report.html, fleet.json, PNGs here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
 
     Of RESULTS.parquet of a batch: distributions, outliers and drift. Of a DIR, whose folders are
     runs of `station --out`: DIR/index.html with verdicts, next steps and trends, and DIR/live.html,
-    which is the same page and loads itself again every 10 s. `watch --index DIR` keeps both up to
-    date.
+    which loads itself again.
     """
     from calib.base.plain import counted
     from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_figure import DOCUMENT, earlier_pictures, pictures_of
     from calib.show.fleet_page import facts, report
     from calib.show.html import page_of
 
@@ -313,26 +257,17 @@ def fleet(
         if order or figure or out:
             raise misuse("a DIR takes no option: its pages are written there")
         return _index(results)
-    check_folder(out, (DOCUMENT, "report.html"))
+    check_folder(out, ("fleet.json", "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(figure))
     if out is not None:
-        looks = [look for look in found.looks if look.values.size]
-        with progress(f"drawing {counted(len(looks), 'metric')}", len(looks)) as step:
-            pictures = pictures_of(found, step)
         title = printable(f"{results.absolute().parent.name}/{results.name}")
-        page = page_of(report(found, title)).encode()
-        written = json_text(document(found)).encode()
-        contents = {**pictures, DOCUMENT: written, "report.html": page}
-        write_folder(out, contents.items(), DOCUMENT, earlier_pictures)
+        with progress("drawing the report"):
+            page = page_of(report(found, title)).encode()
+        contents = (("report.html", page), ("fleet.json", json_text(document(found)).encode()))
+        write_folder(out, contents, "fleet.json")
     return Answer(document(found), facts(found))
-
-
-def _metrics() -> Any:
-    from calib.estimation.metrics import METRICS
-
-    return METRICS
 
 
 def _index(folder: Path) -> Answer:
@@ -341,6 +276,6 @@ def _index(folder: Path) -> Answer:
     from calib.show.station_index import write_index
 
     with writing(folder, "DIR"):
-        number = write_index(folder)
+        number = len(write_index(folder))
     files = [folder / INDEX, folder / LIVE]
     return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")

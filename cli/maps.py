@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit, misuse, this_run
-from cli.options import READ_MAP, argument, option
+from cli.options import argument, channel_map, option
 from cli.outputs import write_file
 
 if TYPE_CHECKING:
@@ -30,21 +30,16 @@ def map_(
         make=_pairs,
     ),
     radius: float | None = option("Radius [m] for wheel speeds in km/h.", "M", min=0.1, max=1.0),
-    channel_map: "ChannelMap | None" = option(
-        "Its file format and DBC; not that of the settings.",
-        "M.toml",
-        "--map",
-        typed=Path | None,
-        make=READ_MAP,
+    channel_map: "ChannelMap | None" = channel_map(
+        "Its file format and DBC; not that of the settings."
     ),
     out: Path | None = option("Map file to write.", "M.toml", writes=""),
 ) -> Answer:
     """Propose a channel map for a log of foreign names.
 
-    It rests on names, units and physics, and says how sure it is. Prints the map on stdout and the
-    reasons on stderr. Where something is ambiguous it lists the candidates, writes no map and ends
-    with 3. It ends with 1 if the log lacks what every log needs, such as the pressure. Of --map
-    only file format and DBC are used; the new map keeps them.
+    By names, units and physics. Prints the map on stdout and the reasons on stderr. Where something
+    is ambiguous it lists the candidates, writes no map and ends with 3. It ends with 1 if the log
+    lacks what every log needs, such as the pressure.
     """
     from dataclasses import asdict
 
@@ -53,7 +48,8 @@ def map_(
     from calib.suggest.propose import suggest, to_lines, to_toml, tried
 
     told = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
-    source = open_log(log, channel_map).source
+    with open_log(log, channel_map) as opened:
+        source = opened.table()
     found = tried(suggest(source, str(log), told=told, radius=radius), log, channel_map)
     toml = to_toml(found, channel_map, None if out is None else out.absolute().parent)
     certain = not found.doubts and bool(found.proposals)

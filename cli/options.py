@@ -5,7 +5,6 @@ Those that several commands share stand here once. To the type checker each is w
 gets, to typer what is typed.
 """
 
-import math
 from collections.abc import Callable, Collection, Sequence
 from datetime import date
 from importlib import import_module
@@ -15,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.settings import STORE
-from cli.console import misuse
-from cli.project import from_settings
+from cli.console import at_option, misuse, say
 
 if TYPE_CHECKING:
     from calib.car.own_effects.own_effect import OwnEffect
@@ -25,11 +23,10 @@ if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.store.store import Store
 
-READ_VEHICLE = "calib.car.vehicle_file:read_vehicle"
 READ_MAP = "calib.logs.channel_map_file:read_channel_map"
+LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
-
 
 Make = Callable[[Any], Any] | str
 """What a value becomes: a function, or "module:NAME" of one that is imported when it is used."""
@@ -39,14 +36,7 @@ def option(
     text: str,
     metavar: str | None = None,
     *flags: str,
-    typed: Any = None,
-    make: Make | None = None,
-    always: bool = False,
-    known: str = "",
-    writes: str | None = None,
-    built_in: Any = None,
     setting: str = "",
-    needed: str = "",
     when: Callable[[typer.Context], bool] = lambda context: True,
     **more: Any,
 ) -> Any:
@@ -55,50 +45,49 @@ def option(
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    typed : what is typed, if that is not what the command gets.
-    make : what its value becomes; ``always``: of None, too.
-    known : "module:NAME" of a collection of the library; its names are completed, others refused.
-    writes : kind of the file that is written there, see `cli.outputs`, or "folder".
-    built_in : its value where nothing else gives one.
-    setting, needed, when : see `cli.project.from_settings`.
-    more : for typer.
+    setting : field of `calib.base.settings.Settings` whose value it has where it is not given, and
+        where the arguments that were given allow it, as ``when`` says.
+    more : for typer, and: ``typed``, what is typed, if that is not what the command gets; ``make``,
+        what its value becomes, ``always`` of None, too; ``known``, "module:NAME" of a collection
+        whose names are completed and others refused; ``writes``, the kind of the file that is
+        written there, see `cli.outputs`, or "folder"; ``built_in``, its value where nothing else
+        gives one.
     """
     if setting:
-        more["callback"] = from_settings(setting, needed, when)
+        more["callback"] = _from_settings(setting, when)
     as_typer_has_it: Any = typer.Option  # to its types the first flag is a default
-    made = as_typer_has_it(*flags, **_given(text, metavar, known), **more)
-    return _with(made, make, known, typed, flags=flags, always=always, writes=writes,
-                 built_in=built_in)  # fmt: skip
+    return _declared(as_typer_has_it, flags, text, metavar, flags=flags, **more)
 
 
-def argument(
+def argument(text: str, metavar: str, **more: Any) -> Any:
+    """An argument; see `option`."""
+    return _declared(typer.Argument, (), text, metavar, **more)
+
+
+def _declared(
+    kind: Any,
+    words: tuple[str, ...],
     text: str,
-    metavar: str,
+    metavar: str | None,
+    *,
     make: Make | None = None,
     known: str = "",
     typed: Any = None,
+    always: bool = False,
+    writes: str | None = None,
     built_in: Any = None,
+    flags: tuple[str, ...] | None = None,
     **more: Any,
 ) -> Any:
-    """An argument; see `option`."""
-    made = typer.Argument(**_given(text, metavar, known), **more)
-    return _with(made, make, known, typed, always=False, built_in=built_in)
-
-
-def _given(text: str, metavar: str | None, known: str) -> dict[str, Any]:
-    completed = {"autocompletion": lambda incomplete: _known(known)} if known else {}
-    return {"help": text, "metavar": metavar, **completed}
-
-
-def _with(made: Any, make: Make | None, known: str, typed: Any = None, **extra: Any) -> Any:
-    made.__dict__.update(make=_checked(make, known), typed=typed, **extra)
+    if known:
+        more["autocompletion"] = lambda incomplete: _known(known)
+    made = kind(*words, help=text, metavar=metavar, **more)
+    ours = {"typed": typed, "always": always, "writes": writes, "built_in": built_in}
+    vars(made).update(ours, flags=flags, make=_checked(make, known) if make or known else None)
     return made
 
 
-def _checked(make: Make | None, known: str) -> Callable[[Any], Any] | None:
-    if not make and not known:
-        return None
-
+def _checked(make: Make | None, known: str) -> Callable[[Any], Any]:
     def checked(value: Any) -> Any:
         if known:
             for one in value if isinstance(value, list) else [value]:
@@ -129,14 +118,43 @@ def require_known(written: str, known: Collection[str], what: str = "") -> None:
         raise misuse(f"unknown {what}{written!r}; {hint} {', '.join(known)}")
 
 
+def _from_settings(name: str, when: Callable[[typer.Context], bool]) -> Callable[..., Any]:
+    """Callback that takes a value from the settings file, which is read once in a run."""
+
+    def value_of(context: typer.Context, asked: typer.CallbackParam, value: Any) -> Any:
+        source = context.get_parameter_source(str(asked.name))
+        given = context.resilient_parsing or source is None or source.name != "DEFAULT"
+        if given or not when(context):
+            return value
+        told = context.meta  # which all contexts of a run share
+        if "project" not in told:
+            from calib.base.settings_file import find_project
+
+            told["project"] = find_project()
+        setting = getattr(told["project"].settings, name)
+        if setting is None:
+            return value
+        if not told.setdefault("project.used", False):
+            told["project.used"] = True
+            say(f"settings of {told['project'].file}")
+        return [*setting] if isinstance(setting, tuple) else setting
+
+    return value_of
+
+
 # Tables at the Tab key: only folders of the store are read, no file of a table.
 
 
-def _store_of(context: typer.Context) -> Path:
-    """The store of the command line, of the settings, or the usual one."""
-    given = context.params.get("store")
-    if given:
-        return Path(given)
+def _begun(context: typer.Context, incomplete: str) -> dict[str, Path]:
+    """Tables of the store of the command line, of the settings, or the usual one."""
+    from calib.store.folders import names_in
+
+    store = context.params.get("store") or _store_of_the_settings()
+    begun = incomplete.partition("@")[0]
+    return {name: Path(store) / name for name in names_in(Path(store)) if name.startswith(begun)}
+
+
+def _store_of_the_settings() -> Path:
     from calib.base.errors import BrakeCalError
     from calib.base.settings_file import find_project
 
@@ -148,90 +166,53 @@ def _store_of(context: typer.Context) -> Path:
 
 def table_names(context: typer.Context, incomplete: str) -> list[str]:
     """Names of the tables; of one that is alone its versions as well."""
-    from calib.store.folders import names_in
-
-    begun = incomplete.partition("@")[0]
-    names = [name for name in names_in(_store_of(context)) if name.startswith(begun)]
+    names = [*_begun(context, incomplete)]
     versions = table_versions(context, incomplete) if "@" in incomplete or len(names) == 1 else []
     return versions if "@" in incomplete else [*names, *versions]
 
 
 def table_versions(context: typer.Context, incomplete: str) -> list[str]:
     """``name@version`` of every table, the newest first."""
-    from calib.store.folders import names_in, versions_in
+    from calib.store.folders import versions_in
 
-    store, begun = _store_of(context), incomplete.partition("@")[0]
-    names = [name for name in names_in(store) if name.startswith(begun)]
-    return [f"{name}@{n}" for name in names for n in reversed(versions_in(store / name))]
+    begun = _begun(context, incomplete)
+    return [f"{name}@{n}" for name, path in begun.items() for n in reversed(versions_in(path))]
 
 
 # What is typed becomes what a command works with.
 
 
-def _limits(path: Path) -> Any:
-    from calib.estimation.limits_file import read_limits
-    from calib.estimation.metrics import METRICS as OF_STOPS
-    from calib.line.station.metrics import METRICS as OF_CAR
-
-    return read_limits(path, {*OF_STOPS, *OF_CAR})
-
-
-def limits_of_stops(path: Path | None) -> Any:
-    """The limits of a file for single stops; the default limits without a file."""
-    from calib.base.errors import LimitsError
-    from calib.estimation.limits import DEFAULTS
-    from calib.estimation.metrics import METRICS
+def read_vehicle(path: Path | None) -> "Vehicle":
+    """The car of a vehicle file."""
+    from calib.car import vehicle_file
 
     if path is None:
-        return DEFAULTS
-    limits = tuple(limit for limit in _limits(path) if limit.figure in METRICS)
-    if not limits:
-        raise LimitsError(
-            "no limit for a stop", where=path, do="judge the car with `brake-cal station`"
-        )
-    return limits
+        raise misuse(f"missing; {NO_VEHICLE}")
+    return vehicle_file.read_vehicle(path)
 
 
-def limits_of_car(path: Path | None) -> Any:
-    """The limits of a file for a car and its stops; the default limits without a file."""
-    from calib.line.station.limits_file import LIMITS
-
-    return _limits(path) if path else LIMITS
-
-
-def quantity(si: str, plain: bool = False) -> Callable[[str], float]:
-    """Makes SI of a quantity as a vehicle file has it; ``plain``: or of a number that is in SI."""
+def quantity(si: str) -> Callable[[str], float]:
+    """Makes SI of a quantity as a vehicle file has it."""
 
     def make(written: str) -> float:
         from calib.base.errors import InputError
         from calib.base.toml import quantity
 
-        try:
-            value = float(written) if plain and _is_number(written) else math.nan
-            value = quantity(written, si, None, InputError) if math.isnan(value) else value
-        except InputError as error:
-            raise misuse(str(error)) from None
-        if not math.isfinite(value):
-            raise misuse(f"{written!r} is not finite")
-        return value
+        with at_option(None, InputError):
+            return quantity(written, si, None, InputError)
 
     return make
 
 
-def _is_number(written: str) -> bool:
-    try:
-        return not math.isnan(float(written))
-    except ValueError:
-        return False
-
-
 def _mass(written: str) -> float:
     """A mass [kg] within what a vehicle file may say."""
-    from calib.car.mass import LEAST, MOST
+    from calib.car.keys import KEYS
 
-    mass = quantity("kg")(written)
-    if not LEAST <= mass <= MOST:
-        raise misuse(f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg")
+    mass, known = quantity("kg")(written), next(key for key in KEYS if key.name == "mass")
+    if not known.least <= mass <= known.most:
+        raise misuse(
+            f"{mass:g} kg is not believable; expected {known.least:g} to {known.most:g} kg"
+        )
     return mass
 
 
@@ -276,106 +257,68 @@ def logs_by_name(text: str, metavar: str = "LOG...") -> Any:
 
 # Shared options. What is quoted is what the command gets; ``typed`` is what typer reads.
 
+
+def limits(text: str, make: str, always: bool = True, **more: Any) -> Any:
+    """Option for a file of limits, which the settings may name."""
+    typed: Any = Path | None
+    return option(text, "L.toml", typed=typed, make=make, always=always, setting="limits", **more)
+
+
+def channel_map(text: str = "Channel map, and DBC.", **more: Any) -> Any:
+    """Option for a channel map."""
+    return option(text, "M.toml", "--map", typed=Path | None, make=READ_MAP, **more)
+
+
+def vehicle(text: str, always: bool = False, **more: Any) -> Any:
+    """Option for a vehicle file."""
+    typed: Any = Path | None
+    return option(text, "V.toml", typed=typed, make=read_vehicle, always=always, **more)
+
+
 Tables = Annotated[
     "Store",
-    option(
-        "Directory of the tables.",
-        "DIR",
-        typed=Path,
-        make="calib:Store",
-        built_in=STORE,
-        setting="store",
-    ),
-]
+    option("Directory of the tables.", "DIR", typed=Path, make="calib:Store", built_in=STORE,
+           setting="store"),
+]  # fmt: skip
 Car = Annotated[
-    "Vehicle",
-    option(
-        "Vehicle file; else that of the settings.",
-        "V.toml",
-        typed=Path,
-        make=READ_VEHICLE,
-        default_factory=lambda: None,
-        show_default=False,
-        setting="vehicle",
-        needed=f"missing; {NO_VEHICLE}",
-    ),
-]
-Map = Annotated[
-    "ChannelMap | None",
-    option(
-        "Channel map, and DBC.", "M.toml", "--map", typed=Path | None, make=READ_MAP, setting="map"
-    ),
-]
-Mass = Annotated[
-    "float | None",
-    option(
-        'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.',
-        "MASS",
-        typed=str | None,
-        make=_mass,
-    ),
-]
-OwnEffects = Annotated[
-    "tuple[OwnEffect, ...]",
-    option(
-        "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The "
-        "file is executed as Python: give only files that you trust.",
-        "FILE.py",
-        typed=list[Path],
-        make="calib.car.own_effects.read:read_own_effects",
-    ),
-]
-StopLimits = Annotated[
-    "tuple[Limit, ...]",
-    option(
-        "Limits that decide pass or fail.",
-        "L.toml",
-        typed=Path | None,
-        make=limits_of_stops,
-        always=True,
-        setting="limits",
-    ),
+    "Vehicle", vehicle("Vehicle file; else that of the settings.", always=True, setting="vehicle")
 ]
 OtherPads = Annotated[
-    "Vehicle | None",
-    option(
-        "Other nominal pads than the table's; never the settings' vehicle.",
-        "V.toml",
-        typed=Path | None,
-        make=READ_VEHICLE,
-    ),
+    "Vehicle | None", vehicle("Other nominal pads than the table's; never the settings' vehicle.")
+]
+Map = Annotated["ChannelMap | None", channel_map(setting="map")]
+MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
+Mass = Annotated["float | None", option(MASS, "MASS", typed=str | None, make=_mass)]
+READ_EFFECTS = "calib.car.own_effects.effect_file:read_own_effects"
+EFFECT = (
+    "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The file is "
+    "executed as Python: give only files that you trust."
+)
+OwnEffects = Annotated[
+    "tuple[OwnEffect, ...]", option(EFFECT, "FILE.py", typed=list[Path], make=READ_EFFECTS)
+]
+StopLimits = Annotated[
+    "tuple[Limit, ...]", limits("Limits that decide pass or fail.", LIMITS_OF_STOPS)
 ]
 KnownModel = Annotated[
     Path | None, option("Model of `diagnose`, whose effects are then known.", "M.toml")
 ]
 Workers = Annotated[int | None, option("Processes; else all cores.", "N", min=1, max=512)]
-By = Annotated[
-    str | None,
-    option(
-        "Who says so; else the person of the settings, or the user of this computer.",
-        "NAME",
-        setting="by",
-    ),
-]
+BY = "Who says so; else the person of the settings, or the user of this computer."
+By = Annotated[str | None, option(BY, "NAME", setting="by")]
 Reason = Annotated[str, option("Why, for the journal.", "TEXT", make=words)]
-Table = Annotated[
-    str, argument("name, name@version or path of a version", "TABLE", autocompletion=table_names)
-]
+TABLE = "name, name@version or path of a version"
+Table = Annotated[str, argument(TABLE, "TABLE", autocompletion=table_names)]
 Version = Annotated[
     str, argument("name@version", "TABLE@N", make=_version, autocompletion=table_versions)
 ]
-PublicKey = Annotated[
-    str | None, option("Public key: its file, or its text.", "PUBLIC", setting="public_key")
-]
+KEY = "Public key: its file, or its text."
+PublicKey = Annotated[str | None, option(KEY, "PUBLIC", setting="public_key")]
 Required = Annotated[
-    bool, option("Refuse a table without a signature that holds.", None, setting="require_signed")
+    bool, option("Refuse a table without a signature that holds.", setting="require_signed")
 ]
 SignedBy = Annotated[
     str | None,
-    option(
-        "Public key that must have signed: its file, or its text.",
-        "PUBLIC",
-        setting="public_key",
-        when=lambda asked: bool(asked.params["require_signed"]),
-    ),
-]
+    option(f"{KEY} With --require-signed.", "PUBLIC", setting="public_key",
+           when=lambda asked: bool(asked.params["require_signed"])),
+]  # fmt: skip

@@ -22,31 +22,42 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 PAGES = (".html", ".htm")
 
 
-def _endings(kind: str) -> tuple[str, ...]:
-    """Endings of a kind of file; a drawing is a picture or a page; () for any."""
-    from calib.logs.write import WRITERS
-    from calib.show.sheet import ENDINGS
-
-    return {
-        "picture": ENDINGS,
-        "page": PAGES,
-        "drawing": (*ENDINGS, *PAGES),
-        "log": tuple(WRITERS),
-        "simulation": (".csv", ".parquet"),
-    }.get(kind, ())
-
-
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
-    """Refuse a place where no file of a kind can be written, an input, and a foreign drawing."""
-    endings = _endings(kind) if kind else ()
+    """Refuse a place where no file of a kind can be written, an input, and a foreign file."""
+    endings = _endings(kind)
     if endings and out.suffix.lower() not in endings:
         raise misuse(f"{out} must end in {', '.join(endings)}", option)
     if out.is_dir():
         raise misuse(f"cannot write {out}: it is a directory", option)
     _refuse_parent(out, option)
     _refuse_inputs([out], option)
-    if kind in ("picture", "page", "drawing"):
-        refuse_foreign(out, _is_page if out.suffix.lower() in PAGES else _is_picture, option)
+    if ours := _ours(out, kind):
+        refuse_foreign(out, ours, option)
+
+
+def _endings(kind: str) -> tuple[str, ...]:
+    """Endings of a kind of file; () for any."""
+    from calib.logs.write import WRITERS
+    from calib.show.sheet import ENDINGS
+
+    return {
+        "picture": ENDINGS,
+        "page": PAGES,
+        "log": (*ENDINGS, *PAGES, *WRITERS),
+        "simulation": (".csv", ".parquet"),
+    }.get(kind, ())
+
+
+def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
+    """What tells a file of this program by its bytes; None where only an equal one is ours."""
+    from calib.show.html import is_page
+    from calib.show.sheet import ENDINGS, is_picture
+
+    if out.suffix.lower() in PAGES:
+        return is_page
+    if out.suffix.lower() in ENDINGS:
+        return is_picture
+    return (lambda data: b"true_" in data) if kind == "simulation" else None
 
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:
@@ -88,31 +99,25 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
     except OSError:
         mine = False
     if not mine:
-        do = "give another name" if option == "--report" else "--force replaces it"
-        raise misuse(f"{out} exists and is not what is written here; {do}", option)
+        what = f"{out} exists and is not what is written here; --force replaces it"
+        raise misuse(what, option)
 
 
 def write_file(out: Path, content: bytes, option: str = OUT) -> None:
     """Write a file whole, and say so; a foreign one is refused, where none was before the work."""
     from calib.base.write import write_whole
-    from calib.show.sheet import ENDINGS
 
-    if out.suffix.lower() not in (*ENDINGS, *PAGES):
+    if _ours(out) is None:
         refuse_foreign(out, content.__eq__, option)
     with writing(out, option):
         write_whole(out, content)
     say(f"wrote {out}")
 
 
-def write_folder(
-    out: Path,
-    contents: Iterable[tuple[str, bytes]],
-    last: str,
-    earlier: Callable[[Path], Iterable[str]] = lambda out: (),
-) -> None:
+def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:
     """Write all files into a folder, or none; ``last`` names the one that says that all are there.
 
-    Each is written as it comes. Those of an ``earlier`` run are removed.
+    Each is written as it comes.
     """
     from calib.base.publish import publish, workshop
     from calib.base.write import write_whole
@@ -120,7 +125,7 @@ def write_folder(
     with writing(out), workshop(out) as work:
         for name, content in contents:
             write_whole(work / name, content)
-        paths = publish(work, out, last, earlier)
+        paths = publish(work, out, last)
     say(f"wrote {out}: {', '.join(path.name for path in paths)}")
 
 
@@ -178,15 +183,3 @@ def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:
 def _unwritable(out: Path | None, error: OSError, option: str) -> typer.BadParameter:
     what = f"cannot be written ({error.strerror})"
     return misuse(what if out is None else f"{out} {what}", option)
-
-
-def _is_picture(data: bytes) -> bool:
-    from calib.show.sheet import is_picture
-
-    return is_picture(data)
-
-
-def _is_page(data: bytes) -> bool:
-    from calib.show.html import is_page
-
-    return is_page(data)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from cli import options
 from cli.command import Answer, command
 from cli.console import misuse, progress, say
-from cli.logs import is_stdin, named, read
+from cli.logs import is_stdin, read
 from cli.options import argument, option, require_known, table_names
 from cli.outputs import writing
 
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
     from calib.show.choose import PlotInput
     from calib.show.sheet import Sheet
-
-ALL = "all"
-"""Value of `--figure` for each figure on its own page."""
 
 
 @command(
@@ -34,7 +31,7 @@ def plot(
     out: Path | None = option("File to write: .png, .svg or .pdf.", "FILE", writes="picture"),
     store: options.Tables,
     vehicle: options.OtherPads,
-    figure: str | None = option("One figure of the page; 'all': each on its own.", "NAME"),
+    figure: str | None = option("One figure of the page, not all.", "NAME"),
     limits: options.StopLimits,
     compare: bool = option("Draw other methods beside the estimate of a stop."),
     channel_map: options.Map,
@@ -42,12 +39,9 @@ def plot(
     """Draw tables, logs and results.
 
     A table: its curves, and with the ramps it was made of, their measured points. Two tables: one
-    against the other. A table and another log: the stop with the estimate and the verdict, or the
-    simulation if the log has the truth; a log of another car is refused. A log or a result: its
-    channels.
-
-    One page for each; a PDF holds all pages, of PNG and SVG there is one file per page. Without
-    --out they are PNG files in this directory, named after their content.
+    against the other. A table and another log: the stop with the estimate and the verdict. A log or
+    a result: its channels. A PDF holds all pages, of PNG and SVG there is one file per page;
+    without --out they are PNG files in this directory, named after their content.
     """
     from dataclasses import replace
 
@@ -60,8 +54,8 @@ def plot(
         raise misuse("only with a TABLE and a LOG", "--compare")
     drawn = _draw(replace(given, limits=limits, compare=compare) if stops else given, figure)
     files = _files(drawn, out, figure)
-    pages = sum(map(len, files.values()))
-    with writing(out), progress(f"drawing {counted(pages, 'page')}", pages) as step:
+    task = f"drawing {counted(len(drawn), 'page')}"
+    with writing(out), progress(task, len(drawn)) as step:
         save(files, step)
     for sheet, _ in drawn:
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
@@ -93,9 +87,8 @@ def _read(
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     if len(names) > 2 or (len(names) == 2 and logs):
         raise misuse("give one table with its logs, or two tables without logs", "TABLE")
-    if vehicle and not results and not (names and logs):
-        raise misuse("only with a TABLE and a LOG, or with a RESULT", "--vehicle")
-    named(logs)
+    if vehicle and not (names and logs):
+        raise misuse("only with a TABLE and a LOG", "--vehicle")
     tables = tuple(store.load(name) for name in names)
     for one in tables:
         say(f"{one.id} is {one.state.words}")
@@ -108,42 +101,31 @@ def _read(
     )
 
 
-def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str, Figure]]]":
-    """Every sheet with its figures by name; the page itself has the name ''."""
+def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, Figure]]":
+    """Every sheet and its page, or one figure of it."""
     from calib.show.choose import sheets
 
     drawn = []
     for sheet in sheets(given):
-        if figure is None:
-            drawn.append((sheet, {"": sheet.overview()}))
-            continue
-        require_known(figure, (*sheet.names, ALL), "figure ")
-        names = sheet.names if figure == ALL else [figure]
-        drawn.append((sheet, {name: sheet.figure(name) for name in names}))
+        if figure is not None:
+            require_known(figure, sheet.names, "figure ")
+        drawn.append((sheet, sheet.figure(figure) if figure else sheet.overview()))
     return drawn
 
 
 def _files(
-    drawn: "list[tuple[Sheet, dict[str, Figure]]]", out: Path | None, figure: str | None
+    drawn: "list[tuple[Sheet, Figure]]", out: Path | None, figure: str | None
 ) -> "dict[Path, list[Figure]]":
     """Figures by file: one PDF for all, else one file for each, named after its content."""
     if out is not None and out.suffix.lower() == ".pdf":
-        return {out: [f for _, figures in drawn for f in figures.values()]}
+        return {out: [found for _, found in drawn]}
     files: dict[Path, list[Figure]] = {}
-    for sheet, figures in drawn:
-        for name, found in figures.items():
-            prefix = sheet.name if out is None or len(drawn) > 1 else ""
-            part = name if out is None or figure == ALL else ""
-            stem = "-".join(p for p in (out.stem if out else "", prefix, part) if p)
-            place = (out or Path("x.png")).with_name(f"{stem}{out.suffix if out else '.png'}")
-            files[_unused(place, files)] = [found]
+    for sheet, found in drawn:
+        place = Path(f"{sheet.name}-{figure}.png" if figure else f"{sheet.name}.png")
+        if out is not None:
+            several = f"-{sheet.name}" if len(drawn) > 1 else ""
+            place = out.with_name(f"{out.stem}{several}{out.suffix}")
+        while place in files:  # logs from several directories have one name
+            place = place.with_name(f"{place.stem}-2{place.suffix}")
+        files[place] = [found]
     return files
-
-
-def _unused(path: Path, taken: "dict[Path, list[Figure]]") -> Path:
-    """``path``, with a number where logs from several directories have the same name."""
-    number, found = 1, path
-    while found in taken:
-        number += 1
-        found = path.with_name(f"{path.stem}-{number}{path.suffix}")
-    return found

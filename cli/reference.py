@@ -3,15 +3,12 @@
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
-import typer
-
 from cli.command import Answer, command
-from cli.console import Markdown, emit, emit_json, misuse, say
-from cli.options import OwnEffects, argument, require_known
+from cli.console import emit, emit_json, say
+from cli.options import OwnEffects, argument, option, require_known
 
 if TYPE_CHECKING:
     from calib.car.effects.effect import Effect
-    from calib.help.page import Page
 
 
 @command(
@@ -27,8 +24,7 @@ def effects(
 ) -> Answer:
     """List the effects that a model can have.
 
-    With a NAME its card is printed. With --effect the file is checked, and its effect is among
-    them.
+    With a NAME its card is printed; with --effect a file of your own is checked.
     """
     from calib.show.vehicle import card, cards
 
@@ -46,36 +42,26 @@ def _catalogue() -> "dict[str, Effect]":
     return dict(CATALOGUE)
 
 
-def _kinds() -> list[str]:
-    from calib.help.documents import FILES, documents
-
-    return [*FILES, *documents()]
-
-
 @command("brake-cal schema vehicle", "brake-cal schema fit-json")
 def schema(
     name: str | None = argument(
-        "One kind of file; if not given, the list.", "NAME", autocompletion=_kinds
+        "One kind of file; if not given, the list.", "NAME", known="calib.help.documents:kinds"
     ),
     *,
-    json: bool = typer.Option("--json", help="Print one JSON document on stdout."),
+    json: bool = option("Print one JSON document on stdout.", None, "--json"),
 ) -> Answer:
     """Print the JSON Schema of a file or a document.
 
-    Without a NAME it lists those that there are, in draft 2020-12. Of a file that is read it gives
-    keys, units and ranges. Conditions between two values, such as a disc that fits into the wheel,
-    are checked by the program only. Of a document that --json prints or a command writes it gives
-    the keys of the first level.
+    Of a file that is read it gives keys, units and ranges, of a document that --json prints or a
+    command writes the keys of the first level, in draft 2020-12.
     """
-    from calib.base.record import json_schema
-    from calib.help.documents import FILES, documents, section
+    from calib.help.documents import FILES, documents, schema_of
     from calib.show.facts import Facts
 
     files = {name: about for name, (about, _) in FILES.items()}
     written = {name: one.title.replace("`", "") for name, one in documents().items()}
     if name is not None:
-        require_known(name, _kinds(), "file ")
-        emit_json(json_schema(section(name)) if name in FILES else documents()[name].schema)
+        emit_json(schema_of(name))
     elif json:
         emit_json({"schema": 1, "files": files, "documents": written})
     else:
@@ -97,18 +83,8 @@ def settings() -> Answer:
     """Show each setting, its value and where it comes from.
 
     The file is brake-cal.toml in this folder or the nearest one above that has it; the variable
-    BRAKE_CAL_SETTINGS names another one, or none if it is empty. Its paths lead from its folder. An
-    option on the command line wins over it. Which command takes what:
-
-    \b
-    store    every command with --store
-    map      every command with --map but `map`
-    vehicle  fit, station, simulate, diagnose, repeatability, batch and watch fit;
-             not validate and plot: there the vehicle is that of the table
-    limits   station, validate, batch and watch validate
-    station  station: name is --station, golden is --golden, export is --export
-    keys.public, require_signed, by   who signs and changes the state of tables
-    """  # noqa: D301
+    BRAKE_CAL_SETTINGS names another one, or none if it is empty. An option wins over it.
+    """
     from calib.base.settings import NAME, STORE, VARIABLE
     from calib.base.settings_file import find_project
     from calib.show.facts import Facts, Table
@@ -117,7 +93,7 @@ def settings() -> Answer:
     found = find_project()
     if found.file is None:
         searched = f"no {NAME} in {', '.join(map(str, found.searched))}"
-        say(f"no settings file: {VARIABLE} is empty" if found.named else searched)
+        say(searched if found.searched else f"no settings file: {VARIABLE} is empty")
     rows: list[tuple[str, object, str]] = []
     for field in fields(found.settings):
         key, value = KEYS.get(field.name, field.name), getattr(found.settings, field.name)
@@ -143,49 +119,19 @@ def _written(value: object) -> str:
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 
 
-def _pages() -> list[str]:
-    from calib.help.page import contents
-
-    return [page.name for page in contents()]
-
-
 @command("brake-cal manual", "brake-cal manual ramp")
 def manual(
-    page: str | None = argument(
-        "One page, or the beginning of its name; else a list.", "PAGE", autocompletion=_pages
-    ),
+    page: str | None = argument("One page; else a list.", "PAGE", known="calib.help.page:contents"),
 ) -> Answer:
-    """Show the manual: the list of its pages, or one page.
-
-    On a terminal a page is laid out; elsewhere it is the Markdown as it was written.
-    """
-    from calib.help.page import contents, for_terminal
+    """Show the pages of the manual, or one of them."""
+    from calib.help.page import contents
     from calib.show.facts import Facts, Table
 
-    if page is None:
-        say("brake-cal manual PAGE shows one")
-        rows = [(one.name, f"{one.title}: {one.about}") for one in contents()]
-        return Answer(
-            {"pages": contents()}, Facts(tables=[Table(("page", "what it is about"), rows)])
-        )
-    found = _page(page)
-    text = found.text.rstrip("\n")
-    return Answer({"page": found, "text": found.text}, Markdown(for_terminal(text), text))
-
-
-def _page(asked: str) -> "Page":
-    """The page of a name or its beginning; else a refusal with those that may be meant."""
-    from calib.base.toml import did_you_mean
-    from calib.help.page import contents, find, plain_name
-
-    pages = find(asked)
-    if len(pages) == 1:
-        return pages[0]
-    about = [p.name for p in contents() if asked.lower() in f"{p.title} {p.about}".lower()]
-    hint = (
-        (f"it may be {' or '.join(page.name for page in pages)}" if pages else "")
-        or (f"look into {' or '.join(about)}" if about else "")
-        or did_you_mean(plain_name(asked), _pages())
-        or "'brake-cal manual' lists the pages"
-    )
-    raise misuse(f"no page {asked!r}; {hint}", "PAGE")
+    pages = contents()
+    if page is not None:
+        text = pages[page].text
+        return Answer({"page": pages[page], "text": text}, text.rstrip("\n"))
+    say("brake-cal manual PAGE shows one")
+    rows = [(one.name, f"{one.title}: {one.about}") for one in pages.values()]
+    about = Table(("page", "what it is about"), rows)
+    return Answer({"pages": list(pages.values())}, Facts(tables=[about]))

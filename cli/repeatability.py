@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cli.command import FAILED, Answer, command
-from cli.console import json_text, misuse, progress, say
+from cli.console import json_text, misuse, progress
 from cli.logs import read
 from cli.options import Map, argument, option
 from cli.outputs import check_folder, write_folder
@@ -20,23 +20,17 @@ DOCUMENT, PICTURE = "repeatability.json", "repeatability.png"
 
 @command(
     "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
-    "brake-cal repeatability ramps/*/*/*.csv --folders car/station --vehicle car.toml",
+    "brake-cal repeatability wet/*.csv --plan plan.csv --vehicle car.toml",
 )
 def repeatability(
-    logs: list[Path] | None = argument("Ramps; if none, all of the plan.", "LOG"),
+    logs: list[Path] | None = argument("Ramps of the plan; if none, all.", "LOG"),
     *,
     vehicle: Path | None = option(
         "Vehicle, if the plan names none per log; else that of the settings.",
         "V.toml",
         setting="vehicle",
     ),
-    plan: Path | None = option("Columns log,car,station,road,vehicle.", "P.csv"),
-    road: str | None = option("Judge the ramps of this road of the plan.", "NAME"),
-    folders: str | None = option(
-        "Folders name car, car/station or station/car.",
-        "LAYOUT",
-        known="calib.line.gauge.plan:LAYOUTS",
-    ),
+    plan: Path = option("Columns log,car,station,road,vehicle.", "P.csv"),
     quantity: list[str] = option(
         "Judge only this metric; repeatable.", "NAME", known="calib.line.gauge.study:METRICS"
     ),
@@ -54,13 +48,14 @@ def repeatability(
     up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
     is then given of that too.
     """
+    from calib.line.gauge.plan import read_plan
     from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict
     from calib.show.repeatability import facts, sheet
     from calib.show.sheet import render
 
     check_folder(out, (DOCUMENT, PICTURE))
     held = read_gauge_limits(limits)
-    places = _places(logs or [], plan, road, folders)
+    places = read_plan(plan, logs or [])
     readings = _readings(places, vehicle, channel_map, eta / 100.0, quantity or list(METRICS))
     found = study(readings, held, eta / 100.0)
     document = to_dict(found)
@@ -69,36 +64,6 @@ def repeatability(
         picture = render(sheet(found).overview(), ".png")
         write_folder(out, [(DOCUMENT, written), (PICTURE, picture)], DOCUMENT)
     return Answer(document, facts(found), FAILED * (not found.passed))
-
-
-def _places(
-    logs: list[Path], plan: Path | None, road: str | None, folders: str | None
-) -> "tuple[Place, ...]":
-    from calib.line.gauge.plan import (
-        certain_layout,
-        chosen,
-        on_road,
-        places_from_folders,
-        read_plan,
-    )
-    from calib.logs.read import refuse_no_log
-
-    if plan is not None and folders is not None:
-        raise misuse("not together with --plan", "--folders")
-    if plan is not None:
-        return on_road(chosen(read_plan(plan), logs, plan), road, plan)
-    if road is not None:
-        raise misuse("only with a --plan that has roads", "--road")
-    if not logs:
-        raise misuse("name the ramps, or give a --plan with ramps", "LOG...")
-    for log in logs:
-        refuse_no_log(log)
-    layout = folders or certain_layout(logs)
-    places = places_from_folders(logs, layout)
-    cars, stations = sorted({p.car for p in places}), sorted({p.station for p in places} - {""})
-    named = f"; stations {', '.join(stations)}" if stations else ""
-    say(f"folders as {layout}: cars {', '.join(cars)}{named}")
-    return places
 
 
 def _readings(

@@ -3,7 +3,7 @@
 import sys
 from getpass import getpass
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
 from cli.console import misuse, say
@@ -31,13 +31,11 @@ def sign(
 ) -> Answer:
     """Sign a version and its state.
 
-    The signature is a file of minisign beside the folder of the version. It covers the record,
-    which holds the SHA-256 of every curve, and in its trusted comment table, version, state, digest
-    and the newest line of the journal. It holds until the state changes; then sign again.
+    The signature is a file of minisign beside the folder of the version. It covers every curve and
+    the history so far, and holds until the state changes; then sign again.
 
-    With --new-key it makes a pair of keys instead, both files of minisign; an existing file is not
-    replaced. A password is asked for without echo, of a new key twice; where stdin is no terminal,
-    it is a line of stdin.
+    With --new-key it makes a pair of keys instead, both files of minisign. A password is asked for
+    without echo, of a new key twice; where stdin is no terminal, it is a line of stdin.
     """
     from calib.store import signature
     from calib.store.folders import RECORD
@@ -54,20 +52,11 @@ def sign(
     made = signature.sign(store, table, secret, by or "")
     if made.note:
         say(made.note)
-    stored, path = made.stored, made.path
-    document = {
-        "table": stored.id,
-        "digest": stored.digest,
-        "state": stored.state.word,
-        "key_id": made.key_id,
-        "record": stored.path / RECORD,
-        "signature": path,
-        "trusted_comment": made.statement.line,
-    }
+    record = made.stored.path / RECORD
     return Answer(
-        document,
-        f"{stored.id} is signed as {stored.state.word} by key {made.key_id}\n"
-        f"check it with: minisign -Vm {stored.path / RECORD} -x {path} -p PUBLIC",
+        made.to_dict(),
+        f"{made.stored.id} is signed as {made.stored.state.word} by key {made.key_id}\n"
+        f"check it with: minisign -Vm {record} -x {made.path} -p PUBLIC",
     )
 
 
@@ -98,19 +87,10 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
 
 def _typed(prompt: str) -> str:
     """A password from the terminal, without echo, or else one line of stdin."""
-    if sys.stdin.isatty():
-        try:
-            return getpass(prompt)
-        except (EOFError, UnicodeDecodeError):
-            _refuse()
-    line = sys.stdin.buffer.readline()
-    if not line:
-        _refuse()
-    return line.decode("utf-8", "surrogateescape").rstrip("\r\n")
-
-
-def _refuse() -> NoReturn:
-    raise misuse("no password was typed") from None
+    try:
+        return getpass(prompt) if sys.stdin.isatty() else input()
+    except (EOFError, UnicodeDecodeError):
+        raise misuse("no password was typed") from None
 
 
 def key_of(required: bool, key: str | None) -> "PublicKey | None":
@@ -120,9 +100,8 @@ def key_of(required: bool, key: str | None) -> "PublicKey | None":
     if key and not required:
         raise misuse("only with --require-signed", "--key")
     if required and not key:
-        raise misuse(
-            "needs --key PUBLIC, or public under [keys] of brake-cal.toml", "--require-signed"
-        )
+        where = "needs --key PUBLIC, or public under [keys] of brake-cal.toml"
+        raise misuse(where, "--require-signed")
     return read_public_key(key) if key else None
 
 

@@ -10,7 +10,7 @@ from cli.command import FAILED, Answer, command
 from cli.console import misuse, progress, say, this_run
 from cli.fit import tell_kin
 from cli.logs import read
-from cli.options import argument, day, limits_of_car, logs_by_name, option, table_names, words
+from cli.options import argument, day, logs_by_name, option, table_names, words
 from cli.outputs import check_folder, stems_of, write_file, writing
 from cli.sign import check_signed, key_of
 
@@ -33,21 +33,13 @@ def station(
     *,
     vehicle: options.Car,
     out: Path = option("Write all files here.", "DIR", writes="folder"),
-    limits: "tuple[Limit, ...]" = option(
-        "Limits, see `brake-cal limits`.",
-        "L.toml",
-        typed=Path | None,
-        make=limits_of_car,
-        always=True,
-        setting="limits",
+    limits: "tuple[Limit, ...]" = options.limits(
+        "Limits, see `brake-cal limits`.", "calib.line.station.limits_file:limits_of_car"
     ),
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
     golden: str | None = option(
-        "Golden table of the model; a bare name is its newest released version.",
-        "TABLE",
-        autocompletion=table_names,
-        setting="golden",
+        "Golden table of the model.", "TABLE", autocompletion=table_names, setting="golden"
     ),
     accept_warnings: str | None = option(
         "Release a car with warnings, and say why.", "REASON", make=words
@@ -64,11 +56,7 @@ def station(
         known="calib.exports.export:ENDINGS",
         setting="export",
     ),
-    date: str | None = option(
-        "Date of the report and in a cdfx, which else has that of storing the table.",
-        "YYYY-MM-DD",
-        make=day,
-    ),
+    date: str | None = option("Date of the report and in a cdfx.", "YYYY-MM-DD", make=day),
     store: options.Tables,
     channel_map: options.Map,
     require_signed: options.Required,
@@ -76,30 +64,24 @@ def station(
 ) -> Answer:
     """Fit, validate and judge one car at the end of the line.
 
-    The first log is its ramp, the others are hold-outs. Exit code 0 if every limit holds, with
-    warnings or without, 1 if one does not. The table goes into the store: released where the car
-    passed, rejected where it failed, a draft where it passed with warnings that nobody accepts.
-    Only a released table is exported. With a log that cannot be used it ends with 3, stores
-    nothing, and writes refused.json alone, which says why on the index of the line. The same
-    command gives the same bytes and no new version.
+    Exit code 0 if every limit holds, with warnings or without, 1 if one does not. The table goes
+    into the store: released where the car passed, rejected where it failed, a draft where it passed
+    with warnings that nobody accepts. Only a released table is exported. With a log that cannot be
+    used it ends with 3, stores nothing, and writes refused.json alone.
     """
     from calib.base.digest import file_digest
     from calib.base.plain import counted
     from calib.base.publish import workshop
     from calib.estimation.validate import require_same_vehicle
     from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
-    from calib.line.station.metrics import Car as MeasuredCar
-    from calib.line.station.station import Identity, outcome, table_of, validated
+    from calib.line.station.station import Identity, StationOutcome, table_of, validated
     from calib.run.gates import refuse_copies
     from calib.show.station_page import facts, store_and_write
-    from calib.store.state import DRAFT
 
     ramps = [ramp, *more]
     identity = Identity(serial, vin, name, rxswin)
     if flaw := identity.flaw():
         raise misuse(flaw[1], f"--{flaw[0]}")
-    if doubt := identity.doubt():
-        say(doubt)
     public = key_of(require_signed, key)
     if public and export:
         say("no exports: what is stored now is not signed; sign it, then `brake-cal tables export`")
@@ -125,23 +107,23 @@ def station(
             for log in stops:
                 judged.append(validated(table, log, limits, mass))
                 step()
-        car = MeasuredCar(table, ramp_logs, stops, judged, reference.table if reference else None)
         file = this_run().file("limits")
-        told = f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else ""
-        named = reference.id if reference else ""
-        found = outcome(
-            *(car, coast_logs, limits, identity, named, accept_warnings or "", by or "", told)
+        found = StationOutcome(
+            *(table, ramp_logs, coast_logs, stops, tuple(judged), limits, identity),
+            golden=reference,
+            accepted=accept_warnings or "",
+            by=by or "",
+            limits_file=f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else "",
         )
         with writing(out), workshop(out) as work:
             stored, document = store_and_write(found, store, export, date or "", work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
-    _tell_exports(stored, export)
     tell_kin(store, stored)
-    if found.passed and not stored.state.usable:
+    if export and not stored.state.released:
+        say("no exports: only a released table may reach an ECU")
+    if found.passed and not stored.state.released:
         say("a person decides: `brake-cal tables release` with this station.json as --evidence")
-    if stored.state.word == DRAFT:
-        say("release it with --accept-warnings REASON, or later with `brake-cal tables release`")
     return Answer(document, facts(found, stored), FAILED * (not found.passed))
 
 
@@ -179,19 +161,6 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
         raise
 
 
-def _tell_exports(stored: "Stored", forms: list[str]) -> None:
-    """Say why there are none, or that they have no addresses: no linked program is known here."""
-    from calib.exports.dataset import NOWHERE
-    from calib.exports.export import ADDRESSED
-    from calib.line.station.files import export_name
-
-    if forms and not stored.state.released:
-        say("no exports: only a released table may reach an ECU")
-    for form in forms:
-        if form in ADDRESSED and stored.state.released:
-            say(f"{export_name(form)}: {'; '.join(NOWHERE.remarks)}")
-
-
 @command("brake-cal limits --out line.toml")
 def limits(
     *, out: Path | None = option("File to write; else stdout.", "L.toml", writes="")
@@ -201,9 +170,9 @@ def limits(
     Each with its meaning, unit, default and reason. With --json also as one JSON document on
     stdout.
     """
-    from calib.line.station.limits_file import ADVICE, limits_file
+    from calib.line.station.limits_file import document, limits_file
 
     text = limits_file()
     if out is not None:
         write_file(out, text.encode())
-    return Answer({"limits": ADVICE}, text.rstrip("\n") if out is None else "")
+    return Answer({"limits": document()}, text.rstrip("\n") if out is None else "")

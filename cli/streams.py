@@ -74,11 +74,6 @@ def _guarded(stream: Any, number: int) -> Any:
     if not isinstance(raw, io.FileIO) or raw.fileno() != number:
         return stream
     stream.flush()
-    guard = _Descriptor(number, "w", closefd=False)
-    return io.TextIOWrapper(
-        guard if binary is raw else io.BufferedWriter(guard),
-        encoding=stream.encoding,
-        errors=stream.errors,
-        line_buffering=stream.line_buffering,
-        write_through=stream.write_through,
-    )
+    guard = io.BufferedWriter(_Descriptor(number, "w", closefd=False))
+    how = {"errors": stream.errors, "line_buffering": stream.line_buffering}
+    return io.TextIOWrapper(guard, stream.encoding, **how)

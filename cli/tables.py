@@ -27,35 +27,18 @@ def list_(
     from calib.store.listing import chosen, row_of
 
     every = [row_of(entry) for entry in store.list()]
-    rows = chosen(every, state, serial, vin, since)
+    rows = chosen(every, since, state=state, serial=serial, vin=vin)
     none = f"{store.folder} holds no {'such table' if every else 'table'}"
     return Answer({"store": store.folder, "tables": rows}, listed(rows) if rows else none)
 
 
 @command("brake-cal tables show sedan-2up")
 def show(table: options.Table, *, store: options.Tables) -> Answer:
-    """Say whether a table may be used, and how good it is.
-
-    Prints its quality, its origin and its curves, and last the verdict.
-    """
-    from calib.show.store import shown
-    from calib.store.answer import answer
-    from calib.store.signature import key_ids
+    """Say whether a table may be used, and how good it is."""
+    from calib.show.store import shown, shown_document
 
     stored = store.load(table)
-    record, curves = stored.table.content()
-    eta, D = stored.table.difference.peak
-    document = {
-        **stored.address,
-        "state": stored.state.word,
-        "keys": key_ids(stored),
-        "answer": answer(stored),
-        "decelerations": stored.table.paper.decelerations,
-        "peak": {"eta": eta, "D": D},
-        "record": record,
-        "curves": curves,
-    }
-    return Answer(document, shown(stored))
+    return Answer(shown_document(stored), shown(stored))
 
 
 @command("brake-cal tables log sedan-2up")
@@ -86,24 +69,14 @@ def diff(
 ) -> Answer:
     """Say whether and where two tables differ.
 
-    They are equal, equal within their 95 % bands, or different. The JSON document holds every key
-    of their records that differs.
+    They are equal, equal within their 95 % bands, or different.
     """
-    from calib.show.store import compared
+    from calib.show.store import compared, compared_document
     from calib.table.compare import diff as differ
 
     first, second = store.load(a), store.load(b)
-    found = differ(first.table, second.table)
-    document = {
-        "a": first.id,
-        "b": second.id,
-        "states": {"a": first.state.word, "b": second.state.word},
-        "verdict": found.verdict,
-        "identical": found.identical,
-        **vars(found),
-        "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
-    }
-    return Answer(document, compared(found, first, second))
+    both = differ(first.table, second.table), first, second
+    return Answer(compared_document(*both), compared(*both))
 
 
 @command("brake-cal tables verify", "brake-cal tables verify sedan-2up")
@@ -115,12 +88,9 @@ def verify(
 ) -> Answer:
     """Say which versions of a store are damaged.
 
-    Compares each with its digests, its invariants and the journal; exit code 4 if one is damaged. A
-    version that is missing, replaced, edited, renumbered or unknown to the journal is damaged.
-
-    With --key also the signatures: every released version must have one of this key, each must be
-    of this version in its present state, and the journal must contain what was signed and what was
-    seen before with this key.
+    Compares each with its digests, its invariants and the journal; exit code 4 if one is damaged.
+    With --key also the signatures: every released version must have one of this key, for its
+    present state, and the journal must hold what was signed and seen before.
     """
     from calib.show.store import verified
     from calib.store.minisign import read_public_key

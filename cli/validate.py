@@ -13,7 +13,6 @@ from cli.outputs import check_folder, stems_of, writing
 from cli.sign import check_signed, key_of
 
 if TYPE_CHECKING:
-    from calib.base.errors import LogError
     from calib.estimation.validate import Validation
     from calib.logs.log import Log
 
@@ -39,8 +38,6 @@ def validate(
     key: options.SignedBy,
 ) -> Answer:
     """Run the estimator with a table on other logs, and judge it.
-
-    The logs must not be part of the table's fit.
 
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.
@@ -82,7 +79,10 @@ def validate(
             except LogError as error:
                 refused.append(error)
             step()
-    _none_refused(refused, len(logs))
+    for wrong in refused[:-1]:
+        complain(str(wrong))
+    if refused:  # without every log there are no results
+        raise refused[-1]
     summary = to_dict(stored, results)
     if out is not None:
         with writing(out):
@@ -95,13 +95,3 @@ def validate(
 
     failed = FAILED * (not all(result.passed for result in results))
     return Answer(summary, facts(stored, results), failed, page)
-
-
-def _none_refused(refused: "list[LogError]", of: int) -> None:
-    """Raise the last of the errors, after all others; without every log there are no results."""
-    for error in refused[:-1]:
-        complain(str(error))
-    if refused:
-        if of > 1:
-            say(f"{len(refused)} of {of} logs cannot be used, so there are no results:")
-        raise refused[-1]

@@ -50,16 +50,10 @@ class FileKind:
             )
         return int(megabytes * _MEGA)
 
-    def excess(self, size: int | None = None, what: str = "it has") -> str:
-        """Words for a file of ``size`` bytes, or of unknown size, that is too large."""
-        has = "more" if size is None else f"{size / _MEGA:.0f} MB"
+    def excess(self, what: str = "it has") -> str:
+        """Words for a file that is too large, and what to do if it is meant."""
         most = f"{self.most / _MEGA:g} MB"
-        return f"{what} {has} than {most}" if size is None else f"{what} {has}, at most {most}"
-
-    @property
-    def advice(self) -> str:
-        """What to do about a file that is too large and is meant."""
-        return f"if it is meant, set {self.variable} to the MB that may be read"
+        return f"{what} more than {most}; if it is meant, set {self.variable} to the MB that may be"
 
 
 LOG = FileKind("log", 120)
@@ -72,6 +66,8 @@ PLAN = FileKind("plan", 16)
 EFFECT = FileKind("effect", 1)
 CALIBRATION = FileKind("calibration", 16)
 """DCM and CDF that come back."""
+PROGRAM = FileKind("program", 512)
+"""ELF; one without debug information is a hundredth of it."""
 VALIDATION = FileKind("validation", 16)
 """JSON that `validate` and `station` wrote."""
 RESULT = FileKind("result", 120)
@@ -82,18 +78,6 @@ JOURNAL = FileKind("journal", 64)
 """Some 100,000 lines."""
 KEY = FileKind("key", 0.016384)
 """Keys and signatures: no file of minisign is longer."""
-
-KINDS = (
-    *(LOG, RECORDING, DBC, TOML, PLAN, EFFECT, CALIBRATION),
-    *(VALIDATION, RESULT, TABLE, JOURNAL, KEY),
-)
-
-_OTHERS = (
-    (stat.S_ISDIR, "a directory"),
-    (stat.S_ISFIFO, "a named pipe"),
-    (stat.S_ISSOCK, "a socket"),
-    (lambda _: True, "a device"),
-)
 
 
 def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
@@ -118,14 +102,10 @@ def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
 
 def _refuse(found: os.stat_result, path: Path, kind: FileKind) -> None:
     if not stat.S_ISREG(found.st_mode):
-        what = next(word for is_one, word in _OTHERS if is_one(found.st_mode))
+        what = "a directory" if stat.S_ISDIR(found.st_mode) else "a pipe or a device"
         raise OSError(errno.EINVAL, f"{what} is not a file", str(path))
     if found.st_size > kind.most:
-        raise _too_large(path, kind.excess(found.st_size), kind)
-
-
-def _too_large(path: Path, words: str, kind: FileKind) -> OSError:
-    return OSError(errno.EFBIG, f"{words}; {kind.advice}", str(path))
+        raise OSError(errno.EFBIG, kind.excess(), str(path))
 
 
 def read_bounded(path: Path, kind: FileKind) -> bytes:
@@ -134,7 +114,7 @@ def read_bounded(path: Path, kind: FileKind) -> bytes:
         most = kind.most
         data = file.read(most + 1)
     if len(data) > most:  # it grew, or its system does not know its size
-        raise _too_large(path, kind.excess(), kind)
+        raise OSError(errno.EFBIG, kind.excess(), str(path))
     return data
 
 

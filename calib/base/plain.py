@@ -117,10 +117,15 @@ class _Plain:
 _TEXTS = ("key", "of", "name", "unit", "meaning", "reason", "action")
 
 
-def rows(file: str) -> list[dict[str, str]]:
-    """The rows of a table beside this file."""
-    text = (files("calib.base") / file).read_text(encoding="utf-8")
+def rows(file: str, package: str = "calib.base") -> list[dict[str, str]]:
+    """The rows of a table in a package."""
+    text = (files(package) / file).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
+
+
+def listed(cell: str) -> tuple[str, ...]:
+    """The texts of a cell that holds several."""
+    return tuple(filter(None, cell.split("|")))
 
 
 def _read(row: dict[str, str]) -> _Plain:

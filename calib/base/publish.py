@@ -2,13 +2,11 @@
 
     out/.making-<random>/       where a run makes its files
     out/.making-<random>.lock   locked while that run is alive
-    out/.publishing.json        what the run that is published now does to out
+    out/.publishing/            the files of the run that is published now, and what to remove
     out/.publishing.lock        locked by the one process that changes out
 
-All of these are gone after a run. What a killed run left is settled by the next one: the changes of
-out are written down before they are done, and each step can be done again.
-
-    {"schema": 1, "work": ..., "remove": [...], "move": [...]}
+All of these are gone after a run. What a killed run left is settled by the next one: from the
+renaming of its work folder on a run is published, and each step of that can be done again.
 
 The old verdict goes first and the new one comes last: there is never one beside files of another
 run.
@@ -21,13 +19,14 @@ import secrets
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.write import locked, sync, write_whole
 
-INTENT = ".publishing.json"
+PUBLISHING = ".publishing"
+INTENT = ".intent.json"
+"""In the folder of the run that is published: ``{"schema": 1, "verdict": ..., "remove": [...]}``"""
 _WORK = ".making-"
 """How the name of a work folder begins."""
 _LOCK = ".publishing.lock"
@@ -70,20 +69,22 @@ def publish(
     Where a file cannot be moved, those that were moved are removed; the old verdict is gone then.
     Raises OSError.
     """
-    found = (path.relative_to(work).as_posix() for path in work.rglob("*") if not path.is_dir())
-    names = tuple(sorted(found, key=lambda name: (name == verdict, name)))
+    names = sorted(_files(work), key=lambda name: (name == verdict, name))
     with _alone(out):
         _finish(out)
         refuse_obstacles(out, names)
         left = {name for name in stale(out) if _is_inside(name)} - {*names}
-        intent = _Intent(work.name, tuple(sorted(left)), names)
-        _sync_all(work)
-        _write_intent(out, intent)
+        for path in (work, *work.rglob("*")):
+            sync(path)
+        intent = {"schema": 1, "verdict": verdict, "remove": sorted(left)}
+        write_whole(work / INTENT, json.dumps(intent).encode())
+        os.replace(work, out / PUBLISHING)
+        sync(out)
         try:
-            _perform(out, intent)
+            _finish(out)
         except BaseException:
             with suppress(OSError):
-                _undo(out, intent)
+                _undo(out, names)
             raise
     return [out / name for name in names]
 
@@ -93,7 +94,7 @@ def settle(out: Path) -> bool:
 
     The work of a run that is alive is not touched. Raises OSError if ``out`` cannot be written.
     """
-    if not any((*out.glob(f"{_WORK}*"), *out.glob(".publishing.*"))):
+    if not any((*out.glob(f"{_WORK}*"), *out.glob(f"{PUBLISHING}*"))):
         return False
     with _alone(out):
         return _settle(out)
@@ -135,14 +136,6 @@ def _settle(out: Path) -> bool:
     return finished or bool(cleared)
 
 
-def _finish(out: Path) -> bool:
-    """Do what a killed run intended; return whether there was an intent."""
-    intent = _read_intent(out)
-    if intent is not None:
-        _perform(out, intent)
-    return intent is not None
-
-
 def _cleared(work: Path) -> bool:
     """Delete a work folder unless its run is alive or another person's; whether it was deleted."""
     try:
@@ -162,49 +155,54 @@ def _lock_of(work: Path) -> Path:
     return work.with_name(f"{work.name}.lock")
 
 
-def _sync_all(work: Path) -> None:
-    """Wait until all files below ``work``, and their names, are on the disk."""
-    for path in (work, *work.rglob("*")):
-        sync(path)
+def _files(folder: Path) -> list[str]:
+    """Paths of all files in a folder, within it, with ``/``."""
+    found = (path for path in folder.rglob("*") if not path.is_dir())
+    return [name for path in found if (name := path.relative_to(folder).as_posix()) != INTENT]
 
 
-@dataclass(frozen=True)
-class _Intent:
-    """Changes of a folder; names are paths within it, with ``/``.
+def _finish(out: Path) -> bool:
+    """Publish a run whose work folder was renamed, from any step on; return whether there was one.
 
-    ``work``: name of the work folder. ``remove``: files of earlier runs. ``move``: files of this
-    run, the verdict last.
+    Without its intent it is undone, without its verdict done. Raises OSError.
     """
-
-    work: str
-    remove: tuple[str, ...]
-    move: tuple[str, ...]
-
-
-def _write_intent(out: Path, intent: _Intent) -> None:
-    """Write an intent to ``out``; from now on it will be done. Raises OSError."""
-    made = out / intent.work / INTENT
-    write_whole(made, json.dumps({"schema": 1, **asdict(intent)}).encode())
-    os.replace(made, out / INTENT)
+    folder = out / PUBLISHING
+    if not folder.exists():
+        return False
+    verdict, remove = _read_intent(folder)
+    if (folder / verdict).is_file():
+        _remove(out, [verdict])
+        sync(out)
+        _remove(out, remove)
+        others = [name for name in _files(folder) if name != verdict]
+        for name in others:
+            (out / name).parent.mkdir(parents=True, exist_ok=True)
+            os.replace(folder / name, out / name)
+        for parent in {(out / name).parent for name in others}:
+            sync(parent)
+        os.replace(folder / verdict, out / verdict)
+        sync(out)
+    shutil.rmtree(folder)
     sync(out)
+    return True
 
 
-def _read_intent(out: Path) -> _Intent | None:
-    """The intent in ``out``, None if there is none.
+def _read_intent(folder: Path) -> tuple[str, list[str]]:
+    """The verdict and the files to remove; no verdict where there is no intent.
 
     Raises OSError if it cannot be read or is damaged: its names could lead out of the folder.
     """
     try:
-        read = json.loads(read_bounded(out / INTENT, VALIDATION))
-        intent = _Intent(str(read["work"]), tuple(read["remove"]), tuple(read["move"]))
-        inside = all(_is_inside(name) for name in (intent.work, *intent.remove, *intent.move))
-        if read["schema"] == 1 and inside and intent.work.startswith(_WORK) and intent.move:
-            return intent
+        read = json.loads(read_bounded(folder / INTENT, VALIDATION))
+        verdict, remove = str(read["verdict"]), list(read["remove"])
+        if read["schema"] == 1 and all(map(_is_inside, (verdict, *remove))):
+            return verdict, remove
     except FileNotFoundError:
-        return None
+        return "", []
     except (ValueError, KeyError, TypeError, RecursionError):
         pass
-    raise OSError(errno.EINVAL, f"{INTENT} in it is damaged; delete it", str(out / INTENT))
+    where = str(folder / INTENT)
+    raise OSError(errno.EINVAL, f"{INTENT} in it is damaged; delete {PUBLISHING}", where)
 
 
 def _is_inside(name: str) -> bool:
@@ -213,42 +211,18 @@ def _is_inside(name: str) -> bool:
     return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 
 
-def _perform(out: Path, intent: _Intent) -> None:
-    """Do what is left of an intent, from any step on.
-
-    If files of the run are lost, because somebody deleted its work folder, all of it is removed
-    instead. Raises OSError.
-    """
-    work, (*others, verdict) = out / intent.work, intent.move
-    if (work / verdict).exists() and all(_either(work, out, name) for name in others):
-        _remove(out, [verdict])
-        sync(out)
-        _remove(out, intent.remove)
-        for name in others:
-            (out / name).parent.mkdir(parents=True, exist_ok=True)
-            if (work / name).exists():
-                os.replace(work / name, out / name)
-        for folder in {(out / name).parent for name in others}:
-            sync(folder)
-        os.replace(work / verdict, out / verdict)
-    elif (work / verdict).exists() or not (out / verdict).exists():
-        _remove(out, [verdict, *intent.remove, *intent.move])
-        _remove_empty_folders(out, intent.move)
+def _undo(out: Path, names: list[str]) -> None:
+    """Remove from ``out`` what was moved, the verdict first, and forget the rest."""
+    folder = out / PUBLISHING
+    moved = [name for name in reversed(names) if not (folder / name).exists()]
+    (folder / INTENT).unlink()
+    _remove(out, moved)
+    for name in moved:
+        for parent in _folders(out, name):
+            with suppress(OSError):  # missing, or with other files
+                parent.rmdir()
+    shutil.rmtree(folder)
     sync(out)
-    (out / INTENT).unlink()
-    sync(out)
-
-
-def _undo(out: Path, intent: _Intent) -> None:
-    """Remove the files of an intent from ``out`` and forget it; its verdict is deleted first.
-
-    An old verdict that could not be removed stays with its files. Raises OSError; the next start
-    then goes on.
-    """
-    verdict = intent.move[-1]
-    made = out / intent.work / verdict
-    (made if made.exists() else out / verdict).unlink(missing_ok=True)
-    _perform(out, intent)
 
 
 def refuse_obstacles(out: Path, names: Iterable[str]) -> None:
@@ -261,21 +235,10 @@ def refuse_obstacles(out: Path, names: Iterable[str]) -> None:
                 raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
 
 
-def _either(work: Path, out: Path, name: str) -> bool:
-    return (work / name).exists() or (out / name).exists()
-
-
 def _remove(out: Path, names: Iterable[str]) -> None:
     for name in names:
         if not (out / name).is_dir():
             (out / name).unlink(missing_ok=True)
-
-
-def _remove_empty_folders(out: Path, names: Iterable[str]) -> None:
-    for name in names:
-        for folder in _folders(out, name):
-            with suppress(OSError):  # missing, or with other files
-                folder.rmdir()
 
 
 def _folders(out: Path, name: str) -> list[Path]:

@@ -21,7 +21,6 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import (
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -36,9 +35,9 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from calib.base.errors import BrakeCalError, InputError
-from calib.base.record_errors import one_error, shown, wrong
-from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity
-from calib.base.units import behind, spellings, to_si
+from calib.base.record_errors import one_error, wrong
+from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity, shown
+from calib.base.units import behind, spellings
 
 S = TypeVar("S", bound="Section")
 
@@ -52,17 +51,10 @@ class Section(BaseModel):
     """What a message expects where a value is not a table; by default the table's name."""
 
 
-def _number(version: object) -> object:
-    """The version of a schema; ``true`` is refused, although it equals 1 in Python."""
-    if isinstance(version, bool):
-        raise wrong(f"{version}", "a number")
-    return version
-
-
 class FileSchema(Section):
     """A whole file, with the version of its schema."""
 
-    schema_version: Annotated[Literal[1], BeforeValidator(_number)] = Field(alias="schema")
+    schema_version: Literal[1] = Field(alias="schema")
 
 
 class _ErrorSection(Section):
@@ -140,8 +132,7 @@ class QuantityMark:
         try:
             value = quantity(written, self.si, None, InputError)
         except InputError as cause:
-            expected = self._with_unit(written) or cause.expected
-            raise wrong(cause.what, expected, cause.do) from cause
+            raise wrong(cause.what, cause.expected, cause.do) from cause
         if not self.low <= value <= self.high:
             raise wrong(
                 f"{value:g}{behind(self.si or '1')} is not believable",
@@ -149,16 +140,6 @@ class QuantityMark:
                 "check the sign, the unit and the decimal point",
             )
         return value
-
-    def _with_unit(self, written: object) -> str:
-        """A number without a unit with the one that makes it believable; empty if there is none."""
-        number = re.fullmatch(rf"\s*({NUMBER})\s*", str(written))
-        if number is None or self.si is None or self.si == "1":
-            return ""
-        for unit in spellings(self.si):
-            if self.low <= to_si(float(number[1]), unit, self.si) <= self.high:
-                return f'a unit, such as "{number[1]} {unit}"'
-        return ""
 
     @property
     def _range(self) -> str:

@@ -8,10 +8,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from calib.base.errors import BrakeCalError
-from calib.base.toml import did_you_mean, nearest
-
-_SHOWN = 60
-"""Characters of a wrong value that a message shows."""
+from calib.base.toml import did_you_mean, nearest, shown
 
 _LISTED = 100
 """Mistakes of a file that a message lists."""
@@ -115,12 +112,6 @@ def _path(loc: _Place) -> str:
     """Path as text, such as ``surfaces[0].start``."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
     return text.removeprefix(".")
-
-
-def shown(value: object) -> str:
-    """Return a given value as a message shows it."""
-    text = repr(value)
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def _keys(schema: type[BaseModel], loc: _Place) -> list[str]:

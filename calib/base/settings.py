@@ -3,8 +3,6 @@
 brake-cal.toml      in the working folder or one above it; the first one found counts
 """
 
-import os
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,9 +11,6 @@ STORE = Path("tables")
 """The store where neither the command line nor the settings file names one."""
 VARIABLE = "BRAKE_CAL_SETTINGS"
 """Environment variable: the path of a settings file; empty for none."""
-
-_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")
-"""The second line of a public key of minisign."""
 
 
 @dataclass(frozen=True)
@@ -37,19 +32,3 @@ class Settings:
     public_key: Path | str | None = None
     require_signed: bool | None = None
     by: str | None = None
-
-
-def is_key(text: str) -> bool:
-    """Whether a text is a public key of minisign and not a path to one."""
-    return _KEY.fullmatch(text) is not None
-
-
-def folders_to_search(start: Path) -> list[Path]:
-    """``start`` and every folder above it, in the order in which they are looked into."""
-    return [start, *start.parents]
-
-
-def find_settings(start: Path) -> Path | None:
-    """The settings file in ``start`` or in the nearest folder above it; None if there is none."""
-    found = (folder / NAME for folder in folders_to_search(start))
-    return next((path for path in found if os.path.isfile(path)), None)

@@ -1,6 +1,7 @@
 """`brake-cal.toml`: the settings of a project; `brake-cal schema settings` has its keys."""
 
 import os
+import re
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,12 @@ from pydantic import BeforeValidator
 
 from calib.base.errors import SettingsError
 from calib.base.record import FileSchema, Section, read_toml
-from calib.base.record_errors import shown, wrong
-from calib.base.settings import VARIABLE, Settings, find_settings, folders_to_search, is_key
+from calib.base.record_errors import wrong
+from calib.base.settings import NAME, VARIABLE, Settings
+from calib.base.toml import shown
+
+_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")
+"""The second line of a public key of minisign."""
 
 
 def _text(written: object) -> object:
@@ -71,7 +76,7 @@ def read_settings(path: Path) -> Settings:
         station=file.station.name,
         golden=str(place(golden)) if golden and "/" in golden else golden,
         export=None if export is None else tuple(export),
-        public_key=public if public and is_key(public) else place(public),
+        public_key=public if public and _KEY.fullmatch(public) else place(public),
         require_signed=file.require_signed,
         by=file.by,
     )
@@ -81,27 +86,22 @@ def read_settings(path: Path) -> Settings:
 class _Project:
     """The settings that count here; ``file`` is None where none was found.
 
-    ``named`` tells whether the environment names the file. ``searched``: the folders that were
-    looked into.
+    ``searched``: the folders that were looked into, none where the environment names the file.
     """
 
     settings: Settings
     file: Path | None
-    named: bool
     searched: tuple[Path, ...]
 
 
 def find_project() -> _Project:
     """Find and read the settings file. Raises SettingsError if it is not valid."""
-    named, here = os.environ.get(VARIABLE), None
-    if named is not None:
-        file = Path(named) if named else None
-    else:
+    named = os.environ.get(VARIABLE)
+    searched: tuple[Path, ...] = ()
+    file = Path(named) if named else None
+    if named is None:
         with suppress(FileNotFoundError):  # somebody has deleted the working folder
-            here = Path.cwd()
-        found = find_settings(here) if here else None
-        file = Path(os.path.relpath(found)) if found else None
-    settings = read_settings(file) if file else Settings()
-    return _Project(
-        settings, file, named is not None, tuple(folders_to_search(here)) if here else ()
-    )
+            searched = (Path.cwd(), *Path.cwd().parents)
+        found = (folder / NAME for folder in searched if os.path.isfile(folder / NAME))
+        file = next((Path(os.path.relpath(path)) for path in found), None)
+    return _Project(read_settings(file) if file else Settings(), file, searched)

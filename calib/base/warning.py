@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from calib.base.errors import not_finite
-from calib.base.plain import rows
+from calib.base.plain import listed, rows
 
 _ROWS = {row["code"]: row for row in rows("warnings.csv")}
 UNITS = {code: row["unit"] for code, row in _ROWS.items()}
@@ -67,12 +67,16 @@ class PlausibilityWarning:
 
 
 def warning(
-    code: str, log: str, measured: float, expected: tuple[float | None, float | None]
+    code: str,
+    log: str,
+    measured: float,
+    expected: tuple[float | None, float | None] = (0.0, 0.0),
+    **words: object,
 ) -> PlausibilityWarning:
-    """A warning whose causes and next step are those of `warnings.csv`."""
+    """A warning whose causes and next step are those of `warnings.csv`, with these ``words``."""
     row = _ROWS[code]
-    causes = tuple(row["causes"].split("|"))
-    return PlausibilityWarning(code, log, measured, expected, causes, row["do"])
+    causes = tuple(cause.format(**words) for cause in listed(row["causes"]))
+    return PlausibilityWarning(code, log, measured, expected, causes, row["do"].format(**words))
 
 
 def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:

@@ -37,31 +37,9 @@ def locked(path: Path, wait: bool = True) -> Iterator[BinaryIO]:
     delete the file; the next one then makes a new file. Raises BlockingIOError if another process
     has it and ``wait`` is false, OSError if it cannot be opened.
     """
-    mode = fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB
-    while True:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
-        with os.fdopen(handle, "r+b") as file:
-            fcntl.flock(file, mode)
-            if _is_at(file, path):
-                yield file
-                return
-
-
-def _is_at(file: BinaryIO, path: Path) -> bool:
-    """Whether ``path`` is still this open file: its last holder may have renamed or deleted it."""
-    try:
-        return os.path.samestat(os.fstat(file.fileno()), os.lstat(path))
-    except FileNotFoundError:
-        return False
-
-
-def sync(path: Path) -> None:
-    """Wait until a file, or the names in a folder, are on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+    with os.fdopen(_lock(path, flags, wait), "r+b") as file:
+        yield file
 
 
 @contextmanager
@@ -72,7 +50,7 @@ def locked_folder(folder: Path) -> Iterator[None]:
     computer, and between computers where the file system passes `flock` on. Raises OSError.
     """
     made = not folder.exists()
-    handle = _lock(folder)
+    handle = _lock(folder, os.O_RDONLY)
     try:
         yield
     finally:
@@ -82,16 +60,27 @@ def locked_folder(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _lock(folder: Path) -> int:
-    """Open and lock the folder; make it again where its last holder removed it, empty."""
+def _lock(path: Path, flags: int, wait: bool = True) -> int:
+    """A handle with the lock of what is at ``path`` now; a folder is made if it is not there."""
     while True:
-        folder.mkdir(parents=True, exist_ok=True)
-        handle = os.open(folder, os.O_RDONLY)
+        if not flags & os.O_CREAT:
+            path.mkdir(parents=True, exist_ok=True)
+        handle = os.open(path, flags, 0o666)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX)
-            if os.fstat(handle).st_nlink > 0:
-                return handle
+            fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+            with suppress(FileNotFoundError):  # its last holder renamed or deleted it
+                if os.path.samestat(os.fstat(handle), os.stat(path)):
+                    return handle
         except BaseException:
             os.close(handle)
             raise
+        os.close(handle)
+
+
+def sync(path: Path) -> None:
+    """Wait until a file, or the names in a folder, are on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
         os.close(handle)

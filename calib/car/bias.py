@@ -10,16 +10,12 @@ inertia of the wheels is neglected, as in (9).
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.errors import ModelError
-from calib.base.names import G
 from calib.car.balance import brake_forces
 from calib.car.forces import axle_loads
-from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 
 
@@ -33,33 +29,6 @@ def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:
 def pressure_per_g(vehicle: Vehicle) -> float:
     """Pressure that decelerates the car by g [Pa], (5) with nominal pads."""
     return vehicle.weight / sum(force_per_pressure(vehicle))
-
-
-def pressure_at(model: Model, deceleration: float) -> float:
-    """Pressure [Pa] for a ``deceleration`` [m/s^2] of a model, with its pads and its wheels.
-
-    Its effects are left out: with drag the car slows more. Raises ModelError for a deceleration
-    that is not positive, and for one at which an axle locks on the road of the model.
-    """
-    asked = deceleration / G
-    car = model.vehicle
-    front = replace(car.front, pad_friction=model.pad_friction_f)
-    rear = replace(car.rear, pad_friction=model.pad_friction_r)
-    car = replace(car, front=front, rear=rear)
-    if not 0.0 < asked < math.inf:
-        raise ModelError(
-            f"a deceleration of {asked:.3g} g", expected="more than zero: a positive number slows"
-        )
-    friction = float(np.min(model.tyre.peak))
-    end, first = min(zip(locks_at(car, friction), ("front", "rear"), strict=True))
-    if asked >= end:
-        raise ModelError(
-            f"a deceleration of {asked:.3g} g",
-            expected=f"less than {end:.2f} g: there the {first} wheels of {car.name} lock",
-            do=f"brake less, or give a model whose tyres have more than {friction:g} at their peak",
-        )
-    wheels = sum(2.0 * a.wheel_inertia / a.rolling_radius**2 for a in (front, rear))
-    return asked * pressure_per_g(car) * (1.0 + wheels / car.mass)  # (1): the wheels slow down too
 
 
 def front_share(vehicle: Vehicle) -> float:

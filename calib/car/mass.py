@@ -9,9 +9,6 @@ from dataclasses import dataclass, replace
 from calib.base.errors import VehicleError
 from calib.car.vehicle import Vehicle
 
-LEAST, MOST = 300.0, 60_000.0
-"""Bounds of a believable mass [kg]: from a microcar to a heavy coach."""
-
 _SHARES = (0.5, 2.0)
 """Bounds of a stated mass over that of the file [1]: an empty van against a laden one. What is
 beyond, as pounds written as kg, is another car, or moves the centre of gravity."""

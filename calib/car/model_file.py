@@ -13,7 +13,6 @@ from typing import Annotated, Any, Self
 
 from pydantic import (
     BeforeValidator,
-    ConfigDict,
     Field,
     GetJsonSchemaHandler,
     WithJsonSchema,
@@ -35,20 +34,14 @@ from calib.base.record import (
     validated,
 )
 from calib.base.record_errors import wrong
-from calib.base.toml import load_toml, quantity, toml_bytes, written_quantity
+from calib.base.toml import load_toml, quantity, written_quantity
 from calib.base.write import write_whole
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effect import Card, Effect
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS, PLACES
 from calib.car.model import WET_ASPHALT, Model, Surface, default_model
-from calib.car.own_effects.own_effect import (
-    OwnEffect,
-    completed,
-    definition,
-    every_effect,
-    not_given,
-)
+from calib.car.own_effects.own_effect import OwnEffect, completed, definition, every_effect, given
 from calib.car.vehicle import Vehicle
 
 _Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
@@ -153,10 +146,8 @@ class _DefinedInSection(Section):
     sha256: str = ""
 
 
-class OwnEffects(Section):
+class _OwnEffects(Section, extra="ignore"):
     """Of a model file only where its effects are defined, if not in the catalogue."""
-
-    model_config = ConfigDict(extra="ignore")
 
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
 
@@ -185,7 +176,8 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     """
     document = load_toml(Path(path), ModelError)
     own = _own(document, vehicle.effects, path)
-    file = validated(document, _schema(Effects(own=own)), path, ModelError)
+    schema = _schema(Effects(own=own)) if own else ModelFile
+    file = validated(document, schema, path, ModelError)
     base = default_model(vehicle)
     named: Any = file.effects
     terms = tuple(
@@ -210,20 +202,14 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
 
 def _own(document: Mapping[str, Any], known: Effects, path: Path) -> dict[str, DefinedIn]:
     """The own effects, all with their files. Raises ModelError where one was not given."""
-    written = validated(document, OwnEffects, path, ModelError).own_effects
+    written = validated(document, _OwnEffects, path, ModelError).own_effects
     named = {name: DefinedIn(one.file, one.sha256) for name, one in written.items()}
-    given = {n: one for n, one in known.own.items() if isinstance(one, OwnEffect)}
-    own = completed(named, given, path)
-    for name, one in own.items():
-        if name in named and not isinstance(one, OwnEffect):
-            raise not_given(name, one, path)
-    return own
+    files = {n: one for n, one in known.own.items() if isinstance(one, OwnEffect)}
+    return {n: given(n, one, path) for n, one in completed(named, files, path).items()}
 
 
 def _schema(effects: Effects) -> type[ModelFile]:
     """The schema of a model that may have these own effects."""
-    if not effects.own:
-        return ModelFile
     named: Any = _effects_section(every_effect(effects)) | None
     return create_model("ModelFile", __base__=ModelFile, effects=(named, None))
 
@@ -233,6 +219,8 @@ def write_model(model: Model, path: Path) -> None:
 
     Raises OSError if ``path`` cannot be written.
     """
+    import tomlkit
+
     effects = model.effects
     document: dict[str, Any] = {
         "schema": 1,
@@ -262,7 +250,7 @@ def write_model(model: Model, path: Path) -> None:
         (document["empirical"],) = document["empirical"]
     may_be_left_out = ("own_effects", "surfaces", "empirical")
     document = {key: part for key, part in document.items() if part or key not in may_be_left_out}
-    write_whole(Path(path), toml_bytes(document))
+    write_whole(Path(path), tomlkit.dumps(document).encode())
 
 
 def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:

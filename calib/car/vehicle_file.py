@@ -3,7 +3,6 @@
 Units and bounds are those of `calib.car.keys`.
 """
 
-import re
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,13 +15,11 @@ from calib.base.record import (
     Section,
     read_toml,
     section,
-    validated,
 )
 from calib.base.record_errors import wrong
-from calib.base.toml import NUMBER
 from calib.base.units import si_of
 from calib.car.effects.effects import Effects
-from calib.car.keys import CHASSIS, FRONT, KEYS, VehicleKey
+from calib.car.keys import CHASSIS, FRONT, KEYS
 from calib.car.vehicle import Axle, Vehicle
 
 _FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
@@ -119,25 +116,3 @@ def read_vehicle(path: Path | str) -> Vehicle:
         rear=Axle(**dict(file.rear)),
         effects=Effects(file.effects),
     )
-
-
-def answered(key: VehicleKey, typed: str) -> str:
-    """The value of a key as it stands in the file; a number without a unit gets that of the key.
-
-    Raises VehicleError for what a vehicle file could not hold, with what was expected.
-    """
-    text = typed.strip()
-    if key.unit and "," in text:
-        raise VehicleError(f"{text!r} has a comma", expected=f"a decimal point: {key.example}")
-    bare = re.fullmatch(NUMBER, text) is not None
-    value = f"{text} {key.unit}" if bare and key.unit not in ("", "1") else text
-    part = {"": VehicleFile, CHASSIS: _ChassisSection}.get(key.section, _AxleSection)
-    field = part.model_fields[key.name]
-    alone = section(key.name, "", {key.name: (Annotated[field.annotation, *field.metadata], ...)})
-    try:
-        validated({key.name: value}, alone, None, VehicleError)
-    except VehicleError as error:  # without the key: the question names it
-        expected = error.expected or f"a value such as {key.example}"
-        do = f"usual: {key.usual}" if key.unit else ""
-        raise VehicleError(error.what, expected=expected, do=do) from error
-    return value

@@ -90,7 +90,7 @@ def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exch
         said,
         where=log.source,
         expected=f"about {100 * r.expected:+.2f} % by the table of {table.name}",
-        do=what_to_check("rear", mirrored=-1.5 < r.eta / r.expected < -0.5),
+        do=what_to_check("rear"),
     )
 
 

@@ -20,19 +20,22 @@ from numpy.typing import NDArray
 from calib.estimation.estimator import Estimate
 from calib.estimation.gates import still_narrow
 from calib.estimation.pads import grown, lowered, raised
+from calib.run.brake_response import BrakeResponse
 from calib.run.filters import low_pass, since
 
 Array = NDArray[np.float64]
 
 
-def with_delay(e: Estimate) -> Estimate:
+def with_delay(e: Estimate, response: BrakeResponse | None = None) -> Estimate:
     """The estimate, its intervals and ``valid`` with brakes that follow as late as the run shows.
 
-    As it is where the run brakes too little to tell how late the brakes are.
+    As it is where the run brakes too little to tell how late the brakes are. ``response`` of the
+    brakes where it is known.
     """
-    if e.response is None:
+    response = response or e.response
+    if response is None:
         return e
-    variance = math.hypot(e.response.delay, e.response.delay_sigma) ** 2 * _swing(e)
+    variance = math.hypot(response.delay, response.delay_sigma) ** 2 * _swing(e)
     front, rear = (raised(lowered(axle, variance), variance) for axle in (e.front, e.rear))
     judged = still_narrow(e.plan.gates, e.valid, e.refused, (front, rear))
     return replace(

@@ -205,7 +205,7 @@ def validate_one(
     baselines: bool = True,
 ) -> Validation:
     """Run, score and judge one log; without ``baselines`` the other methods are left out."""
-    seen = observe(log, noise=False)
+    seen = observe(log, full=False)
     reasons = problems(seen, "validate")
     if reasons:
         raise LogError(
@@ -228,7 +228,7 @@ def validate_one(
         *saturated(log.name, seen),
         *crossed_warnings(log.name, crossed),
     )
-    result = with_delay(with_motor(log, result, _of_ramps(table)))
+    result = with_delay(with_motor(log, result, _of_ramps(table)), result.response)
     result = with_load(result, stated=mass is not None)
     if other is not None and other.log_odds > SETTINGS.axles_sure:
         result = _without_answer(result, "the wheel speeds fit with front and rear exchanged")

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ _SLACK = 1.0 + 1e-6
 """Of half a unit of the last digit: the sums here round, too."""
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(NamedTuple):
     """A number as found in a file, with what the table has there; ``where`` its label and place."""
 
     where: str
@@ -45,23 +44,19 @@ def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
     >>> _best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
     ('', [Pair(where='b', found=0.4, true=0.38)])
     """
-    ways = _ways([pair.found for pair in pairs])
-    told = [(way, [pair for pair in pairs if not holds(pair)]) for way, holds in ways]
-    return min(told, key=lambda one: len(one[1]))
-
-
-def _ways(found: Sequence[float]) -> Iterator[tuple[str, Callable[[Pair], bool]]]:
-    yield "", lambda pair: pair.found.hex() == pair.true.hex()
-    yield "to single precision", _is_single
-    written = [Decimal(repr(x)).normalize() for x in found if x]
+    written = [Decimal(repr(pair.found)).normalize() for pair in pairs if pair.found]
     digits = _usual([len(x.as_tuple().digits) for x in written])
     decimals = _usual([-int(x.as_tuple().exponent) for x in written])
+    ways: dict[str, Callable[[Pair], bool]] = {
+        "": lambda pair: pair.found.hex() == pair.true.hex(),
+        "to single precision": lambda pair: np.float32(pair.found) == np.float32(pair.true),
+    }
     if digits >= _COARSEST:
-        yield (
-            f"to {digits} significant digits",
-            lambda pair: _within(pair, _half_unit(pair.true, digits)),
-        )
-        yield f"to {decimals} decimals", lambda pair: _within(pair, 0.5 * 10.0**-decimals)
+        ways[f"to {digits} significant digits"] = lambda pair: _within(pair, _half(pair, digits))
+        ways[f"to {decimals} decimals"] = lambda pair: _within(pair, 0.5 * 10.0**-decimals)
+    left = {way: [pair for pair in pairs if not holds(pair)] for way, holds in ways.items()}
+    best = min(left, key=lambda way: len(left[way]))
+    return best, left[best]
 
 
 def _usual(counts: Sequence[int]) -> int:
@@ -69,12 +64,10 @@ def _usual(counts: Sequence[int]) -> int:
     return sorted(counts)[-1 - int(_FEW * (len(counts) - 1))] if counts else 0
 
 
-def _is_single(pair: Pair) -> bool:
-    """Whether a number is that of the table in single precision, as short as it may be written."""
-    single = float(np.float32(pair.true))
-    own = len(Decimal(repr(pair.found)).normalize().as_tuple().digits)
-    same = np.float32(pair.found) == np.float32(pair.true)
-    return bool(same) and abs(pair.found - single) <= _half_unit(single, own) * _SLACK
+def _half(pair: Pair, digits: int) -> float:
+    """Half a unit of the last of so many significant digits."""
+    x = abs(pair.true)
+    return 0.5 * 10.0 ** (math.floor(math.log10(x)) + 1 - digits) if x else 0.0
 
 
 def _within(pair: Pair, half: float) -> bool:
@@ -83,20 +76,14 @@ def _within(pair: Pair, half: float) -> bool:
     return near <= half * _SLACK
 
 
-def _half_unit(x: float, digits: int) -> float:
-    """Half a unit of the last of so many significant digits of ``x``."""
-    return 0.5 * 10.0 ** (math.floor(math.log10(abs(x))) + 1 - digits) if x else 0.0
-
-
 _EDITED = "the numbers do not agree with its checksum"
 
 
 def parent(found: Returned, store: Store) -> Stored | None:
     """The version that the file names, None where the store does not have it.
 
-    Without a head the labels name it: they begin with the name of the table, as `prefix` has it.
-    Raises DamagedTable where that version is damaged, ExchangeError where the names of several
-    tables begin labels alike.
+    Without a head the labels name it. Raises DamagedTable where that version is damaged,
+    ExchangeError where the names of several tables begin labels alike.
     """
     name, _, version = found.table.partition("@")
     if "table" not in found.facts:
@@ -114,8 +101,7 @@ def parent(found: Returned, store: Store) -> Stored | None:
         return None
 
 
-@dataclass(frozen=True)
-class Difference:
+class Difference(NamedTuple):
     """What is wrong in a file, in words, and how its numbers were ``rounded``, "" if not at all."""
 
     wrong: list[str]
@@ -125,16 +111,16 @@ class Difference:
 def difference(found: Returned, stored: Stored | None) -> Difference:
     """Contradictions in a file: to the table of the store, or to its own checksum without one.
 
-    Numbers that a tool has rounded agree, see `_best_rounding`. A file on fewer breakpoints
-    agrees when each of its rows is a row of the table. Raises ExchangeError where there is neither.
+    Numbers that a tool has rounded agree, and fewer breakpoints that are rows of the table. Raises
+    ExchangeError where there is neither table nor checksum.
     """
     edited = [_EDITED] if found.unchanged is False else []
+    if stored is None and found.unchanged is None:
+        raise ExchangeError(
+            f"{found.table} is not in this store, and the file has no checksum to hold it to",
+            do="give the store of that table with --store",
+        )
     if stored is None:
-        if found.unchanged is None:
-            raise ExchangeError(
-                f"{found.table} is not in this store, and the file has no checksum to hold it to",
-                do="give the store of that table with --store",
-            )
         rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
     content = build(stored).content()
@@ -151,19 +137,18 @@ def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
     """Every number of the labels that both have, with that of the nearest row of the table."""
     for name in sorted(found.scalars.keys() & whole.scalars.keys()):
         yield Pair(name, found.scalars[name], whole.scalars[name])
-    for name in sorted(found.axes.keys() & whole.axes.keys()):
-        yield from _rows(name, found.axes[name], whole.axes[name])
+    axes, rows = (
+        one.axes | {f"{name}, axis": x for name, (x, _) in one.curves.items()}
+        for one in (found, whole)
+    )
+    for name in sorted(axes.keys() & rows.keys()):
+        near = _nearest(axes[name], rows[name])
+        yield from (Pair(name, x, row) for x, row in zip(axes[name], near, strict=True))
     for name in sorted(found.curves.keys() & whole.curves.keys()):
-        (x, y), (rows, values) = found.curves[name], whole.curves[name]
-        yield from _rows(f"{name}, axis", x, rows)
-        table = dict(zip(rows, values, strict=True))
-        for at, value, row in zip(x, y, _nearest(x, rows), strict=True):
+        x, y = found.curves[name]
+        table = dict(zip(*whole.curves[name], strict=True))
+        for at, value, row in zip(x, y, _nearest(x, [*table]), strict=True):
             yield Pair(f"{name} at {at!r}", value, table[row])
-
-
-def _rows(name: str, found: Sequence[float], rows: Sequence[float]) -> Iterator[Pair]:
-    for x, row in zip(found, _nearest(found, rows), strict=True):
-        yield Pair(name, x, row)
 
 
 def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
@@ -179,8 +164,9 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
     A tool may save other objects of an ECU along; labels of this table begin with its name.
     """
     ours = {name for name in _labels(found.content) if name.startswith(f"{found.prefix}_")}
-    gaps = [f"{name}: only in the file" for name in ours - _labels(whole)]
-    gaps += [f"{name}: only in the table" for name in _labels(whole) - ours]
+    theirs = _labels(whole)
+    gaps = [f"{name}: only in the file" for name in ours - theirs]
+    gaps += [f"{name}: only in the table" for name in theirs - ours]
     for name in found.content.curves.keys() & whole.curves.keys():
         x, rows = found.content.curves[name][0], whole.curves[name][0]
         row = _nearest(x, rows)

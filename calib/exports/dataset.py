@@ -9,6 +9,7 @@ import re
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -16,12 +17,13 @@ import numpy as np
 from calib.base.arrays import Array, Index
 from calib.base.errors import ExchangeError
 from calib.base.intervals import Z95
+from calib.base.names import AXLE_NAMES
 from calib.exports.breakpoints import FEWEST, Misfit, misfit, place
 from calib.exports.fixed_point import Fixed, fixed_axis, to_fixed
 from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.table import BY_HAND, Table
+from calib.table.table import Table
 
 LONGEST, LONGEST_PREFIX = 31, 16
 """Characters of a label (significant in every C99 compiler), and of its first part."""
@@ -34,9 +36,6 @@ _CLAMP = (
     "the estimator marks such samples as not valid"
 )
 """Values of a look-up beyond the ends, as in `calib.estimation.lookup`."""
-
-BY_A_PERSON = "set by hand"
-"""How the meaning of an object ends that a person set."""
 
 UNIT = "1"
 """Unit of every axis and curve: speed ratios, slips and normalised forces."""
@@ -88,17 +87,14 @@ _NONE_GIVEN = (
 
 @dataclass(frozen=True)
 class Addresses:
-    """Address of each object by label, and the byte order; all are 0 where no file was given.
-
-    ``remarks`` say what was assumed, in sentences.
-    """
+    """Address of each object by label, and the byte order; ``remarks`` on what was assumed."""
 
     by_label: dict[str, int] = field(default_factory=dict)
     big_endian: bool = False
     remarks: tuple[str, ...] = (_NONE_GIVEN,)
 
     def of(self, name: str) -> int:
-        """Address of an object."""
+        """Address of an object; 0 where no program was given."""
         return self.by_label.get(name, 0)
 
 
@@ -137,8 +133,7 @@ class Object:
 class Axis(Object):
     """Breakpoints, strictly increasing; ``shared`` by several curves, or the own axis of one.
 
-    ``rows`` number of rows of the table; ``misfit`` of the curves interpolated between the
-    breakpoints; ``origin`` of the fixed point.
+    ``rows`` of the table; ``misfit`` between the breakpoints; ``origin`` of the fixed point.
     """
 
     shared: bool
@@ -176,9 +171,10 @@ class Curve(Object):
         return np.concatenate((self.values, self.lower, self.upper))
 
     @property
-    def fixed_misfit(self) -> float:
-        """Largest error of the curve over its axis when both are rounded; both in fixed point."""
-        assert self.fixed is not None and self.axis.fixed is not None  # noqa: PT018
+    def fixed_misfit(self) -> float | None:
+        """Largest error of the curve over its axis when both are rounded; None in double."""
+        if self.fixed is None or self.axis.fixed is None:
+            return None
         x, y = self.axis.fixed.values, self.fixed.values
         return misfit(self.axis.values, self.values[None], x, y[None]).worst
 
@@ -207,6 +203,10 @@ class Content:
     curves: dict[str, tuple[Numbers, Numbers]]
     scalars: dict[str, float]
 
+    def __len__(self) -> int:
+        """Number of the objects."""
+        return len(self.axes) + len(self.curves) + len(self.scalars)
+
     @property
     def checksum(self) -> str:
         """SHA-256 over labels and numbers with all their bits [hex]."""
@@ -224,7 +224,7 @@ def _hex(values: Numbers) -> str:
 class Dataset:
     """The exported data of ``stored``, in integers of ``bits`` or in double.
 
-    ``date`` of the export as ISO 8601, for CDF: a table has none. ``addresses`` for A2L.
+    ``date`` of the export, for CDF: a table has none. ``addresses`` for A2L.
     """
 
     stored: Stored
@@ -263,7 +263,6 @@ class Dataset:
     def facts(self) -> dict[str, str]:
         """Facts that every file states, by key."""
         stored, table, content = self.stored, self.stored.table, self.content()
-        objects = len(content.axes) + len(content.curves) + len(content.scalars)
         parents = ", ".join(parent.id for parent in table.provenance.parents)
         return {
             "table": stored.id,
@@ -272,13 +271,13 @@ class Dataset:
             "program": table.provenance.program,
             "vehicle": table.vehicle.name,
             **({"parents": parents} if parents else {}),
-            **({BY_A_PERSON: "; ".join(map(str, table.by_hand))} if table.by_hand else {}),
+            **({"set by hand": "; ".join(map(str, table.by_hand))} if table.by_hand else {}),
             "ends": _CLAMP,
             **{f"breakpoints {a.label}": a.placed for a in self.axes},
             "validation": self.quality.words,
             "state": self.quality.state,
             "release": ("" if stored.state.released else _NOT) + stored.state.why,
-            "objects": str(objects),
+            "objects": str(len(content)),
             "checksum": content.checksum,
         }
 
@@ -292,8 +291,8 @@ def build(
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
-    Raises ExchangeError if the table has fewer rows than ``points``, for a width that C does not
-    have, and where a rounded axis is not strictly increasing.
+    Raises ExchangeError for more points than rows, a width that C does not have, and a rounded axis
+    that does not increase.
     """
     table, first = stored.table, prefix(stored.name)
     p, d, g = table.paper, table.difference, table.tyre
@@ -305,25 +304,22 @@ def build(
     ]
     gap: list[_Row] = [("D", "D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag)]
     tyre: list[_Row] = [("g", force, g.force, g.lower, g.upper, g.count, g.flag)]
-    if np.array_equal(p.eta, d.eta):
-        over_eta = [("eta", p.eta, [*paper, *gap])]
-    else:
+    over_eta = [("eta", p.eta, [*paper, *gap])]
+    if not np.array_equal(p.eta, d.eta):
         over_eta = [("eta", p.eta, paper), ("eta_D", d.eta, gap)]
-    groups = [
-        *(_group(first, (name, ratio, x, True, 1.0), over, points) for name, x, over in over_eta),
-        _group(first, ("slip", "slip of the wheel", g.slip, False, 0.0), tyre, points),
-    ]
-    data = Dataset(
+    group = partial(_group, first, points, bits)
+    groups = [group((name, ratio, x, True, 1.0), over) for name, x, over in over_eta]
+    groups.append(group(("slip", "slip of the wheel", g.slip, False, 0.0), tyre))
+    return Dataset(
         stored=stored,
         prefix=first,
         axes=tuple(axis for axis, _ in groups),
         curves=tuple(curve for _, curves in groups for curve in curves),
-        scalars=tuple(_scalars(table, stored.version, first)),
+        scalars=tuple(_scalars(table, stored.version, first, bits)),
         quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
         bits=bits,
         date=date,
     )
-    return data if bits is None else _rounded(data, bits)
 
 
 _Row = tuple[str, str, Array, Array, Array, Array, Array]
@@ -331,10 +327,14 @@ _Row = tuple[str, str, Array, Array, Array, Array, Array]
 
 
 def _group(
-    first: str, row: tuple[str, str, Array, bool, float], over: list[_Row], points: int | None
+    first: str,
+    points: int | None,
+    bits: int | None,
+    axis: tuple[str, str, Array, bool, float],
+    over: list[_Row],
 ) -> tuple[Axis, list[Curve]]:
-    """An axis and the curves over it, on the rows that are kept."""
-    name, meaning, x, shared, origin = row
+    """An axis (name, meaning, values, shared, origin) and its curves, on the rows that are kept."""
+    name, meaning, x, shared, origin = axis
     y = np.array([values for _, _, values, *_ in over])
     name, kept = label(first, name), np.arange(len(x))
     if points is not None:
@@ -345,38 +345,27 @@ def _group(
                 expected=f"{FEWEST} to {len(x)}, the rows of the table",
             )
         kept = place(x, y, points)
+    fixed = None if bits is None else fixed_axis(name, x[kept], bits, origin)
     error = misfit(x, y, x[kept], y[:, kept])
-    axis = Axis(name, meaning, UNIT, x[kept], None, shared, origin, len(x), error)
-    return axis, [_curve(first, axis, kept, *row) for row in over]
+    made = Axis(name, meaning, UNIT, x[kept], fixed, shared, origin, len(x), error)
+    return made, [_curve(first, bits, made, kept, *row) for row in over]
 
 
-def _curve(first: str, axis: Axis, kept: Index, name: str, meaning: str, *arrays: Array) -> Curve:
-    rows = int(np.count_nonzero(arrays[-1] == BY_HAND))
-    if rows:
-        meaning += f", {rows} row{'s' * (rows > 1)} {BY_A_PERSON}"
-    values, *others = (array[kept] for array in arrays)
-    return Curve(label(first, name), meaning, UNIT, values, None, axis, *others)
+def _curve(
+    first: str, bits: int | None, axis: Axis, kept: Index, name: str, meaning: str, *columns: Array
+) -> Curve:
+    values, *others = (column[kept] for column in columns)
+    fixed = None if bits is None else to_fixed(values, bits)
+    return Curve(label(first, name), meaning, UNIT, values, fixed, axis, *others)
 
 
-def _rounded(data: Dataset, bits: int) -> Dataset:
-    """``data`` with every object in fixed point."""
-    axes = {a.label: replace(a, fixed=fixed_axis(a.label, a.values, bits, a.origin))
-            for a in data.axes}  # fmt: skip
-    return replace(
-        data,
-        axes=tuple(axes.values()),
-        curves=tuple(
-            replace(c, fixed=to_fixed(c.values, bits), axis=axes[c.axis.label]) for c in data.curves
-        ),
-        scalars=tuple(replace(s, fixed=to_fixed(s.values, bits)) for s in data.scalars),
-    )
-
-
-def _scalars(table: Table, version: int, first: str) -> Iterator[Scalar]:
+def _scalars(table: Table, version: int, first: str, bits: int | None) -> Iterator[Scalar]:
     car, pads, tyre = table.vehicle, table.calibration, table.posterior
 
     def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
-        return Scalar(label(first, name), what, unit, np.array([float(value)]), None, sigma)
+        values = np.array([float(value)])
+        fixed = None if bits is None else to_fixed(values, bits)
+        return Scalar(label(first, name), what, unit, values, fixed, sigma)
 
     yield scalar("version", "version of the table", "1", version)
     yield scalar("mass", "M_v, vehicle mass", "kg", car.mass)
@@ -389,11 +378,9 @@ def _scalars(table: Table, version: int, first: str) -> Iterator[Scalar]:
         yield scalar(f"R_{a}", f"R, rolling radius, {a}", "m", axle.rolling_radius)
         yield scalar(f"J_{a}", f"J_w, inertia of one wheel, {a}", "kg*m^2", axle.wheel_inertia)
         yield scalar(f"C_{a}", gain, "m^3", axle.torque_gain)
-    keys = {one.key for one in table.by_hand}
-    for axle_name, mu in (("front", pads.pad_friction_f), ("rear", pads.pad_friction_r)):
-        a = axle_name[0]
-        how = BY_A_PERSON if f"pad_friction_{a}" in keys else "of the calibration"
-        yield scalar(f"mu_{a}", f"{axle_name} pad friction {how}", "1", mu.value, mu.sigma)
+    for a, mu in (("f", pads.pad_friction_f), ("r", pads.pad_friction_r)):
+        what = f"{AXLE_NAMES[a]} pad friction of the calibration"
+        yield scalar(f"mu_{a}", what, "1", mu.value, mu.sigma)
     for name in tyre.names:
         yield scalar(name, f"{name} of the tyre", "1", tyre.value(name), tyre.sigma(name))
     for of in effect_figures(table):

@@ -5,11 +5,10 @@ this program when it names a table, in its head or by its labels.
 """
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
-from xml.parsers import expat
 
 from calib.base.bounded import CALIBRATION, bytes_of
 from calib.base.errors import ExchangeError
@@ -69,10 +68,9 @@ def _returned(
             expected="an export of one table, or that file as another tool has saved it",
         )
     first = firsts[0]
-    found = len(content.axes) + len(content.curves) + len(content.scalars)
-    if facts.get("objects", str(found)) != str(found):
+    if facts.get("objects", str(len(content))) != str(len(content)):
         raise ExchangeError(
-            f"holds {found} objects and states {facts['objects']}: cut off, or joined",
+            f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined",
             where=path,
             do="export the table again",
         )
@@ -81,7 +79,7 @@ def _returned(
 
 
 AXIS, GROUP, LINE, VALUE = "STUETZSTELLENVERTEILUNG", "GRUPPENKENNLINIE", "KENNLINIE", "FESTWERT"
-FORMAT, FUNCTIONS, END = "KONSERVIERUNG_FORMAT", "FUNKTIONEN", "END"
+FORMAT, FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
 X, Y = "ST/X", "WERT"
 _ARRAYS = {AXIS: (X,), GROUP: (X, Y), LINE: (X, Y), VALUE: (Y,), FUNCTIONS: ()}
 """Arrays that an object of each kind must have."""
@@ -89,104 +87,90 @@ _ARRAYS = {AXIS: (X,), GROUP: (X, Y), LINE: (X, Y), VALUE: (Y,), FUNCTIONS: ()}
 _TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Block:
-    """One object of a DCM file, with the line at which it begins."""
+    """One object of a DCM file; ``over`` names the axis of a curve."""
 
-    where: str
     kind: str
     name: str
-    size: int
-    axis: str = ""
-    unit: str = ""
-    numbers: dict[str, list[float]] = field(default_factory=dict)
+    over: str
+    unit: str
+    numbers: dict[str, Numbers]
 
 
 def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Content]:
     lines = [line.strip() for line in text.splitlines()]
-    start = next((i for i, line in enumerate(lines) if line.startswith(FORMAT)), None)
-    if start is None or lines[start].split() != [FORMAT, "2.0"]:
-        what = f"no line {FORMAT}" if start is None else repr(lines[start])
-        raise _bad(
-            f"{path}:{(start or 0) + 1}", what, f"DCM with {FORMAT} 2.0, or CDF, which is XML"
-        )
-    head = (line.removeprefix("* ").partition(": ") for line in lines[:start] if line[:2] == "* ")
+    begin = next((i for i, line in enumerate(lines) if line.split() == [FORMAT, "2.0"]), None)
+    if begin is None:
+        raise _bad(path, f"no line {FORMAT} 2.0", "DCM 2.0, or CDF, which is XML")
+    head = (line.removeprefix("* ").partition(": ") for line in lines[:begin] if line[:2] == "* ")
     facts = {key: value for key, colon, value in head if colon}
-    blocks = [b for b in _blocks(path, lines, start + 1) if b.kind != FUNCTIONS]
-    names = [b.name for b in blocks]
-    if twice := sorted({n for n in names if names.count(n) > 1}):
-        raise ExchangeError(f"{twice[0]} is in it twice", where=path)
-    axes = {b.name: tuple(b.numbers[X]) for b in blocks if b.kind == AXIS}
+    *parts, rest = re.split(r"^END$", "\n".join(lines[begin + 1 :]), flags=re.MULTILINE)
+    if _words(rest):
+        raise _bad(path, f"{' '.join(_words(rest)[0])} has no END", "the whole object")
+    blocks = [_block(path, part) for part in parts]
+    blocks = [b for b in blocks if b.kind != FUNCTIONS]
+    units = _once(path, ((b.name, b.unit) for b in blocks))
+    axes = {b.name: b.numbers[X] for b in blocks if b.kind == AXIS}
     curves = [b for b in blocks if b.kind in (GROUP, LINE)]
     for b in curves:
-        if b.kind == GROUP and axes.get(b.axis) != tuple(b.numbers[X]):
-            what = f"{b.name} is over {b.axis or 'no axis'}, which is missing or differs"
-            raise _bad(b.where, what, f"the axis it repeats, as {AXIS}")
-    content = Content(
-        axes,
-        {b.name: (tuple(b.numbers[X]), tuple(b.numbers[Y])) for b in curves},
-        {b.name: b.numbers[Y][0] for b in blocks if b.kind == VALUE},
-    )
-    return facts, {b.name: b.unit for b in blocks}, content
+        if b.kind == GROUP and axes.get(b.over) != b.numbers[X]:
+            what = f"{b.name} is over {b.over or 'no axis'}, which is missing or differs"
+            raise _bad(path, what, f"the axis it repeats, as {AXIS}")
+    pairs = {b.name: (b.numbers[X], b.numbers[Y]) for b in curves}
+    return facts, units, Content(
+        axes, pairs, {b.name: b.numbers[Y][0] for b in blocks if b.kind == VALUE}
+    )  # fmt: skip
 
 
-def _blocks(path: Path, lines: list[str], start: int) -> Iterator[_Block]:
-    """The objects of the file, each complete up to its END."""
-    block: _Block | None = None
-    for i, line in enumerate(lines[start:], start + 1):
-        word, _, rest = line.partition(" ")
-        if block is not None and word.startswith("*SSTX"):
-            block.axis = line.split()[-1]
-        elif not word or word[0] in "*!.":
-            continue
-        elif word in _ARRAYS and block is None:
-            block = _opened(f"{path}:{i}", word, rest)
-        elif block is None:
-            raise _bad(f"{path}:{i}", f"{word!r} outside of every object", "an object or a comment")
-        elif word == END:
-            yield _complete(block)
-            block = None
-        elif word in _ARRAYS:
-            break
-        else:
-            _take(f"{path}:{i}", word, rest, block)
-    if block is not None:
-        raise _bad(block.where, f"{block.kind} {block.name} has no {END}", "the whole object")
+def _words(part: str) -> list[list[str]]:
+    """The words of each line that is no comment."""
+    return [line.split() for line in part.splitlines() if line and line[0] not in "*!."]
 
 
-def _opened(where: str, kind: str, rest: str) -> _Block:
-    size = r"\s+(\d+)" if kind in (AXIS, GROUP, LINE) else "()"
-    found = re.fullmatch(r"\s*()()" if kind == FUNCTIONS else rf"\s*(\S+){size}", rest)
-    if found is None:
-        raise _bad(where, repr(f"{kind} {rest}"), f"{kind} NAME" + " SIZE" * (size != "()"))
-    return _Block(where, kind, found[1], int(found[2] or 1))
+def _block(path: Path, part: str) -> _Block:
+    """The object in front of an END: its first line, its texts, and all its numbers."""
+    first, *lines = _words(part) or [[""]]
+    kind, name = first[0], first[1] if len(first) > 1 else ""
+    if kind not in _ARRAYS or (not name and kind != FUNCTIONS):
+        raise _bad(path, f"{' '.join(first)!r} begins no object", f"one of {', '.join(_ARRAYS)}")
+    where, unit = f"{path}: {name}", ""
+    arrays: dict[str, list[str]] = {word: [] for word in _ARRAYS[kind]}
+    for word, *rest in lines:
+        if word in arrays:
+            arrays[word] += [number.replace(",", ".") for number in rest]
+        elif word not in _TEXTS:
+            raise _bad(where, f"{word!r} within {kind}", ", ".join((*arrays, *_TEXTS)))
+        elif word == ("EINHEIT_X" if kind == AXIS else "EINHEIT_W"):
+            unit = " ".join(rest).strip('"')
+    numbers = {word: _floats(where, texts) for word, texts in arrays.items()}
+    size = "1" if kind == VALUE else first[-1]
+    for word, found in numbers.items():
+        if str(len(found)) != size:
+            raise _bad(where, f"{len(found)} of {size} numbers {word}", "as many as it says")
+    over = re.findall(r"^\*SSTX.*\s(\S+)$", part, flags=re.MULTILINE)
+    return _Block(kind, name, over[-1] if over else "", unit, numbers)
 
 
-def _take(where: str, word: str, rest: str, block: _Block) -> None:
-    if word in _ARRAYS[block.kind]:
-        try:
-            numbers = [float(number.replace(",", ".")) for number in rest.split()]
-        except ValueError as error:
-            raise _bad(where, str(error), f"numbers after {word}") from error
-        block.numbers.setdefault(word, []).extend(numbers)
-    elif word not in _TEXTS:
-        raise _bad(where, f"{word!r} within {block.kind} {block.name}", ", ".join(_TEXTS))
-    elif not re.fullmatch(r'".*"|\S+|\S+ ".*" ".*"', rest):
-        raise _bad(where, f"{rest!r} after {word}", "a name or a text in quotes")
-    elif word == ("EINHEIT_X" if block.kind == AXIS else "EINHEIT_W"):
-        block.unit = rest.strip('"')
+def _once(path: Path, units: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """The units by label. Raises ExchangeError for a label that is missing or given twice."""
+    found: dict[str, str] = {}
+    for name, unit in units:
+        if not name or name in found:
+            what = f"{name} is in it twice" if name else "an object without a label"
+            raise ExchangeError(what, where=path)
+        found[name] = unit
+    return found
 
 
-def _complete(block: _Block) -> _Block:
-    for word in _ARRAYS[block.kind]:
-        count = len(block.numbers.get(word, []))
-        if count != block.size:
-            what = f"{block.kind} {block.name} has {count} of {block.size} numbers {word}"
-            raise _bad(block.where, what, "as many as it says")
-    return block
+def _floats(where: str, texts: Iterable[str]) -> Numbers:
+    try:
+        return tuple(float(text) for text in texts)
+    except ValueError as error:
+        raise _bad(where, str(error), "numbers") from error
 
 
-def _bad(where: str, what: str, expected: str) -> ExchangeError:
+def _bad(where: object, what: str, expected: str) -> ExchangeError:
     return ExchangeError(what, where=where, expected=expected)
 
 
@@ -197,67 +181,52 @@ def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], 
     root = _root(path, text)
     tree = root.find(TREE)
     if root.tag != "MSRSW" or root.findtext("CATEGORY") != "CDF20" or tree is None:
-        expected = f"MSRSW, CDF20, {TREE}"
-        raise _bad(str(path), f"no CDF 2.0: its root is {root.tag}", expected)
-    facts = {
-        sd.get("GID", ""): sd.text or "" for sd in root.findall("SDGS/SDG[@GID='brake-cal']/SD")
-    }
-    units: dict[str, str] = {}
+        raise _bad(path, f"no CDF 2.0: its root is {root.tag}", f"MSRSW, CDF20, {TREE}")
+    sds = root.findall("SDGS/SDG[@GID='brake-cal']/SD")
+    facts = {sd.get("GID", ""): sd.text or "" for sd in sds}
+    objects = [(one.findtext("SHORT-NAME", ""), one) for one in tree.findall("SW-INSTANCE")]
+    unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
+    units = _once(path, ((name, one.findtext(unit, "")) for name, one in objects))
     values: dict[str, dict[str, Numbers]] = {"COM_AXIS": {}, "CURVE": {}, "VALUE": {}}
-    instances = tree.findall("SW-INSTANCE")
-    for one in instances:
-        name, kind = one.findtext("SHORT-NAME") or "", one.findtext("CATEGORY") or ""
-        where = f"{path}: {name}"
-        if not name or name in units:
-            what = f"{name} is in it twice" if name else "an SW-INSTANCE without SHORT-NAME"
-            raise ExchangeError(what, where=path)
+    for name, one in objects:
+        kind = one.findtext("CATEGORY", "")
         if kind not in values:
-            raise _bad(where, f"category {kind}", ", ".join(values))
-        units[name] = one.findtext("SW-VALUE-CONT/UNIT-DISPLAY-NAME", "")
-        values[kind][name] = _numbers(where, one.find("SW-VALUE-CONT/SW-VALUES-PHYS"))
-    axes, curves = values["COM_AXIS"], {}
-    for one in instances:
-        name = one.findtext("SHORT-NAME", "")
-        if name in values["CURVE"]:
-            y = values["CURVE"][name]
-            curves[name] = _over(f"{path}: {name}", one, axes, len(y)), y
+            raise _bad(f"{path}: {name}", f"category {kind}", ", ".join(values))
+        values[kind][name] = _values(path, name, one.find("SW-VALUE-CONT"))
+    axes, named = values["COM_AXIS"], dict(objects)
+    curves = {n: (_over(path, n, named[n], axes), y) for n, y in values["CURVE"].items()}
+    for name, (x, y) in curves.items():
+        if len(x) != len(y):
+            what = f"{len(y)} values over an axis of {len(x)}"
+            raise ExchangeError(what, where=f"{path}: {name}")
     return facts, units, Content(axes, curves, {n: v[0] for n, v in values["VALUE"].items()})
 
 
 def _root(path: Path, text: bytes) -> ET.Element:
-    def refuse(*_: object) -> None:
+    # A few bytes of entities can stand for gigabytes; other encodings could hide them.
+    if b"<!ENTITY" in text or b"\0" in text:
         raise ExchangeError("declares an entity", where=path, expected="XML without entities")
-
     try:
-        first = expat.ParserCreate()
-        first.EntityDeclHandler = refuse  # a few bytes of entities can stand for gigabytes
-        first.Parse(text, True)
         return ET.fromstring(text)
-    except (expat.ExpatError, ET.ParseError, LookupError, ValueError) as error:
+    except (ET.ParseError, LookupError, ValueError) as error:
         raise ExchangeError(
             f"cut off or damaged: {error}", where=path, expected="XML that ends with </MSRSW>"
         ) from error
 
 
-def _over(where: str, curve: ET.Element, axes: dict[str, Numbers], count: int) -> Numbers:
-    """The axis of a curve of ``count`` values: its own, or one that it names."""
-    over = curve.find("SW-AXIS-CONTS/SW-AXIS-CONT")
-    if over is None:
-        raise ExchangeError("a curve without SW-AXIS-CONT", where=where)
-    name = over.findtext("SW-INSTANCE-REF")
-    if name is not None and name not in axes:
-        raise ExchangeError(f"is over {name}, which is missing", where=where)
-    x = _numbers(where, over.find("SW-VALUES-PHYS")) if name is None else axes[name]
-    if len(x) != count:
-        raise ExchangeError(f"{count} values over an axis of {len(x)}", where=where)
-    return x
+def _over(path: Path, curve: str, one: ET.Element, axes: dict[str, Numbers]) -> Numbers:
+    """The axis of a curve: its own, or one that it names."""
+    axis = one.find("SW-AXIS-CONTS/SW-AXIS-CONT")
+    name = None if axis is None else axis.findtext("SW-INSTANCE-REF")
+    if name is None:
+        return _values(path, curve, axis)
+    if name not in axes:
+        raise ExchangeError(f"is over {name}, which is missing", where=f"{path}: {curve}")
+    return axes[name]
 
 
-def _numbers(where: str, values: ET.Element | None) -> Numbers:
-    texts = [] if values is None else [v.text or "" for v in values.findall("V")]
+def _values(path: Path, name: str, part: ET.Element | None) -> Numbers:
+    texts = [] if part is None else [v.text or "" for v in part.findall("SW-VALUES-PHYS/V")]
     if not texts:
-        raise ExchangeError("no SW-VALUES-PHYS with a V", where=where)
-    try:
-        return tuple(float(text) for text in texts)
-    except ValueError as error:
-        raise _bad(where, str(error), "numbers in V") from error
+        raise ExchangeError("no SW-VALUES-PHYS with a V", where=f"{path}: {name}")
+    return _floats(f"{path}: {name}", texts)

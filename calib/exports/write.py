@@ -28,7 +28,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from calib.base.errors import ExchangeError
-from calib.exports.dataset import BY_A_PERSON, UNIT, Axis, Curve, Dataset, Object, Scalar, label
+from calib.exports.dataset import UNIT, Axis, Curve, Dataset, Object, Scalar, label
 
 FUNCTION = "brake_torque"
 """Name of the function that the objects belong to."""
@@ -61,26 +61,26 @@ _MOST_DECIMALS = 15
 
 
 def _write_json(data: Dataset) -> bytes:
-    record, _ = data.stored.table.content()
-    arrays = ("values", "lower", "upper", "count", "flag")
-    of_axis = ("label", "meaning", "unit", "values", "shared", "origin", "rows", "misfit")
+    named = ("label", "meaning", "unit")
+
+    def of(one: Object, *keys: str) -> dict[str, Any]:
+        return {key: getattr(one, key) for key in keys}
+
     document = {
         "schema": 1,
         **data.facts(),
         "version": data.stored.version,
-        "axes": [{key: getattr(axis, key) for key in of_axis} for axis in data.axes],
+        "axes": [of(axis, *named, "values", "shared", "origin", "rows", "misfit")
+                 for axis in data.axes],
         "curves": [
-            {"label": c.label, "axis": c.axis.label, "meaning": c.meaning, "unit": c.unit}
-            | {key: getattr(c, key) for key in arrays}
+            {"label": c.label, "axis": c.axis.label}
+            | of(c, *named[1:], "values", "lower", "upper", "count", "flag")
             for c in data.curves
         ],
-        "scalars": [
-            {"label": s.label, "meaning": s.meaning, "unit": s.unit}
-            | {"value": s.numbers[0], "sigma": s.sigma}
-            for s in data.scalars
-        ],
-        "record": record,
-    }
+        "scalars": [of(s, *named) | {"value": s.numbers[0], "sigma": s.sigma}
+                    for s in data.scalars],
+        "record": data.stored.table.content()[0],
+    }  # fmt: skip
     return (json.dumps(document, indent=1, allow_nan=False, default=_plain) + "\n").encode()
 
 
@@ -88,11 +88,8 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else vars(value)
 
 
-Row = tuple[str | float | None, ...]
-"""Cells of the `COLUMNS`."""
-
-
-def _rows(data: Dataset) -> Iterator[Row]:
+def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
+    """Cells of the `COLUMNS`."""
     for c in data.curves:
         arrays = (c.axis.values, c.values, c.lower, c.upper, c.count, c.flag)
         for x, value, *rest in np.column_stack(arrays).tolist():
@@ -116,13 +113,9 @@ def _write_parquet(data: Dataset) -> bytes:
     import pyarrow.parquet as pq
 
     kinds = {name: pa.string() if name in TEXTS else pa.float64() for name in COLUMNS}
-    table = pa.table(
-        [
-            pa.array(column, type=kind)
-            for column, kind in zip(zip(*_rows(data), strict=True), kinds.values(), strict=True)
-        ],
-        schema=pa.schema(list(kinds.items()), metadata=data.facts()),
-    )
+    rows = [dict(zip(COLUMNS, row, strict=True)) for row in _rows(data)]
+    schema = pa.schema(list(kinds.items()), metadata=data.facts())
+    table = pa.Table.from_pylist(rows, schema=schema)
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="none")
     return bytes(sink.getvalue().to_pybytes())
@@ -152,20 +145,17 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     }
     made.filters |= filters
     stored = data.stored
-    return (
-        made.get_template(f"{name}.j2")
-        .render(
-            data=data,
-            facts=list(data.facts().items()),
-            function=f"{data.prefix}_{FUNCTION}",
-            version=stored.version,
-            digest=stored.digest,
-            program=stored.table.provenance.program,
-            vehicle=stored.table.vehicle.name,
-            type=_TYPES[data.bits],
-        )
-        .encode()
+    written = made.get_template(f"{name}.j2").render(
+        data=data,
+        facts=list(data.facts().items()),
+        function=f"{data.prefix}_{FUNCTION}",
+        version=stored.version,
+        digest=stored.digest,
+        program=stored.table.provenance.program,
+        vehicle=stored.table.vehicle.name,
+        type=_TYPES[data.bits],
     )
+    return written.encode()
 
 
 def printable(text: str) -> str:
@@ -205,14 +195,11 @@ def _ascii(text: str) -> str:
 
 def _made(one: Object) -> str:
     """How an object came about, for its history in CDF."""
-    by_hand = one.meaning.endswith(BY_A_PERSON)
     if isinstance(one, Scalar):
-        known = "" if one.sigma is None else f"; one standard deviation {one.sigma!r}"
-        return (BY_A_PERSON if by_hand else "fitted") + known
+        return "fitted" + ("" if one.sigma is None else f"; one standard deviation {one.sigma!r}")
     axis = one.axis if isinstance(one, Curve) else one
     assert isinstance(axis, Axis)
-    made = "fitted" + f", then {BY_A_PERSON} in part" * by_hand
-    return f"{made}; {one.span}; {axis.placed}"
+    return f"fitted; {one.span}; {axis.placed}"
 
 
 def _type_limits(one: Object) -> tuple[float, float]:
@@ -257,25 +244,22 @@ def _constants(data: Dataset) -> Iterator[_Constant]:
         declared = f"char {data.prefix}_{name}[{len(held) + 1}]"
         yield _Constant(declared, [f'"{escaped}"'], (name,))
     for one in data.objects:
-        says = f"{one.meaning} [{one.unit}]"
-        axis = one.axis if isinstance(one, Curve) else one
+        says, size = f"{one.meaning} [{one.unit}]", ""
         if isinstance(one, Axis):
-            says += ", strictly increasing"
+            says, size = f"{says}, strictly increasing", f"[{one.label.upper()}_SIZE]"
         elif isinstance(one, Curve):
-            says += f" over {axis.label}, clamped at its ends"
-            if one.fixed:
-                worst = one.fixed_misfit
-                says += f"; read over the rounded axis at most {worst:.3g} off"
-        array = not isinstance(one, Scalar)
-        name = one.label + (f"[{axis.label.upper()}_SIZE]" if array else "")
-        if one.fixed is None:
-            yield _Constant(f"double {name}", [*map(repr, one.numbers)], (says,), array)
+            says += f" over {one.axis.label}, clamped at its ends"
+            size = f"[{one.axis.label.upper()}_SIZE]"
+            if one.fixed_misfit is not None:
+                says += f"; read over the rounded axis at most {one.fixed_misfit:.3g} off"
+        fixed, name = one.fixed, one.label + size
+        if fixed is None:
+            yield _Constant(f"double {name}", [*map(repr, one.numbers)], (says,), bool(size))
             continue
-        fixed = one.fixed
         how = f"origin {fixed.origin!r}, step 2^{-fixed.shift}"
         how += f", rounding error at most {fixed.error:.3g}"
         raw = [f"{v}{'L' * (fixed.bits == 32)}" for v in fixed.raw.tolist()]
-        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), array)
+        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), bool(size))
         for part, value in (("origin", fixed.origin), ("step", fixed.step)):
             yield _Constant(f"double {label(one.label, part)}", [repr(value)])
 
@@ -297,15 +281,13 @@ def _write_a2l(data: Dataset) -> bytes:
 
 @dataclass(frozen=True)
 class _Format:
-    """``ending`` of the file name; ``write`` makes the whole file, ``names`` it has besides.
+    """``ending`` of the file name; ``write`` makes the whole file.
 
     ``fixed``: can be in fixed point; ``addressed``: holds addresses of the ECU's memory.
-    ``write`` raises ExchangeError where the format cannot hold the data.
     """
 
     ending: str
     write: Callable[[Dataset], bytes]
-    names: tuple[str, ...] = ()
     fixed: bool = False
     addressed: bool = False
 
@@ -315,9 +297,9 @@ FORMATS = {
     "csv": _Format("csv", _write_csv),
     "parquet": _Format("parquet", _write_parquet),
     "dcm": _Format("dcm", partial(_filled, "dcm", _quoted)),
-    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x))), ("cdf",)),
-    "a2l": _Format("a2l", _write_a2l, ("asap2",), fixed=True, addressed=True),
-    "c-header": _Format("h", partial(_filled, "h", _ascii), ("c", "h"), fixed=True),
-    "inca-csv": _Format("inca.csv", _write_inca_csv, ("inca",)),
+    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x)))),
+    "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
+    "c-header": _Format("h", partial(_filled, "h", _ascii), fixed=True),
+    "inca-csv": _Format("inca.csv", _write_inca_csv),
 }
 """A new one is a template and a line here."""

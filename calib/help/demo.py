@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from calib.base.arrays import Array
 from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
+from calib.diagnosis.written.document import to_dict as document_of
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import truth_of
 from calib.estimation.results import write_results
@@ -36,79 +37,90 @@ if TYPE_CHECKING:
     from calib.show.sheet import Sheet
 
 _Say = Callable[[str], None]
+_Row = dict[str, Any]
+"""One of the JSON document."""
 
 
 @dataclass(frozen=True)
-class _PaperStudy:
-    """One car of the samples; ``before``: a ramp from which alone it gets an earlier version."""
+class _Study:
+    """One car of the samples: the logs that it is fitted on, and those that it is judged by."""
 
-    folder: str
     fitted: str
     held_out: str
     vehicle: str = "vehicle.toml"
-    before: str = ""
 
 
-_STUDIES = (
-    _PaperStudy(
-        "sedan",
+_STUDIES = {
+    "sedan": _Study(
         "ramp_wet_asphalt.csv ramp_wet_asphalt_repeat.csv coast.csv",
         "dry_asphalt_stop.csv transition_dry_to_basalt.csv basalt_wet_pads.csv "
         "wet_tile_wet_pads.csv",
-        before="ramp_wet_asphalt.csv",
     ),
-    _PaperStudy(
-        "simulation_study", "ramp_noisy.parquet", "stop_noisy.parquet", "vehicle_wrong_pads.toml"
-    ),
-    _PaperStudy(
-        "third_party",
+    "simulation_study": _Study("ramp_noisy.parquet", "stop_noisy.parquet",
+                               "vehicle_wrong_pads.toml"),
+    "third_party": _Study(
         "cal_ramp.parquet",
         "hold1_const_mu30.parquet hold2_steps_muf25_mur33.parquet hold3_const_fade35_22.parquet "
         "hold4_driver_mu28.parquet",
     ),
-)
+}  # fmt: skip
+_BEFORE = {"sedan": "ramp_wet_asphalt.csv"}
+"""A ramp from which alone a car gets an earlier version."""
 
 
 @dataclass(frozen=True)
-class _StudyOutcome:
-    study: _PaperStudy
+class _Outcome:
     stored: Stored
     results: list[Validation]
     logs: list[Log]
 
 
-def run(out: Path, say: _Say) -> list[_StudyOutcome]:
-    """Run every study below ``out``: sample_logs/, tables/, results/, figures/."""
+def run(out: Path, say: _Say) -> tuple[dict[str, Any], Facts]:
+    """Run all below ``out``: sample_logs/, tables/, results/, figures/, diagnosis/.
+
+    Returns the JSON document, and the facts.
+    """
     logs = out / "sample_logs"
     shutil.copytree(sample_logs(), logs, dirs_exist_ok=True)
-    return [_run_study(study, logs / study.folder, out, say) for study in _STUDIES]
+    found = {name: _run(name, study, logs / name, out, say) for name, study in _STUDIES.items()}
+    four = _section_four(found["simulation_study"])
+    five = [_stop(one, found["sedan"].stored.table.vehicle) for one in found["sedan"].results]
+    diagnosed, spreads = _hidden_story(out, say)
+    document = {
+        "folder": out,
+        "diagnosis": document_of(diagnosed),
+        "tables": [one.stored.id for one in found.values()],
+        "section_4": four,
+        "section_5": five,
+    }
+    return document, _facts(four, five, diagnosed, spreads, out)
 
 
-def _run_study(study: _PaperStudy, source: Path, out: Path, say: _Say) -> _StudyOutcome:
+def _run(name: str, study: _Study, source: Path, out: Path, say: _Say) -> _Outcome:
     """Check, fit, validate and draw one study."""
     from calib.show.choose import PlotInput, sheets
 
     fitted, held = (
-        [read_log(source / name) for name in names.split()]
-        for names in (study.fitted, study.held_out)
+        [read_log(source / file) for file in files.split()]
+        for files in (study.fitted, study.held_out)
     )
     for log in fitted + held:
         usable = [v.purpose for v in check(log).verdicts if v.usable]
-        say(f"checked {study.folder}/{log.name}: good for {', '.join(usable)}")
+        say(f"checked {name}/{log.name}: good for {', '.join(usable)}")
     car, store = read_vehicle(source / "vehicle.toml"), Store(out / "tables")
-    if study.before:
-        first = fit(car, [read_log(source / study.before)])
-        say(f"fitted {store.save(first).id} from {study.before} alone")
+    if name in _BEFORE:
+        first = fit(car, [read_log(source / _BEFORE[name])])
+        say(f"fitted {store.save(first).id} from {_BEFORE[name]} alone")
     stored = store.save(fit(car, fitted))
     say(f"fitted {stored.id} from {', '.join(log.name for log in fitted)}")
     other = None if study.vehicle == "vehicle.toml" else read_vehicle(source / study.vehicle)
     results = validate(stored.table, held, other, DEFAULTS)
-    write_results(results, to_dict(stored, results), out / "results" / study.folder)
+    write_results(results, to_dict(stored, results), out / "results" / name)
     say(f"validated {stored.id} on {', '.join(log.name for log in held)}")
     ramps = tuple(log for log in fitted if "coast" not in log.name)
     _draw(sheets(PlotInput(tables=(stored,), logs=ramps)), out)
     _draw(sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)), out)
-    return _StudyOutcome(study, stored, results, held)
+    return _Outcome(stored, results, held)
 
 
 def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
@@ -119,21 +131,13 @@ def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
     save({folder / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
 
 
-@dataclass(frozen=True)
-class _SectionFour:
-    """A method of Section IV: its final pad frictions and its torque error [N m rms]."""
-
-    method: str
-    final_f: float
-    final_r: float
-    torque_rms: float
-
-
 _METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
 
 
-def section_four(outcome: _StudyOutcome) -> list[_SectionFour]:
-    """The stop of Section IV by method; torque error over both axles from the first bite on."""
+def _section_four(outcome: _Outcome) -> list[_Row]:
+    """The stop of Section IV by method: its final pad frictions, and the rms torque error [N m]
+    over both axles from the first bite on.
+    """
     result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
     e = result.estimate
     truth = truth_of(log, car, e)
@@ -152,32 +156,15 @@ def section_four(outcome: _StudyOutcome) -> list[_SectionFour]:
             )
         ]
         rms = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))
-        rows.append(_SectionFour(name, float(front[last]), float(rear[last]), rms))
+        pad_f, pad_r = float(front[last]), float(rear[last])
+        rows.append({"method": name, "final_f": pad_f, "final_r": pad_r, "torque_rms": rms})
     return rows
 
 
-@dataclass(frozen=True)
-class _SectionFive:
-    """A stop of Section V: pad friction with the half width of its 95 % interval, and the sums.
-
-    ``sum_...``: mean braking force over M a_x with nominal and with compensated pads [1].
+def _stop(result: Validation, car: Vehicle) -> _Row:
+    """A stop of Section V: pad friction with the half width of its 95 % interval, and the mean
+    braking force over M a_x with nominal and with compensated pads [1].
     """
-
-    log: str
-    pads_f: float
-    width_f: float
-    pads_r: float
-    width_r: float
-    sum_nominal: float
-    sum_compensated: float
-
-
-def section_five(outcome: _StudyOutcome) -> list[_SectionFive]:
-    """The stops of Section V in our numbers."""
-    return [_stop(result, outcome.stored.table.vehicle) for result in outcome.results]
-
-
-def _stop(result: Validation, car: Vehicle) -> _SectionFive:
     e, figures = result.estimate, result.figures
 
     def share(front: Array, rear: Array) -> float:
@@ -192,26 +179,21 @@ def _stop(result: Validation, car: Vehicle) -> _SectionFive:
 
     front, rear = (figures[f"pad_friction_{side}"] or np.nan for side in "fr")
     wide_f, wide_r = (figures[f"interval_{side}"] or np.nan for side in "fr")
-    nominal = share(*e.baselines["nominal"])
-    compensated = share(e.front.pad_friction, e.rear.pad_friction)
-    return _SectionFive(
-        result.log, front, front * wide_f, rear, rear * wide_r, nominal, compensated
-    )
+    return {
+        "log": result.log,
+        "pads_f": front,
+        "width_f": front * wide_f,
+        "pads_r": rear,
+        "width_r": rear * wide_r,
+        "sum_nominal": share(*e.baselines["nominal"]),
+        "sum_compensated": share(e.front.pad_friction, e.rear.pad_friction),
+    }
 
 
-@dataclass(frozen=True)
-class _Story:
-    """A car with a hidden effect, and how its stops agree by a table without (``blind``) and with
-    (``told``) the model of the diagnosis.
+def _hidden_story(out: Path, say: _Say) -> tuple["Diagnosis", list[Agreement]]:
+    """Diagnose a car into ``out``/diagnosis, and draw it; also how its stops agree by a table
+    without and with the model of the diagnosis.
     """
-
-    found: "Diagnosis"
-    blind: Agreement
-    told: Agreement
-
-
-def hidden_story(out: Path, say: _Say) -> _Story:
-    """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
     from calib.car.model import with_model
     from calib.diagnosis.diagnose import diagnose
     from calib.diagnosis.written.document import text_of
@@ -234,25 +216,26 @@ def hidden_story(out: Path, say: _Say) -> _Story:
         spread = agreement(validate(fit(vehicle, fitted), held))
         assert spread is not None
         pads.append(spread)
-    return _Story(found, *pads)
+    return found, pads
 
 
-def facts(four: list[_SectionFour], five: list[_SectionFive], story: _Story, out: Path) -> Facts:
+def _facts(
+    four: list[_Row], five: list[_Row], diagnosed: "Diagnosis", spreads: list[Agreement], out: Path
+) -> Facts:
     """The paper's two studies, the car with a hidden effect, and where all files are."""
-    nominal = next(row.torque_rms for row in four if row.method == "nominal")
+    nominal = next(row["torque_rms"] for row in four if row["method"] == "nominal")
     methods = [
-        (m.method, f"{m.final_f:.3f}", f"{m.final_r:.3f}", f"{m.torque_rms:.1f}",
-         f"{nominal / m.torque_rms:.1f} x")
+        (m["method"], f"{m['final_f']:.3f}", f"{m['final_r']:.3f}", f"{m['torque_rms']:.1f}",
+         f"{nominal / m['torque_rms']:.1f} x")
         for m in four
     ]  # fmt: skip
     stops = [
-        (s.log, plus_minus(s.pads_f, s.width_f), plus_minus(s.pads_r, s.width_r),
-         f"{s.sum_nominal:.2f}", f"{s.sum_compensated:.2f}")
+        (s["log"], plus_minus(s["pads_f"], s["width_f"]), plus_minus(s["pads_r"], s["width_r"]),
+         f"{s['sum_nominal']:.2f}", f"{s['sum_compensated']:.2f}")
         for s in five
     ]  # fmt: skip
     blind, told = (
-        f"{100 * one.spread_f:.1f} % front, {100 * one.spread_r:.1f} % rear"
-        for one in (story.blind, story.told)
+        f"{100 * one.spread_f:.1f} % front, {100 * one.spread_r:.1f} % rear" for one in spreads
     )
     by_method = ("method", "final front", "final rear", "torque error [N m]", "better by")
     by_stop = ("stop", "front pads", "rear pads", "sum, nominal pads", "sum, compensated")
@@ -269,7 +252,7 @@ def facts(four: list[_SectionFour], five: list[_SectionFive], story: _Story, out
             ),
             Facts(
                 "A car with an effect that its vehicle file does not have",
-                headline=diagnosis(story.found, "").headline,
+                headline=diagnosis(diagnosed, "").headline,
                 notes=[
                     f"Pads of the stops differ by up to {blind};",
                     f"with a table that accounts for it, by {told}.",

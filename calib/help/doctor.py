@@ -1,7 +1,5 @@
 """Whether the program can work on this machine: packages, machine, store. Nothing is written."""
 
-import fcntl
-import importlib.util
 import os
 import platform
 import re
@@ -13,6 +11,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+from packaging.version import Version
 
 from calib.base.errors import InputError, SettingsError
 from calib.base.plain import counted
@@ -33,8 +35,6 @@ _EXTRAS = {
 }
 """Extras that change what the program does, with what each gives; others are for work on it."""
 
-_FONT = Path("mpl-data/fonts/ttf/DejaVuSans.ttf")
-"""The font of all pictures; it is a part of matplotlib."""
 _LEAST_MEMORY = 1.0
 """Memory [GB] below which a large log may not be read: a reader takes up to 1 GB."""
 
@@ -67,7 +67,7 @@ class Need:
     @property
     def met(self) -> bool:
         """Whether it is there in a version that holds."""
-        return bool(self.found) and _number(self.found) >= _number(self.lowest)
+        return bool(self.found) and Version(self.found) >= Version(self.lowest or "0")
 
     def __str__(self) -> str:
         lowest = f" (needs {self.lowest} or later)" if self.lowest else ""
@@ -88,7 +88,7 @@ def packages() -> dict[str, str]:
     waiting = [*_declared(NAME, _EXTRAS)]
     while waiting:
         need = waiting.pop()
-        name = re.sub(r"[-_.]+", "-", need.package).lower()
+        name = canonicalize_name(need.package)
         if need.found and name not in found:  # without an extra that is not installed
             found[name] = need.found
             waiting += _declared(name, ())
@@ -100,20 +100,15 @@ def _declared(name: str, extras: Collection[str]) -> Iterator[Need]:
     lines: list[str] = []
     with suppress(PackageNotFoundError):
         lines = requires(name) or []
-    for line in lines:
-        extra = re.search(r"extra\s*==\s*['\"]([^'\"]+)", line)
-        word = re.match(r"[\w.-]+", line)
-        if word and (extra is None or extra[1] in extras):
-            lowest, found = re.search(r">=\s*([\w.]+)", line.partition(";")[0]), ""
-            with suppress(PackageNotFoundError):
-                found = version(word[0])
-            yield Need(word[0], lowest[1] if lowest else "", found, extra[1] if extra else "")
-
-
-def _number(written: str) -> tuple[int, ...]:
-    """The leading numbers of a version: 2.10.1rc1 is (2, 10, 1)."""
-    digits = re.match(r"\d+(?:\.\d+)*", written)
-    return tuple(int(part) for part in digits[0].split(".")) if digits else ()
+    for asked in map(Requirement, lines):
+        marker = asked.marker
+        for extra in ("", *extras):
+            if marker is None or marker.evaluate({"extra": extra}):
+                lowest, found = [s.version for s in asked.specifier if s.operator == ">="], ""
+                with suppress(PackageNotFoundError):
+                    found = version(asked.name)
+                yield Need(asked.name, "".join(lowest), found, extra)
+                break
 
 
 @dataclass(frozen=True)
@@ -171,11 +166,6 @@ def _packages() -> Iterator[_Finding]:
 
 
 def _machine() -> Iterator[_Finding]:
-    matplotlib = importlib.util.find_spec("matplotlib")
-    if matplotlib and matplotlib.origin:
-        there = (Path(matplotlib.origin).parent / _FONT).is_file()
-        what = f"DejaVu Sans{', of' if there else ' is missing in'} matplotlib"
-        yield _judged("font", there, what, "install matplotlib again")
     yield _Finding("cores", FINE, f"{cores()} for this process")
     with suppress(AttributeError, ValueError, OSError):  # the system does not tell
         free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
@@ -199,22 +189,10 @@ def _store(store: Path) -> Iterator[_Finding]:
     parts = [
         f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}",
         "" if writable else "read only",
-        "being written by another process" if _is_locked(store) else "",
         f"{left} unfinished" if left else "",
     ]
     do = "no table can be stored or released here"
     yield _judged("store", writable, ", ".join(filter(None, parts)), do)
-
-
-def _is_locked(store: Path) -> bool:
-    handle = os.open(store, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError:
-        return True
-    finally:
-        os.close(handle)
-    return False
 
 
 def _samples() -> Iterator[_Finding]:

@@ -21,7 +21,6 @@ from calib.help.page import FOLDER
 if TYPE_CHECKING:
     from calib.base.record import Section
 
-FILE = Path(__file__).with_name("documents.toml")
 PAGE = FOLDER / "reference.md"
 
 _TYPES = {
@@ -42,76 +41,47 @@ SEVERAL = " ..."
 
 
 @dataclass(frozen=True)
-class DocumentKey:
-    """A key of a document: its ``type`` in the words of the page, and what it means."""
-
-    name: str
-    type: str
-    meaning: str
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """The JSON Schema of its value."""
-        bare = self.type.removesuffix(" or null")
-        several = bare.startswith("list of ")
-        kind = "array" if several else _TYPES[bare]
-        items = {"items": {"type": _TYPES[bare]}} if several else {}
-        null = bare != self.type
-        return {"type": [kind, "null"] if null else kind, **items, "description": self.meaning}
-
-
-@dataclass(frozen=True)
 class Document:
-    """One document: ``name`` of its schema, ``title``, and the keys of its first level.
+    """One document: its ``title``, and of each key of its first level "type: meaning".
 
     ``note``: what stands beside its schema on the page.
     """
 
-    name: str
     title: str
-    note: str
-    keys: tuple[DocumentKey, ...]
+    keys: dict[str, str]
+    note: str = ""
 
     @property
     def schema(self) -> dict[str, Any]:
         """Its JSON Schema, draft 2020-12; further keys are allowed."""
-        plain: dict[str, Any] = {}
-        several: dict[str, Any] = {}
-        for key in self.keys:
-            if key.name.endswith(SEVERAL):
-                several[f"^{re.escape(key.name.removesuffix(SEVERAL))} "] = key.schema
-            else:
-                plain[key.name] = key.schema
+        values = {name: _value(*says.split(": ", 1)) for name, says in self.keys.items()}
+        several = {f"^{re.escape(name.removesuffix(SEVERAL))} ": one
+                   for name, one in values.items() if name.endswith(SEVERAL)}  # fmt: skip
+        single = {name: one for name, one in values.items() if not name.endswith(SEVERAL)}
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": self.title.replace("`", ""),
             "type": "object",
-            "properties": {"schema": {"const": 1}, **plain},
+            "properties": {"schema": {"const": 1}, **single},
             **({"patternProperties": several} if several else {}),
-            "required": ["schema", *plain],
+            "required": ["schema", *single],
         }
 
-    @property
-    def part(self) -> str:
-        """Its part of the page."""
-        rows = "".join(f"| `{k.name}` | {k.type} | {k.meaning} |\n" for k in self.keys)
-        head = f"### {self.title}\n\nSchema: `{self.name}`. {self.note}".rstrip()
-        return f"{head}\n\n| key | type | meaning |\n|---|---|---|\n{rows}"
+
+def _value(words: str, meaning: str) -> dict[str, Any]:
+    """The JSON Schema of a value by the words of the page."""
+    bare = words.removesuffix(" or null")
+    several = bare.startswith("list of ")
+    kind = "array" if several else _TYPES[bare]
+    items = {"items": {"type": _TYPES[bare]}} if several else {}
+    return {"type": kind if bare == words else [kind, "null"], **items, "description": meaning}
 
 
 @cache
 def documents() -> dict[str, Document]:
     """Every document, by the name of its schema."""
-    written = tomllib.loads(FILE.read_text(encoding="utf-8"))
-    return {
-        name: Document(
-            name,
-            one["title"],
-            one.get("note", ""),
-            tuple(DocumentKey(key, *says.split(": ", 1)) for key, says in one["keys"].items()),
-        )
-        for name, one in written.items()
-    }
+    written = Path(__file__).with_name("documents.toml").read_text(encoding="utf-8")
+    return {name: Document(**one) for name, one in tomllib.loads(written).items()}
 
 
 FILES = {
@@ -166,10 +136,28 @@ def section(name: str) -> "type[Section]":
     return found
 
 
+def kinds() -> list[str]:
+    """Every kind of file and document that has a schema."""
+    return [*FILES, *documents()]
+
+
+def schema_of(name: str) -> dict[str, Any]:
+    """The JSON Schema of a file or a document."""
+    from calib.base.record import json_schema
+
+    return json_schema(section(name)) if name in FILES else documents()[name].schema
+
+
 def page_of(text: str) -> str:
     """The text of the page `reference` with the parts of all documents, which are its end."""
-    before = text.partition("\n### ")[0]
-    return "\n".join([before, *(one.part for one in documents().values())])
+    parts = [text.partition("\n### ")[0]]
+    for name, one in documents().items():
+        head = f"### {one.title}\n\nSchema: `{name}`. {one.note}".rstrip()
+        rows = [
+            f"| `{key}` | {' | '.join(says.split(': ', 1))} |" for key, says in one.keys.items()
+        ]
+        parts.append("\n".join([head, "", "| key | type | meaning |", "|---|---|---|", *rows, ""]))
+    return "\n".join(parts)
 
 
 if __name__ == "__main__":

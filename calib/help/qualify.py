@@ -95,137 +95,89 @@ class Check:
     truth: str
     measure: Callable[[Material], float]
 
-
-@dataclass(frozen=True)
-class Outcome:
-    """A check and its ``value`` [unit of the check]; None where it ended with an ``error``."""
-
-    check: Check
-    value: float | None
-    error: str = ""
-
-    @property
-    def _deviation(self) -> float:
-        """Value less the expected one [tolerances]."""
-        value = math.nan if self.value is None else self.value
-        return (value - self.check.expected) / self.check.tolerance
-
-    @property
-    def held(self) -> bool:
-        """Whether the value is within the tolerance."""
-        return abs(self._deviation) <= 1.0
-
-    @property
-    def rounded(self) -> int | None:
-        """Deviation in whole tolerances, equal where machines differ by rounding only."""
-        return round(self._deviation) if math.isfinite(self._deviation) else None
+    def deviation(self, value: float | None) -> float:
+        """A value less the expected one [tolerances]; it holds up to 1."""
+        return math.nan if value is None else (value - self.expected) / self.tolerance
 
 
-@dataclass(frozen=True)
-class Qualification:
-    """The outcomes, and the SHA-256 [hex] of each sample file that they rest on."""
+def qualify(
+    checks: Iterable[Check], date: str = "", done: Callable[[], None] = lambda: None
+) -> dict[str, Any]:
+    """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine.
 
-    outcomes: tuple[Outcome, ...]
-    files: dict[str, str]
-
-    @property
-    def failed(self) -> tuple[Outcome, ...]:
-        """The outcomes that do not hold."""
-        return tuple(outcome for outcome in self.outcomes if not outcome.held)
-
-    @property
-    def verdict(self) -> str:
-        """`passed` where every check held, else `failed`."""
-        return "failed" if self.failed else "passed"
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 [hex] over the outcomes, each rounded to its tolerance.
-
-        Equal on machines whose libraries round differently, but for a value between two steps.
-        """
-        results = [
-            [o.check.name, o.check.expected, o.check.tolerance, o.held, o.rounded]
-            for o in self.outcomes
-        ]
-        return hashlib.sha256(canonical_json({"schema": _SCHEMA, "results": results})).hexdigest()
-
-
-def qualify(checks: Iterable[Check], done: Callable[[], None] = lambda: None) -> Qualification:
-    """Make all ``checks`` on the sample logs, in a temporary folder; an error fails its check.
-
-    ``done`` is called after each. Raises InputError without sample logs.
+    All ``checks`` are made on the sample logs, in a temporary folder; an error fails its check.
+    ``done`` is called after each. The digest is over the results in whole tolerances, so that it is
+    equal on machines whose libraries round differently, but for a value between two steps. Raises
+    InputError without sample logs.
     """
-    samples, outcomes = sample_logs(), []
+    samples, rows, digested = sample_logs(), [], []
     with tempfile.TemporaryDirectory(prefix="brake-cal-qualify-") as scratch:
         material = Material(samples, Path(scratch))
         for check in checks:
+            value, wrong = None, ""
             try:
-                outcomes.append(Outcome(check, float(check.measure(material))))
+                value = float(check.measure(material))
             except Exception as error:  # a finding, which must not end the others
-                outcomes.append(Outcome(check, None, f"{type(error).__name__}: {error}"))
+                wrong = f"{type(error).__name__}: {error}"
+            deviation = check.deviation(value)
+            held, rounded = abs(deviation) <= 1.0, None
+            if math.isfinite(deviation):
+                rounded = round(deviation)
+            told = {name: getattr(check, name) for name in _TOLD}
+            rows.append({**told, "value": value, "held": held, "error": wrong})
+            digested.append([check.name, check.expected, check.tolerance, held, rounded])
             done()
-        return Qualification(tuple(outcomes), material.files())
-
-
-def to_dict(found: Qualification, date: str) -> dict[str, Any]:
-    """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine."""
+        files = material.files()
+    results = canonical_json({"schema": _SCHEMA, "results": digested})
     return {
         "schema": _SCHEMA,
         "tool": NAME,
         "version": VERSION,
         "date": date,
-        "verdict": found.verdict,
-        "digest": found.digest,
+        "verdict": "passed" if all(row["held"] for row in rows) else "failed",
+        "digest": hashlib.sha256(results).hexdigest(),
         "environment": environment(),
         "packages": packages(),
-        "checks": [
-            {name: getattr(o.check, name) for name in _TOLD}
-            | {"value": o.value, "held": o.held, "error": o.error}
-            for o in found.outcomes
-        ],
-        "files": found.files,
+        "checks": rows,
+        "files": files,
     }
 
 
-def facts(found: Qualification, document: dict[str, Any]) -> Facts:
-    """What `to_dict` says, for a terminal and for a page."""
-    number, names = len(found.outcomes), ", ".join(one.check.name for one in found.failed)
-    headline = f"{len(found.failed)} of {number} checks fail: {names}."
+def facts(document: dict[str, Any]) -> Facts:
+    """The document of `qualify` for a terminal and for a page."""
+    checks = document["checks"]
+    failed = [one["name"] for one in checks if not one["held"]]
+    headline = f"{len(failed)} of {len(checks)} checks fail: {', '.join(failed)}."
     heads = ("check", "expected", "result", "value", "tolerance", "unit")
+    about = ((x["name"], f"{x['quantity']} [{x['unit']}]. Truth: {x['truth']}.") for x in checks)
     return Facts(
         f"Qualification of {PROGRAM} on this machine",
-        headline=headline if names else f"All {number} checks hold.",
-        verdict=found.verdict,
-        word=found.verdict.upper(),
+        headline=headline if failed else f"All {len(checks)} checks hold.",
+        verdict=document["verdict"],
+        word=document["verdict"].upper(),
         rows=[
             ("Date", document["date"]),
-            ("Results, SHA-256", found.digest),
+            ("Results, SHA-256", document["digest"]),
             *((name.capitalize(), text) for name, text in document["environment"].items() if text),
         ],
         tables=[
             Cells(
                 heads,
-                [_row(one) for one in found.outcomes],
+                [_row(one) for one in checks],
                 "A check holds within the tolerance of its expected value.",
-                ["passed" if one.held else "failed" for one in found.outcomes],
+                ["passed" if one["held"] else "failed" for one in checks],
             )
         ],
         parts=[
-            Facts(
-                "What each check computes, and where its truth comes from",
-                rows=[
-                    (c.name, f"{c.quantity} [{c.unit}]. Truth: {c.truth}.")
-                    for c in (one.check for one in found.outcomes)
-                ],
-            ),
+            Facts("What each check computes, and where its truth comes from", rows=list(about)),
             Facts("Packages", rows=list(document["packages"].items())),
-            Facts("Sample logs, with their SHA-256", rows=list(found.files.items()), folded=True),
+            Facts("Sample logs, with their SHA-256", rows=[*document["files"].items()],
+                  folded=True),
         ],
-    )
+    )  # fmt: skip
 
 
-def _row(one: Outcome) -> tuple[str, ...]:
-    check, value = one.check, one.error if one.value is None else f"{one.value:.6g}"
-    result = "holds" if one.held else "fails"
-    return check.name, f"{check.expected:.6g}", result, value, f"{check.tolerance:.3g}", check.unit
+def _row(one: dict[str, Any]) -> tuple[str, ...]:
+    value = one["error"] if one["value"] is None else f"{one['value']:.6g}"
+    expected, tolerance = f"{one['expected']:.6g}", f"{one['tolerance']:.3g}"
+    return one["name"], expected, "holds" if one["held"] else "fails", value, tolerance, one["unit"]

@@ -1,17 +1,17 @@
 """Assign the columns of a file to channels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.toml import nearest
 from calib.base.units import UnknownUnit, si_of, unit_of
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.log import Origin
-from calib.logs.resample import Wanted
-from calib.logs.source import Array, ChannelTrace, Column, address_of, called
+from calib.logs.source import ChannelTrace, Column, address_of, called
 
 TRUTH = "true_"
 MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
@@ -32,10 +32,11 @@ class Assigned:
         """Values in SI, shape (n,)."""
         return self.mapping.to_si(written, self.unit, self.si)
 
-    def wanted(self, trace: ChannelTrace) -> Wanted:
+    def named(self, trace: ChannelTrace) -> ChannelTrace:
         """The channel of a recording, held or interpolated as the map or the file has it."""
         method = self.mapping.method
-        return Wanted(self.channel, trace, trace.state if method is None else method == "hold")
+        state = trace.state if method is None else method == "hold"
+        return replace(trace, state=state, name=self.channel)
 
     def origin(self) -> Origin:
         """Source, unit, factor and offset; exact, since every conversion is linear."""
@@ -49,12 +50,10 @@ def assign(
     require: tuple[str, ...],
     where: str,
 ) -> tuple[list[Assigned], tuple[str, ...]]:
-    """The columns of a file to use, and the names of the others.
+    """The columns of a file to use, and the names of the others; ``where`` is its path.
 
-    A mapped channel replaces a column of the same name. Among the others are optional channels
-    without a unit, see `without_unit`. Raises LogError for a channel in ``require`` that is
-    missing, a channel that occurs twice, a missing or unknown unit; ChannelMapError for a source
-    that is not in the file. ``where`` is its path, for messages.
+    A mapped channel replaces a column of the same name. Raises LogError for a channel that is
+    missing, twice, or has no unit; ChannelMapError for a source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -149,7 +148,6 @@ def _truth_si(column: Column) -> str | None:
 
 
 def _by_address(found: list[int], columns: tuple[Column, ...]) -> str:
-    """What to call one of several columns of a name; or to rename them."""
     names = [address_of(columns[i], columns) for i in found]
     one = ", ".join(map(repr, names))
     different = len(set(names)) == len(names)

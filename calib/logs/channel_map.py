@@ -3,17 +3,14 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from calib.base.arrays import Array
 from calib.base.units import to_si
-from calib.logs.source import Array
 from calib.logs.text.dialect import LOOKED, TextFormat
 
 
 @dataclass(frozen=True)
 class DatabaseFile:
-    """A file that describes frames (DBC, ARXML, KCD or SYM).
-
-    ``bus`` is the name that the file has for one of its buses, if only that one is meant.
-    """
+    """A file that describes frames (DBC, ARXML, KCD or SYM), or one ``bus`` of it."""
 
     path: Path
     bus: str | None = None
@@ -21,12 +18,10 @@ class DatabaseFile:
 
 @dataclass(frozen=True)
 class Databases:
-    """The files of a channel map that describe frames.
+    """The files of a channel map that describe frames: for every bus of the log, and for one only.
 
-    ``files`` for every bus of the log, ``buses`` for one only, by the recorder's name of its
-    channel, such as ``"1"`` or ``"can0"``. ``sources`` are source addresses of J1939 messages,
-    whose frames are then found by their parameter group; empty for any address; None if identifiers
-    must be equal.
+    ``sources`` are source addresses of J1939 messages, found by their parameter group; empty for
+    any; None if identifiers must be equal.
     """
 
     files: tuple[DatabaseFile, ...] = ()
@@ -44,11 +39,9 @@ METHODS = ("linear", "hold")
 
 @dataclass(frozen=True)
 class Mapping:
-    """Source of one channel: value = sign * (scale * written + offset).
+    """Source of one channel: value = sign * (scale * written + offset), in ``unit``.
 
-    ``source`` is the name of the column in the file, without its unit; ``unit`` that of the value,
-    None for the unit in the header; ``method`` of interpolation one of `METHODS`, None lets the
-    file decide.
+    The unit of the header, and the method of interpolation of the file, where they are None.
     """
 
     source: str
@@ -69,11 +62,7 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mapped channels by canonical name, and the path of the map.
-
-    ``text`` is the format of a text table; columns in ``ignore`` are not used, even if they have
-    the name of a channel.
-    """
+    """The mapped channels by canonical name, and the path of the map; columns to ``ignore``."""
 
     where: str
     channels: dict[str, Mapping]

@@ -29,7 +29,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WithJsonSchema,
+    WrapValidator,
+    model_validator,
+)
 
 from calib.base.errors import ChannelMapError
 from calib.base.names import CHANNELS
@@ -42,27 +50,33 @@ from calib.base.record import (
     read_toml,
     section,
 )
-from calib.base.record_errors import shown, wrong
+from calib.base.record_errors import wrong
+from calib.base.toml import shown
 from calib.base.units import UnknownUnit, spellings, unit_of
 from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 
+_Name = Annotated[str, Field(pattern=r"\S")]
 
-def _source(name: object) -> str:
-    if not isinstance(name, str) or not name.strip():
-        raise wrong(f"{name!r}", "the name of a column of the log")
+
+def _expected(form: str) -> WrapValidator:
+
+    def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
+        try:
+            return handler(written)
+        except ValidationError as cause:
+            raise wrong(shown(written), form) from cause
+
+    return WrapValidator(checked)
+
+
+def _measured(name: str) -> str:
     if name.startswith("true_"):
         raise wrong(f"{name!r} is a truth channel", "a measured column; truth only serves to score")
     return name
 
 
-def _sign(written: object) -> object:
-    if written not in (1, -1) or isinstance(written, bool):
-        raise wrong(f"{written!r}", "1 or -1 (use scale for factors)")
-    return int(written)
-
-
-def _scale(factor: float) -> float:
+def _factor(factor: float) -> float:
     if factor == 0:
         raise wrong("0 would make every value 0", "a factor")
     return factor
@@ -71,10 +85,10 @@ def _scale(factor: float) -> float:
 class _MappingSection(Section):
     """Source of a channel; as `Mapping`."""
 
-    source: Annotated[str, BeforeValidator(_source)]
+    source: Annotated[_Name, AfterValidator(_measured)]
     unit: str | None = None
-    sign: Annotated[Literal[1, -1], BeforeValidator(_sign)] = 1
-    scale: Annotated[float, QuantityMark("1"), AfterValidator(_scale)] = 1.0
+    sign: Annotated[Literal[1, -1], _expected("1 or -1 (use scale for factors)")] = 1
+    scale: Annotated[float, QuantityMark("1"), AfterValidator(_factor)] = 1.0
     offset: Annotated[float, QuantityMark("1")] = 0.0
     method: Annotated[str, OneOf(METHODS)] | None = None
 
@@ -129,68 +143,25 @@ class _TextSection(Section):
     encoding: Annotated[str, AfterValidator(_encoding)] | None = None
 
 
-def _columns(written: object) -> list[str]:
-    if not isinstance(written, list) or not all(isinstance(n, str) and n.strip() for n in written):
-        raise wrong(f"{written!r}", "a list of names of columns")
-    return written
+class _FileSection(Section):
+    """A file that describes frames, or one bus of it."""
+
+    file: _Name
+    bus: _Name | None = None
 
 
+_LEFT = Field(union_mode="left_to_right")
+_File = _Name | _FileSection
+_Files = Annotated[_File | list[_File], _LEFT]
+_ByBus = Annotated[dict[_Name, _Files], Field(min_length=1)]
 _FILES = (
     "the path of a DBC file (or ARXML, KCD, SYM), or {file, bus} for one bus of it, or a list "
-    "of them"
+    "of them; or these for each bus by its number or name"
 )
-
-
-def _files(written: object) -> list[DatabaseFile]:
-    """Files, relative to the map, or one bus of each."""
-    found = []
-    for one in written if isinstance(written, list) else [written]:
-        parts: Any = {"file": one} if isinstance(one, str) else one
-        known = isinstance(parts, dict) and set(parts) in ({"file"}, {"file", "bus"})
-        if not known or not all(isinstance(x, str) and x.strip() for x in parts.values()):
-            raise wrong(f"{one!r}", _FILES)
-        found.append(DatabaseFile(Path(parts["file"]), parts.get("bus")))
-    return found
-
-
-def _databases(written: object) -> dict[str, list[DatabaseFile]]:
-    """Files by bus; those for every bus have an empty name."""
-    if not isinstance(written, dict) or set(written) == {"file", "bus"}:
-        return {"": _files(written)}
-    if not written or not all(bus.strip() for bus in written):
-        raise wrong(f"{written!r}", f"{_FILES}, for each bus by its number or name")
-    return {bus.strip(): _files(files) for bus, files in written.items()}
-
-
-def _sources(written: object) -> list[int]:
-    """Source addresses; an empty list for any."""
-    if written == "any":
-        return []
-    good = isinstance(written, list) and written and all(type(n) is int for n in written)
-    if not good or not all(0 <= n <= _HIGHEST_SOURCE for n in written):  # type: ignore[attr-defined]
-        raise wrong(f"{written!r}", '"any", or a list of source addresses from 0 to 253')
-    return written  # type: ignore[return-value]
-
-
-_HIGHEST_SOURCE = 253
-"""Highest source address of a J1939 message; 254 and 255 stand for none and for all."""
-
-_TEXT: dict[str, Any] = {"type": "string", "minLength": 1}
-_LIST: dict[str, Any] = {"type": "array", "items": _TEXT}
-_ONE_BUS: dict[str, Any] = {
-    "type": "object",
-    "properties": {"file": _TEXT, "bus": _TEXT},
-    "required": ["file"],
-    "additionalProperties": False,
-}
-_SEVERAL: dict[str, Any] = {"type": "array", "items": {"anyOf": [_TEXT, _ONE_BUS]}}
-_OF_A_BUS = {"anyOf": [_TEXT, _ONE_BUS, _SEVERAL]}
-_BUSES = {"type": "object", "minProperties": 1, "additionalProperties": _OF_A_BUS}
-_BY_BUS: dict[str, Any] = {"anyOf": [_TEXT, _SEVERAL, _BUSES]}
-_SOURCE = {"type": "integer", "minimum": 0, "maximum": _HIGHEST_SOURCE}
-_ADDRESSES: dict[str, Any] = {
-    "anyOf": [{"const": "any"}, {"type": "array", "minItems": 1, "items": _SOURCE}]
-}
+_Source = Annotated[int, Field(ge=0, le=253)]
+"""Source address of a J1939 message; 254 and 255 stand for none and for all."""
+_Sources = Literal["any"] | Annotated[list[_Source], Field(min_length=1)]
+_SOURCES = '"any", or a list of source addresses from 0 to 253'
 
 
 class ChannelMapFile(FileSchema):
@@ -198,13 +169,9 @@ class ChannelMapFile(FileSchema):
 
     channels: _ChannelsSection | None = None  # type: ignore[valid-type]
     text: _TextSection | None = None
-    ignore: Annotated[list[str], BeforeValidator(_columns), WithJsonSchema(_LIST)] = Field(
-        default_factory=list
-    )
-    dbc: Annotated[
-        dict[str, list[DatabaseFile]], BeforeValidator(_databases), WithJsonSchema(_BY_BUS)
-    ] = Field(default_factory=dict)
-    j1939: Annotated[list[int], BeforeValidator(_sources), WithJsonSchema(_ADDRESSES)] | None = None
+    ignore: Annotated[list[_Name], _expected("a list of names of columns")] | None = None
+    dbc: Annotated[_Files | _ByBus, _LEFT, _expected(_FILES)] | None = None
+    j1939: Annotated[_Sources, _expected(_SOURCES)] | None = None
 
     @model_validator(mode="after")
     def _says_something(self) -> Self:
@@ -213,24 +180,26 @@ class ChannelMapFile(FileSchema):
         return self
 
 
-def read_channel_map(path: Path) -> ChannelMap:
-    """Read a channel map.
+def _files(written: Any, folder: Path) -> tuple[DatabaseFile, ...]:
+    every = [
+        DatabaseFile(Path(one)) if isinstance(one, str) else DatabaseFile(Path(one.file), one.bus)
+        for one in (written if isinstance(written, list) else [written])
+    ]
+    return tuple(replace(one, path=(folder / one.path).absolute()) for one in every)
 
-    Raises ChannelMapError for a file that is missing or not TOML, an unknown channel or key, a
-    source that is a truth channel, an unknown unit, or a sign other than 1 and -1.
-    """
+
+def read_channel_map(path: Path) -> ChannelMap:
+    """Read a channel map. Raises ChannelMapError for all its mistakes."""
     path = Path(path)
     file = read_toml(path, ChannelMapFile, ChannelMapError)
     entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}
-    files = {
-        bus: tuple(replace(one, path=(path.parent / one.path).absolute()) for one in several)
-        for bus, several in file.dbc.items()
-    }
-    sources = None if file.j1939 is None else tuple(file.j1939)
+    by_bus = file.dbc if isinstance(file.dbc, dict) else {"": file.dbc or []}
+    files = {bus.strip(): _files(several, path.parent) for bus, several in by_bus.items()}
+    sources = None if file.j1939 is None else () if file.j1939 == "any" else tuple(file.j1939)
     return ChannelMap(
         where=str(path),
         channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
         text=TextFormat(**dict(file.text or _TextSection())),
-        ignore=tuple(file.ignore),
+        ignore=tuple(file.ignore or ()),
         databases=Databases(files.pop("", ()), tuple(files.items()), sources),
     )

@@ -10,8 +10,8 @@ result    4294.960  4294.965  4294.970  ...    its period is added after the wra
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.logs.source import Array
 
 GAP = 3.5
 """A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
@@ -30,9 +30,9 @@ def is_ascending(time: Array) -> bool:
 
 
 def step_of(time: Array) -> float:
-    """Mean step of ascending times, shape (n,), without gaps [s]: a duration over its count.
+    """Mean step of ascending times, (n,), without gaps [s].
 
-    Not the median step: of whole milliseconds at 300 Hz that is 3 ms where 3.33 ms is true.
+    Not the median: of whole milliseconds at 300 Hz that is 3 ms where 3.33 ms is true.
     """
     steps = np.diff(time)
     gaps = steps[steps > GAP * np.median(steps)]
@@ -59,10 +59,8 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
 def evened(time: Array) -> tuple[Array, float] | None:
     """The line of an even clock that was written with few digits, and the rounding [s].
 
-    ``time`` [s], (n,), ascends; lost samples and gaps leave a line as it is. Each time is within
-    the rounding, the distance of two neighbouring values of the step, of what was written. None for
-    a clock that jitters by more than its last digit, and for one with digits enough. The step is
-    then known to the rounding over the length of the log.
+    ``time`` [s], (n,), ascends and may have gaps. None for a clock that jitters by more than its
+    last digit, and for one with digits enough.
     """
     steps = np.diff(time)
     step = _slope(time, steps)
@@ -111,9 +109,7 @@ _DISORDERED = 0.25
 def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
     """Timestamps [s] in the order of the file, (n,), without wraps, and notes.
 
-    Raises LogError for a step back that is not a wrap of a known counter, and for timestamps that
-    are not in order; ``where`` names the file. A gap longer than the period of the counter cannot
-    be detected.
+    Raises LogError for times that are out of order, or step back by no period of a known counter.
     """
     steps = np.diff(written)
     if not np.isfinite(written).all():

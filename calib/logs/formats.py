@@ -5,12 +5,13 @@ The channels of a table share one clock; those of a recording, such as bus frame
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from calib.base.bounded import LOG, POINTER, bytes_of
+from calib.base.arrays import Array
+from calib.base.bounded import POINTER
 from calib.base.errors import LogError
 from calib.base.printable import printable
 from calib.logs.assign import Assigned
@@ -19,11 +20,10 @@ from calib.logs.bus.text_logs import open_asc, open_candump, open_trc
 from calib.logs.channel_map import Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
-from calib.logs.resample import Wanted, at_times, on_one_clock
-from calib.logs.source import Array, ChannelTrace, ColumnSource, Recording
+from calib.logs.resample import at_times, on_one_clock
+from calib.logs.source import ChannelTrace, ColumnSource, Recording
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
-from calib.logs.text.encoding import gunzip
 from calib.logs.text.vbo import open_vbo
 
 MDF = (".mf4", ".mdf", ".dat")
@@ -52,9 +52,7 @@ _KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, e
 
 
 def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
-    """What a file is that begins with ``head``, 64 bytes or more if it has them; None: unknown.
-
-    With the endings under which it is right: none for what is no log.
+    """What a file is that begins with ``head`` (64 bytes), and the endings under which it is right.
 
     >>> kind_of(b"(1700000000.000400) can0 101#0000D4FF")
     ('a candump log', ('.log',))
@@ -67,10 +65,7 @@ def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
-    """Raise LogError if a file begins as one of another kind than its ``ending``.
-
-    ``head`` as for `kind_of`. A file of an unknown kind passes.
-    """
+    """Raise LogError if ``head`` is that of another kind of file than its ``ending``."""
     if head.startswith(POINTER):
         raise LogError(
             "a pointer of git LFS, not the log itself",
@@ -119,28 +114,6 @@ def stem_of(path: Path) -> str:
 _Open = Callable[[Path, Databases], Recording]
 
 
-def _packed(open_log: _Open) -> _Open:
-    """A function that opens the packed form of what ``open_log`` opens: it must read all frames.
-
-    The unpacked log is deleted when it is open. Messages name the packed file.
-    """
-
-    def opened(path: Path, dbc: Databases) -> Recording:
-        content = gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path))
-        with TemporaryDirectory() as folder:
-            plain = Path(folder) / "log"
-            plain.write_bytes(content)
-            try:
-                return open_log(plain, dbc)
-            except LogError as cause:
-                where = str(cause.where).replace(str(plain), str(path))
-                raise LogError(
-                    cause.what, where=where, expected=cause.expected, do=cause.do
-                ) from cause
-
-    return opened
-
-
 _BUS: dict[str, _Open] = {
     ".blf": open_blf,
     ".asc": open_asc,
@@ -151,38 +124,31 @@ _BUS: dict[str, _Open] = {
 RECORDINGS: dict[str, _Open] = {
     **dict.fromkeys(MDF, open_mdf),
     **_BUS,
-    **{f"{ending}.gz": _packed(opener) for ending, opener in _BUS.items()},
+    **{f"{ending}.gz": opener for ending, opener in _BUS.items()},
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 
 
-def as_source(
+def as_table(
     opened: Recording, where: str, taken: Mapping[int, Assigned] | None = None
 ) -> ColumnSource:
-    """All channels of a recording on one clock, like a table; closes the recording.
+    """All channels of a recording on one clock, like a table.
 
-    The clock is that of the columns that are ``taken`` as channels, by index; of all columns if
-    there are none. To be looked at, and not proposed from, counts are held where ``taken`` is
-    given. Reading a column that the recording refuses raises its LogError.
+    The clock is that of the columns that are ``taken`` as channels, by index, or of all; then
+    counts are held. Reading a column that the recording refuses raises its LogError.
     """
     traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
-    try:
-        for index in range(1, len(opened.columns)):
-            try:
-                traces[index] = opened.read([index])[0]
-            except LogError as error:
-                refused[index] = error
-    finally:
-        opened.close()
-    held = {i for i, trace in traces.items() if taken is not None and _counts(opened, i, trace)}
-    taken = taken or {}
-    wanted = {
-        i: taken[i].wanted(trace)
-        if i in taken
-        else Wanted(opened.columns[i].full_name, trace, trace.state or i in held)
-        for i, trace in traces.items()
-    }
-    clocked = [i for i in wanted if i in taken] or list(wanted)
+    for index in range(1, len(opened.columns)):
+        try:
+            traces[index] = opened.read([index])[0]
+        except LogError as error:
+            refused[index] = error
+    wanted = {}
+    for i, trace in traces.items():
+        state = trace.state or (taken is not None and _counts(opened, i, trace))
+        other = replace(trace, name=opened.columns[i].full_name, state=state)
+        wanted[i] = taken[i].named(trace) if taken and i in taken else other
+    clocked = [i for i in wanted if taken and i in taken] or list(wanted)
     found = on_one_clock([wanted[i] for i in clocked], where)
     others = [i for i in wanted if i not in clocked]
     more = at_times([wanted[i] for i in others], found.time, where)
@@ -200,9 +166,6 @@ def as_source(
 
 
 def _counts(opened: Recording, index: int, trace: ChannelTrace) -> bool:
-    """Whether a column that nobody named holds whole numbers without a unit, as a gear or a flag.
-
-    Straight lines between such values would be values that the car never had.
-    """
+    """Whether a column holds counts, as a gear or a flag: no car has the values between them."""
     known = trace.values[np.isfinite(trace.values)]
     return not opened.columns[index].unit and bool(np.all(known == np.round(known)))

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.logs.clock import GAP, is_ascending, step_of
-from calib.logs.source import Array
 
 BRIDGE = 0.2
 """Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""
@@ -26,7 +26,7 @@ _NEAR = 0.5
 _FEWEST = 4
 """Fewest samples of a side: nearly every line goes through fewer."""
 
-_INSTANT = 1e-9
+INSTANT = 1e-9
 """Samples with a spread of less [s] are at one time, and show no slope: recorders count no finer
 than nanoseconds, and only damaged times are nearer."""
 
@@ -59,9 +59,8 @@ class Filled:
 def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
     """Values of a channel at other times ``at`` [s], (m,), in straight lines between its samples.
 
-    ``t`` [s] and ``x`` of these, both (n,), ascend and have no NaN. The result is NaN before the
-    first sample, after the last, and in a gap that is longer than `BRIDGE` or where the channel is
-    not smooth. A bridge shows nothing that begins and ends within its gap.
+    ``t`` [s] and ``x``, both (n,), ascend and have no NaN. NaN before the first sample, after the
+    last, and in a gap that stays open. A bridge shows nothing that begins and ends within its gap.
     """
     values: Array = np.interp(at, t, x)
     values[(at < t[0]) | (at > t[-1])] = np.nan
@@ -85,11 +84,10 @@ def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
 def fill_rows(
     channels: Mapping[str, Array], time: Array
 ) -> tuple[dict[str, Array], list[str], list[ChannelHole]]:
-    """Fill the rows of a table in which a channel has no value, as `fill` does.
+    """Fill the rows in which a channel is NaN, as `fill` does; ``time`` [s] and channels are (n,).
 
-    ``channels`` by name, each (n,), are NaN there; ``time`` of the rows [s], (n,). Returns the
-    channels, notes, and the bridged gaps. A channel with infinite values or fewer than two values
-    stays as it is; all do if the times do not increase.
+    Returns channels, notes and bridged gaps. A channel with infinite values or fewer than two stays
+    as it is; all do if the times do not increase.
     """
     values, notes, bridged = dict(channels), [], list[ChannelHole]()
     if not is_ascending(time):
@@ -147,10 +145,7 @@ def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
 
 
 def _noise(t: Array, x: Array) -> float:
-    """Standard deviation of a sample, from its distance to the line of its neighbours.
-
-    Not of the median, which is 0 for a noise that is cut off at zero; a few bends do not count.
-    """
+    """Not of the median, which is 0 for noise that is cut off at zero; a few bends do not count."""
     weight = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     off = x[1:-1] - (1.0 - weight) * x[:-2] - weight * x[2:]
     return float(np.quantile(np.abs(off), 0.8) / 1.2816 / np.sqrt(1.5))
@@ -160,7 +155,7 @@ def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
     """Whether the samples of a side lie on a line that goes through the origin."""
     n, centre = t.size, float(t.mean())
     spread = float(np.sum((t - centre) ** 2))
-    if spread < _INSTANT**2:
+    if spread < INSTANT**2:
         return False
     slope = float(np.sum((t - centre) * x)) / spread
     line = x.mean() + slope * (t - centre)

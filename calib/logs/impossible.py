@@ -16,26 +16,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS, WHEELS
 from calib.base.noise import noise_of
 from calib.base.units import from_si
 from calib.logs.clock import is_ascending
 from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
-from calib.logs.source import Array
 from calib.logs.verify import ENDS
 
 Mask = NDArray[np.bool_]
 
 
 class _Possible(NamedTuple):
-    """What a car can do to a channel, in SI.
-
-    ``up`` its fastest rise [1/s]; ``zero`` the fastest change from and to a reading of exactly 0
-    [1/s], ``nonzero`` the least jump there; ``long`` change that goes on for longer than `_QUICK`
-    [1/s]; ``end`` beyond which nothing is measured. ``steps``: a step may be true, as that of a
-    simulated pressure, and only a short way to 0 and back is not.
-    """
+    """What a car can do to a channel, in SI: per second, but for a jump and the end."""
 
     up: float
     zero: float
@@ -90,14 +84,9 @@ def without_impossible(
 ) -> tuple[dict[str, Array], tuple[Marked, ...], tuple[ChannelHole, ...]]:
     """The channels with NaN, or a bridge, in the place of samples that no car drives.
 
-    ``channels`` by name [SI], each (n,), are NaN where they have no value; with ``time``. They stay
-    as they are where the times do not ascend.
-
-    Returns
-    -------
-    The channels, what was marked, and the bridged gaps. At the ends, and in channels that a log
-    need not have, what cannot be bridged is left open. Raises LogError where more than `_FEW` of
-    the samples of a required channel are marked, or so many in one place that none can be bridged.
+    ``channels`` [SI], (n,) each, by name; as they are where the times do not ascend. Returns them,
+    what was marked, and the bridged gaps. Raises LogError where more than `_FEW` of a required
+    channel are marked, or too many in one place.
     """
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
@@ -125,7 +114,6 @@ def without_impossible(
 
 
 def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
-    """Mask (n,) of the samples of a channel that no car drives."""
     mask = np.isfinite(x) & (np.abs(x) > possible.end)
     if np.count_nonzero(mask) > _FEW * x.size:  # the unit: `calib.run` says so
         return np.zeros(x.size, np.bool_)
@@ -177,7 +165,7 @@ def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Arr
 
 
 def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
-    """Mask (n,) of the parts between two others that are short enough for a bridge."""
+    """Parts between two others that are short enough for a bridge."""
     mask = np.zeros(time.size, np.bool_)
     for begin, end in pairwise(edges[1:-1]):
         mask[begin:end] = time[end] - time[begin - 1] <= BRIDGE
@@ -185,10 +173,6 @@ def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
 
 
 def _refuse_many(one: Marked, mask: Mask, time: Array, values: Array, where: str) -> None:
-    """Raise LogError where the marked samples are neither few nor at the ends.
-
-    ``mask`` of them and ``values`` that were bridged, (n,).
-    """
     inside = np.logical_or.accumulate(~mask) & np.logical_or.accumulate(~mask[::-1])[::-1] & mask
     inside |= mask & (time > time[0] + ENDS) & (time < time[-1] - ENDS)
     if np.count_nonzero(inside) <= max(_FEW * time.size, 1.0) and np.isfinite(values[inside]).all():

@@ -3,22 +3,15 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
+from calib.base.arrays import Array
 from calib.logs.clock import step_of
 from calib.logs.gaps import ChannelHole
 from calib.logs.impossible import Marked
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Origin:
-    """Source of a channel: SI value = factor * written + offset.
-
-    ``source`` is the column's name in the file, ``unit`` the unit of its written values.
-    """
+    """Source of a channel: SI value = factor * written + offset; ``source`` is in ``unit``."""
 
     channel: str
     source: str
@@ -29,14 +22,11 @@ class Origin:
 
 @dataclass(frozen=True)
 class Log:
-    """One run.
+    """One run: canonical ``channels`` [SI], (n,) each, with ``time``.
 
-    ``name`` is the file stem, ``source`` the path or origin, ``digest`` the SHA-256 of the file's
-    bytes, or of the content of a simulated log. ``channels`` are canonical [SI], (n,) each, with
-    ``time``; ``truth`` is that of a simulation [SI], only to score results. ``ignored`` columns
-    were not used; ``notes`` say what the reader changed; ``origins`` are empty for a simulated log.
-    ``bridged`` gaps: `calib.logs.gaps`; ``marked`` samples, which have no value:
-    `calib.logs.impossible`. ``interpolated`` channels were recorded on another clock.
+    ``name`` is the file stem, ``digest`` the SHA-256 of the file or of simulated content, ``truth``
+    that of a simulation [SI], only to score results. ``notes`` say what the reader changed;
+    ``marked`` samples have no value; ``interpolated`` channels were recorded on another clock.
     """
 
     name: str

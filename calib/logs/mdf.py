@@ -35,24 +35,22 @@ class _Place:
 
 
 def open_mdf(path: Path, dbc: Databases) -> Recording:
-    """Open an MDF file.
+    """Open an MDF file; its frames are decoded with the DBC, and without one ignored with a note.
 
-    Channels keep the timestamps of their group. Bus frames are decoded with the DBC; without a DBC
-    they are ignored, with a note. A file that its recorder did not finish is finished in memory, by
-    asammdf, with a note. Raises LogError as `check_mdf`, if asammdf cannot read the file, and if
-    asammdf is missing.
+    A file that its recorder did not finish is finished in memory, by asammdf, with a note. Raises
+    LogError as `check_mdf`, and if asammdf cannot read it.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
     checked = check_mdf(path)
     try:
-        mdf = asammdf.MDF(io.BytesIO(path.read_bytes()) if checked.note else path)
+        file = io.BytesIO(path.read_bytes()) if checked.note else path
+        mdf = asammdf.MDF(file, process_bus_logging=False)
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
-        if not checked.version.startswith("4"):
-            _check_layout(mdf, where)
+        _check_layout(mdf, where)
         _require_counted(mdf, checked.counts, where)
         return _recording(mdf, dbc, [checked.note] if checked.note else [], where)
     except BaseException:
@@ -87,20 +85,21 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_layout(mdf: Any, where: str) -> None:
-    for number, group in enumerate(mdf.groups):
-        size = group.channel_group.samples_byte_nr
+    """Raise LogError for a channel outside its record: asammdf reads there without looking."""
+    for group in mdf.groups:
+        record = group.channel_group
+        size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
         for channel in group.channels:
-            extra = getattr(channel, "additional_byte_offset", 0)
-            if 8 * extra + channel.start_offset + channel.bit_count > 8 * size:
-                raise damaged(
-                    where,
-                    f"channel {channel.name!r} lies outside the records of group {number}",
-                    f"bits within {size} bytes",
-                )
+            if str(mdf.version) < "4":
+                byte, bit = getattr(channel, "additional_byte_offset", 0), channel.start_offset
+            else:
+                byte, bit = channel.byte_offset, channel.bit_offset
+            if 8 * byte + bit + channel.bit_count > 8 * size:
+                what = f"the channel at byte {channel.address} lies outside its records"
+                raise damaged(where, what, f"bits within {size} bytes")
 
 
 def _require_counted(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Raise LogError if asammdf found fewer records of an unfinished file than were counted."""
     for group in mdf.groups:
         found, counted = group.channel_group.cycles_nr, counts.get(group.channel_group.address, 0)
         if found < counted:
@@ -108,7 +107,6 @@ def _require_counted(mdf: Any, counts: dict[int, int], where: str) -> None:
 
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
-    """Every channel with timestamps, in file order; the timestamp channels are left out."""
     columns, places, notes = [], [], []
     names = Counter(_group(mdf, i) for i in range(len(mdf.groups)))
     for number, group in enumerate(mdf.groups):
@@ -202,10 +200,6 @@ def _bus_groups(mdf: Any) -> list[int]:
 
 
 def _frames_in(mdf: Any, groups: list[int], known: Known, where: str) -> list[Frames]:
-    """Frames that are ``known``, by bus and identifier.
-
-    Raises LogError for fewer frames than a group counts, and if asammdf cannot read them.
-    """
     found = []
     for number in groups:
         names = {c.name for c in mdf.groups[number].channels}

@@ -1,5 +1,5 @@
-"""Check an MDF file before asammdf reads it, which asks little: blocks within the file, channels
-within their records, and as many records as the groups count.
+"""Check an MDF file before asammdf reads it, which asks little: blocks within the file, and as
+many records as the groups count.
 
 MDF 4   ##XX  4 bytes unused  length  number of links  links  content
 ##DG --> ##CG --> ##CN                count, bytes of a record; the bits of a channel within it
@@ -29,9 +29,10 @@ _HEAD = 64
 """Bytes of the identification block, after which the first block begins."""
 _BLOCK = struct.Struct("<4s4xQQ")
 _GROUP = struct.Struct("<QQHHLLL")
-_CHANNEL = struct.Struct("<3xBLL")
 _UNPACKED = struct.Struct("<8xQ")
 _MOST_LINKS = 10_000_000
+_TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
+"""Blocks whose first two links lead to one that no other has; asammdf would follow a ring."""
 _START = 24
 """Bytes of a ##DT before its data."""
 _VARIABLE = 1
@@ -40,10 +41,7 @@ _VARIABLE = 1
 
 @dataclass(frozen=True)
 class _Checked:
-    """The version of a file that may be read; an unfinished one has a ``note`` and ``counts``.
-
-    ``counts`` are the records that are there, by the first byte of their channel group.
-    """
+    """The version of a file that may be read; of an unfinished one the records by group."""
 
     version: str
     note: str = ""
@@ -59,10 +57,7 @@ class _Block(NamedTuple):
 
 @dataclass
 class _Group:
-    """A channel group: its first byte, first channel and number; records stated and found.
-
-    ``size`` bytes of a record; ``variable`` if they differ in length.
-    """
+    """A channel group: bytes of a record, which may vary, and records stated and found."""
 
     place: int
     channels: int
@@ -76,9 +71,8 @@ class _Group:
 def check_mdf(path: Path) -> _Checked:
     """Compare a file with its links, record sizes and record counts.
 
-    Raises LogError for a file that is not MDF, too short (with the number of missing bytes) or
-    damaged, that has a channel of MDF 4 outside its record or fewer records than a group counts,
-    and for one that its recorder did not finish in a way that asammdf cannot.
+    Raises LogError for a file that is not MDF, cut off, damaged, or not finished in a way that
+    asammdf cannot.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -89,7 +83,6 @@ def check_mdf(path: Path) -> _Checked:
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             try:
                 starts = _check_blocks(data, path)
-                _check_channels(data, path)
                 if flags:
                     return _counted(data, flags, sorted(starts), version, path)
                 _check_records(data, path)
@@ -100,7 +93,6 @@ def check_mdf(path: Path) -> _Checked:
 
 
 def _identification(file: BinaryIO, size: int, path: Path) -> tuple[str, int, bool]:
-    """Version, flags of what the recorder did not finish, and whether bytes are little endian."""
     data = file.read(_HEAD)
     begin, version = data[:8].rstrip(b" \0"), data[8:12].strip(b" \0")
     flags = 0
@@ -126,11 +118,11 @@ def _block_at(data: mmap.mmap, place: int) -> _Block:
     return _Block(kind, length, struct.unpack_from(f"<{links}Q", data, begin), begin + 8 * links)
 
 
-def _chain(data: mmap.mmap, place: int, seen: set[int]) -> Iterator[tuple[int, _Block]]:
-    """A block and those that follow it by their first link. Raises ValueError for a ring."""
+def _chain(data: mmap.mmap, place: int, kind: bytes) -> Iterator[tuple[int, _Block]]:
     while place:
-        _refuse_again(place, seen)
         block = _block_at(data, place)
+        if block.kind != kind:
+            raise ValueError(f"no {kind!r} at byte {place}")
         yield place, block
         place = block.links[0]
 
@@ -143,7 +135,7 @@ def _refuse_again(place: int, seen: set[int]) -> None:
 
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
     """First bytes of all blocks of MDF 4. Raises LogError if one goes past the end of the file."""
-    seen, todo, end, size = set[int](), [_HEAD], _HEAD, len(data)
+    seen, owned, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
     while todo:
         place = todo.pop()
         if place in seen or place == 0:
@@ -157,7 +149,11 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
             raise _no_block(path, "block", place)
         end = max(end, place + length)
         if links and place + _BLOCK.size + 8 * links <= size:
-            todo += struct.unpack_from(f"<{links}Q", data, place + _BLOCK.size)
+            found = struct.unpack_from(f"<{links}Q", data, place + _BLOCK.size)
+            todo += found
+            for link in found[:2] if kind in _TREE else ():
+                if data[link : link + 4] in _TREE:
+                    _refuse_again(link, owned)
     if end > size:
         raise _short(path, size, end)
     return seen
@@ -165,49 +161,23 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
 
 def _data_groups(data: mmap.mmap) -> Iterator[tuple[int, int, list[_Group]]]:
     """First byte of the data, bytes of an identifier, and channel groups of each data group."""
-    seen = set[int]()
-    for _, block in _chain(data, _block_at(data, _HEAD).links[0], set()):
+    for _, block in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
         groups = []
-        for place, group in _chain(data, block.links[1], seen):
+        for place, group in _chain(data, block.links[1], b"##CG"):
             number, count, flags, _, _, size, invalid = _GROUP.unpack_from(data, group.content)
             variable = bool(flags & _VARIABLE)
             groups.append(_Group(place, group.links[1], number, count, size + invalid, variable))
         yield block.links[2], data[block.content], groups
 
 
-def _check_channels(data: mmap.mmap, path: Path) -> None:
-    """Raise LogError for a channel outside its record: asammdf reads there without looking."""
-    for _, _, groups in _data_groups(data):
-        for group in groups:
-            for place, block in _channels(data, group.channels):
-                bit, byte, bits = _CHANNEL.unpack_from(data, block.content)
-                if 8 * byte + bit + bits > 8 * group.size:
-                    what = f"the channel at byte {place} lies outside the records of its group"
-                    raise damaged(path, what, f"bits within {group.size} bytes")
-
-
-def _channels(data: mmap.mmap, first: int) -> Iterator[tuple[int, _Block]]:
-    """Channels of a group, and those of which a channel is composed."""
-    seen, todo = set[int](), [first]
-    while todo:
-        for place, block in _chain(data, todo.pop(), set()):
-            if place in seen or block.kind != b"##CN":
-                break
-            seen.add(place)
-            yield place, block
-            todo.append(block.links[1])
-
-
 def _check_records(data: mmap.mmap, path: Path) -> None:
-    """Raise LogError if a data group has less data than its records need."""
     for number, (place, id_size, groups) in enumerate(_data_groups(data)):
         counted = [group for group in groups if group.channels or not group.variable]
         needed = sum(group.stated * (group.size + id_size) for group in counted)
         there = _bytes_of_data(data, place)
         most = max(needed, there or 0)
         if most > RECORDING.most:
-            what = RECORDING.excess(most, f"data group {number} unpacks to")
-            raise LogError(what, where=path, do=RECORDING.advice)
+            raise LogError(RECORDING.excess(f"data group {number} unpacks to"), where=path)
         if there is not None and there < needed:
             what = (
                 f"data group {number} holds {there} of {needed} bytes of samples: "
@@ -278,7 +248,6 @@ def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path:
 def _count(
     data: mmap.mmap, groups: list[_Group], span: tuple[int, int], id_size: int, path: Path
 ) -> int:
-    """Count the whole records of each group within ``span``; returns where the last one ends."""
     place, end = span
     if not id_size:
         (only,) = groups

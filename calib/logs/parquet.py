@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.bounded import LOG
 from calib.base.errors import LogError
-from calib.logs.source import Array, Column, ColumnSource, damaged
+from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import column_from_cell, from_first, over_midnight
 from calib.logs.text.encoding import too_large
 
@@ -25,12 +26,9 @@ _MDF_CLOCK = "timestamps"
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
     """Open a Parquet file; ``text_format`` is not used.
 
-    A field without the metadata may have its unit in its name, as in CSV, or in pandas'
-    ``frame.attrs["units"]``: pandas drops the metadata. The index ``timestamps`` of a file exported
-    by asammdf is the time in seconds; asammdf drops all other units. Time stamps, times of day and
-    durations are in seconds from the first row.
-
-    Raises LogError for a file that is empty, cut off or not Parquet.
+    A unit may also stand in the name, or in pandas' ``frame.attrs["units"]``. The index of a file
+    exported by asammdf is the time in seconds; asammdf drops all other units. Time stamps are in
+    seconds from the first row. Raises LogError for a file that is empty, cut off or not Parquet.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -65,10 +63,7 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
 
 
 def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:
-    """The metadata of pandas; empty if another program wrote the file.
-
-    pandas 2 writes ``frame.attrs`` beside it, pandas 3 with a new pyarrow into it.
-    """
+    """pandas 2 writes ``frame.attrs`` beside its metadata, pandas 3 with a new pyarrow into it."""
     found = []
     for key in (b"pandas", b"PANDAS_ATTRS"):
         try:
@@ -105,7 +100,6 @@ def _clock_unit(kind: "pyarrow.DataType") -> float | None:
 
 
 def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Array:
-    """Seconds from the first row, shape (n,); NaN for null."""
     import pyarrow as pa
 
     width = pa.int32() if column.type.bit_width == 32 else pa.int64()

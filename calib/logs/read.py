@@ -2,8 +2,10 @@
 
 import hashlib
 import stat
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Self
 
 from calib.base.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.base.errors import ChannelMapError, LogError
@@ -11,7 +13,7 @@ from calib.base.names import CHANNELS
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.channel_map import ChannelMap, Databases
 from calib.logs.clock import is_ascending, on_line
-from calib.logs.formats import RECORDINGS, TABLES, as_source, ending_of, refuse_other_kind, stem_of
+from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
 from calib.logs.gaps import fill_rows
 from calib.logs.impossible import without_impossible
 from calib.logs.log import Log
@@ -31,54 +33,65 @@ _WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 @dataclass(frozen=True)
 class Opened:
-    """An opened log, and the SHA-256 of its bytes."""
+    """An opened log: what names it, its columns, and the SHA-256 of its bytes.
 
-    source: ColumnSource
+    A context that closes the file of a recording.
+    """
+
+    path: Path
+    source: ColumnSource | Recording
     digest: str
 
+    def __enter__(self) -> Self:
+        return self
 
-def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
-    """Open a log without assigning its columns to channels.
+    def __exit__(self, *_: object) -> None:
+        if isinstance(self.source, Recording):
+            self.source.close()
 
-    Only the text format and the DBC files of ``channel_map`` are used. Raises LogError for a file
-    that is not a log, or not complete.
+    def table(self, taken: Mapping[int, Assigned] | None = None) -> ColumnSource:
+        """All columns on one clock, as `as_table`."""
+        if isinstance(self.source, ColumnSource):
+            return self.source
+        return as_table(self.source, str(self.path), taken)
+
+
+def open_log(
+    path: Path | str,
+    channel_map: ChannelMap | None = None,
+    *,
+    data: bytes | None = None,
+    file: Path | None = None,
+) -> Opened:
+    """Open a log without assigning its columns to channels; of a map text format and DBC are used.
+
+    ``path`` names it. ``data`` are its bytes, if known; ``file`` is where they are, if not at
+    ``path``. Raises LogError for a file that is not a log, or not complete.
     """
     path = Path(path)
-    if ending_of(path) not in RECORDINGS:
-        return open_bytes(log_bytes(path), path, channel_map)
-    digest = recording_digest(path)
-    return Opened(as_source(opened_recording(path, channel_map), str(path)), digest)
-
-
-def opened_recording(
-    path: Path, channel_map: ChannelMap | None = None, where: object = None
-) -> Recording:
-    """Open a log with several sample rates; the caller closes it. Else like `open_log`."""
     ending = ending_of(path)
+    if ending not in RECORDINGS:
+        data = log_bytes(path) if data is None else data
+        refuse_other_kind(data[:64], ending, path)
+        text_format = channel_map.text if channel_map else LOOKED
+        source = TABLES[ending](data, str(path), text_format)
+        return Opened(path, source, hashlib.sha256(data).hexdigest())
+    place = Path(file or path)
+    head, digest = _seen(place, path) if data is None else (data, hashlib.sha256(data).hexdigest())
+    refuse_other_kind(head[:64], ending, path)
+    databases = channel_map.databases if channel_map else Databases()
+    return Opened(path, RECORDINGS[ending](place, databases), digest)
+
+
+def _seen(file: Path, where: Path) -> tuple[bytes, str]:
+    refuse_no_log(file, where)
     try:
-        with path.open("rb") as file:
-            refuse_other_kind(file.read(64), ending, where or path)
+        with open_bounded(file, RECORDING) as stream:
+            head = stream.read(64)
+            stream.seek(0)
+            return head, hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as cause:
-        raise _unreadable(where or path, cause) from cause
-    return RECORDINGS[ending](path, channel_map.databases if channel_map else Databases())
-
-
-def open_bytes(data: bytes, path: Path, channel_map: ChannelMap | None = None) -> Opened:
-    """Open the bytes of a log that is a table; ``path`` names it. Else like `open_log`."""
-    refuse_other_kind(data[:64], ending_of(path), path)
-    text_format = channel_map.text if channel_map else LOOKED
-    source = TABLES[ending_of(path)](data, str(path), text_format)
-    return Opened(source, hashlib.sha256(data).hexdigest())
-
-
-def recording_digest(path: Path) -> str:
-    """SHA-256 of the bytes of a log with several sample rates. Raises as `refuse_no_log`."""
-    refuse_no_log(path)
-    try:
-        with open_bounded(path, RECORDING) as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as cause:
-        raise _unreadable(path, cause) from cause
+        raise _unreadable(where, cause) from cause
 
 
 def read_log(
@@ -86,37 +99,44 @@ def read_log(
     channel_map: ChannelMap | Path | None = None,
     *,
     require: tuple[str, ...] = REQUIRED,
+    data: bytes | None = None,
+    file: Path | None = None,
 ) -> Log:
-    """Read one run.
+    """Read one run; the ending gives the format, ``channel_map`` names and units of foreign
+    columns.
 
-    The ending of ``path`` gives the format, ``channel_map`` names and units of foreign columns.
-    Channels in ``require``, and ``time``, must be there; others that are empty are left out, with a
-    note. The manoeuvre is not judged here, see `calib.run.check`.
-
-    Raises LogError for a file that is not a valid log, see `calib.logs.verify` and
-    `calib.logs.assign`; ChannelMapError for a map that does not fit.
+    Channels in ``require`` must be there; others that are empty are left out, with a note. Raises
+    LogError for a file that is not a valid log, ChannelMapError for a map that does not fit.
 
     >>> import calib
     >>> log = calib.read_log(calib.sample_logs() / "sedan" / "coast.csv")
     >>> log.name, log.time.size, round(log.sample_time, 6)  # s
     ('coast', 2000, 0.005)
     """
-    path = Path(path)
-    if ending_of(path) not in RECORDINGS:
-        return log_of(log_bytes(path), path, channel_map, require=require)
-    return _recorded(path, recording_digest(path), path, _as_map(channel_map), require)
+    if isinstance(channel_map, str | Path):
+        from calib.logs.channel_map_file import read_channel_map
+
+        channel_map = read_channel_map(channel_map)
+    with open_log(path, channel_map, data=data, file=file) as opened:
+        return read_opened(opened, channel_map, require=require)
 
 
 def read_opened(
-    opened: Opened,
-    path: Path,
-    channel_map: ChannelMap | None = None,
-    *,
-    require: tuple[str, ...] = REQUIRED,
+    opened: Opened, channel_map: ChannelMap | None = None, *, require: tuple[str, ...] = REQUIRED
 ) -> Log:
-    """Read one run from a table that `open_log` opened; ``path`` names it. Else like `read_log`."""
-    source = opened.source
-    taken, ignored = assign(source.columns, channel_map, _with_time(require), str(path))
+    """Read one run from a log that was opened. Else like `read_log`."""
+    needed, source = tuple(dict.fromkeys(("time", *require))), opened.source
+    begun = Log(stem_of(opened.path), str(opened.path), opened.digest, {}, notes=source.notes)
+    taken, ignored = assign(source.columns, channel_map, needed, begun.source)
+    begun = replace(begun, ignored=ignored)
+    if isinstance(source, ColumnSource):
+        log = _rows(begun, source, taken)
+    else:
+        log = _recorded(begun, source, taken, channel_map)
+    return _checked(log, taken, needed)
+
+
+def _rows(log: Log, source: ColumnSource, taken: list[Assigned]) -> Log:
     written = source.read([item.index for item in taken])
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
     rounded: tuple[str, ...] = ()
@@ -124,89 +144,40 @@ def read_opened(
         values["time"], rounded = on_line(values["time"])
     measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
     filled, notes, bridged = fill_rows(measured, values["time"])
-    log = Log(
-        stem_of(path),
-        str(path),
-        opened.digest,
-        values | filled,
-        ignored=ignored,
-        notes=(*source.notes, *without_unit(source.columns, taken), *rounded, *notes),
-        bridged=tuple(bridged),
-    )
-    return _checked(log, taken, require)
-
-
-def log_of(
-    data: bytes,
-    path: Path,
-    channel_map: ChannelMap | Path | None = None,
-    *,
-    require: tuple[str, ...] = REQUIRED,
-    file: Path | None = None,
-) -> Log:
-    """Read one run from its bytes; ``path`` names it. Else like `read_log`.
-
-    ``file`` is the path of the bytes, if not ``path``: a recording is read from there.
-    """
-    path, mapped = Path(path), _as_map(channel_map)
-    if ending_of(path) not in RECORDINGS:
-        return read_opened(open_bytes(data, path, mapped), path, mapped, require=require)
-    return _recorded(Path(file or path), hashlib.sha256(data).hexdigest(), path, mapped, require)
+    told = (*log.notes, *without_unit(source.columns, taken), *rounded, *notes)
+    return replace(log, channels=values | filled, notes=told, bridged=tuple(bridged))
 
 
 def _recorded(
-    file: Path, digest: str, path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]
+    log: Log, source: Recording, taken: list[Assigned], channel_map: ChannelMap | None
 ) -> Log:
-    where = str(path)
-    opened = opened_recording(file, channel_map, where)
-    try:
-        taken, ignored = assign(opened.columns, channel_map, _with_time(require), where)
-        clock = recorded_clock(taken, channel_map)
-        others = [item for item in taken if item is not clock]
-        if not others:
-            have = ", ".join(map(repr, ignored)) or "no channels"
-            raise LogError(
-                f"no channel of the log is known; it has {have}",
-                where=where,
-                expected=f"channels named {', '.join(REQUIRED[1:])}",
-                do="; ".join([*opened.notes, "name foreign channels in a channel map (--map)"]),
-            )
-        traces = opened.read([item.index for item in others])
-    finally:
-        opened.close()
-    found = on_one_clock([i.wanted(t) for i, t in zip(others, traces, strict=True)], where)
+    clock = recorded_clock(taken, channel_map)
+    others = [item for item in taken if item is not clock]
+    if not others:
+        have = ", ".join(map(repr, log.ignored)) or "no channels"
+        raise LogError(
+            f"no channel of the log is known; it has {have}",
+            where=log.source,
+            expected=f"channels named {', '.join(REQUIRED[1:])}",
+            do="; ".join([*log.notes, "name foreign channels in a channel map (--map)"]),
+        )
+    traces = source.read([item.index for item in others])
+    found = on_one_clock([i.named(t) for i, t in zip(others, traces, strict=True)], log.source)
     written = zip((clock, *others), (found.time, *found.values), strict=True)
-    log = Log(
-        stem_of(path),
-        where,
-        digest,
-        {item.channel: item.to_si(w) for item, w in written},
-        ignored=ignored,
-        notes=(*opened.notes, *without_unit(opened.columns, taken), *found.notes),
+    return replace(
+        log,
+        channels={item.channel: item.to_si(w) for item, w in written},
+        notes=(*log.notes, *without_unit(source.columns, taken), *found.notes),
         bridged=found.bridged,
         interpolated=found.interpolated,
     )
-    return _checked(log, taken, require)
 
 
-def _as_map(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
-    if not isinstance(channel_map, str | Path):
-        return channel_map
-    from calib.logs.channel_map_file import read_channel_map
-
-    return read_channel_map(channel_map)
-
-
-def _with_time(require: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(("time", *require)))
-
-
-def _checked(log: Log, taken: list[Assigned], require: tuple[str, ...]) -> Log:
-    """The log with the channels that are whole, its truth apart. Raises LogError as `read_log`."""
+def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
     refuse_absurd(log.channels, log.source)
     possible, marked, more = without_impossible(log.channels, log.source)
     cut, cut_notes = without_open_ends(possible)
-    values, notes = complete_channels(cut, _with_time(require), log.source)
+    values, notes = complete_channels(cut, needed, log.source)
     check_clock(values["time"], log.source)
     return replace(
         log,
@@ -236,10 +207,7 @@ def _unreadable(where: object, cause: OSError) -> LogError:
 
 
 def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
-    """The bytes of a log; ``where`` names it in messages.
-
-    Raises LogError if ``path`` is not a readable file of a known format.
-    """
+    """The bytes of a log; ``where`` names it in messages. Raises LogError as `refuse_no_log`."""
     where = path if where is None else where
     refuse_no_log(path, where, any_format=any_format)
     try:
@@ -249,7 +217,7 @@ def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> 
 
 
 def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False) -> None:
-    """Raise LogError if ``path`` is not a file of a known format."""
+    """Raise LogError if ``path`` is not a readable file of a known format."""
     where = path if where is None else where
     try:
         mode = path.stat().st_mode

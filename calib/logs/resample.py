@@ -7,16 +7,17 @@ time         |----|----|----|              only where all required channels have
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.logs.clock import on_line, running, step_of
-from calib.logs.gaps import ChannelHole, Filled, fill, in_words
-from calib.logs.source import Array, ChannelTrace
+from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, in_words
+from calib.logs.source import ChannelTrace
 
 _FASTEST = 1050.0
 """A sample rate above this [Hz] is not used as the clock if there is a slower one."""
@@ -33,27 +34,8 @@ _ENDS = 0.5
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """A channel to resample: canonical name, trace, and whether to hold the last value."""
-
-    name: str
-    trace: ChannelTrace
-    hold: bool
-
-    @property
-    def required(self) -> bool:
-        """Whether every log must have the channel."""
-        return self.name in CHANNELS and CHANNELS[self.name].required
-
-
-@dataclass(frozen=True)
 class _Resampled:
-    """Channels on one clock.
-
-    ``time`` [s]; ``values`` of its shape for each wanted channel, NaN where it has none; the gaps
-    that were ``bridged``; the rate of each channel that is not empty [Hz]; names of the channels
-    that were ``interpolated``.
-    """
+    """Channels on one clock [s]: values, NaN where there is none, and rates by name [Hz]."""
 
     time: Array
     values: list[Array]
@@ -63,28 +45,24 @@ class _Resampled:
     interpolated: tuple[str, ...]
 
 
-def on_one_clock(wanted: Sequence[Wanted], where: str) -> _Resampled:
-    """Resample channels onto one clock.
+def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
+    """Resample channels onto the clock of the required one with the highest rate and even steps.
 
-    It has the timestamps of the required channel with the highest rate and even steps; if several
-    are about as fast, of those with most wheel speeds. Channels on these timestamps keep their
-    samples; others are interpolated linearly, states hold their last value. There are no values
-    outside the samples of a channel, nor in a gap, unless `calib.logs.gaps` bridges it.
-
-    Raises LogError if the required channels have no time in common, for timestamps that are not in
-    order (`calib.logs.clock`), and if there is no channel at all.
+    If several are about as fast, of those with most wheel speeds. Others are interpolated, states
+    hold their last value; NaN outside their samples and in a gap, unless `calib.logs.gaps` bridges
+    it. Raises LogError if the required channels have no time in common, and for times out of order.
     """
     if not wanted:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
     wanted, notes = _clean(wanted, where)
-    full = [w for w in wanted if w.trace.time.size > 1]
+    full = [w for w in wanted if w.time.size > 1]
     if not full:
         raise LogError("every channel is empty", where=where, expected="samples")
     low, high, cut = _span(full, where)
     rates = _rates(full)
     master = _master(full, rates)
-    inside = (master.trace.time >= low) & (master.trace.time <= high)
-    time = master.trace.time[inside]
+    inside = (master.time >= low) & (master.time <= high)
+    time = master.time[inside]
     filled = [_at(w, master, inside) for w in wanted]
     gaps = [text for item in filled for text in in_words(item)]
     return _Resampled(
@@ -93,26 +71,25 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> _Resampled:
         (*notes, *_notes(full, master, rates), *gaps, *cut),
         tuple(gap for item in filled for gap in item.bridged),
         rates,
-        tuple(w.name for w in full if not (w.hold or _same(w, master))),
+        tuple(w.name for w in full if not (w.state or _same(w, master))),
     )
 
 
-def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str]]:
-    """Sort the samples of each trace by time; drop invalid and repeated ones."""
+def _clean(wanted: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrace], list[str]]:
     clocks: dict[str, Array] = {}
     notes: list[str] = []
     cleaned = []
     for w in wanted:
-        clock = w.trace.clock
+        clock = w.clock
         if clock not in clocks:
-            time, changes = running(w.trace.time, f"{where}: {clock}")
+            time, changes = running(w.time, f"{where}: {clock}")
             if np.all(np.diff(time) > 0):
                 time, rounded = on_line(time)
                 changes += rounded
             clocks[clock] = time
             notes += [f"{clock}: {text}" for text in changes]
-        cleaned.append(Wanted(w.name, _ordered(w.trace, clocks[clock]), w.hold))
-        notes += _lost(w, cleaned[-1].trace)
+        cleaned.append(_ordered(w, clocks[clock]))
+        notes += _lost(w, cleaned[-1])
     return cleaned, list(dict.fromkeys(notes))
 
 
@@ -120,56 +97,55 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
     """Ascending times with valid values only; of equal times the last in the file."""
     valid = ~np.isnan(trace.values)
     if np.all(np.diff(time) > 0) and valid.all():
-        return ChannelTrace(trace.clock, time, trace.values, trace.state)
+        return replace(trace, time=time)
     order = np.argsort(time[valid], kind="stable")
     t, x = time[valid][order], trace.values[valid][order]
     last = np.append(np.diff(t) > 0, True) if t.size else np.zeros(0, bool)
-    return ChannelTrace(trace.clock, t[last], x[last], trace.state)
+    return replace(trace, time=t[last], values=x[last])
 
 
-def _lost(w: Wanted, trace: ChannelTrace) -> list[str]:
-    invalid = int(np.count_nonzero(np.isnan(w.trace.values)))
-    twice = w.trace.time.size - invalid - trace.time.size
+def _lost(w: ChannelTrace, trace: ChannelTrace) -> list[str]:
+    invalid = int(np.count_nonzero(np.isnan(w.values)))
+    twice = w.time.size - invalid - trace.time.size
     notes = [f"{w.name}: {invalid} samples are marked invalid and were left out"] if invalid else []
     if twice:
         notes.append(f"{trace.clock}: {twice} samples repeat a time; the last was used")
     return notes
 
 
-def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
+def _required(full: list[ChannelTrace]) -> list[ChannelTrace]:
+    return [w for w in full if w.name in CHANNELS and CHANNELS[w.name].required] or full
+
+
+def _span(full: list[ChannelTrace], where: str) -> tuple[float, float, list[str]]:
     """Time covered by all required channels [s], shortened by at most `_ENDS` for the others."""
-    base = [w for w in full if w.required] or full
-    low = max(float(w.trace.time[0]) for w in base)
-    high = min(float(w.trace.time[-1]) for w in base)
+    base = _required(full)
+    low = max(float(w.time[0]) for w in base)
+    high = min(float(w.time[-1]) for w in base)
     if high <= low:
-        spans = (f"{w.name} {w.trace.time[0]:.3f} to {w.trace.time[-1]:.3f} s" for w in base)
+        spans = (f"{w.name} {w.time[0]:.3f} to {w.time[-1]:.3f} s" for w in base)
         raise LogError(
             "the channels have no time in common: " + ", ".join(spans),
             where=where,
             expected="one run in which all are recorded",
         )
-    first, last = min(w.trace.time[0] for w in full), max(w.trace.time[-1] for w in full)
-    near = [
-        w
-        for w in full
-        if w.trace.time[0] <= low + _ENDS
-        and w.trace.time[-1] >= high - _ENDS  # shorter ones get NaN
-    ]
-    low = max([low, *(float(w.trace.time[0]) for w in near)])
-    high = min([high, *(float(w.trace.time[-1]) for w in near)])
+    first, last = min(w.time[0] for w in full), max(w.time[-1] for w in full)
+    # shorter ones get NaN
+    near = [w for w in full if w.time[0] <= low + _ENDS and w.time[-1] >= high - _ENDS]
+    low = max([low, *(float(w.time[0]) for w in near)])
+    high = min([high, *(float(w.time[-1]) for w in near)])
     ends = max(low - first, last - high)
     cut = f"{low - first:.3f} s at the start and {last - high:.3f} s at the end were cut off: "
     return low, high, [cut + "not every channel has values there"] if ends > 0.0005 else []
 
 
-def _rates(full: list[Wanted]) -> dict[str, float]:
-    """The rate of each channel [Hz]; computed once for each clock and length."""
+def _rates(full: list[ChannelTrace]) -> dict[str, float]:
     known: dict[tuple[str, int], float] = {}
     for w in full:
-        raster = w.trace.clock, w.trace.time.size
+        raster = w.clock, w.time.size
         if raster not in known:
-            known[raster] = 1.0 / step_of(w.trace.time)
-    return {w.name: known[w.trace.clock, w.trace.time.size] for w in full}
+            known[raster] = 1.0 / max(step_of(w.time), INSTANT)
+    return {w.name: known[w.clock, w.time.size] for w in full}
 
 
 def _even(time: Array) -> bool:
@@ -179,39 +155,36 @@ def _even(time: Array) -> bool:
     return bool(np.quantile(np.abs(steps - median), 0.9) <= _UNEVEN * median)
 
 
-def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
-    base = [w for w in full if w.required] or full
-    base = [w for w in base if _even(w.trace.time)] or base
+def _master(full: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
+    base = _required(full)
+    base = [w for w in base if _even(w.time)] or base
     fastest = [rates[w.name] for w in base]
     top = max([r for r in fastest if r <= _FASTEST] or fastest)
     alike = [w for w in base if _ALIKE * top <= rates[w.name] <= top]
 
-    def carried(w: Wanted) -> tuple[int, int, int]:
-        mates = [x.name for x in full if x.trace.clock == w.trace.clock]
-        return sum(n.startswith("omega") for n in mates), len(mates), w.trace.time.size
+    def carried(w: ChannelTrace) -> tuple[int, int, int]:
+        mates = [x.name for x in full if x.clock == w.clock]
+        return sum(n.startswith("omega") for n in mates), len(mates), w.time.size
 
     return max(alike, key=carried)
 
 
-def at_times(wanted: Sequence[Wanted], time: Array, where: str) -> list[Array]:
-    """Values of channels at other times [s], (n,) each, as `on_one_clock` takes them.
-
-    Raises LogError for timestamps that are not in order.
-    """
+def at_times(wanted: Sequence[ChannelTrace], time: Array, where: str) -> list[Array]:
+    """Values of channels at other times [s], (n,) each, as `on_one_clock` takes them."""
     return [_on(w, time).values for w in _clean(wanted, where)[0]]
 
 
-def _at(w: Wanted, master: Wanted, inside: NDArray[np.bool_]) -> Filled:
-    if w.trace.time.size > 1 and _same(w, master):
-        return Filled(w.trace.values[inside])
-    return _on(w, master.trace.time[inside])
+def _at(w: ChannelTrace, master: ChannelTrace, inside: NDArray[np.bool_]) -> Filled:
+    if w.time.size > 1 and _same(w, master):
+        return Filled(w.values[inside])
+    return _on(w, master.time[inside])
 
 
-def _on(w: Wanted, at: Array) -> Filled:
-    t, x = w.trace.time, w.trace.values
+def _on(w: ChannelTrace, at: Array) -> Filled:
+    t, x = w.time, w.values
     if t.size < 2:
         return Filled(np.full(at.size, np.nan))
-    return Filled(_held(t, x, at)) if w.hold else fill(w.name, t, x, at)
+    return Filled(_held(t, x, at)) if w.state else fill(w.name, t, x, at)
 
 
 def _held(t: Array, x: Array, at: Array) -> Array:
@@ -221,17 +194,16 @@ def _held(t: Array, x: Array, at: Array) -> Array:
     return held
 
 
-def _same(w: Wanted, master: Wanted) -> bool:
-    return np.array_equal(w.trace.time, master.trace.time)
+def _same(w: ChannelTrace, master: ChannelTrace) -> bool:
+    return np.array_equal(w.time, master.time)
 
 
-def _notes(full: list[Wanted], master: Wanted, rates: dict[str, float]) -> list[str]:
-    """One line for each clock on how its channels were resampled."""
+def _notes(full: list[ChannelTrace], master: ChannelTrace, rates: dict[str, float]) -> list[str]:
     if all(_same(w, master) for w in full):
         return []
     lines: dict[str, list[str]] = {}
     for w in full:
-        way = "held" if w.hold else "interpolated linearly"
+        way = "held" if w.state else "interpolated linearly"
         how = "is the clock" if _same(w, master) else way
-        lines.setdefault(f"({w.trace.clock}, {rates[w.name]:.4g} Hz) {how}", []).append(w.name)
+        lines.setdefault(f"({w.clock}, {rates[w.name]:.4g} Hz) {how}", []).append(w.name)
     return [f"{', '.join(names)} {how}" for how, names in lines.items()]

@@ -6,20 +6,14 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from types import ModuleType
 
-import numpy as np
-from numpy.typing import NDArray
-
+from calib.base.arrays import Array
 from calib.base.errors import LogError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it. ``unit`` is None if the file has no unit for it.
-
-    ``full`` distinguishes columns of the same ``name``: with group, message or bus, or the whole
-    header cell.
+    """A column as the file names it; ``full`` tells those of one ``name`` apart. ``unit`` may be
+    None.
     """
 
     name: str
@@ -50,12 +44,10 @@ def address_of(column: Column, columns: Sequence[Column]) -> str:
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """An opened log file.
+    """An opened table: ``read`` takes indices of columns, and gives arrays as written, NaN for
+    empty.
 
-    ``columns`` in file order; ``read`` takes indices into them and returns one array each, as
-    written, with NaN for an empty cell, and raises LogError for a column that holds no numbers;
-    ``notes`` on oddities that are no errors; ``rates`` of the columns that were recorded on another
-    clock than that of the rows [Hz], by index.
+    ``rates`` [Hz], by index, of the columns that were recorded on another clock than the rows.
     """
 
     columns: tuple[Column, ...]
@@ -83,26 +75,24 @@ CLOCK = Column("time", "s")
 
 @dataclass(frozen=True)
 class ChannelTrace:
-    """One channel as it was recorded.
+    """One channel as it was recorded; traces of equal ``clock`` share their timestamps.
 
-    ``clock`` names the timestamps in words; traces of equal ``clock`` share ``time``.
-    ``time`` [s], in the order of the file, shape (n,); ``values`` as written, NaN where the file
-    marks them as invalid, shape (n,); ``state`` is true if they must not be interpolated, such as a
-    gear or a flag.
+    ``time`` [s], in the order of the file, and ``values`` as written, NaN where invalid, are (n,).
+    A ``state``, such as a gear, holds its last value.
     """
 
     clock: str
     time: Array
     values: Array
     state: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """An opened log with several sample rates.
+    """An opened log with several sample rates: ``read`` gives a trace for each index.
 
-    ``columns`` begin with ``CLOCK``; ``read`` takes indices of the others and returns one trace
-    each; ``notes`` on oddities that are no errors; ``close`` closes the file.
+    ``columns`` begin with ``CLOCK``, which has no trace; ``close`` closes the file.
     """
 
     columns: tuple[Column, ...]

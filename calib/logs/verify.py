@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import counted
 from calib.logs.gaps import ONLY
-from calib.logs.source import Array
 
 _MIN_SAMPLES = 50
 """Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""
@@ -27,10 +27,8 @@ ENDS = 1.0
 def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The rows from the first value of the last channel that begins to the first last value.
 
-    On a bus each channel begins with its first message, and ends with its last one. A channel that
-    has none for more than `ENDS` [s] at an end counts as one with a gap, and cuts nothing.
-    ``channels`` by name, each (n,), have NaN where the file has no value. Returns the channels,
-    each (m,), and a note on what was cut.
+    ``channels`` by name, (n,) each, are NaN where they have no value. One without a value for more
+    than `ENDS` [s] at an end counts as one with a gap. Returns (m,) each, and a note.
     """
     time = channels.get("time")
     if time is None or not np.isfinite(time).all():
@@ -58,10 +56,9 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
 def complete_channels(
     channels: dict[str, Array], require: tuple[str, ...], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The channels that have a finite value in every row, and a note on each dropped one.
+    """The channels that are finite in every row, and a note on each dropped one.
 
-    ``channels`` as for `without_open_ends`. Raises LogError for an empty channel that is in
-    ``require``, and for missing values in a channel that every log must have.
+    Raises LogError for an empty one in ``require``, and for missing values in what every log has.
     """
     kept, notes = {}, []
     for name, values in channels.items():

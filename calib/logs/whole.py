@@ -10,22 +10,17 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import to_si
-from calib.logs.assign import MAP_IT, Assigned, assign
+from calib.logs.assign import MAP_IT, assign
 from calib.logs.channel_map import ChannelMap
 from calib.logs.clock import GAP, step_of
-from calib.logs.formats import RECORDINGS, as_source, ending_of, stem_of
-from calib.logs.log import Array, Log
-from calib.logs.read import (
-    Opened,
-    open_log,
-    opened_recording,
-    recorded_clock,
-    recording_digest,
-)
-from calib.logs.source import Column
+from calib.logs.formats import stem_of
+from calib.logs.log import Log
+from calib.logs.read import open_log, recorded_clock
+from calib.logs.source import Column, Recording
 from calib.logs.verify import check_increasing
 
 TIME = "time"
@@ -33,10 +28,7 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class WholeColumn:
-    """A column: ``values`` (n,) in ``unit``, NaN where there is none; ``unit`` None if not known.
-
-    ``rate`` [Hz] at which it was recorded, where that is not the rate of the rows.
-    """
+    """``values`` (n,) in ``unit``, NaN for none; ``rate`` [Hz] if not that of the rows."""
 
     name: str
     unit: str | None
@@ -76,35 +68,18 @@ class WholeLog:
 
 
 def read_whole(
-    path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
+    path: Path, channel_map: ChannelMap | None = None, *, data: bytes | None = None
 ) -> WholeLog:
     """Read every column of a log; of several sample rates on the clock that `read_log` takes.
 
-    With ``keep_names`` names and values stay as they are in the file; of ``channel_map`` only the
-    text format and the DBC files are used. Raises LogError for a file that is not a log,
-    ChannelMapError for a map that does not fit.
+    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
     """
-    path = Path(path)
-    if ending_of(path) not in RECORDINGS:
-        return whole_of(open_log(path, channel_map), path, channel_map, keep_names)
-    digest, opened = recording_digest(path), opened_recording(path, channel_map)
-    try:
-        taken = {} if keep_names else _assigned(opened.columns, channel_map, path)
-        if taken:
-            recorded_clock(list(taken.values()), channel_map)
-    except BaseException:
-        opened.close()
-        raise
-    recorded = Opened(as_source(opened, str(path), taken), digest)
-    return whole_of(recorded, path, channel_map, keep_names)
-
-
-def whole_of(
-    opened: Opened, path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
-) -> WholeLog:
-    """Every column of a log that was opened; ``path`` names it. Else like `read_whole`."""
-    source = opened.source
-    taken = {} if keep_names else _assigned(source.columns, channel_map, path)
+    with open_log(path, channel_map, data=data) as opened:
+        assigned, _ = assign(opened.source.columns, channel_map, (), str(path))
+        taken = {item.index: item for item in assigned}
+        if isinstance(opened.source, Recording):
+            recorded_clock(assigned, channel_map)
+        source = opened.table(taken)
     every = dict(enumerate(source.each()))
     values = {i: x for i, x in every.items() if not isinstance(x, LogError)}
     notes = [
@@ -112,7 +87,7 @@ def whole_of(
         for i, error in every.items()
         if isinstance(error, LogError)
     ]
-    if channel_map and not keep_names:  # under their own names they would be channels
+    if channel_map:  # under their own names they would be channels
         for index in [i for i in values if source.columns[i].name in channel_map.ignore]:
             del values[index]
             notes.append(f"{source.columns[index].full_name} was left out: the map ignores it")
@@ -129,14 +104,9 @@ def whole_of(
         columns.append(found)
     if not columns:
         raise LogError("no column holds numbers", where=path, expected="a log")
-    told = (*source.notes, *notes)
-    return WholeLog(stem_of(path), str(path), opened.digest, tuple(columns), told)
-
-
-def _assigned(
-    columns: tuple[Column, ...], channel_map: ChannelMap | None, path: Path
-) -> dict[int, Assigned]:
-    return {item.index: item for item in assign(columns, channel_map, (), str(path))[0]}
+    return WholeLog(
+        stem_of(path), str(path), opened.digest, tuple(columns), (*source.notes, *notes)
+    )
 
 
 def _unused(column: Column, names: set[str]) -> str:
@@ -151,10 +121,7 @@ def _unused(column: Column, names: set[str]) -> str:
 
 
 def channels_log(log: WholeLog) -> Log:
-    """The canonical channels in SI, without those that have no value in some row.
-
-    Raises LogError without a valid clock.
-    """
+    """The channels in SI that have a value in every row. Raises LogError without a clock."""
     channels = {}
     for column in log.columns:
         if column.canonical and column.unit and np.isfinite(column.values).all():
@@ -163,10 +130,7 @@ def channels_log(log: WholeLog) -> Log:
 
 
 def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> WholeLog:
-    """Return the rows from ``start`` to ``end`` [s], both included; None for an end of the log.
-
-    Raises LogError if there is no row between them, and for a log without a valid clock.
-    """
+    """The rows from ``start`` to ``end`` [s], both included. Raises LogError if there is none."""
     time = log.time
     first = 0 if start is None else int(np.searchsorted(time, start, side="left"))
     last = time.size if end is None else int(np.searchsorted(time, end, side="right"))
@@ -183,11 +147,8 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
 
 @dataclass(frozen=True)
 class Inventory:
-    """One column.
-
-    ``low``, ``high`` in ``unit``, None without a value; ``samples`` rows with a value; ``rate``
-    [Hz] of the recording, or by the mean step of those rows; ``gaps`` of more than `GAP` steps:
-    time of the last value before each and its length [s].
+    """One column: range in ``unit``, rows with a value, ``rate`` [Hz], start and length of gaps
+    [s].
     """
 
     name: str

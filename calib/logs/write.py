@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.printable import one_line
 from calib.base.units import from_si
 from calib.base.write import write_whole
 from calib.logs.assign import TRUTH
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.source import need
 from calib.logs.text.cells import column_from_cell
@@ -42,10 +43,9 @@ DECIMALS = {
 
 
 def write_csv(log: Log, path: Path) -> None:
-    """Write ``log`` as CSV with header cells ``name [unit]``, truth channels last.
+    """Write ``log`` as CSV with header cells ``name [unit]``, truth channels last, to `DECIMALS`.
 
-    The log read back is equal to the printed decimals. Raises ValueError for a value that is not
-    finite, OSError if ``path`` cannot be written.
+    Raises ValueError for a value that is not finite, OSError if ``path`` cannot be written.
     """
     columns = list(_columns(log))
     header = ",".join(f"{name} [{unit}]" for name, unit, _ in columns)
@@ -59,16 +59,11 @@ def write_csv(log: Log, path: Path) -> None:
 
 
 def write_parquet(log: Log, path: Path) -> None:
-    """Write ``log`` as Parquet, the unit of each channel in its field metadata.
-
-    The log read back is equal to rounding error. Checksums show damage to the reader.
-    Raises as `write_csv`.
-    """
+    """Write ``log`` as Parquet, the unit of each channel in its metadata. Raises as `write_csv`."""
     write_whole(Path(path), _parquet_bytes(_columns(log)))
 
 
 def _parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
-    """A Parquet file from name, unit and values of each column; null where a value is NaN."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -117,7 +112,6 @@ def _to_csv(log: WholeLog) -> bytes:
 
 
 def _cell(column: WholeColumn) -> str:
-    """A header cell that is read back as this name and unit."""
     name = one_line(column.name)
     unit = _unit(name, column.unit)
     return name if unit is None else f"{name} [{unit}]"

@@ -17,12 +17,9 @@ from calib.model.simulate import simulate
 from calib.run.driving_record import SETTLE
 from calib.run.pedal import as_pressed
 
-_FIRST_SECONDS = 0.25
-"""Shortest span [s] of the line for the first speed: it reduces 0.02 m/s of noise to 0.006 m/s, and
-a beginning braking changes v by less than 0.01 m/s."""
-
-COAST_SECONDS = 1.5
-"""Longest span [s], without braking: drag bends v by less than 0.001 m/s."""
+_FIRST_SECONDS, COAST_SECONDS = 0.25, 1.5
+"""Shortest and longest span [s] of the line for the first speed: it reduces 0.02 m/s of noise to
+0.006 m/s, a beginning braking changes v by less than 0.01 m/s, and drag bends it by 0.001 m/s."""
 
 
 def replay(
@@ -35,11 +32,8 @@ def replay(
     """Simulate the model with the pressures of a log from its first speed, open loop.
 
     Wheel pressures [Pa] are used if they are logged, else ``p_mc``; disc temperatures and the
-    torque of engine or motor if they are logged. Ends like `simulate`, at ``stop_speed`` [m/s] at
-    the latest. A ripple follows ``wheel_angle`` [rad] (n,) by axle, else the angle of the
-    simulation, whose origin is the first sample. Discs whose temperature is not logged are at
-    ``start_heat`` [degC], front and rear, at the first sample. Raises LogError if the log has no
-    first speed, ModelError if there is nothing to simulate.
+    torque of engine or motor if they are logged; the rest as in `simulate`. Raises LogError if the
+    log has no first speed, ModelError if there is nothing to simulate.
     """
     step = log.sample_time
     return simulate(
@@ -70,14 +64,14 @@ def first_speed(log: Log, vehicle: Vehicle, late: float = 0.0) -> float:
     first = since <= min(max(free, _FIRST_SECONDS), COAST_SECONDS)
     speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
     finite = np.isfinite(speed)
-    if np.count_nonzero(finite[since[first] <= _FIRST_SECONDS]) < 2:
+    t = since[first]
+    if np.count_nonzero(finite[t <= _FIRST_SECONDS]) < 2:
         raise LogError(
             f"no speed in the first {_FIRST_SECONDS:g} s",
             where=log.source,
             expected="v, or wheel speeds, from the start",
         )
-    t = (log.time[first] - log.time[0])[finite]
-    line = np.polynomial.Polynomial.fit(t, speed[finite], 1)
+    line = np.polynomial.Polynomial.fit(t[finite], speed[finite], 1)
     return float(line(late))
 
 

@@ -49,18 +49,15 @@ LEVELS: dict[str, NoiseLevel] = {
 
 
 def add_noise(log: Log, seed: int, levels: Mapping[str, NoiseLevel] = LEVELS) -> Log:
-    """Return the log with sensor noise; channels without a level are not changed.
+    """Return the log with sensor noise; channels without a level, and the truth, are not changed.
 
-    Every channel has its own random numbers, so that an additional channel changes no other. Truth
-    channels are not changed. The coloured part uses the median step; it is exact for a uniform
-    clock.
+    The coloured part uses the median step; it is exact for a uniform clock.
     """
-    channels = {
-        name: reading(values, levels[name], log.sample_time, _stream(seed, name))
-        if name in levels
-        else values
-        for name, values in log.channels.items()
-    }
+    channels = dict(log.channels)
+    for name in channels.keys() & levels.keys():
+        # every channel has its own numbers, so that an additional channel changes no other
+        random = np.random.default_rng([seed, zlib.crc32(name.encode())])
+        channels[name] = reading(channels[name], levels[name], log.sample_time, random)
     record = {"name": log.name, "noise": seed}
     return replace(
         log,
@@ -74,23 +71,14 @@ def reading(
     truth: Array, level: NoiseLevel, sample_time: float, random: np.random.Generator
 ) -> Array:
     """Reading of a sensor for ``truth`` (n,), sampled every ``sample_time`` [s]."""
+    from scipy.signal import lfilter
+
     white = level.sd * np.sqrt(1.0 - level.coloured) * random.standard_normal(truth.size)
-    colour = level.sd * np.sqrt(level.coloured) * _coloured(truth.size, sample_time, random)
+    a = np.exp(-sample_time / TIME_CONSTANT)
+    shocks = random.standard_normal(truth.size)
+    shocks[1:] *= np.sqrt(1.0 - a * a)  # the first sample has the stationary distribution
+    colour = level.sd * np.sqrt(level.coloured) * lfilter([1.0], [1.0, -a], shocks)
     seen: Array = truth + white + colour
     if level.quantum:
         seen = np.round(seen / level.quantum) * level.quantum
     return np.asarray(np.maximum(seen, level.floor))
-
-
-def _coloured(size: int, sample_time: float, random: np.random.Generator) -> Array:
-    """A stationary AR(1) of unit variance and correlation time `TIME_CONSTANT`."""
-    from scipy.signal import lfilter
-
-    a = np.exp(-sample_time / TIME_CONSTANT)
-    shocks = random.standard_normal(size)
-    shocks[1:] *= np.sqrt(1.0 - a * a)  # the first sample has the stationary distribution
-    return np.asarray(lfilter([1.0], [1.0, -a], shocks))
-
-
-def _stream(seed: int, channel: str) -> np.random.Generator:
-    return np.random.default_rng([seed, zlib.crc32(channel.encode())])

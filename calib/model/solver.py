@@ -39,10 +39,8 @@ _LEAST_LOAD = 0.01
 class Drive:
     """Inputs that do not change between iterations.
 
-    ``brakes`` with the model; ``rest`` clock, pressure and temperatures; ``v0``, ``stop_speed``
-    first and last speed [m/s]; ``drive_torque`` of engine or motor at the front and the rear wheels
-    [N m per axle] (n,), negative where it slows; ``wheel_angle`` [rad] (n,) by axle where it is
-    known, else that of the iteration counts.
+    ``brakes`` with the model; ``rest`` clock, pressure and temperatures; the others as in
+    `calib.model.simulate`, ``drive_torque`` front and rear.
     """
 
     brakes: Brakes
@@ -54,7 +52,7 @@ class Drive:
 
     @property
     def time(self) -> Array:
-        """The clock [s] (n,)."""
+        """[s] (n,)."""
         return self.rest.time
 
     def total(self, force: Mapping[str, Array]) -> Array:
@@ -104,10 +102,10 @@ def solve(run: Drive) -> SolverState:
         if end < 2:
             raise ModelError("nothing to simulate", expected="two samples or more", do=why)
         before = slice(0, end)
-        changes = [np.abs(new.v - state.v)[before] / run.v0]
-        changes += [np.abs(new.slip[w] - state.slip[w])[before] for w in new.slip]
+        changes = [(new.v - state.v)[before] / run.v0]
+        changes += [(new.slip[w] - state.slip[w])[before] for w in new.slip]
         state = new
-        if np.max(changes) < TOLERANCE:
+        if np.max(np.abs(changes)) < TOLERANCE:
             return state
     raise ModelError(
         f"the simulation did not converge in {ITERATIONS} iterations",
@@ -122,7 +120,7 @@ def history_of(run: Drive, state: SolverState) -> RunHistory:
         return run.rest
     v = run.moving(state.v)
     angle, energy = {}, {}
-    for a in "fr":
+    for a in AXLES:
         axle, wheels = run.brakes.axle(a), [w for w in state.slip if w[0] == a]
         omega = np.mean([forces.wheel_speed(axle, state.slip[w], v) for w in wheels], axis=0)
         torque = np.mean([state.demand[w].torque for w in wheels], axis=0)
@@ -175,16 +173,11 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
     travel = wheel.Travel(run.time, run.moving(old.v), old.z)
     loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
     motion = Motion(travel.v, loads[0], loads[1], history)
-    moments = [
-        moment - torque
-        for moment, torque in zip(
-            total_axle_moment(vehicle, model.effects, motion), run.drive_torque, strict=True
-        )
-    ]
+    moments = np.subtract(total_axle_moment(vehicle, model.effects, motion), run.drive_torque)
     tyres = tyres_along(model, run.time, travel.v)
     slip, demand, force, used = {}, {}, {}, {}
     for w, torque in run.brakes.torques(history).items():
-        i = "fr".index(w[0])
+        i = AXLES.index(w[0])
         tyre = wheel.RisingTyre(tyres[i], 2.0 * loads[i] / vehicle.weight)
         demand[w] = wheel.WheelDemand(torque, 0.5 * moments[i], 0.5 * loads[i])
         slip[w] = wheel.next_slip(run.brakes.axle(w), tyre, demand[w], travel, old.slip[w])

@@ -34,42 +34,39 @@ from calib.run.blocks import Blocks
 from calib.run.filters import centred_mean
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
+_SCALE = 0.02
+"""Sigma of c [1]: data sheets of car accelerometers give 1 to 3 % over life and temperature."""
 
-@dataclass(frozen=True)
-class _AccelerometerPriors:
-    """What is believed of the sensor and the road before the log. Each with its reason.
+_THERE, _STILL = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002])
+"""Sigma of bias, grade and drag [g] where each is there, and where it is said not to be. A mounting
+that is 2 degrees off is 0.035 g, a road of 4 % is 0.04 g and a mountain road has 0.15 g, an engine
+in gear at 2000 rpm 0.02 to 0.05 g."""
 
-    ``scale`` sigma of c: data sheets of car accelerometers give 1 to 3 % over life and temperature.
-    ``bias``, ``grade``, ``drag`` [g]: sigma of each where it is there; a mounting that is 2 degrees
-    off is 0.035 g, a road of 4 % is 0.04 g and a mountain road has 0.15 g, an engine in gear at
-    2000 rpm 0.02 to 0.05 g.
-    ``still_bias``, ``still_grade``, ``still_drag`` [g]: sigma where it is said not to be there.
-    ``odds_bias``, ``odds_grade``, ``odds_drag``: how often each is there.
-    ``still_wander`` [g/s^0.5]: how far any grade walks in a second. ``wander`` [g/s^0.5]: how far
-    one walks that changes; a crest of 6 km radius changes it by 0.005 a second at 30 m/s, a bridge
-    or a ramp by 0.02. ``odds_wander``: how often, on roads that are chosen for such runs.
-    ``other_scale`` sigma of c where a unit, a clock or a filter is wrong: knots taken for m/s are
-    49 % off, a clock of 110 Hz taken for 100 is 10 % off. ``odds_other``: one log in 3000;
-    a scale that is sharp is then another cause from 9 % on, 4.6 sigma of a sensor.
-    ``lag`` [s]: how far v and a_x may be out of step.
-    """
+_ODDS = np.array([0.15, 0.3, 0.15, ODDS_ROAD[1]])
+"""How often a bias, a grade, a drag and a grade that walks are there."""
 
-    scale: float = 0.02
-    bias: float = 0.03
-    grade: float = 0.05
-    drag: float = 0.03
-    still_bias: float = 0.0015
-    still_grade: float = 0.002
-    still_drag: float = 0.002
-    odds_bias: float = 0.15
-    odds_grade: float = 0.3
-    odds_drag: float = 0.15
-    still_wander: float = EVEN
-    wander: float = CHANGING
-    odds_wander: float = float(ODDS_ROAD[1])
-    other_scale: float = 0.3
-    odds_other: float = 3e-4
-    lag: float = 0.02
+_OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
+"""Sigma of c where a unit, a clock or a filter is wrong: knots taken for m/s are 49 % off, a clock
+of 110 Hz taken for 100 is 10 % off. One log in 3000; a scale that is sharp is then another cause
+from 9 % on, 4.6 sigma of a sensor."""
+
+_LAG = 0.02
+"""How far v and a_x may be out of step [s]."""
+
+_GREATEST = 1.5
+"""Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
+
+_SECOND = 1.0
+"""Time over which a_x and v are compared [s]: the noise of v then counts for 0.002 g."""
+
+_STEP = 4
+"""Blocks from one judgement to the next: 0.2 s."""
+
+_CASES = np.array(list(product((False, True), repeat=4)))
+"""Whether bias, grade, drag and a grade that walks are there (16, 4): those that walk by turns."""
+
+_SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
+"""From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
 @dataclass(frozen=True)
@@ -111,51 +108,6 @@ class Accelerometer:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-_GREATEST = 1.5
-"""Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
-
-_SECOND = 1.0
-"""Time over which a_x and v are compared [s]: the noise of v then counts for 0.002 g."""
-
-_STEP = 4
-"""Blocks from one judgement to the next: 0.2 s."""
-
-
-def accelerometer(
-    b: Blocks,
-    unexplained: Array,
-    sigma: Array,
-    density_z: float,
-    density_v: float,
-    priors: _AccelerometerPriors | None = None,
-    smooth: Array | None = None,
-) -> Accelerometer:
-    """Judge the accelerometer of a log block by block.
-
-    ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
-    ``sigma`` of that resistance, common to the log [1], (k,); ``density_z`` [s^0.5], ``density_v``
-    [m/s s^0.5] noise. ``smooth`` z of the blocks without jolts [1], (k,), tells scale and lag: in a
-    jolt a_x and v may differ by other causes.
-    """
-    p = priors or _AccelerometerPriors()
-    at = np.arange(0, b.end.size, _STEP)
-    read = _Reading(b, unexplained, sigma, density_z, density_v)
-    speeds, evidence = _evidence(read, b.z if smooth is None else smooth, p, at)
-    weighed = _weighed(evidence, p)
-    wanders = weighed.weights[:, 1::2].sum(axis=1)
-    lags = [s.lag_of(weighed) for s in speeds]
-    lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
-    variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
-    disagrees = _disagreement(b, weighed.mean[:, 0], at)
-    other = 0.0
-    braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
-    if braked and abs(weighed.mean[-1, 0]) > 2.0 * p.scale:
-        other = _other_scale(read, p, at[-1:])
-    others = np.full(at.size, other)
-    rows = np.column_stack([*_columns(weighed), lag, variance_lag, wanders, others, disagrees])
-    return _held(rows, at, b.end.size)
-
-
 class _Reading(NamedTuple):
     """What is judged; as `accelerometer` takes it."""
 
@@ -166,27 +118,57 @@ class _Reading(NamedTuple):
     density_v: float
 
 
+def accelerometer(
+    b: Blocks,
+    unexplained: Array,
+    sigma: Array,
+    density_z: float,
+    density_v: float,
+    smooth: Array | None = None,
+) -> Accelerometer:
+    """Judge the accelerometer of a log block by block.
+
+    ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
+    ``sigma`` of that resistance, common to the log [1], (k,); ``density_z`` [s^0.5], ``density_v``
+    [m/s s^0.5] noise. ``smooth`` z of the blocks without jolts [1], (k,), tells scale and lag: in a
+    jolt a_x and v may differ by other causes.
+    """
+    at = np.arange(0, b.end.size, _STEP)
+    read = _Reading(b, unexplained, sigma, density_z, density_v)
+    speeds, evidence = _evidence(read, b.z if smooth is None else smooth, at)
+    weighed = _mixture(evidence, _CASES, _SCALE)
+    c, bias, grade, drag = weighed.mean.T
+    wanders = weighed.weights[:, 1::2].sum(axis=1)
+    lags = [s.lag_of(weighed) for s in speeds]
+    lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
+    variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
+    other = 0.0
+    braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
+    if braked and abs(c[-1]) > 2.0 * _SCALE:
+        other = _other_scale(read, at[-1:])
+    covariance = [weighed.covariance[:, i, j] for i, j in ((0, 0), (1, 1), (0, 1))]
+    rest = wanders, np.full(at.size, other), _disagreement(b, c, at)
+    rows = np.column_stack([c, bias, *covariance, grade, drag, lag, variance_lag, *rest])
+    return Accelerometer(*rows[np.arange(b.end.size) // _STEP].T)
+
+
 _Evidence = tuple[Array, Array, Array]
 """Of a steady grade and of one that walks: precision (m, 2, 3, 3), vector (m, 2, 3) of (c, e, d),
 logarithm of the likelihood where they are zero (m, 2)."""
 
 
-def _evidence(
-    read: _Reading, smooth: Array, p: _AccelerometerPriors, at: Index
-) -> tuple[list["_AgainstSpeed"], _Evidence]:
+def _evidence(read: _Reading, smooth: Array, at: Index) -> tuple[list["_AgainstSpeed"], _Evidence]:
     """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
     compared = _compared(read.b, smooth)
-    speeds = [
-        _against_speed(read.b, compared, read.density_z, read.density_v, p, at, walk)
-        for walk in (p.still_wander, p.wander)
-    ]
-    d, variance_d = _on_lead_in(read.b, read.unexplained, read.sigma, read.density_z, at)
-    precision, vector = (
-        np.stack([getattr(s, name) for s in speeds], 1) for name in ("precision", "vector")
+    speeds = [_against_speed(read, compared, at, walk) for walk in (EVEN, CHANGING)]
+    d, variance_d = _on_lead_in(read, at)
+    precision, vector, likelihood = (
+        np.stack([getattr(s, name) for s in speeds], 1)
+        for name in ("precision", "vector", "likelihood")
     )
     precision[..., 2, 2] += 1.0 / variance_d[:, None]
     vector[..., 2] += (d / variance_d)[:, None]
-    return speeds, (precision, vector, np.stack([s.likelihood for s in speeds], 1))
+    return speeds, (precision, vector, likelihood)
 
 
 @dataclass(frozen=True)
@@ -214,15 +196,12 @@ class _AgainstSpeed:
         return -lag, 1.0 / self.own + spread / self.own**2
 
 
-_Compared = tuple[Array, Mask]
-
-
 def _usable(b: Blocks) -> Mask:
     """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
     return np.asarray((b.speed > 2.0) & (np.abs(b.z) < _GREATEST))
 
 
-def _compared(b: Blocks, smooth: Array) -> _Compared | None:
+def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
     """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
 
     And where they are to be used, (k - 1,). None without v. ``smooth`` as in `accelerometer`.
@@ -240,13 +219,7 @@ def _compared(b: Blocks, smooth: Array) -> _Compared | None:
 
 
 def _against_speed(
-    b: Blocks,
-    compared: _Compared | None,
-    density_z: float,
-    density_v: float,
-    p: _AccelerometerPriors,
-    at: Index,
-    wander: float,
+    read: _Reading, compared: tuple[Array, Mask] | None, at: Index, wander: float
 ) -> _AgainstSpeed:
     """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
 
@@ -258,62 +231,48 @@ def _against_speed(
     if compared is None:
         none = np.zeros(at.size)
         along = np.zeros((at.size, 2))
-        return _AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
+        return _AgainstSpeed(precision, vector, none, none + _LAG**-2.0, none, along)
     from scipy.signal import lfilter
 
-    h = b.length
-    white, walk = density_v**2 / h, (G * density_z) ** 2 * h
+    h = read.b.length
+    white, walk = read.density_v**2 / h, (G * read.density_z) ** 2 * h
     columns, usable = compared
     average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
     start = np.zeros_like(columns[:1])
     start[0, :2] = -1.0, 1.0  # the noise of the first v, which all others are compared with
     y, *known = lfilter([1.0], average, np.concatenate([columns, start])) / sigma
-    n = len(known)
-    pair, side = np.empty((n, n, at.size)), np.empty((n, at.size))
-    for i, u in enumerate(known):
-        side[i] = _so_far(u * y)[at]
-        for j in range(i, n):
-            pair[i, j] = pair[j, i] = _so_far(u * known[j])[at]
+    X = np.stack(known)
+    pair, side = _so_far(X[:, None] * X)[..., at], _so_far(X * y)[..., at]
     likelihood = -_so_far(0.5 * y**2 + usable * np.log(sigma))[at]
     # the shares of the start and of the lag are taken out with their priors
-    for last, variance in ((3, white), (2, p.lag**2)):
+    for last, variance in ((3, white), (2, _LAG**2)):
         own, along, right = pair[last, last] + 1.0 / variance, pair[:last, last], side[last]
         likelihood += 0.5 * (right**2 / own - np.log(own))
         pair = pair[:last, :last] - along[:, None] * along[None, :] / own
         side = side[:last] - along * right / own
     precision[:, :2, :2], vector[:, :2] = np.moveaxis(pair, -1, 0), side.T
-    along = along.T
-    return _AgainstSpeed(precision, vector, likelihood, own, right, along)
+    return _AgainstSpeed(precision, vector, likelihood, own, right, along.T)
 
 
 def _so_far(x: Array) -> Array:
-    """Sums of a step-to-step quantity (k - 1,) up to each block (k,): none for the first."""
-    return np.concatenate([[0.0], np.cumsum(x)])
+    """Sums of a step-to-step quantity (..., k - 1) up to each block: none for the first."""
+    return np.insert(np.cumsum(x, axis=-1), 0, 0.0, axis=-1)
 
 
-def _on_lead_in(
-    b: Blocks, unexplained: Array, sigma: Array, density_z: float, at: Index
-) -> tuple[Array, Array]:
+def _on_lead_in(read: _Reading, at: Index) -> tuple[Array, Array]:
     """Mean of ``unexplained`` over the lead-in so far, and its variance [1]; inf without any."""
+    b = read.b
     free = b.lead_in & (b.speed > 3.0)
     count = np.cumsum(free)
     some = np.maximum(count, 1)
-    mean = np.cumsum(np.where(free, unexplained, 0.0)) / some
-    common = np.cumsum(np.where(free, sigma, 0.0)) / some
-    variance = density_z**2 / (some * b.length) + common**2
+    mean, common = (
+        np.cumsum(np.where(free, x, 0.0)) / some for x in (read.unexplained, read.sigma)
+    )
+    variance = read.density_z**2 / (some * b.length) + common**2
     return mean[at], np.where(count > 0, variance, np.inf)[at]
 
 
-_SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
-"""From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
-
-
-def _weighed(evidence: _Evidence, p: _AccelerometerPriors) -> Mixture:
-    """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks; they go by turns."""
-    return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
-
-
-def _other_scale(read: _Reading, p: _AccelerometerPriors, last: Index) -> float:
+def _other_scale(read: _Reading, last: Index) -> float:
     """The scale over all of the run where it is likelier that of no sensor, else 0.
 
     Without a grade that walks, which explains what such a scale does. It takes no part in what is
@@ -321,25 +280,23 @@ def _other_scale(read: _Reading, p: _AccelerometerPriors, last: Index) -> float:
     is in the integral and in what a scale makes of it alike, and looks like a scale of 1.
     """
     slow = centred_mean(read.b.z, max(1, round(_SECOND / read.b.length)))
-    _, evidence = _evidence(read, slow, p, last)
-    steady = np.array([(*case, False) for case in product((False, True), repeat=3)])
-    other = _mixture(evidence, steady, p.other_scale, p)
-    likelier = other.evidence + np.log(p.odds_other) > _weighed(evidence, p).evidence
+    _, evidence = _evidence(read, slow, last)
+    other = _mixture(evidence, _CASES[::2], _OTHER_SCALE)
+    sensor = _mixture(evidence, _CASES, _SCALE)
+    likelier = other.evidence + np.log(_ODDS_OTHER) > sensor.evidence
     return float(other.mean[0, 0]) if likelier[0] else 0.0
 
 
-def _mixture(evidence: _Evidence, there: Mask, scale: float, p: _AccelerometerPriors) -> Mixture:
-    """Mixture over cases, ``there`` (k, 4) whether bias, grade, drag and wandering are there."""
-    still = (p.still_bias, p.still_grade, p.still_drag)
-    spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
-    odds = np.array((p.odds_bias, p.odds_grade, p.odds_drag, p.odds_wander))
+def _mixture(evidence: _Evidence, there: Mask, scale: float) -> Mixture:
+    """Mixture over the cases of (c, bias, grade, drag), ``there`` (k, 4) as in `_CASES`."""
+    spread = np.where(there[:, :3], _THERE, _STILL)
     walks = there[:, 3].astype(int)
     precision, vector, likelihood = evidence
     return weigh_hypotheses(
         (_SENSED.T @ precision @ _SENSED)[:, walks],
         (vector @ _SENSED)[:, walks],
         np.column_stack([np.full(len(there), scale), spread]),
-        np.where(there, odds, 1.0 - odds).prod(axis=1),
+        np.where(there, _ODDS, 1.0 - _ODDS).prod(axis=1),
         likelihood[:, walks],
     )
 
@@ -364,16 +321,3 @@ def _disagreement(b: Blocks, scale: Array, at: Index) -> Array:
         for chosen, away in ((np.max, -np.inf), (np.min, np.inf))
     )
     return np.asarray(np.where(counted.any(axis=1), most - least, 0.0))
-
-
-def _columns(weighed: Mixture) -> tuple[Array, ...]:
-    """Scale, bias, their variances and covariance, grade, drag, (m,) each."""
-    c, bias, grade, drag = weighed.mean.T
-    covariance = weighed.covariance
-    return c, bias, covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 0, 1], grade, drag
-
-
-def _held(rows: Array, at: Index, count: int) -> Accelerometer:
-    """Each judgement from its block on."""
-    last = np.searchsorted(at, np.arange(count), side="right") - 1
-    return Accelerometer(*rows[last].T)

@@ -66,8 +66,10 @@ def eta_of(omega_f: Array, omega_r: Array) -> Array:
 
 def signals(log: Log, vehicle: Vehicle) -> Signals:
     """Axle signals of a log. Raises LogError if the car hardly moves."""
+    step = log.sample_time
     omega_f, omega_r = (_axle_speed(log, axle) for axle in "fr")
     p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
+    drive_f, drive_r = (log.channels.get(f"T_drive_{a}", np.zeros_like(log.time)) for a in "fr")
     v, delay = _reference_speed(log)
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
@@ -77,21 +79,10 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
             expected="a braking from more than 8 m/s",
         )
     z = deceleration(log["a_x"])
-    rolling = lead_in(log.time, np.maximum(p_f, p_r), z, speed, log.sample_time)
+    rolling = _lead_in(log.time, np.maximum(p_f, p_r), z, speed, step)
+    rolling &= _undisturbed(eta_of(omega_f, omega_r), rolling, step)
     return Signals(
-        time=log.time,
-        p_f=p_f,
-        p_r=p_r,
-        drive_f=_drive_torque(log, "f"),
-        drive_r=_drive_torque(log, "r"),
-        z=z,
-        omega_f=omega_f,
-        omega_r=omega_r,
-        v=v,
-        speed=speed,
-        lead_in=rolling & _undisturbed(eta_of(omega_f, omega_r), rolling, log.sample_time),
-        sample_time=log.sample_time,
-        delay=delay,
+        log.time, p_f, p_r, drive_f, drive_r, z, omega_f, omega_r, v, speed, rolling, step, delay
     )
 
 
@@ -108,9 +99,8 @@ def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
 
 def _axle_speed(log: Log, axle: str) -> Array:
     """Mean of left and right wheel speed [rad/s] (n,), without errors of their tone rings."""
-    left, right = (log[f"omega_{axle}{side}"] for side in "lr")
-    step = log.sample_time
-    return np.asarray(0.5 * (without_runout(left, step) + without_runout(right, step)))
+    left, right = (without_runout(log[f"omega_{axle}{side}"], log.sample_time) for side in "lr")
+    return np.asarray(0.5 * (left + right))
 
 
 def rolling_radii(s: Signals) -> tuple[float, float] | None:
@@ -160,19 +150,15 @@ def axle_pressure(log: Log, axle: str) -> Array:
     return log["p_mc"]
 
 
-def _drive_torque(log: Log, axle: str) -> Array:
-    """Torque of engine or motor at both wheels of an axle [N m]; zero where it is not logged."""
-    name = f"T_drive_{axle}"
-    return log[name] if name in log else np.zeros_like(log.time)
+_SMOOTH = 0.05  # time over which a pressure, or eta, is averaged before it is compared [s]
 
 
-def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:
+def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:
     """Mask (n,) of steady rolling before the first braking, less ``SETTLE`` [s].
 
     If there is no braking, of the whole run. It ends where the pressure leaves the level that it
     has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile.
-    Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
-    the sample time [s].
+    Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there.
     """
     smooth = trailing_mean(pressure, max(1, round(_SMOOTH / step)))
     braked = np.flatnonzero(smooth > BITE)
@@ -213,10 +199,6 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
 
 
-_SMOOTH = 0.05
-"""Time over which a pressure, or eta, is averaged before it is compared [s]."""
-
-
 def _leaves(p: Array) -> int:
     """The sample after which ``p`` (n,) stays above the level of before by more than its noise."""
     level = float(np.median(p))
@@ -224,28 +206,17 @@ def _leaves(p: Array) -> int:
     return int(np.flatnonzero(p <= level + 3.0 * spread)[-1])
 
 
-_SLOWEST = 15.0
-"""Wheel speed [rad/s] below which a turn takes longer than a brake needs to build up."""
-
-_TURNS = 20
-"""Least number of turns that tell an error of the ring from what the car does."""
-
-_COARSEST = 0.5 * np.pi
-"""Largest angle between two samples [rad]: twice a turn must be seen."""
-
-_FEWEST = 100
-"""Least number of samples that tell it."""
-
+_SLOWEST = 15.0  # wheel speed [rad/s] below which a turn takes longer than a brake to build up
+_TURNS = 20  # least number of turns that tell an error of the ring from what the car does
+_COARSEST = 0.5 * np.pi  # largest angle between two samples [rad]: twice a turn must be seen
+_FEWEST = 100  # least number of samples that tell it
+_LEAST_ERROR = 2e-4  # error below which a ring is good [1]
 _SURE = 6.0
 """Standard deviations of white noise past which an order is an error of the ring. Of 327 logs with
 good rings the largest of eight has 2.4 in the middle, and 5 at most."""
-
 _ALIKE = 0.5
 """Difference of both halves of a log, over the error [1], up to which it is that of a ring. What
 goes with the car, as noise of a slow bus, has another phase in each half."""
-
-_LEAST_ERROR = 2e-4
-"""Error [1] below which a ring is good."""
 
 
 def without_runout(omega: Array, step: float) -> Array:
@@ -266,24 +237,19 @@ def without_runout(omega: Array, step: float) -> Array:
     near = np.abs(apart) <= 5.0 * max(spread, 1e-9)
     if np.count_nonzero(near) < _FEWEST:
         return omega
-    once, again = np.cos(angle), np.sin(angle)
-    turning = np.stack([once, again, once**2 - again**2, 2.0 * once * again])
-    columns, apart = turning[:, inside][:, near], apart[near]
-    whole, half = _fitted(columns, apart), apart.size // 2
-    halves = _fitted(columns[:, :half], apart[:half]), _fitted(columns[:, half:], apart[half:])
-    size = _sizes(whole)
+    apart, columns = apart[near], _turning(angle[inside][near])
+    first, second = slice(apart.size // 2), slice(apart.size // 2, None)
+    whole, early, late = (
+        np.linalg.solve(columns[:, of] @ columns[:, of].T, columns[:, of] @ apart[of])
+        for of in (slice(None), first, second)
+    )
+    size, changed = (np.hypot(x[0::2], x[1::2]) for x in (whole, early - late))
     sigma = float(np.std(apart - whole @ columns)) * np.sqrt(2.0 / apart.size)
-    sure = size > max(_SURE * sigma, _LEAST_ERROR)
-    lasting = _sizes(halves[0] - halves[1]) < _ALIKE * size
-    kept = np.repeat(sure & lasting, 2)
-    return omega / (1.0 + (whole * kept) @ turning) if kept.any() else omega
+    sure = (size > max(_SURE * sigma, _LEAST_ERROR)) & (changed < _ALIKE * size)
+    return omega / (1.0 + (whole * np.repeat(sure, 2)) @ _turning(angle)) if sure.any() else omega
 
 
-def _fitted(columns: Array, apart: Array) -> Array:
-    """Factors (4,) of cosine and sine, once and twice a turn, by least squares."""
-    return np.asarray(np.linalg.solve(columns @ columns.T, columns @ apart))
-
-
-def _sizes(factors: Array) -> Array:
-    """Size (2,) of what goes once and twice a turn."""
-    return np.hypot(factors[0::2], factors[1::2])
+def _turning(angle: Array) -> Array:
+    """Cosine and sine (4, n) of once and twice the ``angle`` (n,)."""
+    once, again = np.cos(angle), np.sin(angle)
+    return np.stack([once, again, once**2 - again**2, 2.0 * once * again])

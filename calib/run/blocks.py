@@ -59,27 +59,22 @@ class Blocks:
 def blocks(s: Signals, length: float = BLOCK) -> Blocks:
     """Means over consecutive blocks of about ``length`` [s]; a shorter rest is left out."""
     n = max(1, round(length / s.sample_time))
-    count = s.time.size // n
-    omega_f, omega_r = block_mean(s.omega_f, n), block_mean(s.omega_r, n)
-    end = s.time[n - 1 : count * n : n]
+    last = slice(n - 1, s.time.size // n * n, n)
     step = n * s.sample_time
+    p_f, p_r, drive_f, drive_r, z, omega_f, omega_r, speed = (
+        block_mean(x, n)
+        for x in (s.p_f, s.p_r, s.drive_f, s.drive_r, s.z, s.omega_f, s.omega_r, s.speed)
+    )
     return Blocks(
-        end=end,
-        p_f=block_mean(s.p_f, n),
-        p_r=block_mean(s.p_r, n),
-        drive_f=block_mean(s.drive_f, n),
-        drive_r=block_mean(s.drive_r, n),
-        z=block_mean(s.z, n),
-        omega_f=omega_f,
-        omega_r=omega_r,
+        s.time[last], p_f, p_r, drive_f, drive_r, z, omega_f, omega_r,
         v=None if s.v is None else block_mean(s.v, n),
-        speed=block_mean(s.speed, n),
+        speed=speed,
         spin_f=np.diff(omega_f, prepend=omega_f[0]) / step,
         spin_r=np.diff(omega_r, prepend=omega_r[0]) / step,
-        lead_in=s.lead_in[n - 1 : count * n : n],
+        lead_in=s.lead_in[last],
         samples=n,
         length=step,
-    )
+    )  # fmt: skip
 
 
 def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
@@ -97,9 +92,7 @@ def braked_alone(p_f: Array, p_r: Array) -> Axle | None:
     Wrong where a brake drags or a motor brakes the other axle: pressures do not show that.
     """
     front, rear = (bool(np.any(p > BITE)) for p in (p_f, p_r))
-    if front == rear:
-        return None
-    return "f" if front else "r"
+    return None if front == rear else "f" if front else "r"
 
 
 def braked_alone_in(log: Log) -> Axle | None:

@@ -13,7 +13,6 @@ whole run, so it is no part of a causal estimate. Wrong where the brake force is
 on the rear axle: it looks like force without pressure.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -29,18 +28,11 @@ from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
 from calib.run.filters import block_mean, since
 
-_STEP = 0.02
-"""Step of the means that are compared [s]."""
-_TRIED = 0.06
-"""Step of the delays that are tried [s]; the slope by the delay tells the rest."""
-_LATEST = 0.5
-"""Longest delay that is tried [s]: a hydraulic unit in the cold has 0.2 s."""
-_EARLIEST = -0.5
-"""Largest advance that is tried [s]: nothing brakes before the pressure but by a wrong clock."""
-_LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])
-_KINDS = ("shift", "lag")
-_REFINED = 2
-"""Times that the slope by the delay is followed."""
+_STEP = 0.02  # of the means that are compared [s]
+_TRIED = 0.06  # of the delays that are tried [s]; the slope by the delay tells the rest
+_EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: a cold hydraulic unit has 0.2 s
+_LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
+_REFINED = 2  # times that the slope by the delay is followed
 USUAL, SPREAD = 0.02, 0.06
 """Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
 a force are nearly one, and only what is usual tells them apart."""
@@ -50,29 +42,18 @@ square of the delay [1]: a first-order lag has 1/2 more than a shift. In a fast 
 is drawn out looks like a force."""
 FORCE = 0.05
 """Standard deviation of the force over the usual brake force before the run [1]."""
-_GROUP = 0.2
-"""Time over which residuals are averaged to see how they are correlated [s]."""
+_GROUP = 0.2  # time over which residuals are averaged to see how they are correlated [s]
 _LASTING = 1.3
 """How much more noise that lasts 0.1 s errs over half a second than its means over `_GROUP` say:
 1/sqrt(1 - (1 - e^-2)/2), by the variance of the mean of a first-order process."""
-AFTER = 0.5
-"""Time after a release that still tells of the brakes [s]; later the engine may drive."""
-_SLOW = 4.0
-"""Speed [m/s] below which only what is braked is used: a gearbox makes the car creep."""
-_GONE = 1.0
-"""Speed [m/s] at which a motor has handed over to the brakes, and below which nothing is used: the
-car jerks at standstill."""
-_FADING = 1.0
-"""Standard deviation of the force that goes with the speed, over the usual brake force, before the
-run [1]: nearly nothing is known."""
-_LEAST = 1.0
-"""Time of braking that is needed [s]."""
-_AGE = 10.0
-"""Time over which the trend is written [s]."""
-WINDOW, BETWEEN = 0.3, 0.1
-"""Time of the two medians [s] whose difference is a step of the force, and that between them."""
-_BITTEN = 0.4
-"""Time of braking [s] before a step is looked for: pads and body are not at rest before."""
+_AFTER = 0.5  # time after a release that still tells of the brakes [s]; later the engine may drive
+_SLOW = 4.0  # speed below which only what is braked is used [m/s]: a gearbox makes the car creep
+_GONE = 1.0  # speed at which a motor has handed over, and nothing is used below it [m/s]: a jerk
+_FADING = 1.0  # sigma of the force that goes with the speed, as `FORCE`: nearly nothing is known
+_LEAST = 1.0  # time of braking that is needed [s]
+_AGE = 10.0  # time over which the trend is written [s]
+_WINDOW, _BETWEEN = 0.3, 0.1  # time of two medians, whose difference is a step [s]
+_BITTEN = 0.4  # time of braking before a step is looked for [s]: pads and body are not at rest
 _STEADY = 0.3
 """Change of the nominal brake force between the medians, over the usual one [1], beyond which a
 step says nothing: it may be the delay, that is not exact."""
@@ -155,11 +136,12 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     usual = float(np.median(y[braked[inside] > 0.5]))
     one = np.ones_like(time)
     tried, late, on = _tried(time, nominal, braked, step)
-    others = (np.broadcast_to(x, late.shape) for x in (one, slow))
-    best = _best(tried, np.stack([late, late * age, on, *others], -1)[:, inside], y)
-    kind, delay = _KINDS[best >= tried.size - _LAGS.size], float(tried[best])
+    late, on = late[:, inside], on[:, inside]
+    others = (np.broadcast_to(x[inside], late.shape) for x in (one, slow))
+    best = _best(tried, np.stack([late, late * age[inside], on, *others], 1), y)
+    lagged, delay = best >= tried.size - _LAGS.size, float(tried[best])
     for _ in range(_REFINED):
-        n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
+        n, applied = (_delayed(time, x, delay, lagged=lagged) for x in (nominal, braked))
         slope = -np.gradient(n, step)  # by the delay
         width = -np.gradient(slope, step)  # by half its variance
         A = np.column_stack([n, n * age, applied, one, -slow, slope, width])[inside]
@@ -170,19 +152,24 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         variance = _variance(y - A @ free)
         smeared = _WIDTH * (delay**2 + USUAL**2)
         spread = {2: FORCE * usual, 4: _FADING * usual, 5: level * SPREAD, 6: level * smeared}
-        solution, sigma = _with_usual(A, y, variance, spread, USUAL - delay)
+        precision, side = A.T @ A / variance, A.T @ y / variance
+        for column, sigma in spread.items():
+            precision[column, column] += sigma**-2.0
+        side[5] += (USUAL - delay) / SPREAD / spread[5]
+        covariance = np.linalg.inv(precision)
+        solution, errors = covariance @ side, np.sqrt(np.diag(covariance))
         rest = y - A @ solution
         delay += float(solution[5]) / level
     return BrakeResponse(
         level=float(solution[0]),
         delay=delay,
-        delay_sigma=float(sigma[5]) / level,
+        delay_sigma=float(errors[5]) / level,
         force=float(solution[2]),
-        force_sigma=float(sigma[2]),
+        force_sigma=float(errors[2]),
         share=float(solution[2]) / usual,
-        share_sigma=float(sigma[2]) / usual,
+        share_sigma=float(errors[2]) / usual,
         fading=float(solution[4]) / usual,
-        fading_sigma=_LASTING * float(sigma[4]) / usual,
+        fading_sigma=_LASTING * float(errors[4]) / usual,
         step=_step(step, time[inside], braked[inside], n[inside] * level / usual, rest / usual),
     )
 
@@ -195,7 +182,7 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) 
     """
     on = np.flatnonzero(braked == 1.0)
     longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)
-    width, apart = round(WINDOW / step), round((WINDOW + BETWEEN) / step)
+    width, apart = round(_WINDOW / step), round((_WINDOW + _BETWEEN) / step)
     if longest.size < 2 * apart:
         return _NO_STEP
     levels, pressed = (
@@ -212,26 +199,9 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) 
     return ForceStep(float(at[largest]), float(steps[largest]), scatter)
 
 
-def _with_usual(
-    A: Array, y: Array, variance: float, spread: Mapping[int, float], later: float
-) -> tuple[Array, Array]:
-    """Least squares with what is usual; solution and sigma, (7,).
-
-    ``spread`` standard deviation around zero of the factors of single columns; that of the delay is
-    usually ``later`` [s].
-    """
-    precision = A.T @ A / variance
-    side = A.T @ y / variance
-    for column, sigma in spread.items():
-        precision[column, column] += sigma**-2.0
-    side[5] += later / SPREAD / spread[5]
-    covariance = np.linalg.inv(precision)
-    return covariance @ side, np.sqrt(np.diag(covariance))
-
-
-def _delayed(time: Array, x: Array, kind: str, delay: float) -> Array:
+def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
     """``x`` after a shift of the clock or a lag; a lag of nothing or less is a shift."""
-    if kind == "lag" and delay > 0.0:
+    if lagged and delay > 0.0:
         return first_order(time, x, delay)
     return np.interp(time - delay, time, x)
 
@@ -240,7 +210,7 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """The lead-in, and from the first braking on all that is braked or has just been, (n,)."""
     if not active.any():
         return np.zeros_like(active)
-    fast = (s.lead_in | (since(s.time, active) < AFTER)) & (s.speed > _SLOW)
+    fast = (s.lead_in | (since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
     return np.asarray(fast | (active & (s.speed > _GONE)))
 
 
@@ -261,14 +231,15 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
 def _best(delays: Array, columns: Array, y: Array) -> int:
     """The most probable of the delays: the least residual, weighed with what is usual.
 
-    ``columns`` (m, n, 5) of what ``y`` (n,) is made of, with each delay.
+    ``columns`` (m, 5, n) of what ``y`` (n,) is made of, with each delay.
     """
-    size = np.sqrt(np.sum(columns**2, axis=1, keepdims=True))
-    unit = columns / np.where(size > 0.0, size, 1.0)
-    gram = np.einsum("mni,mnj->mij", unit, unit) + 1e-9 * np.eye(columns.shape[-1])
-    side = np.einsum("mni,n->mi", unit, y)
-    rest = y @ y - np.einsum("mi,mi->m", side, np.linalg.solve(gram, side[..., None])[..., 0])
-    A = columns[int(np.argmin(rest))]
+    gram = columns @ np.swapaxes(columns, 1, 2)
+    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+    size = np.where(size > 0.0, size, 1.0)
+    gram = gram / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(size.shape[1])
+    side = columns @ y / size
+    rest = y @ y - np.sum(side * np.linalg.solve(gram, side[..., None])[..., 0], axis=1)
+    A = columns[int(np.argmin(rest))].T
     variance = _variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
     return int(np.argmin(rest / variance + ((delays - USUAL) / SPREAD) ** 2))
 
@@ -286,14 +257,10 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
     """Balance of a run with the nominal pads of ``car`` and the known effects."""
     nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
     drive = (s.drive_f, s.drive_r)
+    began = ~np.logical_or.accumulate(s.lead_in[::-1])[::-1]  # all along without a lead-in
     return BrakeBalance(
         nominal_f=nominal_f,
         nominal_r=nominal_r,
         balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f, drive),
-        active=_began(s) & (np.maximum(s.p_f, s.p_r) > BITE),
+        active=began & (np.maximum(s.p_f, s.p_r) > BITE),
     )
-
-
-def _began(s: Signals) -> Mask:
-    """From the end of the lead-in on; all along without one."""
-    return np.asarray(~np.logical_or.accumulate(s.lead_in[::-1])[::-1])

@@ -1,7 +1,7 @@
 """Check a log: its content, and the purposes it is usable for."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,9 +10,8 @@ from calib.base.units import from_si, to_si
 from calib.base.warning import PlausibilityWarning
 from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
-from calib.run.copies import ComputedChannel
 from calib.run.driving_record import BrakeEvent
-from calib.run.observation import OPTIONAL, Observation, figures, observe
+from calib.run.observation import Observation, figures, observe
 from calib.run.rules import PURPOSES, problems, uses
 from calib.run.sensors import Sensor
 from calib.run.warnings import impossible_samples, warnings_of
@@ -44,10 +43,10 @@ class _Taken(Origin):
     @property
     def as_it_stands(self) -> bool:
         """Whether the file has the channel under its canonical name and unit."""
-        quantity = CHANNELS[self.channel]
-        plain = to_si(1.0, quantity.unit, quantity.si) - to_si(0.0, quantity.unit, quantity.si)
-        same = self.source == self.channel and math.isclose(self.factor, plain)
-        return same and self.offset == to_si(0.0, quantity.unit, quantity.si)
+        unit = CHANNELS[self.channel].unit
+        zero, one = (to_si(x, unit, self.si) for x in (0.0, 1.0))
+        same = self.source == self.channel and math.isclose(self.factor, one - zero)
+        return same and self.offset == zero
 
 
 @dataclass(frozen=True)
@@ -81,15 +80,8 @@ class Findings:
     bridged: tuple[ChannelHole, ...] = ()
 
     def __repr__(self) -> str:
-        """The findings as lines of text, in the units of a log file."""
-        lines = [self.source]
-        lines += [f"  {label:<12} {text}" for label, text in facts(self)]
-        lines += [f"  {'read':<12} {text}" for text in self.notes]
-        lines += [f"  {'warning':<12} {one.text}" for one in self.warnings]
-        for verdict in self.verdicts:
-            lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
-            lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
-        return "\n".join(lines)
+        lines = [f"  {v.purpose:<12} {'; '.join(v.reasons) or 'usable'}" for v in self.verdicts]
+        return "\n".join([self.source, *lines])
 
     @property
     def usable(self) -> bool:
@@ -97,11 +89,11 @@ class Findings:
         return any(verdict.usable for verdict in self.verdicts)
 
 
-def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
+def check(log: Log, copies: Iterable[str] = ()) -> Findings:
     """Check a log and judge it for each purpose.
 
     Channels may be missing (``require=()`` of `read_log`). It judges the driving and the sensors,
-    not whether the vehicle file fits the car. ``copies`` are pressures that were computed from
+    not whether the vehicle file fits the car. ``copies`` name pressures that were computed from
     another column: they make the log unusable.
 
     >>> import calib
@@ -111,11 +103,8 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     >>> findings.verdicts[0].reasons
     ('no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition',)
     """
-    seen = observe(log)
-    verdicts = []
-    for purpose in PURPOSES:
-        reasons = (*map(str, copies), *problems(seen, purpose))
-        verdicts.append(LogVerdict(purpose, not reasons, reasons))
+    seen, copies = observe(log), tuple(copies)
+    reasons = {name: (*copies, *problems(seen, name)) for name in PURPOSES}
     return Findings(
         log=log.name,
         source=log.source,
@@ -125,7 +114,7 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
         seen=seen,
         notes=log.notes,
         warnings=(*impossible_samples(log), *warnings_of(log.name, seen)),
-        verdicts=tuple(verdicts),
+        verdicts=tuple(LogVerdict(name, not why, why) for name, why in reasons.items()),
         taken=tuple(_taken(log, one) for one in log.origins if one.channel in CHANNELS),
         uses=tuple(uses(seen)),
         bridged=log.bridged,
@@ -139,7 +128,7 @@ def _taken(log: Log, origin: Origin) -> _Taken:
 
 def problems_for(log: Log, purpose: str) -> list[str]:
     """Reasons to refuse a log for one of `PURPOSES`; empty if it is usable."""
-    return problems(observe(log, noise=False), purpose)
+    return problems(observe(log, full=purpose == "diagnose"), purpose)
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
@@ -156,15 +145,14 @@ def facts(findings: Findings) -> Iterator[tuple[str, str]]:
     """Label and text of each finding except warnings and verdicts; units of a log file."""
     seen, clock = findings.seen, findings.seen.clock
     yield "channels", ", ".join(seen.present) + (" + truth" if findings.truth else "")
-    absent = [name for name in OPTIONAL if name not in seen.present]
+    absent = [q.name for q in CHANNELS.values() if not q.required and q.name not in seen.present]
     if seen.missing:
         yield "missing", ", ".join(seen.missing)
     yield "not there", ", ".join(absent) or "-"
     if findings.ignored:
         yield "ignored", ", ".join(findings.ignored)
     if not all(item.as_it_stands for item in findings.taken):
-        for item in findings.taken:
-            yield item.channel, str(item)
+        yield from ((item.channel, str(item)) for item in findings.taken)
     jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
     yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
     for sensor in seen.sensors:

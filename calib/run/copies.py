@@ -8,7 +8,7 @@ a value comes cannot be known here: that is a delay (`speed_delay`).
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -75,14 +75,12 @@ def _alike(x: Array) -> float:
 def _rough(log: Log, channel: str) -> Array:
     """Second differences of a channel, as a unit vector."""
     differences = _differences(log, channel)
-    size = float(np.linalg.norm(differences))
-    return differences / size if size > 0.0 else differences
+    return differences / (float(np.linalg.norm(differences)) or 1.0)
 
 
 def _differences(log: Log, channel: str) -> Array:
     """Second differences of a channel without those over a gap, which every channel has alike."""
-    steps = np.diff(log.time)
-    even = steps <= GAP * log.sample_time
+    even = np.diff(log.time) <= GAP * log.sample_time
     return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
 
 
@@ -101,20 +99,11 @@ def _is_noise(log: Log, channel: str) -> bool:
 _CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
 """Those that a diagnosis compares, or is driven by."""
 
-_FEWEST = 20
-"""Changes of a channel from which on its period can be told."""
-
-_SOONER = 0.1
-"""Share of the changes that may come sooner than a period: messages jitter."""
-
-_LATER = 1.6
-"""Longest time between two values that counts as one period [periods]: the next one is not lost."""
-
-_SAME = 0.6
-"""Rest [periods] from which on an unchanged value counts as one more value, which was the same."""
-
-_LONGEST = 0.25
-"""Longest period [s]. What changes less often is at rest, or as coarse as a counter."""
+_FEWEST = 20  # changes of a channel from which on its period can be told
+_SOONER = 0.1  # share of the changes that may come sooner than a period: messages jitter
+_LATER = 1.6  # longest time between two values that is one period [periods]: the next is not lost
+_SAME = 0.6  # rest from which on an unchanged value counts as one more value [periods]
+_LONGEST = 0.25  # longest period [s]: what changes less often rests, or is as coarse as a counter
 
 
 def period_of(x: Array) -> float:
@@ -122,7 +111,7 @@ def period_of(x: Array) -> float:
     ahead = np.diff(np.flatnonzero(np.diff(x)))
     if ahead.size < _FEWEST:
         return 1.0
-    shortest = float(np.quantile(ahead, _SOONER, method="lower"))
+    shortest = float(np.sort(ahead)[int(_SOONER * (ahead.size - 1))])
     if shortest < 2.0:
         return 1.0
     return float(np.mean(ahead[ahead < _LATER * shortest]))
@@ -170,22 +159,6 @@ _PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
 pressure, and some decoders divide this torque by a constant to get a pressure."""
 
 
-@dataclass(frozen=True)
-class ComputedChannel:
-    """``channel`` is ``factor`` times the column ``source`` in ``unit``, a unit of ``quantity``."""
-
-    channel: str
-    source: str
-    unit: str
-    factor: float
-
-    def __str__(self) -> str:
-        return (
-            f"{self.channel} in bar is {self.factor:.4g} times {self.source} [{self.unit}]: it was "
-            "computed from that and is not a measured pressure: log the pressure itself"
-        )
-
-
 def factor_between(channel: Array, other: Array) -> float | None:
     """The factor with which ``other`` gives ``channel``, or None; both of shape (n,).
 
@@ -200,12 +173,8 @@ def factor_between(channel: Array, other: Array) -> float | None:
     return round(factor, 12) if alike else None
 
 
-def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, ...]:
-    """The pressures of a log that are a column of its ``source``, no pressure, times a number."""
-    return tuple(_copies(log, source))
-
-
-def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
+def computed_channels(log: Log, source: ColumnSource) -> Iterator[str]:
+    """What is said of each pressure of a log that is a column of its ``source`` times a number."""
     pressures = [name for name in _PRESSURES if name in log]
     for index, column in enumerate(source.columns):
         if column.name not in log.ignored or not pressures or not is_other_quantity(column.unit):
@@ -215,10 +184,15 @@ def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
         except LogError:
             continue
         for name in pressures:
-            if values.size == log[name].size:
-                factor = factor_between(log[name] / 1e5, values)
-                if factor is not None:
-                    yield ComputedChannel(name, column.name, spelling(str(column.unit)), factor)
+            if values.size != log[name].size:
+                continue
+            factor = factor_between(log[name] / 1e5, values)
+            if factor is not None:
+                yield (
+                    f"{name} in bar is {factor:.4g} times {column.name} "
+                    f"[{spelling(str(column.unit))}]: it was computed from that and is not a "
+                    "measured pressure: log the pressure itself"
+                )
 
 
 def is_other_quantity(unit: str | None) -> bool:

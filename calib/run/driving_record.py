@@ -11,7 +11,6 @@ four wheel speeds, ``a_x``, and the reference speed if it is logged.
 The events are the lead-in, the bites, the brakings, and standstill.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -32,10 +31,8 @@ _DRIVEN = 0.05
 """Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
 and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
 shows."""
-_SHORTEST = 0.3
-"""Shortest brake event [s]."""
-_PAUSE = 0.2
-"""Shortest release that ends a brake event [s]."""
+_SHORTEST, _PAUSE = 0.3, 0.2  # shortest brake event, and release that ends one [s]
+_STROKE = 0.25  # interval in which a rise is judged [s]: over pedal tremble, below a ramp
 SETTLE = 0.1
 """Time left out between lead-in and first event [s]: pressure rises before it reaches ``BITE``."""
 SMOOTH = 0.1
@@ -115,10 +112,8 @@ def driving_record(log: Log) -> DrivingRecord:
     pressure = centred_mean(log["p_mc"], width) if "p_mc" in log else None
     active = pressure > BITE if pressure is not None else (z > BITE_Z) & (speed > 0.5)
     braked = _joined(np.asarray(active), step)
-    first = int(np.argmax(braked)) if braked.any() else time.size
-    lead_in = np.arange(time.size) < first - round(SETTLE / step)
-    if not braked.any():
-        lead_in[:] = True
+    before = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
+    lead_in = np.arange(time.size) < before
     wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
     return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, lead_in)
 
@@ -127,11 +122,9 @@ def _joined(active: Mask, step: float) -> Mask:
     """Applications of the brake: short pauses are closed, short applications dropped."""
     braked = active.copy()
     for start, end in runs(~active):
-        if start > 0 and end < active.size and (end - start) * step < _PAUSE:
-            braked[start:end] = True
+        braked[start:end] = start > 0 and end < active.size and (end - start) * step < _PAUSE
     for start, end in runs(braked):
-        if (end - start) * step < _SHORTEST:
-            braked[start:end] = False
+        braked[start:end] = (end - start) * step >= _SHORTEST
     return braked
 
 
@@ -141,29 +134,24 @@ def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
 
 
 def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
-    part = slice(start, end)
+    part, last = slice(start, end), end - 1
     moving = driving.moving[part]
     z = driving.z[part][moving] if moving.any() else driving.z[part]
-    pressure = None if driving.pressure is None else float(driving.pressure[part].max())
     rise, rise_z = _steady_rise(driving, part)
     return BrakeEvent(
         start=float(driving.time[start]),
-        end=float(driving.time[end - 1]),
+        end=float(driving.time[last]),
         first=start,
-        last=end - 1,
-        pressure=pressure,
+        last=last,
+        pressure=None if driving.pressure is None else float(driving.pressure[part].max()),
         z_low=float(z.min()),
         z_high=float(z.max()),
         speed_start=float(driving.speed[start]),
-        speed_end=float(driving.speed[end - 1]),
+        speed_end=float(driving.speed[last]),
         braking=float(moving.sum() * driving.step),
         rise=rise,
         rise_z=rise_z,
     )
-
-
-_STROKE = 0.25
-"""Interval in which a rise is judged [s]: longer than pedal tremble, shorter than a ramp."""
 
 
 def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
@@ -196,14 +184,11 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
 
 
 LEAD_IN, BITES, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
-_KINDS = (LEAD_IN, BITES, BRAKING, STANDSTILL)
-_NEEDED = ("a_x", *(f"omega_{wheel}" for wheel in WHEELS))
-"""Channels without which no event is known."""
 
 
 @dataclass(frozen=True)
 class RunEvent:
-    """An event of one of the `_KINDS`, from ``start`` to ``end`` [s]; a bite has no length."""
+    """A lead-in, bite, braking or standstill, from ``start`` to ``end`` [s]; a bite is a moment."""
 
     kind: str
     start: float
@@ -211,47 +196,30 @@ class RunEvent:
 
 
 def run_events(log: Log) -> tuple[RunEvent, ...]:
-    """The events in order of time; none without the channels of `_NEEDED`.
+    """The events in order of time; none without ``a_x`` and the four wheel speeds.
 
     The lead-in is the longest steady, unbraked rolling before the first braking. Brakings are those
     of `check`: by the pressure, or by the deceleration where there is none.
     """
-    if any(name not in log for name in _NEEDED):
+    if any(name not in log for name in ("a_x", *(f"omega_{w}" for w in WHEELS))):
         return ()
-    return tuple(sorted(_events(log), key=lambda event: (event.start, _KINDS.index(event.kind))))
-
-
-def _events(log: Log) -> Iterator[RunEvent]:
     driving = driving_record(log)
-    rolling = driving.lead_in & driving.moving & rolls(driving.z)
-    spans = _spans(log, rolling)
-    if spans:
-        yield RunEvent(LEAD_IN, *max(spans, key=lambda span: span[1] - span[0]))
-    for event in brake_events(driving):
-        yield RunEvent(BITES, event.start, event.start)
-        yield RunEvent(BRAKING, event.start, event.end)
-    wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
-    for span in _spans(log, wheels < LIMITS.standing):
-        yield RunEvent(STANDSTILL, *span)
+    rolling = runs(driving.lead_in & driving.moving & rolls(driving.z))
+    rolling.sort(key=lambda run: log.time[run[0]] - log.time[run[1] - 1])
+    spans = {
+        LEAD_IN: rolling[:1],
+        BITES: [(start, start + 1) for start, _ in runs(driving.braked)],
+        BRAKING: runs(driving.braked),
+        STANDSTILL: runs(standing(log)),
+    }
+    events = [
+        RunEvent(kind, float(log.time[start]), float(log.time[end - 1]))
+        for kind, each in spans.items()
+        for start, end in each
+    ]
+    return tuple(sorted(events, key=lambda event: event.start))
 
 
-def _spans(log: Log, where: Mask) -> list[tuple[float, float]]:
-    return [(float(log.time[i]), float(log.time[j - 1])) for i, j in runs(where)]
-
-
-_SHORTEST_ROLL = 0.2
-"""Time of rolling [s] from which the radius is given: the noise of v is then 0.1 % or less."""
-
-
-def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
-    """Mean rolling radius of the four wheels [m] where the car rolls without brakes.
-
-    R = mean(v)/mean(omega), (19) at zero slip. On the lead-in where it is long enough, else in all
-    steady unbraked motion; None without ``v`` and without such motion. What drives or slows the
-    wheels there, as an engine in gear does, is a part of it: 0.1 % at 0.03 g.
-    """
-    rolls = driving.unbraked
-    if "v" not in log or float(rolls.sum()) * driving.step < _SHORTEST_ROLL:
-        return None
-    turning = float(np.mean([np.mean(log[f"omega_{w}"][rolls]) for w in WHEELS]))
-    return float(np.mean(log["v"][rolls])) / turning if turning > 0.0 else None
+def standing(log: Log) -> Mask:
+    """Where no wheel turns (n,)."""
+    return np.asarray(np.max([log[f"omega_{w}"] for w in WHEELS], axis=0) < LIMITS.standing)

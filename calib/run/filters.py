@@ -124,8 +124,9 @@ def without_single(x: Array) -> Array:
     >>> without_single(np.array([3.0, 3.0, 0.0, 3.0, 2.0, 1.0]))
     array([3., 3., 3., 2., 2., 1.])
     """
-    inner = np.sort(np.stack([x[:-2], x[1:-1], x[2:]]), axis=0)[1]
-    return np.concatenate([x[:1], inner, x[-1:]])
+    before, here, after = x[:-2], x[1:-1], x[2:]
+    low, high = np.minimum(before, here), np.maximum(before, here)
+    return np.concatenate([x[:1], np.maximum(low, np.minimum(high, after)), x[-1:]])
 
 
 def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:

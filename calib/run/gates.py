@@ -72,14 +72,12 @@ def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
     The median is robust against wheels that lock for a short time. NaN with fewer than four blocks
     in one of the two parts, and where engine or motor changes between them: it moves eta too.
     """
-    for drive in (b.drive_f, b.drive_r):
-        if b.lead_in.any() and use.any():
-            change = float(np.median(drive[use]) - np.median(drive[b.lead_in]))
-            if abs(change) > LIMITS.steady_drive:
-                return np.nan, np.nan
-    sides = [b.eta[b.lead_in], b.eta[use]]
-    if min(side.size for side in sides) < 4:
+    if min(np.count_nonzero(use), np.count_nonzero(b.lead_in)) < 4:
         return np.nan, np.nan
+    for drive in (b.drive_f, b.drive_r):
+        if abs(float(np.median(drive[use]) - np.median(drive[b.lead_in]))) > LIMITS.steady_drive:
+            return np.nan, np.nan
+    sides = [b.eta[b.lead_in], b.eta[use]]
     free, braked = (float(np.median(side)) for side in sides)
     variance = sum(np.var(side, ddof=1) / side.size for side in sides)
     return braked - free, float(np.sqrt(0.5 * np.pi * variance))
@@ -91,10 +89,6 @@ def bitten(b: Blocks) -> float:
     return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
 
 
-_EXPECTED = {"f": (1.0, "rise", "front", "rear"), "r": (-1.0, "fall", "rear", "front")}
-"""Sign and name of the change of eta, by the axle that slips more; that axle, and the other."""
-
-
 def wrong_slip(vehicle: Vehicle, b: Blocks) -> float | None:
     """Rise of eta [1] under braking where it goes the wrong way; None where it does not.
 
@@ -104,8 +98,7 @@ def wrong_slip(vehicle: Vehicle, b: Blocks) -> float | None:
     alone = braked_alone(b.p_f, b.p_r)
     end = np.inf if alone else 0.8 * front_biased_up_to(vehicle)
     rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > bitten(b)))
-    sign = _EXPECTED["r" if alone == "r" else "f"][0]
-    return rise if sign * rise < -4.0 * error else None
+    return rise if (-rise if alone == "r" else rise) < -4.0 * error else None
 
 
 def require_right_slip(vehicle: Vehicle, log: Log, b: Blocks) -> None:
@@ -114,9 +107,8 @@ def require_right_slip(vehicle: Vehicle, log: Log, b: Blocks) -> None:
     if rise is None:
         return
     alone = braked_alone(b.p_f, b.p_r)
-    _, way, more, less = _EXPECTED["r" if alone == "r" else "f"]
-    biased = f"{vehicle.name} is front-biased there"
-    why = f"only the {more} brakes have pressure" if alone else biased
+    way, more, less = ("fall", "rear", "front") if alone == "r" else ("rise", "front", "rear")
+    why = f"only the {more} brakes have pressure" if alone else f"{vehicle.name} is front-biased"
     raise LogError(
         f"the {more} wheels slip less than the {less} while braking: eta {100 * rise:+.2f} %",
         where=log.source,

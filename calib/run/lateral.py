@@ -36,17 +36,11 @@ def lateral(
     """Lateral acceleration [m/s^2] (n,), positive to the left.
 
     ``track_width`` [m]; ``straight`` what `sides` reads on a straight road [1]; ``slip`` of the
-    rear wheels [1] (n,) while they brake, ``height`` of the centre of gravity [m]: see `_leaned`.
+    rear wheels [1] (n,) while they brake, ``height`` of the centre of gravity [m]: each axle is
+    taken to carry its share of the roll moment.
     """
     geometric = track_width / np.maximum(s.speed, MOVING) ** 2
-    turned = (sides(log) - straight) / (geometric + _leaned(track_width, slip, height))
+    # the outer wheel carries 2 h/(g l_w) a_y more of its load and slips less, the inner one more
+    leaned = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)
+    turned = (sides(log) - straight) / (geometric + leaned)
     return low_pass(turned, s.sample_time, _LATERAL_TIME)
-
-
-def _leaned(track_width: float, slip: Array | float, height: float) -> Array:
-    """What `sides` gains per lateral acceleration [s^2/m] while the rear wheels brake.
-
-    The outer wheel carries 2 h/(g l_w) a_y more of its load and slips less by as much, the inner
-    one more. Each axle is taken to carry its share of the roll moment.
-    """
-    return np.asarray(4.0 * np.maximum(slip, 0.0) * height / (G * track_width))

@@ -50,28 +50,35 @@ def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
     Left minus right wheel speed contains only sensor noise; a quarter of its mean square is that of
     the axle mean. ``z`` is compared with the pressure, ``v`` with the wheels.
     """
-    n, step = b.samples, b.length
-    moving = b.speed > MOVING
-    halves = [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
-    means = [block_mean(h, n)[moving] for h in halves]
-    omega = [long_run_density(m, step) for m in means]
-    white = [float(np.std(np.diff(h)) / np.sqrt(2.0)) for h in halves]
+    step, moving = b.length, b.speed > MOVING
+    halves = _halves(log)
+    omega = [long_run_density(block_mean(h, b.samples)[moving], step) for h in halves]
     v = 0.0 if b.v is None else long_run_density(b.v[moving], step, b.omega_r[moving], 2.0)
     return SensorNoise(
-        omega=max(float(np.sqrt(np.mean(np.square(omega)))), NOISE_FLOOR["omega"]),
+        omega=max(_rms(omega), NOISE_FLOOR["omega"]),
         z=max(long_run_density(b.z[moving], step, b.p_f[moving]), NOISE_FLOOR["z"]),
         v=max(v, NOISE_FLOOR["v"]),
-        omega_white=float(np.sqrt(np.mean(np.square(white)))),
+        omega_white=_rms([_white(h) for h in halves]),
     )
+
+
+def _halves(log: Log) -> list[Array]:
+    return [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
+
+
+def _white(x: Array) -> float:
+    return float(np.std(np.diff(x)) / np.sqrt(2.0))
+
+
+def _rms(x: list[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(x))))
 
 
 _COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 """Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
-
-_FEW = 10
-"""Samples of a lead-in that do not tell a noise: by a quarter of it, one in two."""
+_FEW = 10  # samples of a lead-in that do not tell a noise: by a quarter of it, one in two
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
@@ -79,20 +86,15 @@ def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
 
     Uses only the lead-in, so that an online estimator may use it; one of a few samples tells none.
     """
+    if np.count_nonzero(s.lead_in) <= _FEW:
+        return SensorNoise(0.0, 0.0, 0.0, 0.0)
+    omega = _rms([_white(half[s.lead_in]) for half in _halves(log)])
+    z, v = (0.0 if x is None else _white(x[s.lead_in]) for x in (s.z, s.v))
     step = np.sqrt(s.sample_time)
-    told = np.count_nonzero(s.lead_in) > _FEW
-
-    def white(x: Array) -> float:
-        return float(np.std(np.diff(x[s.lead_in])) / np.sqrt(2.0)) if told else 0.0
-
-    pairs = [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
-    omega = float(np.sqrt(np.mean([white(pair) ** 2 for pair in pairs])))
-    return SensorNoise(
-        omega=_COLOUR["omega"] * omega * step,
-        z=_COLOUR["z"] * white(s.z) * step,
-        v=0.0 if s.v is None else _COLOUR["v"] * white(s.v) * step,
-        omega_white=omega,
+    omega_long, z, v = (
+        _COLOUR[name] * x * step for name, x in (("omega", omega), ("z", z), ("v", v))
     )
+    return SensorNoise(omega_long, z, v, omega_white=omega)
 
 
 def long_run_density(
@@ -102,11 +104,9 @@ def long_run_density(
 
     Blocks are averaged to ``group`` [s]. In each ``window`` [s] a parabola and the ``companion``
     signal are subtracted; the residual is modelled as an AR(1) process, whose long-run standard
-    deviation is sd sqrt((1 + r)/(1 - r)). r is corrected for the fitted degrees of freedom and not
-    below 0: a negative r (a tooth-timing sensor) would give a too small noise for a short stop. For
-    noise with a time constant of 0.1 s the result is about 10 % too low, and 30 % with a ``window``
-    of 2 s, because parabola and companion absorb much of it (tests/run/test_axle_signals.py).
-    Below 8 groups nothing is subtracted and the noise is taken as white.
+    deviation is sd sqrt((1 + r)/(1 - r)), with r corrected for the fitted degrees of freedom and
+    not below 0. Of noise with a time constant of 0.1 s it is 10 % too low, 30 % with a ``window``
+    of 2 s (tests/run/test_noise.py). Below 8 groups the noise is taken as white.
     """
     per_group = max(1, round(group / step))
     groups = x.size // per_group

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import AXLES, CHANNELS, WHEELS, G
+from calib.base.names import AXLES, CHANNELS, G
 from calib.base.noise import explained_square
-from calib.car.braking import MOVING
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure, wheels_held
@@ -29,6 +28,7 @@ from calib.run.driving_record import (
     brake_events,
     driving_record,
     rolls,
+    standing,
 )
 from calib.run.filters import centred_mean, since
 from calib.run.limits import LIMITS
@@ -51,10 +51,6 @@ class _Clock:
     gaps: tuple[tuple[float, float], ...]
 
 
-_REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
-OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
-
-
 @dataclass(frozen=True)
 class Observation:
     """Content of a log, in SI.
@@ -68,11 +64,9 @@ class Observation:
     coasting : all unbraked, steady and moving time [s].
     lead_in_driven : whether the car was accelerated in it.
     standing : time in which no wheel turns [s].
-    speed : highest speed [m/s]; approximate without ``v``.
-    z : highest deceleration, in g [1].
+    speed, z : highest speed [m/s], approximate without ``v``; highest deceleration, in g [1].
     alone : the axle that brakes alone by its pressures, "f" or "r"; None for both.
-    explained : share of the deceleration's variance that the pressure explains [1]; None where it
-        cannot be told.
+    explained : share of the deceleration's variance that the pressure explains [1], if known.
     wheels_held : mean time for which a wheel speed keeps a value while the car slows [s].
     v_of_wheels : whether ``v`` is made of the wheel speeds.
     axles, slipping, wheels : None where ``a_x`` or a wheel speed is missing; so are the times
@@ -103,53 +97,46 @@ class Observation:
         return next((s for s in self.sensors if s.channel == channel), None)
 
 
-def observe(log: Log, *, noise: bool = True) -> Observation:
+def observe(log: Log, *, full: bool = True) -> Observation:
     """Observe a log; without ``a_x`` and all wheel speeds only its clock and sensors.
 
-    With ``noise`` false, noise and resolution of the sensors are NaN; no verdict depends on them.
+    Without ``full``, noise and resolution of the sensors are NaN, and ``v_of_wheels`` is not looked
+    for: `check` and a diagnosis alone ask for them.
     """
     present = tuple(name for name in CHANNELS if name in log)
-    missing = tuple(name for name in _REQUIRED if name not in log)
+    missing = tuple(q.name for q in CHANNELS.values() if q.required and q.name not in log)
     clock = clock_of(log.time)
     if set(missing) - {"p_mc"}:
-        return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
+        return Observation(present, missing, clock, sensors_of(log, None, full=full))
     driving = driving_record(log)
     events = brake_events(driving)
     slips = slips_of(log, driving)
     rolling = driving.lead_in & driving.moving
-    steady = rolling & rolls(driving.z)
-    wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
     return Observation(
         present=present,
         missing=missing,
         clock=clock,
-        sensors=sensors_of(log, driving, noise=noise),
+        sensors=sensors_of(log, driving, full=full),
         events=events,
-        lead_in=float(steady.sum() * driving.step),
+        lead_in=float((rolling & rolls(driving.z)).sum() * driving.step),
         coasting=float(driving.unbraked.sum() * driving.step),
         lead_in_driven=bool((driving.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum()),
-        standing=float((wheels < LIMITS.standing).sum() * driving.step),
+        standing=float(standing(log).sum() * driving.step),
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),
         explained=explained(log, driving) if "p_mc" in log else None,
         wheels_held=wheels_held(log),
-        v_of_wheels="v" in log and made_of_wheels(log),
+        v_of_wheels=full and "v" in log and made_of_wheels(log),
         axles=axles_of(log, driving, slips),
         slipping=slipping(slips, driving, events),
         wheels=wheel_parts(log, driving),
     )
 
 
-_SLOWS = 1.5 * BITE_Z
-"""Deceleration [g] that counts as braking whatever the pressure is: an engine in a low gear stays
-below it."""
-
-_GREATEST = 1.5 * G
-"""Deceleration [m/s^2] that no road car reaches: a sample past it is a glitch of a_x."""
-
-_DELAYS = np.arange(-0.2, 0.51, 0.05)
-"""Delays of the deceleration against the pressure that are tried [s]: clocks may be early."""
+_SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
+_GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch of a_x
+_DELAYS = np.arange(-0.2, 0.51, 0.05)  # of the deceleration that are tried [s]: clocks may be early
 
 
 def explained(log: Log, driving: DrivingRecord) -> float | None:
@@ -169,11 +156,9 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     before = np.arange(z.size) < int(np.argmax(active))
     rolling = before & (np.abs(driving.z) < STEADY)
     glitch = (np.abs(log["a_x"]) > _GREATEST).astype(float)
-    use = (driving.speed > MOVING) & (centred_mean(glitch, width) == 0.0)
-    enough = (use & active).sum() * step >= LIMITS.pressure_braked and (
-        use & rolling
-    ).sum() * step >= LIMITS.pressure_lead_in
-    if not enough:
+    use = driving.moving & (centred_mean(glitch, width) == 0.0)
+    braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
+    if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
     at = np.flatnonzero(use & (rolling | (since(log.time, active) < LIMITS.pressure_after)))
     at = at[:: max(1, round(LIMITS.pressure_every / step))]
@@ -183,24 +168,17 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     pressures = [centred_mean(p, width) for p in unlike]
     if not np.ptp(y) > 0.0:  # an a_x that hangs has no course to explain
         return None
-    return float(np.max(_fitted(log.time, pressures, time, y))) / float(y @ y)
-
-
-def _fitted(clock: Array, pressures: list[Array], time: Array, y: Array) -> Array:
-    """Sum of squares of ``y`` at ``time`` that the pressures explain, for each of `_DELAYS`."""
-    earlier = time - _DELAYS[:, None]
-    age = time - float(time.mean())
+    earlier, age = time - _DELAYS[:, None], time - float(time.mean())
     columns = [np.ones_like(earlier)]
     for pressure in pressures:
-        p = np.interp(earlier, clock, pressure)
+        p = np.interp(earlier, log.time, pressure)
         columns += [p, p * age]
-    return explained_square(np.stack(columns, axis=1), y)
+    return float(np.max(explained_square(np.stack(columns, axis=1), y))) / float(y @ y)
 
 
 def clock_of(time: Array) -> _Clock:
     """Sampling of a strictly increasing time [s], shape (n,)."""
-    steps = np.diff(time)
-    step = step_of(time)
+    steps, step = np.diff(time), step_of(time)
     wide = steps > GAP * step
     jitter = steps[~wide] - step
     return _Clock(

@@ -12,8 +12,9 @@ from calib.base.arrays import Array, Mask
 from calib.base.intervals import NINETY, QUARTILE
 from calib.run.filters import centred_mean, third_difference, typical_differences
 
-_HOLD = 0.1
-"""Width [s] over which a constant pressure is averaged."""
+_HOLD = 0.1  # width over which a constant pressure is averaged [s]
+_WIDEST = 8  # most samples between those of the further third differences
+_HIDDEN = 1.5  # noise over more samples, over that from one to the next, that is not white
 
 NOTHING = 0.4e5
 """A constant pressure below this [Pa] is zero: return springs keep the pads off the disc."""
@@ -74,19 +75,7 @@ def _noise_of(p: Array) -> float:
     in straight lines, shows its noise over more samples alone: these count where they show
     `_HIDDEN` times as much.
     """
-    fine = _typical(third_difference(p, 1))
+    median, high = np.quantile(np.abs(third_difference(p, 1)), (0.5, 0.9))
+    fine = float(median / QUARTILE if median > 0.0 else high / NINETY)
     most = max(typical_differences(p, _WIDEST)[1:], default=0.0)
     return (most if most > _HIDDEN * fine else fine) / math.sqrt(20.0)
-
-
-_WIDEST = 8
-"""Most samples between those of the further third differences."""
-
-_HIDDEN = 1.5
-"""Noise over more samples, over that from sample to sample, that no white noise has."""
-
-
-def _typical(x: Array) -> float:
-    """The standard deviation of noise with few outliers."""
-    median, high = np.quantile(np.abs(x), (0.5, 0.9))
-    return float(median / QUARTILE if median > 0.0 else high / NINETY)

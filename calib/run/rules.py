@@ -8,7 +8,6 @@ from calib.base.names import AXLE_NAMES, WHEELS
 from calib.run.driving_record import BITE_Z, NOMINAL_RADIUS, BrakeEvent
 from calib.run.limits import LIMITS
 from calib.run.observation import Observation
-from calib.run.sensors import Sensor
 from calib.run.wheels import CORRECT, crossed_side
 
 PURPOSES = ("fit", "validate", "coast", "diagnose")
@@ -17,24 +16,20 @@ PURPOSES = ("fit", "validate", "coast", "diagnose")
 _OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 _GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 
-_SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
-"""Units of speed that are taken for each other [m/s]."""
+_SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # taken for each other [m/s]
 
 _UNIT_KNOWN = 0.16
-"""Largest distance (logarithm) from the factor between two units at which they are named; half of
-that between the closest two, 1.61 and 2.24, where the radius of the tyre is only about known."""
+"""Largest distance (logarithm) from the factor between two units at which they are named: half of
+that between the closest two, 1.61 and 2.24."""
 
 
 def problems(seen: Observation, purpose: str) -> list[str]:
-    """Reasons why a log is not usable for one of `PURPOSES`, each with what to do."""
+    """Reasons why a log is not usable for one of `PURPOSES`, each with what to do.
+
+    Or for "search": reasons why its channels are too wrong to be searched for effects.
+    """
     basic = list(_unusable(seen))
     return basic if seen.missing else basic + list(_RULES[purpose](seen))
-
-
-def wrong_channels(seen: Observation) -> list[str]:
-    """Reasons why a log must not be searched for effects: its channels are wrong."""
-    basic = list(_unusable(seen))
-    return basic if seen.missing else basic + list(_without_speed(seen))
 
 
 def _unusable(seen: Observation) -> Iterator[str]:
@@ -51,27 +46,23 @@ def _unusable(seen: Observation) -> Iterator[str]:
         yield f"the car is too slow ({seen.speed:.1f} m/s at most): drive at 30 km/h or more"
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_OMEGAS):
-            yield f"{_hanging(sensor)}: repair the sensor and drive again"
-    for sensor in seen.sensors:
-        top = _GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
-        if top is not None and max(sensor.high, -sensor.low) > top:
+            times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
             yield (
-                f"{sensor.channel} reaches {max(sensor.high, -sensor.low):.4g}; no road car does: "
-                "repair the sensor, or correct its unit in the channel map"
+                f"{sensor.channel} does not change from {times} while others do: repair the sensor "
+                "and drive again"
             )
-    yield from _wrong_a_x(seen)
-    yield from _wrong_v(seen)
-    yield from _wrong_pressure(seen)
-    yield from _foreign_pressure(seen)
+    for sensor in seen.sensors:
+        highest = max(sensor.high, -sensor.low)
+        if highest > _GREATEST.get(sensor.channel.split("_")[0], math.inf):
+            yield (
+                f"{sensor.channel} reaches {highest:.4g}; no road car does: repair the sensor, or "
+                "correct its unit in the channel map"
+            )
+    for rule in (_wrong_a_x, _wrong_v, _wrong_pressure, _foreign_pressure):
+        yield from rule(seen)
     crossed = crossed_side(seen.wheels, seen.alone)
     if crossed is not None:
         yield f"{crossed}: {CORRECT}, or look for a brake circuit without pressure"
-
-
-def _hanging(sensor: Sensor) -> str:
-    """When a sensor does not change, in words."""
-    times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
-    return f"{sensor.channel} does not change from {times} while others do"
 
 
 def _wrong_a_x(seen: Observation) -> Iterator[str]:
@@ -263,7 +254,11 @@ def _not_for_coast(seen: Observation) -> Iterator[str]:
     if seen.events:
         yield "the brake is applied: a coast log has no braking"
     elif seen.coasting < LIMITS.coasting:
-        yield f"only {seen.coasting:.1f} s of coasting: coast for {LIMITS.coasting:g} s or more"
+        yield _too_short(seen)
+
+
+def _too_short(seen: Observation) -> str:
+    return f"only {seen.coasting:.1f} s of coasting: coast for {LIMITS.coasting:g} s or more"
 
 
 def _without_speed(seen: Observation) -> Iterator[str]:
@@ -282,10 +277,7 @@ def _not_for_diagnose(seen: Observation) -> Iterator[str]:
         yield from _not_for_validate(seen)
         yield from _short_lead_in(seen, LIMITS.lead_in_diagnose, "stop")
     elif seen.coasting < LIMITS.coasting:
-        yield (
-            f"no braking, and only {seen.coasting:.1f} s of coasting: drive a stop, or coast for "
-            f"{LIMITS.coasting:g} s or more"
-        )
+        yield f"no braking, and {_too_short(seen)}, or drive a stop"
 
 
 _RULES = {
@@ -293,11 +285,12 @@ _RULES = {
     "validate": _not_for_validate,
     "coast": _not_for_coast,
     "diagnose": _not_for_diagnose,
+    "search": _without_speed,
 }
 
 
 def uses(seen: Observation) -> Iterator[str]:
-    """Quantities that can be determined from a log, with their accuracy, in words."""
+    """What can be determined from a log, with its accuracy, in words."""
     axles = seen.axles
     if axles is None:
         return

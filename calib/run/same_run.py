@@ -1,16 +1,15 @@
 """Whether two logs are one run: saved in another format, rounded, cut or resampled.
 
 Two runs have noise of their own, also where a robot drives them alike; a copy has that of its
-original. So the logs are laid over each other, with the lag at which their wheel speeds agree best,
-and what is between them is held against their noise. Where they are close, it counts how often the
-third differences, which are noise, have one sign:
+original. So means over 50 ms are laid over each other, with the lag at which the wheel speeds agree
+best, and what is between them is held against their noise. Where they are close, it counts how
+often the third differences, which are noise, have one sign:
 
     D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.9; two: 1 or more
     r = sin(pi/2 * mean(sign(a''') * sign(b''')))                  one run: 0.3 to 1; two: about 0
 
-Both are computed from samples, of which a copy may have left out some, and from means over 50 ms,
-of which a copy may be made. Wrong where most channels of a copy are rounded to more than five times
-their noise: the noise is lost then, and the runs count as two.
+Wrong where most channels of a copy are rounded to more than five times their noise: the noise is
+lost then, and the runs count as two.
 
 A table keeps the `Fingerprint` of its runs: the means, written to a quarter of their noise, as the
 second differences of whole numbers. A run of 10 s takes about 5 kB.
@@ -29,19 +28,16 @@ from calib.logs.log import Log
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
-_COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
-
-_NORMAL = 1.4826
-"""Standard deviation over the median of the absolute values, of normal noise [1]."""
-_ROUNDS = 3
-"""Steps of Newton's method to a lag between the samples."""
-_View = dict[str, Array]
-"""Channels [SI] on an even clock, and the mean of the ``wheels``."""
+_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
+_COMPARED = ("p_mc", "a_x", *_WHEELS, "v")
+_NORMAL = 1.4826  # standard deviation over the median of the absolute values, of normal noise [1]
+_ROUNDS = 3  # steps of Newton's method to a lag between the samples
 VERSION = 1
-_FINE = 0.25
-"""Unit of the whole numbers over the noise [1]: rounding adds 0.3 % to the noise's square."""
-_MOST = 2.0**40
-"""Largest whole number of a channel that has no noise."""
+_FINE = 0.25  # unit of the whole numbers over the noise [1]: rounding adds 0.3 % to its square
+_MOST = 2.0**40  # largest whole number of a channel that has no noise
+
+_View = dict[str, Array]
+"""Means of the channels [SI], one after another, and of the ``wheels``."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +68,7 @@ class Fingerprint:
         names = [channel.name for channel in self.channels]
         if self.version != VERSION:
             raise ValueError(f"fingerprint of version {self.version}, known is {VERSION}")
-        if not {f"omega_{w}" for w in WHEELS} <= set(names) <= set(_COMPARED):
+        if not set(_WHEELS) <= set(names) <= set(_COMPARED):
             raise ValueError(f"a fingerprint has the channels of a run, not {', '.join(names)}")
         if not all(0.0 < x < math.inf for x in (self.step, *(c.unit for c in self.channels))):
             raise ValueError("the step and the units of a fingerprint are above 0")
@@ -89,46 +85,37 @@ def same_run(one: Log, other: Log) -> bool:
     """Whether two logs hold one run, or parts of it that overlap by half of the shorter one."""
     if one.digest and one.digest == other.digest:
         return True
-    step = max(one.sample_time, other.sample_time)
-    return any(
-        _agree(_view_of(one, length, means=means), other, length, means=means)
-        for length, means in (
-            (max(LIMITS.run_grid, step), False),
-            (max(LIMITS.run_means, 2.0 * step), True),
-        )
-    )
+    return _agree(_view_of(one), other, LIMITS.run_means)
 
 
 def same_as(fingerprint: Fingerprint, log: Log) -> bool:
     """Whether a log holds the run of a fingerprint, or parts of it, as `same_run`."""
-    return _agree(fingerprint.view, log, fingerprint.step, means=True)
+    return _agree(fingerprint.view, log, fingerprint.step)
 
 
-def _agree(a: _View, other: Log, step: float, *, means: bool) -> bool:
+def _agree(a: _View, other: Log, step: float) -> bool:
     """Whether the channels agree, laid over each other where the wheel speeds agree best.
 
     The lag need not be a whole number of steps: ``other`` is read again between them.
     """
-    b = _view_of(other, step, means=means)
+    b = _view_of(other, step, of=_WHEELS)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
     lag = _best_lag(a["wheels"], b["wheels"])
-    if _alike(a, b, lag):
-        return True
     late = float(lag)
-    for _ in range(_ROUNDS):
+    for turn in range(_ROUNDS):
         rest, far = _rest(a["wheels"], b["wheels"], lag)
         if far > LIMITS.run_far:
             return False
+        if turn == 0 and _alike(a, _view_of(other, step), lag):
+            return True
         late += rest
         lag = int(np.ceil(late))
-        b = _view_of(other, step, means=means, offset=(lag - late) * step)
-        if (
-            b["wheels"].size < LIMITS.run_fewest
-            or abs(lag) > max(a["wheels"].size, b["wheels"].size) - LIMITS.run_fewest
-        ):
+        b = _view_of(other, step, (lag - late) * step, of=_WHEELS)
+        sizes = a["wheels"].size, b["wheels"].size
+        if min(min(sizes), max(sizes) - abs(lag)) < LIMITS.run_fewest:
             return False
-    return _alike(a, b, lag)
+    return _alike(a, _view_of(other, step, (lag - late) * step), lag)
 
 
 def _alike(one: _View, other: _View, lag: int) -> bool:
@@ -138,13 +125,11 @@ def _alike(one: _View, other: _View, lag: int) -> bool:
         for name in _COMPARED
         if name in one and name in other and np.ptp(one[name]) + np.ptp(other[name]) > 0.0
     }
-    if not pairs:
-        return False
     each = {name: _apart(a, b) for name, (a, b) in pairs.items()}
     wheels = [apart for name, apart in each.items() if name.startswith("omega_")]
-    others = [apart for name, apart in each.items() if not name.startswith("omega_")]
-    kinds = [*others, *([np.median(wheels)] if wheels else [])]
-    apart = float(np.median(kinds))
+    kinds = [apart for name, apart in each.items() if not name.startswith("omega_")]
+    kinds += [float(np.median(wheels))] if wheels else []
+    apart = float(np.median(kinds)) if kinds else np.inf
     return apart < LIMITS.run_alike or (
         apart < LIMITS.run_two and _together(list(pairs.values())) > LIMITS.run_together
     )
@@ -204,7 +189,7 @@ def _best_lag(a: Array, b: Array) -> int:
 
 def fingerprint_of(log: Log) -> Fingerprint:
     """The fingerprint of a run, which must have its wheel speeds."""
-    view = _view_of(log, LIMITS.run_means, means=True)
+    view = _view_of(log)
     channels = tuple(_channel(name, view[name]) for name in _COMPARED if name in view)
     return Fingerprint(VERSION, LIMITS.run_means, channels)
 
@@ -230,20 +215,22 @@ def _decoded(text: str) -> Array:
     return np.cumsum(np.cumsum(differences)).astype(float)
 
 
-def _view_of(log: Log, step: float, *, means: bool, offset: float = 0.0) -> _View:
-    """The channels every ``step`` [s] from ``offset`` [s] on: interpolated, or means of a step."""
+def _view_of(
+    log: Log,
+    step: float = LIMITS.run_means,
+    offset: float = 0.0,
+    of: tuple[str, ...] = _COMPARED,
+) -> _View:
+    """Means over every ``step`` [s] of the channels, from ``offset`` [s] on."""
     time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
-    channels = {}
-    for name in _COMPARED:
-        if name in log:
-            x = integral(log.time, log[name]) if means else log[name]
-            at = np.interp(time, log.time, x)
-            channels[name] = np.diff(at) / step if means else at
-    return _with_wheels(channels)
+    integrals = {name: integral(log.time, log[name]) for name in of if name in log}
+    return _with_wheels(
+        {name: np.diff(np.interp(time, log.time, x)) / step for name, x in integrals.items()}
+    )
 
 
 def _with_wheels(channels: dict[str, Array]) -> _View:
-    return channels | {"wheels": np.mean([channels[f"omega_{w}"] for w in WHEELS], axis=0)}
+    return channels | {"wheels": np.mean([channels[name] for name in _WHEELS], axis=0)}
 
 
 def spread(x: Array) -> float:

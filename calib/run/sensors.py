@@ -13,9 +13,7 @@ from calib.run.limits import LIMITS
 
 _RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
-
-
-_UNKNOWN = (float("nan"),) * 3
+_UNKNOWN = float("nan")
 
 
 @dataclass(frozen=True)
@@ -48,39 +46,35 @@ class Sensor:
     saturated: float
 
 
-def sensors_of(
-    log: Log, driving: DrivingRecord | None, *, noise: bool = True
-) -> tuple[Sensor, ...]:
+def sensors_of(log: Log, driving: DrivingRecord | None, *, full: bool = True) -> tuple[Sensor, ...]:
     """Sensors of all measured channels except ``time``. ``stuck`` needs ``driving``.
 
-    With ``noise`` false, the noise metrics, ``resolution`` and ``flat`` are NaN, which is faster.
+    Without ``full``, the noise metrics, ``resolution`` and ``flat`` are NaN, which is faster.
     """
     names = [name for name in CHANNELS if name in log and name != "time"]
-    return tuple(_sensor(name, log[name], log, driving, noise) for name in names)
+    return tuple(_sensor(name, log[name], log, driving, full) for name in names)
 
 
 def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: bool) -> Sensor:
     step = log.sample_time
     quiet = np.ones(x.size, bool) if driving is None else driving.unbraked
-    noise, white, colour = noise_of(x, quiet, step) if full else _UNKNOWN
+    noise, white, colour = noise_of(x, quiet, step) if full else (_UNKNOWN,) * 3
+    resolution = _UNKNOWN
+    if full:  # between two samples of another clock there is none to be seen
+        resolution = 0.0 if name in log.interpolated else resolution_of(x)
     idle = name in _RESTING or (name.startswith("p_") and _is_held(x, driving))
     return Sensor(
         channel=name,
         low=float(x.min()),
         high=float(x.max()),
-        resolution=_resolution(name, x, log) if full else _UNKNOWN[0],
+        resolution=resolution,
         noise=noise,
         white=white,
         autocorrelation=colour,
-        flat=_flatness(x[quiet]) if full else _UNKNOWN[0],
+        flat=_flatness(x[quiet]) if full else _UNKNOWN,
         stuck=() if driving is None else _stuck(name, x, log, driving),
         saturated=0.0 if idle else saturation(-x if name == "a_x" else x, step),
     )
-
-
-def _resolution(name: str, x: Array, log: Log) -> float:
-    """The step of a sensor; between two samples of another clock there is none to be seen."""
-    return 0.0 if name in log.interpolated else resolution_of(x)
 
 
 def resolution_of(x: Array) -> float:
@@ -99,23 +93,14 @@ def resolution_of(x: Array) -> float:
 
 
 def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
-    """Noise, its white part, and its autocorrelation over one sample.
+    """Noise, its white part [unit of x], and its autocorrelation over one sample [1].
 
-    Parameters
-    ----------
-    x : a channel, shape (n,).
-    quiet : mask of the samples with hardly any signal, shape (n,).
-    step : sampling time [s].
-
-    Returns
-    -------
-    Standard deviation, its white part [unit of x], and autocorrelation [1]; NaN with too few quiet
-    samples (`noise_fewest`). Outliers beyond five times the usual size are left out. The high-pass
-    removes about 1/k of the variance, with k samples in 0.2 s; this is corrected, exactly for white
-    noise.
+    ``quiet`` samples (n,) of ``x`` (n,) with hardly any signal, ``step`` [s]; NaN with too few of
+    them. Outliers beyond five times the usual size are left out. The high-pass removes about 1/k of
+    the variance, with k samples in 0.2 s; this is corrected, exactly for white noise.
     """
     if quiet.sum() < LIMITS.noise_fewest:
-        return float("nan"), float("nan"), float("nan")
+        return (_UNKNOWN,) * 3
     k = max(5, round(LIMITS.high_pass / step)) | 1
     rest = (x - centred_mean(x, k))[quiet] / np.sqrt(1.0 - 1.0 / k)
     usual = np.quantile(np.abs(rest), 0.84)
@@ -138,14 +123,15 @@ def saturation(x: Array, step: float) -> float:
 
     A value that is constant from the first sample on is a signal at rest, not saturation.
     """
-    if np.ptp(x) == 0:
+    top = x.max()
+    if not 10 <= np.count_nonzero(x == top) < x.size:
         return 0.0
     edges = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1, [x.size]])
     length, value = np.diff(edges), x[edges[:-1]]
-    at_top = value == x.max()
+    at_top = value == top
     at_top[0] = False
     longest = int(length[at_top].max(initial=0))
-    other = int(length[value < x.max()].max(initial=1))
+    other = int(length[value < top].max(initial=1))
     odd = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * other
     return longest * step if odd else 0.0
 
@@ -158,9 +144,8 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
     if driving is None:
         return False
     start, end = max(runs(pressure == pressure.max()), key=lambda run: run[1] - run[0])
-    followed = slice(
-        start + round(LIMITS.followed / driving.step), end - round(SMOOTH / driving.step)
-    )
+    start += round(LIMITS.followed / driving.step)
+    followed = slice(start, end - round(SMOOTH / driving.step))
     z = driving.z[followed][driving.moving[followed]]
     return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
 
@@ -170,14 +155,12 @@ def _stuck(
 ) -> tuple[tuple[float, float], ...]:
     """Intervals of a constant value, longer than a second, in which the car does change."""
     same = np.concatenate([[False], np.diff(x) == 0])
-    found = []
-    for start, end in runs(same, int(LIMITS.hanging / driving.step) - 1):
-        part = slice(start - 1, end)
-        if (end - start) * driving.step >= LIMITS.hanging and _others_move(
-            name, log, driving, part
-        ):
-            found.append((float(driving.time[start - 1]), float(driving.time[end - 1])))
-    return tuple(found)
+    return tuple(
+        (float(driving.time[start - 1]), float(driving.time[end - 1]))
+        for start, end in runs(same, int(LIMITS.hanging / driving.step) - 1)
+        if (end - start) * driving.step >= LIMITS.hanging
+        and _others_move(name, log, driving, slice(start - 1, end))
+    )
 
 
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:

@@ -24,8 +24,7 @@ from calib.base.noise import noise_of, second_differences
 from calib.car.lag import integral
 from calib.run.filters import block_mean
 
-_BLOCK = 0.05
-"""Length of the means that are compared [s]."""
+_BLOCK = 0.05  # length of the means that are compared [s]
 
 USUAL = 0.02
 """One sigma [s] of the delay of a v on the bus of the other channels."""
@@ -34,30 +33,25 @@ _LATEST = 0.5
 """Greatest delay [s] that is looked for: receivers have 0.1 to 0.3 s, slow filters more. What v was
 read as within this time of the start was had before the log, and is not compared."""
 
-_ODDS = 0.05
-"""Odds of a late v before the log: few of those who log v take it from a receiver."""
+_ODDS = 0.05  # odds of a late v before the log: few of those who log v take it from a receiver
 
 _SCALE = 0.05
 """One sigma of the scale of a_x [1]: wider than that of a sensor, since a delay is not to explain
 what another scale does."""
 
-EVEN = 0.0002
-"""How far the grade of any road walks in a second [g/s^0.5]: tracks are even to 1 mm in 2 m."""
-
-CHANGING = 0.015
-"""The same of a road whose slope changes on the way, over a crest or a bridge."""
+EVEN, CHANGING = 0.0002, 0.015
+"""How far the grade of any road walks in a second [g/s^0.5]: tracks are even to 1 mm in 2 m; a
+crest of 6 km radius changes it by 0.005 at 30 m/s, a bridge or a ramp by 0.02."""
 
 ODDS_ROAD = np.array([0.97, 0.03])
 """How often the slope stays, and changes, on roads that are chosen for such runs."""
 
-_BRAKES = 1.5
-"""Least deceleration [m/s^2] that shows a delay: a rolling car hardly changes its speed."""
+_BRAKES = 1.5  # least deceleration that shows a delay [m/s^2]: a rolling car hardly slows
 
-LIKELY, SURE = 0.3, 0.95
+_LIKELY, _SURE = 0.3, 0.95
 """Chance of a late v from which on it is not taken as it is, and from which on it is corrected."""
 
-_STEP = 0.01
-"""Step of the delays that are tried [s]: half of what is sharp."""
+_STEP = 0.01  # of the delays that are tried [s]: half of what is sharp
 
 _SHARP = 0.02
 """One sigma [s] of a delay from which on v is not put in time but left out: at 0.5 g it makes an
@@ -75,12 +69,12 @@ class SpeedDelay:
     @property
     def late(self) -> bool:
         """Whether v may not be taken as it is."""
-        return self.chance > LIKELY
+        return self.chance > _LIKELY
 
     @property
     def sharp(self) -> bool:
         """Whether v may be put in time."""
-        return self.sigma < _SHARP and self.chance > SURE
+        return self.sigma < _SHARP and self.chance > _SURE
 
 
 IN_TIME = SpeedDelay(0.0, USUAL, chance=0.0)
@@ -94,13 +88,14 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
     tried = np.arange(-5.0 * USUAL, _LATEST + 0.5 * _STEP, _STEP)
     roads = even, even.on_road(CHANGING)
     misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])
-    noisier = max(misfit.min() / max(np.count_nonzero(even.usable), 1), 1.0)  # than medians show
-    likelihood = -0.5 * misfit / noisier - np.array([[road.log_size] for road in roads])
+    count = np.count_nonzero(even.usable)
+    noisier = max(misfit.min() / max(count, 1), 1.0)  # than medians show
+    likelihood = -0.5 * misfit / noisier - count * np.log([[road.sigma] for road in roads])
     likelihood = np.logaddexp(*(likelihood - likelihood.max() + np.log(ODDS_ROAD)[:, None]))
     usual = np.exp(likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
     late = np.exp(likelihood) * (tried > 0.0) / _LATEST
     chance = float(_ODDS * late.sum() / (usual.sum() + _ODDS * late.sum()))
-    if chance < LIKELY:
+    if chance < _LIKELY:
         return IN_TIME
     value = float(late @ tried / late.sum())
     variance = float(late @ (tried - value) ** 2 / late.sum()) + _STEP**2 / 12.0
@@ -169,11 +164,6 @@ class _Seen:
         A = np.column_stack([x, shift])
         precision = A.T @ A + np.diag([_SCALE**-2, _LATEST**-2])
         return float(np.linalg.solve(precision, A.T @ y)[1])
-
-    @property
-    def log_size(self) -> float:
-        """Logarithm of the noise of all that is compared."""
-        return float(np.count_nonzero(self.usable) * np.log(self.sigma))
 
     def misfit(self, delay: float) -> float:
         """What is left at a ``delay`` [s] with the best scale, over the noise, squared."""

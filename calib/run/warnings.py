@@ -1,4 +1,4 @@
-"""Warnings on a usable log, before any vehicle file is known."""
+"""Warnings on a usable log, before any vehicle file is known; their words are in `warnings.csv`."""
 
 import math
 from collections.abc import Iterator
@@ -7,14 +7,14 @@ from calib.base.warning import PlausibilityWarning, warning
 from calib.logs.log import Log
 from calib.run.limits import LIMITS
 from calib.run.observation import Observation
-from calib.run.wheels import causes_of_reversed_slip
-
-_NONE = (0.0, 0.0)
 
 
 def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]:
     """Warnings on the log ``name``."""
-    rules = (_clock, _lead_in, _radii, swapped_axles, _limits, _sensors, _pressure)
+    rules = (
+        _clock, clock_gaps, _lead_in, _radii, swapped_axles, _abs, locked_wheels, _speed, saturated,
+        _wheel_speeds, _pressure,
+    )  # fmt: skip
     return tuple(warning for rule in rules for warning in rule(name, seen))
 
 
@@ -22,7 +22,7 @@ def impossible_samples(log: Log) -> Iterator[PlausibilityWarning]:
     """Samples that no car drives and that the reader left out."""
     if log.marked:
         yield PlausibilityWarning(
-            "impossible_samples", log.name, sum(one.count for one in log.marked), _NONE,
+            "impossible_samples", log.name, sum(one.count for one in log.marked), (0.0, 0.0),
             tuple(str(one) for one in log.marked),
             "they are not used; decode the error value of a signal as no value",
         )  # fmt: skip
@@ -34,29 +34,23 @@ def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("clock_rate", log, clock.rate, (LIMITS.slow_rate, None))
     if clock.jitter * clock.rate > LIMITS.jitter:
         yield warning("clock_jitter", log, clock.jitter * clock.rate, (0.0, LIMITS.jitter))
-    yield from clock_gaps(log, seen)
 
 
 def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     """Samples that are missing: what is computed between their neighbours is no measurement."""
-    clock = seen.clock
-    if clock.gaps:
-        when, length = max(clock.gaps, key=lambda gap: gap[1])
-        yield PlausibilityWarning(
-            "clock_gaps", log, length, _NONE,
-            ("lost messages or samples",),
-            f"look at {when:.2f} s, the longest of {len(clock.gaps)} gaps; drive again if a "
-            "braking is cut",
-        )  # fmt: skip
+    gaps = seen.clock.gaps
+    if gaps:
+        when, length = max(gaps, key=lambda gap: gap[1])
+        yield warning("clock_gaps", log, length, when=when, count=len(gaps))
 
 
 def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if seen.events and seen.lead_in < LIMITS.lead_in_good:
         yield warning("lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None))
     if seen.lead_in_driven:
-        yield warning("lead_in_driven", log, 1.0, _NONE)
+        yield warning("lead_in_driven", log, 1.0)
     if seen.standing > 0.0:
-        yield warning("standing", log, seen.standing, _NONE)
+        yield warning("standing", log, seen.standing)
 
 
 def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
@@ -65,7 +59,7 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         return
     eta = axles.front_rear
     if eta is None:
-        yield warning("eta_zero_unknown", log, 1.0, _NONE)
+        yield warning("eta_zero_unknown", log, 1.0)
     else:
         if abs(eta.value) > max(LIMITS.tyres, eta.half):  # tyres that are worn unlike are zeroed
             yield warning("eta_zero", log, eta.value, (-LIMITS.tyres, LIMITS.tyres))
@@ -84,69 +78,51 @@ def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     more, less, sign = ("rear", "front", -1.0) if seen.alone == "r" else ("front", "rear", 1.0)
     if sign * eta.value < -max(LIMITS.zero, eta.half):
         expected = (-LIMITS.zero, None) if sign > 0.0 else (None, LIMITS.zero)
-        yield PlausibilityWarning(
-            "axles_swapped", log, eta.value, expected,
-            causes_of_reversed_slip(less),
-            f"check the order of the wheel speeds, and log a motor's T_drive_{less[0]}; the {more} "
-            "wheels must slip more",
-        )  # fmt: skip
+        yield warning("axles_swapped", log, eta.value, expected, more=more, less=less, axle=less[0])
 
 
-def _limits(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
-    slips = seen.slipping
-    if slips and slips.cycles:
-        wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in slips.cycles))
-        yield PlausibilityWarning(
-            "abs", log, len(slips.cycles), _NONE,
-            (f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on",),
-            "brake less, or on a road with more grip",
-        )  # fmt: skip
-    yield from locked_wheels(log, seen)
+def _abs(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    cycles = seen.slipping.cycles if seen.slipping else ()
+    if cycles:
+        wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in cycles))
+        yield warning("abs", log, len(cycles), wheels=wheels, when=cycles[0][1])
 
 
 def locked_wheels(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     """Wheels that lock: what they say after it is no speed of the car."""
-    slips = seen.slipping
-    if slips and slips.locked:
-        yield PlausibilityWarning(
-            "locked_wheels", log, len(slips.locked), _NONE,
-            (f"wheel {', '.join(slips.locked)} locks",), "brake less, or on a road with more grip",
-        )  # fmt: skip
+    locked = seen.slipping.locked if seen.slipping else ()
+    if locked:
+        yield warning("locked_wheels", log, len(locked), wheels=", ".join(locked))
 
 
-def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
-    if "v" not in seen.present:
-        yield warning("no_reference_speed", log, 1.0, _NONE)
-    for sensor in seen.sensors:
-        if sensor.stuck and sensor.channel == "v":
-            longest = max(end - start for start, end in sensor.stuck)
-            yield warning("v_stuck", log, longest, _NONE)
-    yield from saturated(log, seen)
-    blur = _blur(seen)
-    if blur > LIMITS.zero:
-        yield warning("coarse_wheel_speeds", log, blur, (0.0, LIMITS.zero))
+def _speed(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    v = seen.sensor("v")
+    if v is None:
+        yield warning("no_reference_speed", log, 1.0)
+    elif v.stuck:
+        yield warning("v_stuck", log, max(end - start for start, end in v.stuck))
 
 
 def saturated(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     """Channels that stay at the end of their range."""
     for sensor in seen.sensors:
         if sensor.saturated:
-            yield PlausibilityWarning(
-                "saturated", log, sensor.saturated, _NONE,
-                (f"{sensor.channel} is at the end of its range",), "widen its range",
-            )  # fmt: skip
+            yield warning("saturated", log, sensor.saturated, channel=sensor.channel)
 
 
-def _blur(seen: Observation) -> float:
-    """Standard deviation of eta in a mean over 0.2 s, from the wheels' noise and steps [1]."""
-    wheels = [s for s in seen.sensors if s.channel.startswith("omega") and s.high > 0]
+def _wheel_speeds(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """The standard deviation of eta in a mean over 0.2 s, from the wheels' noise and steps [1].
+
+    Two wheels make an axle and two axles make eta: the factors cancel.
+    """
     noise = [
         math.hypot(s.noise, s.resolution / math.sqrt(12.0)) / s.high
-        for s in wheels
-        if not math.isnan(s.noise)
+        for s in seen.sensors
+        if s.channel.startswith("omega") and s.high > 0 and not math.isnan(s.noise)
     ]
-    # Two wheels make an axle and two axles make eta: the factors cancel.
-    return max(noise, default=0.0) / math.sqrt(max(1.0, 0.2 * seen.clock.rate))
+    blur = max(noise, default=0.0) / math.sqrt(max(1.0, 0.2 * seen.clock.rate))
+    if blur > LIMITS.zero:
+        yield warning("coarse_wheel_speeds", log, blur, (0.0, LIMITS.zero))
 
 
 def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
@@ -156,6 +132,5 @@ def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if pressure.flat > LIMITS.flat and pressure.low == 0.0 and a_x.noise > 0.01:
         yield warning("pressure_computed", log, pressure.flat, (0.0, LIMITS.flat))
     if seen.z > 0.1 and pressure.high / seen.z > LIMITS.stiff:
-        yield warning(
-            "pressure_per_g", log, pressure.high / seen.z / 1e5, (0.0, LIMITS.stiff / 1e5)
-        )
+        per_g = pressure.high / seen.z / 1e5
+        yield warning("pressure_per_g", log, per_g, (0.0, LIMITS.stiff / 1e5))

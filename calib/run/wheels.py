@@ -42,39 +42,46 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
     a slow drift, such as on a long bend.
     """
     ratio = _ratios(a, b, mask, step)
-    count = ratio.size
-    if count < 3:
+    if ratio.size < 3:
         return None
+    return IntervalEstimate(float(np.mean(ratio)), float(_half(ratio)))
+
+
+def _half(rolling: Array, braked: float = np.inf) -> Array:
+    """Half width of the 95 % interval of a change from ``rolling`` (..., k) to a mean of blocks.
+
+    Of ``braked`` blocks with the noise of the rolling car, which has no slope.
+    """
     from scipy.special import stdtrit
 
-    spread = float(np.std(ratio, ddof=1)) / np.sqrt(count)
-    return IntervalEstimate(float(np.mean(ratio)), float(stdtrit(count - 1, 0.975)) * spread)
+    count = rolling.shape[-1]
+    share = np.sqrt(1.0 / count + 1.0 / braked)
+    return np.asarray(stdtrit(count - 1, 0.975) * np.std(rolling, axis=-1, ddof=1) * share)
+
+
+def _means(x: Array, mask: Mask, step: float) -> Array:
+    """Means over `wheel_block` where ``mask`` holds; none if that is short."""
+    return block_mean(x[..., mask], max(1, round(LIMITS.wheel_block / step)))
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
-    """``b/a - 1`` of means over `wheel_block` where ``mask`` holds [1]; empty if that is short.
-
-    Without those in which the first wheel does not turn.
-    """
-    n = max(1, round(LIMITS.wheel_block / step))
-    if mask.sum() < n:
-        return np.empty(0)
-    before, after = (block_mean(x[mask], n) for x in (a, b))
+    """``b/a - 1`` of means [1], without those in which the first wheel does not turn."""
+    before, after = _means(np.stack([a, b]), mask, step)
     turns = before > 0.0
-    return after[turns] / before[turns] - 1.0
+    return np.asarray(after[turns] / before[turns] - 1.0)
 
 
 @dataclass(frozen=True)
 class Axles:
-    """Comparison of the wheels.
+    """Comparison of the wheels; None where a part is too short to tell.
 
     Attributes
     ----------
     front_rear : eta - 1 on the unbraked part [1]: positive if the rear radius is the smaller.
     left_right_f, left_right_r : right over left wheel speed - 1, unbraked [1].
-    radius : ``v`` over the wheel speed while rolling unbraked, the median [m]; None without ``v``.
+    radius : ``v`` over the wheel speed while rolling unbraked, the median [m].
     slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
-        correct; negative for a wrong sign. None if it cannot be determined.
+        correct; negative for a wrong sign.
     eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
     eta_most : the same in that third of a braking with 0.1 to 0.5 g in which it is farthest from 0
         [1]. Eta rises and falls again, so its mean may be 0 where it tells much.
@@ -90,55 +97,50 @@ class Axles:
 
 
 def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
-    """Compare the wheels. The log must have ``a_x`` and the four wheel speeds.
-
-    ``slips`` of the wheels, as `slips_of` has them.
-    """
+    """Compare the wheels of a log with ``a_x`` and four wheel speeds; ``slips`` as `slips_of`."""
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
-    braking = driving.braked & (driving.wheel_z < 0.5) & (driving.speed > 5.0)
+    braking = driving.braked & (driving.wheel_z < HIGH) & (driving.speed > 5.0)
     braked = mismatch(front, rear, braking & (driving.wheel_z > 0.2), driving.step)
     if braked is not None and zero is not None:
-        braked = IntervalEstimate(
-            braked.value - zero.value, float(np.hypot(braked.half, zero.half))
-        )
+        half = float(np.hypot(braked.half, zero.half))
+        braked = IntervalEstimate(braked.value - zero.value, half)
     return Axles(
         front_rear=zero,
         left_right_f=mismatch(fl, fr, free, driving.step),
         left_right_r=mismatch(rl, rr, free, driving.step),
-        radius=_rolling_radius(log, driving),
+        radius=rolling_radius(log, driving),
         slope=_against_wheels(driving, _all_roll(slips, driving)),
         eta_braked=braked if zero is not None else None,
-        eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
+        eta_most=_most(front, rear, free, braking & (driving.wheel_z > LOW), driving.step),
     )
 
 
 def _most(
     front: Array, rear: Array, free: Mask, braking: Mask, step: float
 ) -> IntervalEstimate | None:
-    """Largest change of eta from ``free`` rolling to a third of ``braking`` [1].
-
-    The interval takes the noise of the rolling car, which has no slope, for that of the braking.
-    """
+    """Largest change of eta from ``free`` rolling to a third of ``braking`` [1]."""
     rolling, slipping = (_ratios(front, rear, mask, step) for mask in (free, braking))
     if min(rolling.size, slipping.size) < 3:
         return None
-    from scipy.special import stdtrit
-
     thirds = np.array_split(slipping, 3)
     changes = [float(np.mean(third) - np.mean(rolling)) for third in thirds]
     at = int(np.argmax(np.abs(changes)))
-    share = 1.0 / rolling.size + 1.0 / thirds[at].size
-    spread = float(np.std(rolling, ddof=1) * np.sqrt(share))
-    return IntervalEstimate(changes[at], float(stdtrit(rolling.size - 1, 0.975)) * spread)
+    return IntervalEstimate(changes[at], float(_half(rolling, thirds[at].size)))
 
 
-def _rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
-    """Median of ``v`` over the wheel speed [m], that of the middle wheels, while nothing brakes."""
+def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
+    """Median of ``v`` over the speed of the middle wheels [m] while nothing brakes.
+
+    R = v/omega, (19) at zero slip. What drives or slows the wheels there, as an engine in gear
+    does, is a part of it: 0.1 % at 0.03 g. None without ``v``, or too short to tell.
+    """
+    if "v" not in log:
+        return None
     wheel = np.median([log[f"omega_{w}"] for w in WHEELS], axis=0)
     rolls = ~driving.braked & (wheel * NOMINAL_RADIUS > MOVING)
-    if "v" not in log or rolls.sum() < LIMITS.noise_fewest:
+    if rolls.sum() < LIMITS.noise_fewest:
         return None
     return float(np.median(log["v"][rolls] / wheel[rolls]))
 
@@ -191,19 +193,15 @@ def slipping(
     inside = np.zeros(driving.time.size, bool)
     for event in events:
         inside[event.first : event.last + 1] = True
-    inside &= driving.speed > MOVING
+    inside &= driving.moving
     cycles, locked = [], []
     for wheel, slip in slips.items():
         for start, end in runs(inside & (slip > LIMITS.deep_back)):
-            part = slip[start:end]
-            if part.max() > LIMITS.locked:
+            deepest, time = slip[start:end].max(), (end - start) * driving.step
+            if deepest > LIMITS.locked:
                 locked.append(wheel)
-            came_back = end < inside.size and inside[end]
-            if (
-                part.max() > LIMITS.deep
-                and came_back
-                and (end - start) * driving.step < LIMITS.abs_cycle
-            ):
+            comes_back = end < inside.size and inside[end] and time < LIMITS.abs_cycle
+            if deepest > LIMITS.deep and comes_back:
                 cycles.append((wheel, float(driving.time[start])))
     return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
 
@@ -232,7 +230,6 @@ _PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
 
 LOW, HIGH = 0.1, 0.5
 """Range of deceleration [1] in which the wheels are compared."""
-
 
 CORRECT = "compare the columns with the car, and correct them with a channel map"
 """What to do about columns that have changed places."""
@@ -267,34 +264,24 @@ class Crossed(NamedTuple):
 
 
 def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
-    """Compare the wheels; None with fewer than three blocks of 0.2 s that roll, or that brake.
-
-    The interval takes the noise of the rolling car for that of the braking.
-    """
+    """Compare the wheels; None with fewer than three blocks of 0.2 s that roll, or that brake."""
     braking = driving.braked & (driving.wheel_z > LOW) & (driving.wheel_z < HIGH)
     braking &= driving.speed > 5.0
-    free, braked = (_parts(log, driving, mask) for mask in (driving.unbraked, braking))
+    wheels = np.array([log[f"omega_{w}"] for w in WHEELS])
+    means = [_means(wheels, mask, driving.step) for mask in (driving.unbraked, braking)]
+    free, braked = (_PARTS @ (1.0 - x / x.mean(axis=0)) for x in means)
     if min(free.shape[1], braked.shape[1]) < 3:
         return None
-    from scipy.special import stdtrit
-
-    count = free.shape[1]
-    share = np.sqrt(1.0 / count + 1.0 / braked.shape[1])
-    half = stdtrit(count - 1, 0.975) * np.std(free, axis=1, ddof=1) * share
     change = np.mean(braked, axis=1) - np.mean(free, axis=1)
-    axles, sides, diagonals = (
-        IntervalEstimate(float(x), float(h)) for x, h in zip(change, half, strict=True)
-    )
+    half = _half(free, braked.shape[1])
+    axles, sides, diagonals = map(IntervalEstimate, change.tolist(), half.tolist())
     return WheelParts(axles, sides, diagonals, float(np.mean(driving.wheel_z[braking])))
 
 
-def _parts(log: Log, driving: DrivingRecord, mask: Mask) -> Array:
-    """E, L and X of means over `wheel_block` where ``mask`` holds [1], (3, k)."""
-    n = max(1, round(LIMITS.wheel_block / driving.step))
-    if mask.sum() < n:
-        return np.empty((3, 0))
-    wheels = np.array([block_mean(log[f"omega_{w}"][mask], n) for w in WHEELS])
-    return np.asarray(_PARTS @ (1.0 - wheels / wheels.mean(axis=0)))
+def _alone(part: IntervalEstimate, others: float, z: float) -> bool:
+    """Whether X or L is larger than the ``others``, and than what unlike brakes make at ``z``."""
+    least = max(LIMITS.crossed_alone * others, LIMITS.crossed_least * z)
+    return abs(part.value) - part.half >= least
 
 
 def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed | None:
@@ -305,11 +292,9 @@ def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed 
     if parts is None:
         return None
     x = parts.diagonals
-    others = max(abs(parts.axles.value), abs(parts.sides.value))
-    if abs(x.value) - x.half < max(LIMITS.crossed_alone * others, LIMITS.crossed_least * parts.z):
+    if not _alone(x, max(abs(parts.axles.value), abs(parts.sides.value)), parts.z):
         return None
-    left = (x.value < 0.0) is (alone != "r")
-    wheels = ("fl", "rl") if left else ("fr", "rr")
+    wheels = ("fl", "rl") if (x.value < 0.0) is (alone != "r") else ("fr", "rr")
     return Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
 
 
@@ -322,47 +307,18 @@ def crossed_diagonal(parts: WheelParts | None, expected: float) -> Crossed | Non
         return None
     part, e, x = parts.sides, abs(parts.axles.value), abs(parts.diagonals.value)
     low, high = abs(expected) / LIMITS.crossed_alone, LIMITS.crossed_alone * abs(expected)
-    alone = abs(part.value) - part.half > max(
-        LIMITS.crossed_alone * max(e, x), LIMITS.crossed_least * parts.z
-    )
-    if not (alone and low < abs(part.value) < high and e < low):
+    if not (_alone(part, max(e, x), parts.z) and low < abs(part.value) < high and e < low):
         return None
-    left = (part.value < 0.0) is (expected > 0.0)
-    wheels = ("fl", "rr") if left else ("fr", "rl")
+    wheels = ("fl", "rr") if (part.value < 0.0) is (expected > 0.0) else ("fr", "rl")
     return Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")
 
 
-_SWAPPED = "front and rear wheel speeds that are swapped"
-_OTHER = {"front": "rear", "rear": "front"}
-
-
-def causes_of_reversed_slip(less: str) -> tuple[str, ...]:
-    """The causes if the wheels of the axle that should slip less slip more.
-
-    ``less`` is that axle, ``front`` or ``rear``.
-    """
+def what_to_check(less: str) -> str:
+    """Advice for a refusal where the wheels of axle ``less``, front or rear, slip less."""
+    other = "rear" if less == "front" else "front"
     return (
-        _SWAPPED,
-        f"{_OTHER[less]} pads that are weak: wet, hot, glazed or new",
-        f"a motor or engine that brakes the {less} wheels and is not logged: regeneration",
-        "an all-wheel drive that couples the axles",
-        f"{less} wheels that brake more",
+        f"are the axles swapped? correct them with a channel map; does a motor or the engine brake "
+        f"the {less} wheels? log T_drive_{less[0]}, or switch regeneration off; does an all-wheel "
+        f"drive couple the axles? open it; are the {other} pads weak (wet, hot, glazed or new), or "
+        f"does ABS work on the {less} wheels?"
     )
-
-
-def what_to_check(less: str, *, mirrored: bool = True) -> str:
-    """Advice for a refusal.
-
-    A swap mirrors the difference of the axles: if it is clearly larger or smaller than expected,
-    not ``mirrored``, a torque of the drive is likelier.
-    """
-    swap = "are the axles swapped? correct them with a channel map"
-    drive = (
-        f"does a motor or the engine brake the {less} wheels? log T_drive_{less[0]}, or switch "
-        "regeneration off; does an all-wheel drive couple the axles? open it"
-    )
-    pads = (
-        f"are the {_OTHER[less]} pads weak (wet, hot, glazed or new), or does ABS work on the "
-        f"{less} wheels?"
-    )
-    return "; ".join((swap, drive, pads) if mirrored else (drive, swap, pads))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from calib.run.check import Findings, LogVerdict
+from calib.run.check import Findings
 from calib.run.check import facts as contents
 from calib.show.facts import Facts, Row
 
@@ -39,16 +39,12 @@ def _why(findings: Findings) -> str:
     fit = next(one for one in findings.verdicts if one.purpose == "fit")
     if fit.usable or (findings.usable and not findings.seen.events):
         return ""
-    reasons = fit.reasons if findings.seen.events else _nearest(findings).reasons
+    fewest = min((one.reasons for one in findings.verdicts), key=len)
+    reasons = fit.reasons if findings.seen.events else fewest
     more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
     if findings.usable:  # what is missing for a table, not what to do about it
         return f"no fit: {reasons[0].partition(': ')[0]}{more}"
     return f"{reasons[0]}{more}"
-
-
-def _nearest(findings: Findings) -> LogVerdict:
-    """The verdict with the fewest reasons; the first of several."""
-    return min(findings.verdicts, key=lambda one: len(one.reasons))
 
 
 def _rows(findings: Findings) -> list[Row]:

@@ -13,11 +13,11 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.limits import DEFAULTS, Limit
 from calib.estimation.validate import validate_one
 from calib.logs.log import Log
+from calib.run.driving_record import run_events
 from calib.show import compare, log, stop, table
 from calib.show.ramp import measure
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
-from calib.show.trace import from_result, from_validation
 from calib.store.version import Stored
 
 
@@ -39,9 +39,8 @@ class PlotInput:
 def sheets(given: PlotInput) -> Iterator[Sheet]:
     """The sheets of the given inputs, one after the other.
 
-    At most two tables; two tables without logs or results. Raises ValueError otherwise, and for a
-    vehicle that no estimate and no result uses; LogError and VehicleError as `validate_one`, for a
-    log of another car for example.
+    Raises ValueError for more than two tables, and for two with logs; LogError and VehicleError as
+    `validate_one`.
     """
     if len(given.tables) == 2 and not given.logs:
         a, b = given.tables
@@ -49,11 +48,11 @@ def sheets(given: PlotInput) -> Iterator[Sheet]:
     elif len(given.tables) == 1:
         yield from _of_table(given.tables[0], given)
     elif not given.tables:
-        yield from map(log.sheet, given.logs)
+        yield from map(_of_log, given.logs)
     else:
         raise ValueError("two tables are drawn without logs, three or more cannot be drawn")
     for result in given.results:
-        yield stop.sheet(from_result(result, given.vehicle))
+        yield stop.of_result(result)
 
 
 def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:
@@ -67,10 +66,14 @@ def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:
         if role is None:
             yield _of_stop(stored, found, given)
         elif role != "ramp":
-            yield log.sheet(found)  # a coast has no braked sample
+            yield _of_log(found)  # a coast has no braked sample
+
+
+def _of_log(found: Log) -> Sheet:
+    return log.sheet(log.whole_of(found), run_events(found))
 
 
 def _of_stop(stored: Stored, found: Log, given: PlotInput) -> Sheet:
     used, car = stored.table, given.vehicle
     result = validate_one(used, found, car, given.limits, baselines=given.compare)
-    return stop.sheet(from_validation(used, stored.id, found, result, car))
+    return stop.of_validation(used, stored.id, found, result, car)

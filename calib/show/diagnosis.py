@@ -1,16 +1,17 @@
-"""Facts of a diagnosis: the verdict, what the hold-outs say to it, each effect, what is left."""
+"""Facts of a diagnosis: the verdict, what the hold-outs say to it, each effect, what is left.
+
+What is not told here, `diagnosis.json` has.
+"""
 
 from dataclasses import asdict
 
 from calib.base.names import AXLE_NAMES
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnose import Diagnosis, Named
-from calib.diagnosis.explanation.offsets import GRADE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
-from calib.diagnosis.runs.sides import USUAL
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
-from calib.show.numbers import estimate, in_shown, listed, percent, spaced, span, with_unit
+from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
 
 NO_GAP, NAMED, REST, _WORSE = "no_gap", "named", "rest", "worse"
 _AMBIGUOUS, _AMBIGUOUS_REST, UNKNOWN = "ambiguous", "ambiguous_rest", "unknown"
@@ -25,21 +26,6 @@ KINDS = {
 }
 """The outcomes, each in a few words and with its colour."""
 
-_SEEN_IN = {
-    "a_x": "the deceleration",
-    "v": "the speed, as it drifts from the deceleration",
-    "rim": "the mean slip of the wheels",
-    "front_rear": "the difference between front and rear wheel speeds",
-    "front_sides": "the difference between left and right, front wheels",
-    "rear_sides": "the difference between left and right, rear wheels",
-}
-"""Channels of evidence, in words."""
-_AXLES = {
-    "front": "at the front axle",
-    "rear": "at the rear axle",
-    "both": "at both axles",
-    "body": "on the body",
-}
 _DRIVERS = {
     "temperature": "the temperature of the disc",
     "time": "the time since the brake bit",
@@ -50,8 +36,7 @@ _DRIVERS = {
     SLIP: "the slip, as brake control does",
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
-STATE = "Logs with other pads or on another road: a state of a log, no effect of the car."
-_OF_LOGS = "What each log has of its own; what all have in common is in it."
+STATE = "States of logs and tyres, which are no effects of the car, and were taken out."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
@@ -68,7 +53,6 @@ def facts(found: Diagnosis, title: str) -> Facts:
         ]
     named = {effect.name for effect in found.effects}
     rows = (
-        ("In the file", _known(found)),
         ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
@@ -76,17 +60,16 @@ def facts(found: Diagnosis, title: str) -> Facts:
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
             for name, one in found.model_after.effects.own.items()
         ),
-        ("Left and right", _sides(found)),
-        ("Noise", _noise(found)),
+        ("Noise", source if (source := found.noise.source) != "unbraked parts" else ""),
     )
     return Facts(
         title,
-        headline=f"{_verdict_of(found)} {_closure(found)} {_not_excluded(found)}".rstrip(),
+        headline=f"{_verdict_of(found)} {_not_excluded(found)}".rstrip(),
         verdict=verdict,
         word=word,
         numbers=[*numbers, ("hold-out logs", str(len(found.measured)))],
         rows=[row for row in rows if row[1]],
-        tables=[_groups(found), _of_logs(found), _unseen(found)],
+        tables=[_states(found), _unseen(found)],
         warnings=found.warnings,
         parts=[_effect(effect, found) for effect in found.effects],
     )
@@ -123,60 +106,24 @@ def _verdict_of(found: Diagnosis) -> str:
         others = {n for effect in found.effects for n in effect.indistinguishable_from}
         rivals = listed(sorted(others - set(names)), "or")
         return f"{'. '.join(told)}, or else {rivals}; these logs cannot tell which{more}."
-    text = "The model lacks something that is not in the catalogue"
-    if left is None:
-        return f"{text}."
-    if left.explained < GATES.trifle and left.driver not in (WHEEL_ANGLE, FREQUENCY):
-        return f"{text}, and these logs do not show where it acts."
-    place = f"{left.axle} wheels" if left.driver == WHEEL_ANGLE else spaced(left.place)
-    text += f": it acts on the {place} and depends on {_driver(left.driver)}."
-    if left.wheel is not None:
-        text += f" The {spaced(left.wheel)} wheel is slower than the other one of its axle."
-    return text
-
-
-def _closure(found: Diagnosis) -> str:
-    """How much of the gap of the hold-outs is closed, and what is left over the noise."""
-    gap, noise = found.gap, "times the sensors' noise"
-    before, after = f"{gap.before:.1f}", f"{gap.after:.1f}"
-    if found.verdict == NO_GAP:
-        return f"Replays of the hold-outs are {after} {noise} off."
-    if found.verdict == UNKNOWN and not found.model_after.effects.terms:
-        return f"Nothing was added: replays of the hold-outs stay {before} {noise} off."
-    if gap.closed <= 0.0:
-        within = max(gap.before, gap.after) < GATES.within
-        text = "Replays of the hold-outs do not show it" if within else "The gap does not shrink"
-        return f"{text}: on the hold-outs {before} {noise} before, {after} after."
-    closed = f"{100.0 * gap.closed:.1f} % of the gap on the hold-outs"
-    if found.verdict == UNKNOWN:
-        return f"An empirical term closes {closed}; {after} {noise} is left."
-    return f"{closed} is closed; {after} {noise} is left."
+    return "The model lacks something that is not in the catalogue."
 
 
 def _not_excluded(found: Diagnosis) -> str:
     """What an unknown cause may be although no explanation with it holds; else empty."""
     if found.verdict != UNKNOWN:
         return ""
-    told = []
-    if found.gap.before < GATES.within:
-        told.append(
-            "That is within the noise: it is quick, and small over a whole run. Look at the "
-            "sensors first: one that filters, such as a_x, or channels that are not simultaneous."
-        )
-    if not all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES):
-        told.append(
-            "No disc temperature is logged: pads that fade are not excluded, where front and rear "
-            "discs began with unlike heat."
-        )
-    return " ".join(told)
-
-
-def _driver(driver: str) -> str:
-    return _DRIVERS.get(driver, f"the {driver}")
+    quick = (
+        "That is within the noise: it is quick, and small over a whole run. Look at the sensors "
+        "first: one that filters, such as a_x, or channels that are not simultaneous. "
+    )
+    fade = "No disc temperature is logged: pads that fade are not excluded."
+    known = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
+    return quick * (found.gap.before < GATES.within) + fade * (not known)
 
 
 def _effect(effect: Named, found: Diagnosis) -> Facts:
-    """One named effect: its card, its parameters, where it acts, its evidence and its rivals."""
+    """One named effect: its cause, its parameters, where it acts, its evidence and its rivals."""
     card = definition(found.model_before.vehicle.effects, effect.name).card
     at, seen = effect.where, [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
     if at.temperature is not None:
@@ -191,10 +138,7 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     rivals = listed(effect.indistinguishable_from, "or") if effect.indistinguishable_from else ""
     rows: list[Row] = [
         ("Cause", card.cause),
-        ("Equation", card.equation),
-        ("In a log", card.looks_like),
-        ("Source", card.source),
-        ("Acts", f"{_AXLES[at.axle]}; strongest in {_SEEN_IN[at.channel]}, at {', '.join(seen)}"),
+        ("Acts", f"{at.axle}; strongest in {at.channel}, at {', '.join(seen)}"),
         ("Evidence", evidence),
         ("Cannot be told from", rivals or "nothing else in the catalogue"),
     ]
@@ -205,20 +149,16 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
 
 
 def _something_else(found: Diagnosis) -> str:
-    """What is left beside the effects that are named, in two sentences; empty if nothing is."""
+    """What is left beside the effects that are named; empty if nothing is."""
     if found.unexplained is None or not found.effects:
         return ""
     left = found.left
     text = f"an {ERROR} of {found.reduced_after:.2f} in the calibration logs; in the replays "
     text += f"lasting errors of {left.size:.1f} times the sensors' noise"
     if not left.significant:
-        return f"{text}, which noise alone can make."
+        return f"{text}, which noise alone can make"
     at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
-    return (
-        f"{text}, {min(left.sigma, 99.0):.0f} standard deviations or more from noise alone; "
-        f"largest in {left.channel} of {left.log} ({left.largest:.1f} times the noise), at {at}, "
-        f"{span(left.time, 's')} after the start."
-    )
+    return f"{text}, largest in {left.channel} of {left.log}, at {at}"
 
 
 def _withdrawn(found: Diagnosis) -> str:
@@ -234,114 +174,52 @@ def _withdrawn(found: Diagnosis) -> str:
 
 
 def unexplained(found: Diagnosis) -> str:
-    """The location of a cause that is not in the catalogue; empty without one."""
+    """Where a cause acts that is not in the catalogue, and on what it depends; else empty."""
     left = found.unexplained
     if left is None:
         return ""
-    explained = percent(left.explained)
+    explained, driver, place = 100.0 * left.explained, left.term.driver, spaced(left.term.place)
+    told = [
+        f"{explained:.0f} % of the remaining gap by an empirical term on the {place} "
+        f"over {_DRIVERS.get(driver, f'the {driver}')}: it describes the gap, not its cause"
+    ]
     if left.driver == FREQUENCY:
-        text = (
-            f"{percent(left.oscillation.share)} of the remaining gap swings at "
-            f"{left.oscillation.frequency:.1f} Hz, as liquid in a tank, a loose load or a body on "
-            f"its springs does. Empirical terms explain {explained} of it at most."
-        )
-    elif left.explained < GATES.trifle:
-        text = (
-            "No empirical term on brakes, wheels or body, over pressure, speed, temperature or "
-            "time, explains 1 % of the remaining gap."
-        )
-    else:
-        text = (
-            f"An empirical term on the {spaced(left.term.place)} over {_driver(left.term.driver)} "
-            f"explains {explained} of the remaining gap. The term describes the gap; its physical "
-            "cause is not known."
-        )
-        if left.runners_up:
-            place, driver, share = left.runners_up[0]
-            text += f" Next: {spaced(place)} over {_driver(driver)}, {percent(share)}."
+        swing = left.oscillation
+        told.append(f"{100.0 * swing.share:.0f} % of it swings at {swing.frequency:.1f} Hz")
     if left.driver == WHEEL_ANGLE:
-        text += (
-            f" {percent(left.turning)} of the remaining gap goes with the angle of the "
-            f"{left.axle} wheels: something turns with them."
-        )
+        told.append(f"{100.0 * left.turning:.0f} % of it turns with the {left.axle} wheels")
+    if left.wheel is not None:
+        told.append(f"the {spaced(left.wheel)} wheel is slower than the other one of its axle")
     held = held_from(left.term)
     if held is not None and left.driver != FREQUENCY:
-        holds = "holds" if left.driver == SLIP else "or a valve may hold"
-        text += (
-            f" Above {held / 1e5:.0f} bar the brake torque hardly rises with the pressure: brake "
-            f"control {holds} it."
+        told.append(
+            f"above {held / 1e5:.0f} bar the brake torque hardly rises: brake control or a valve"
         )
     if left.on_hold_outs:
-        text += " The calibration logs do not show it: it was placed with the hold-outs."
-    return text
-
-
-def _known(found: Diagnosis) -> str:
-    """Effects of the vehicle file, which every explanation has; empty if it has none."""
-    named, effects = {effect.name for effect in found.effects}, found.model_before.vehicle.effects
-    told = []
-    for name, values in effects.parameters.items():
-        units = {p.name: p.unit for p in definition(effects, name).card.parameters}
-        numbers = ", ".join(
-            f"{spaced(key)} {with_unit(f'{in_shown(x, units[key]):.4g}', units[key])}"
-            for key, x in values.items()
-        )
-        told.append(f"{spaced(name)} ({numbers})" + ", which is other here" * (name in named))
+        told.append("the calibration logs do not show it: it was placed with the hold-outs")
     return "; ".join(told)
 
 
-def _sides(found: Diagnosis) -> str:
-    """Where left and right wheel speeds were made even; empty where they nearly were."""
-    told = [
-        f"{100.0 * abs(off):.2f} % on the {AXLE_NAMES[axle]} axle, the "
-        f"{'left' if off > 0.0 else 'right'} one slower"
+def _states(found: Diagnosis) -> Table:
+    """What is of a log or of its tyres: groups and pads against the first, heat, slope or zero."""
+    grounds = [(listed(group.logs), group.ground) for group in found.groups[1:]]
+    rows = [
+        (f"{spaced(name)} [%]", log, f"{100.0 * (x - 1.0):+.1f}")
+        for log, ground in (*grounds, *found.own_pads.items())
+        for name, x in asdict(ground).items()
+    ]
+    for log, heats in found.start_heats.items():
+        for axle, heat in zip(AXLE_NAMES.values(), heats, strict=True):
+            rows.append((f"{axle} discs at first [degC]", log, f"{heat:.0f}"))
+    if (of := found.offsets) is not None:
+        head = f"{spaced(of.effect)} [{of.unit}]"
+        rows += [(head, log, f"{x:+.3f}") for log, x in of.values.items()]
+    rows += [
+        ("left wheel slower than right [%]", f"{AXLE_NAMES[axle]} axle", f"{100.0 * off:+.2f}")
         for axle, off in found.sides.items()
         if abs(off) > GATES.sides_told
     ]
-    if not told:
-        return ""
-    if any(abs(off) > USUAL for off in found.sides.values()):
-        why = (
-            "tyres of one age differ by up to 0.1 %, and nothing that slows the car, as a brake "
-            "that drags would, is missing. Compare the tyres and their pressures."
-        )
-    else:
-        why = (
-            "tyres of one axle differ by as much. A brake that drags on the slower wheel looks the "
-            "same, and its drag is then named as something else: feel whether a disc is hot."
-        )
-    unlike = "; ".join(told)
-    return f"while nothing brakes, the wheels differ by {unlike}. They were made even: {why}"
-
-
-def _groups(found: Diagnosis) -> Table:
-    """By how much pads and road of each group of logs differ from those of the first."""
-    rows = []
-    for group in found.groups[1:]:
-        changes = asdict(group.ground).items()
-        told = ", ".join(f"{spaced(name)} {100.0 * (x - 1.0):+.0f} %" for name, x in changes)
-        rows.append((listed(group.logs), told))
-    return Table(("logs", "pads and road"), rows, STATE)
-
-
-def _of_logs(found: Diagnosis) -> Table:
-    """What each log has of its own: pads and tyres, heat of the discs, a slope or a zero of a_x."""
-    columns: dict[str, dict[str, str]] = {}
-    for log, own in (found.own_pads or {}).items():
-        for name, x in asdict(own).items():
-            columns.setdefault(f"{spaced(name)} [%]", {})[log] = f"{100.0 * (x - 1.0):+.1f}"
-    for log, heats in (found.start_heats or {}).items():
-        for axle, heat in zip(AXLE_NAMES.values(), heats, strict=True):
-            columns.setdefault(f"{axle} discs at first [degC]", {})[log] = f"{heat:.0f}"
-    if found.offsets is not None:
-        slope = found.offsets.effect == GRADE
-        head = "slope, uphill [%]" if slope else "zero of a_x [m/s^2]"
-        factor, digits = (100.0, 1) if slope else (1.0, 2)
-        values = found.offsets.values.items()
-        columns[head] = {log: f"{factor * x:+.{digits}f}" for log, x in values}
-    logs = dict.fromkeys(log for column in columns.values() for log in column)
-    rows = [(log, *(column.get(log, "") for column in columns.values())) for log in logs]
-    return Table(("log", *columns), rows, _OF_LOGS)
+    return Table(("state", "of", "value"), rows, STATE)
 
 
 def _unseen(found: Diagnosis) -> Table:
@@ -354,27 +232,3 @@ def _unseen(found: Diagnosis) -> Table:
         there = drive.name if drive.clear else f"none, most of all {drive.name}"
         rows.append((spaced(drive.effect), size, there, f"{drive.sigma:.0f} sigma"))
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
-
-
-def _noise(found: Diagnosis) -> str:
-    """Where the noise of the evidence comes from, where that is not the usual place."""
-    told = []
-    if found.noise.source != "unbraked parts":
-        told.append(f"no unbraked part is long enough: taken from {found.noise.source}")
-    if found.noise.at_floor:
-        channels = listed(found.noise.at_floor)
-        told.append(f"that of {channels} is below what the model resolves, which was taken")
-    return "; ".join(told)
-
-
-def heading(found: Diagnosis) -> str:
-    """The verdict in a few words."""
-    names = " and ".join(spaced(effect.name) for effect in found.effects)
-    if found.verdict == NO_GAP:
-        return "no gap"
-    if found.unexplained is not None:
-        rest = f"unknown, {spaced(found.unexplained.term.place)}"
-        return f"{names}, and something else" if names else rest
-    if outcome(found) == _WORSE:
-        return f"{names}, and the hold-outs are no better"
-    return f"{names} (ambiguous)" if found.verdict == _AMBIGUOUS else names or found.verdict

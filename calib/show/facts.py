@@ -24,46 +24,29 @@ WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 
 
 @dataclass(frozen=True)
-class Bar:
-    """Places in percent of the width, each zone as (start, width); ``label`` says it in words.
-
-    ``marks``: places of the values; one beyond an end of the bar is at that end.
-    """
-
-    passed: tuple[float, float]
-    warning: tuple[float, float]
-    marks: tuple[float, ...]
-    label: str
-
-
-@dataclass(frozen=True)
 class Table:
     """Cells as texts; the first cell of a row names it.
 
-    ``verdicts`` has one for each row. ``bars``, one for each row or None, are drawn on a page after
-    the second column; ``links``, one for each row or "", lead from its first cell.
+    ``verdicts`` has one for each row; ``links``, one for each row or "", lead from its first cell.
     """
 
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
     caption: str = ""
     verdicts: Sequence[str] = ()
-    bars: Sequence[Bar | None] = ()
     links: Sequence[str] = ()
 
     @property
     def numeric(self) -> tuple[bool, ...]:
-        """Whether each column but the first holds numbers, by the first signs of its cells.
+        """Whether each column but the first holds numbers, by the begins of its cells.
 
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
         """
-        columns = ([row[i][:2] for row in self.rows if row[i]] for i in range(1, len(self.heads)))
-        return False, *(
-            any(x.lstrip("+-").isdigit() for x in begins)
-            and all(x[0].isdigit() or x[0] in "+-" for x in begins)
-            for begins in columns
+        columns = (
+            {row[i].lstrip("+-")[:1] for row in self.rows} for i in range(1, len(self.heads))
         )
+        return False, *("".join(begins).isdigit() for begins in columns)
 
 
 @dataclass(frozen=True)

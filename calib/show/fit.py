@@ -58,26 +58,18 @@ def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrig
         *([Picture("The ramps of the fit.", panels, of_ramps)] if of_ramps else []),
     ]
     logs = [(log.role, log.name, log.digest) for log in stored.table.provenance.logs]
-    parts = [origin(given, stored, logs, str(mass))]
+    parts = [origin(given, stored, logs)]
     return replace(facts(stored, mass), pictures=pictures, parts=parts)
 
 
 def _figures(stored: Stored) -> Table:
-    """Everything that was estimated."""
-    cal, q = stored.table.calibration, stored.table.quality
-    estimated = [
-        ("Pad friction, front", cal.pad_friction_f.value, cal.pad_friction_f.ci95, "1"),
-        ("Pad friction, rear", cal.pad_friction_r.value, cal.pad_friction_r.ci95, "1"),
-        ("Pad friction over the vehicle file's", cal.pad_scale.value, cal.pad_scale.ci95, "1"),
-        *(
-            (f"{of.effect}: {of.name}".replace("_", " "), of.value.value, of.ci95, of.unit)
-            for of in effect_figures(stored.table)
-        ),
-    ]
+    """What was estimated beside the pads, and how far the ramp went."""
+    q = stored.table.quality
     rows = [
-        (name, f"{value:.4g}", f"{low:.4g} to {high:.4g}", unit)
-        for name, value, (low, high), unit in estimated
-    ]
+        (f"{of.effect}: {of.name}".replace("_", " "), f"{of.value.value:.4g}",
+         "{:.4g} to {:.4g}".format(*of.ci95), of.unit)
+        for of in effect_figures(stored.table)
+    ]  # fmt: skip
     rows += [
         ("Deceleration that the ramp reached", f"{q['deceleration_max']:.2f}", "", "g"),
         ("Largest eta - 1", f"{100.0 * (q['eta_peak'] - 1.0):.2f}", "", "%"),

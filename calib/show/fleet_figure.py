@@ -1,24 +1,20 @@
 """One metric of a fleet: its distribution, and its values in the order of the line.
 
-distribution   bars of cars, median, 5 to 95 %, the limits beyond which a car is named, outliers as
-               marks below, beyond the axis as arrows
-in order       cars as points, centre and the same limits; where the level changes, both levels,
-               3 sigma of a steady line and the alarms of the run rules
+distribution   cars as steps, median, 5 to 95 %, the limits beyond which a car is named
+in order       cars as points, the same limits; where the level changes, both levels, 3 sigma of a
+               steady line and the alarms of the run rules
+
+Cars that stand apart are marked; one that is beyond an axis is at its end.
 """
 
-import json
-import re
 import textwrap
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from calib.base.plain import plain
-from calib.line.fleet.control_chart import FEWEST, RULES
+from calib.line.fleet.control_chart import FEWEST
 from calib.line.fleet.summary import Look, Summary, in_words
-from calib.show.sheet import Panel, Sheet, render
+from calib.show.sheet import Line, Mark, Panel, Sheet
 from calib.show.style import (
     BODY,
     DASHED,
@@ -28,124 +24,100 @@ from calib.show.style import (
     NOMINAL,
     REAR,
     SHADE,
-    Axes,
-    Mask,
+    Array,
     Stroke,
+    as_text,
 )
 
 _EDGE: Stroke = {"color": REAR["color"], "linestyle": DOTTED, "linewidth": 1.4}
+_APART: Stroke = {"color": REAR["color"], "marker": "D", "linestyle": "", "ms": 5.0, "zorder": 5}
+_DOT: Stroke = {"color": NOMINAL["color"], "marker": ".", "linestyle": "", "ms": 4.0}
+_STEPS: Stroke = {"color": "#56B4E9", "drawstyle": "steps-post"}
+_THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
 
 _DOTS = 2000
 """Above this number of cars the points are drawn as a raster image, not as vectors."""
-
-_LIMITS = "3 sigma of a steady line"
 
 _LINE = 32
 """Letters of an axis' name that fit beside a panel."""
 
 TAIL, WIDEST = 6.0, 20.0
-"""Range of the axes about the median, in scales; a value beyond is a mark at the edge. It grows to
-the second one where the limits beyond which a log is named are wider."""
-DOCUMENT = "fleet.json"
-"""The document of a report, beside its pictures."""
+"""Range of the axes about the median, in scales; it grows to the second one where the limits beyond
+which a log is named are wider."""
 
 
 def sheet(found: Summary, look: Look) -> Sheet:
     """Return the sheet of one metric, in the unit that is shown."""
-    look = _in_unit(look)
-    return Sheet(
-        kind="fleet",
-        name=look.metric.name,
-        title="",
-        note="",
-        panels=(
-            Panel("distribution", "Distribution", distribution, (look,), 2),
-            Panel("order", "In the order of the line", in_order, (found, look), 2),
-        ),
-        rows=(("distribution", "order", "order"),),
-        heights=(1.05,),
-    )
+    panels = (_distribution(look), _in_order(found, look))
+    return Sheet("fleet", look.metric.name, panels, (("distribution", "order", "order"),), (1.05,))
 
 
-def distribution(ax: Axes, look: Look) -> None:
-    """Draw bars of the bulk, median and quantiles, and outliers as marks on the axis."""
-    low, high = window(look)
+def _distribution(look: Look) -> Panel:
+    k, (low, high) = _factor(look), window(look)
     inside = look.values[(look.values >= low) & (look.values <= high)]
     bins = int(np.clip(2.0 * np.sqrt(inside.size), 5, 60))
-    ax.hist(inside, bins=bins, range=(low, high), color="#8DB9DA", linewidth=0.0)
+    counts, edges = np.histogram(inside, bins, (low, high))
     share = "90 % of the others" if look.outlying.any() else "90 % of the logs"
-    ax.axvspan(*look.others, color=SHADE, linewidth=0.0, zorder=0, label=share)
-    ax.axvline(look.spread.median, color=FRONT["color"], label="median")
-    for edge, label in _edges(look, low, high):
-        ax.axvline(edge, label=label, **_EDGE)
-    for part, marker, label in _outliers(look, low, high, "<>"):
-        # x in axes coordinates and not clipped: marks at the edge for values beyond it
-        far = np.clip(look.values[part], low, high)
-        marks = ax.plot(far, np.full(far.size, 0.02), marker, color=REAR["color"], ms=5)[0]
-        marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label=label)
-    ax.set_xlim(*_room(low, high))
-    ax.locator_params(axis="x", nbins=4)
-    ax.locator_params(axis="y", integer=True)
-    ax.set(xlabel=textwrap.fill(_axis(look), 2 * _LINE), ylabel="logs")
+    marks = [
+        Mark(k * look.others[0], k * look.others[1], {"color": SHADE}, share),
+        Mark(k * look.spread.median, k * look.spread.median, FRONT, "median"),
+        *(Mark(edge, edge, _EDGE, label) for edge, label in _edges(look)),
+    ]
+    lines = [Line(k * edges, [*counts, counts[-1]], _STEPS)]
+    lines += _apart(look, k * np.clip(look.values, low, high), np.zeros(look.values.size))
+    axis = textwrap.fill(_axis(look), 2 * _LINE)
+    ends = _room(look)
+    return Panel("distribution", "Distribution", axis, "logs", lines, marks, xlim=ends, columns=2)
 
 
-def in_order(ax: Axes, found: Summary, look: Look) -> None:
-    """Draw the individuals chart along the line."""
-    low, high = window(look)
-    x, y = look.rows + 1, np.clip(look.values, low, high)
-    many = x.size > _DOTS
-    ax.plot(x, y, ".", color=NOMINAL["color"], ms=2.0 if many else 4.0, alpha=0.5, rasterized=many)
+def _in_order(found: Summary, look: Look) -> Panel:
+    """The individuals chart along the line."""
+    k, x = _factor(look), np.asarray(look.rows + 1, float)
+    y = np.clip(look.values, *window(look))
+    lines = [Line(x, k * y, {**_DOT, "alpha": 0.5, "rasterized": x.size > _DOTS})]
     if look.chart is not None:
-        ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8, label="median")
-    for edge, label in _edges(look, low, high):
-        ax.axhline(edge, label=label, **_EDGE)
+        lines.append(_level(x, k * look.chart.centre, _THIN, "median"))
+    lines += [_level(x, edge, _EDGE, label) for edge, label in _edges(look)]
     if look.chart is not None and look.drifts:
-        shown = [end for end in look.chart.limits if low <= end <= high]
-        for end, label in zip(shown, (_LIMITS, None), strict=False):
-            ax.axhline(end, color=BODY["color"], linestyle=DASHED, linewidth=0.8, label=label)
-        alarm = np.logical_or.reduce([look.chart.alarms[rule] for rule in RULES])
-        if alarm.any():
-            label = "run rule broken"
-            ax.plot(x[alarm], y[alarm], ".", color="#E69F00", ms=3.0 if many else 5.0, label=label)
-    if look.drifts and look.change is not None:
-        k, c = look.change.first, look.change
-        for logs, level, label in ((x[:k], c.before, "level"), (x[k:], c.after, None)):
-            ends = [logs[0], logs[-1]]
-            ax.plot(ends, [level, level], color=IDENTIFIED["color"], linewidth=2.0, label=label)
-    for part, marker, label in _outliers(look, low, high, "v^"):
-        ax.plot(x[part], y[part], marker, color=REAR["color"], ms=5, label=label)
-    ax.set_ylim(*_room(low, high))
-    ax.set_xlim(0.0, len(found.logs) + 1.0)
-    ax.locator_params(axis="x", integer=True)
-    ordered_by = found.ordered_by.replace("$", r"\$")
-    ax.set(xlabel=f"log, ordered by {ordered_by}", ylabel=textwrap.fill(_axis(look), _LINE))
-
-
-def _outliers(look: Look, low: float, high: float, arrows: str) -> Iterator[tuple[Mask, str, str]]:
-    """Outliers within the axes, then those below and above: mask, mark and label of each group."""
-    below, above = look.values < low, look.values > high
-    groups = (
-        (~below & ~above, "D", "stands apart"),
-        (below, arrows[0], ""),
-        (above, arrows[1], ""),
+        for end, label in zip(look.chart.limits, ("3 sigma of a steady line", ""), strict=True):
+            lines.append(_level(x, k * end, {**_THIN, "linestyle": DASHED}, label))
+        alarm = np.logical_or.reduce([*look.chart.alarms.values()])
+        label = "run rule broken" if alarm.any() else ""
+        lines.append(Line(x[alarm], k * y[alarm], {**_DOT, "color": "#E69F00"}, label))
+    if look.drifts and (change := look.change) is not None:
+        stroke: Stroke = {**IDENTIFIED, "linewidth": 2.0}
+        lines.append(_level(x[: change.first], k * change.before, stroke, "level"))
+        lines.append(_level(x[change.first :], k * change.after, stroke))
+    lines += _apart(look, x, k * y)
+    return Panel(
+        "order",
+        "In the order of the line",
+        f"log, ordered by {as_text(found.ordered_by)}",
+        textwrap.fill(_axis(look), _LINE),
+        lines,
+        xlim=(0.0, len(found.logs) + 1.0),
+        ylim=_room(look),
+        columns=2,
     )
-    for where, marker, label in groups:
-        part = look.outlying & where
-        values = np.unique(look.values[part])
-        if values.size:
-            ends = f"{values[0]:.4g}" + (f" to {values[-1]:.4g}" if values.size > 1 else "")
-            yield part, marker, label or f"stands apart: {ends}"
 
 
-def _edges(look: Look, low: float, high: float) -> Iterator[tuple[float, str | None]]:
-    """Limits beyond which a log is named, NaN if outside of the axes; the first with its label."""
-    finite = [edge for edge in look.spread.edges or () if np.isfinite(edge)]
-    places = int(np.clip(2 - np.floor(np.log10(high - low)), 0, 10))
-    told = f"named {in_words(look.spread.edges or (np.nan, np.nan), lambda x: f'{x:.{places}f}')}"
-    seen = [edge if low <= edge <= high else np.nan for edge in finite]
-    if not np.isfinite(seen).any():
-        told += " (not in view)"
-    yield from zip(seen, (told, None), strict=False)
+def _level(x: Array, value: float, look: Stroke, label: str = "") -> Line:
+    return Line([x[0], x[-1]], [value, value], look, label)
+
+
+def _apart(look: Look, x: Array, y: Array) -> list[Line]:
+    """Marks at ``x``, ``y`` (n,) of the logs that stand apart."""
+    at = look.outlying
+    return [Line(x[at], y[at], _APART, "stands apart")] if at.any() else []
+
+
+def _edges(look: Look) -> list[tuple[float, str]]:
+    """Limits beyond which a log is named, where in view, as shown; the first with its label."""
+    k, (low, high) = _factor(look), window(look)
+    edges = [edge for edge in look.spread.edges or () if low <= edge <= high]
+    places = int(np.clip(2 - np.floor(np.log10(k * (high - low))), 0, 10))
+    told = in_words(look.spread.edges or (np.nan, np.nan), lambda x: f"{k * x:.{places}f}")
+    return [(k * edge, "" if i else f"named {told}") for i, edge in enumerate(edges)]
 
 
 def window(look: Look) -> tuple[float, float]:
@@ -164,49 +136,14 @@ def window(look: Look) -> tuple[float, float]:
     return (low - 0.5, high + 0.5) if alike else (low, high)
 
 
-def _room(low: float, high: float) -> tuple[float, float]:
-    return low - 0.06 * (high - low), high + 0.06 * (high - low)
+def _room(look: Look) -> tuple[float, float]:
+    k, (low, high) = _factor(look), window(look)
+    return k * (low - 0.06 * (high - low)), k * (high + 0.06 * (high - low))
 
 
-def _in_unit(look: Look) -> Look:
-    """The metric with all numbers in the unit that is shown."""
-    k, s, chart, c = plain(look.metric.name).factor, look.spread, look.chart, look.change
-    if k == 1.0:
-        return look
-    q = (k * s.quantiles[0], k * s.quantiles[1], k * s.quantiles[2], k * s.quantiles[3])
-    edges = s.edges and (k * s.edges[0], k * s.edges[1])
-    return replace(
-        look,
-        values=k * look.values,
-        spread=replace(s, median=k * s.median, scale=k * s.scale, quantiles=q, edges=edges),
-        chart=chart and replace(chart, centre=k * chart.centre, sigma=k * chart.sigma),
-        change=c and replace(c, before=k * c.before, after=k * c.after),
-    )
+def _factor(look: Look) -> float:
+    return plain(look.metric.name).factor
 
 
 def _axis(look: Look) -> str:
-    heading = plain(look.metric.name, look.metric.unit).heading
-    return heading.replace("$", r"\$")  # a dollar in a name must not start a formula
-
-
-def picture_name(figure: str) -> str:
-    """File name of the picture of a metric; valid for any column name."""
-    return re.sub(r"[^\w.-]", "_", figure) + ".png"
-
-
-def pictures_of(found: Summary, step: Callable[[], None]) -> dict[str, bytes]:
-    """A PNG of each metric with values, by its file name."""
-    pictures = {}
-    for look in (look for look in found.looks if look.values.size):
-        pictures[picture_name(look.metric.name)] = render(sheet(found, look).overview(), ".png")
-        step()
-    return pictures
-
-
-def earlier_pictures(out: Path) -> set[str]:
-    """File names of the pictures of an earlier report in ``out``."""
-    try:
-        figures = json.loads((out / DOCUMENT).read_text(encoding="utf-8"))["figures"]
-        return {picture_name(name) for name in figures}
-    except (OSError, ValueError, TypeError, KeyError):
-        return set()
+    return as_text(plain(look.metric.name, look.metric.unit).heading)

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.base.plain import METRICS, NBSP, counted, plain
-from calib.line.fleet.document import drift_tested, headline, name_of, too_few
-from calib.line.fleet.outliers import MetricSpread
+from calib.base.plain import METRICS, NBSP, plain
+from calib.line.fleet.document import headline
 from calib.line.fleet.summary import Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
+from calib.show.numbers import number
 
 _NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
@@ -31,8 +31,8 @@ def facts(found: Summary, title: str = "") -> Facts:
     more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
-        (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
-        for s in found.shares
+        (plain(key).name, ", ".join(f"{_class(text)}: {n}" for text, n in counts.items()))
+        for key, counts in found.classes.items()
     ]
     return Facts(
         title,
@@ -48,7 +48,6 @@ def facts(found: Summary, title: str = "") -> Facts:
         notes=[
             *([f"And {more} more stand apart: fleet.json has them."] if more > 0 else []),
             *(f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies),
-            *([told] if (told := reach(found)) else []),
         ],
     )
 
@@ -68,38 +67,18 @@ def report(found: Summary, title: str) -> Facts:
 
 
 def _metric(found: Summary, look: Look) -> Facts:
-    caption = f"Distribution of {name_of(look)}, and the logs in order."
+    caption = f"Distribution of {look.name}, and the logs in order."
     picture = Picture(caption, sheet(found, look))
-    return Facts(f"{name_of(look)} ({look.metric.name})", pictures=[picture])
-
-
-def reach(found: Summary) -> str:
-    """How far from the others a log must be to be named, in words; "" if none can be judged."""
-    ratios = [
-        min(abs(edge - s.median) for edge in s.edges) / s.scale
-        for look in found.looks
-        if (s := look.spread).edges is not None and s.scale > plain(look.metric.name).step
-    ]
-    if not ratios:
-        return ""
-    middle = float(np.quantile(ratios, 0.5, method="nearest"))
-    logs = counted(max(look.spread.count for look in found.looks), "log")
-    if not np.isfinite(middle):
-        return f"{logs} are too few to tell one apart in a typical metric, however far away it is."
-    return (
-        f"Among {logs} only one that is far away can be told apart: {middle:.1f} times the usual "
-        "scatter (one sigma) from the median in a typical metric. One that is nearer may be odd, "
-        "too: these logs cannot show it."
-    )
+    return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
 
 def reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
-    look = next(look for look in found.looks if look.metric.name == o.metric)
+    look = next(look for look in found.looks if look.metric.name == o.figure)
     shown = _shown(look)
     low, high = map(shown, look.others)
     side = "above" if o.value > look.spread.median else "below"
-    value = f"{plain(o.metric).name} {shown(o.value)}"
+    value = f"{plain(o.figure).name} {shown(o.value)}"
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
@@ -114,14 +93,14 @@ def _shown(look: Look) -> Callable[[float], str]:
     one = plain(look.metric.name, look.metric.unit)
     if one.step:
         return one.with_unit
-    unit = f"{NBSP}{one.unit}" if one.unit else ""
-    return lambda value: number(one.factor * value, look.spread) + unit
+    unit, scatter = f"{NBSP}{one.unit}" if one.unit else "", look.spread.quantiles
+    return lambda value: number(value, 0.1 * (scatter[3] - scatter[0])) + unit
 
 
 def _kind(found: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
     calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
-    if too_few(found) or (calm and not drift_tested(found)):
+    if found.too_few or (calm and not found.drift_tested):
         return UNJUDGED
     return PASSED if calm else WARNING
 
@@ -136,7 +115,7 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
         place = f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
         drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
     return (
-        name_of(look),
+        look.name,
         str(s.count),
         shown(s.median),
         f"{low} to {high}",
@@ -144,12 +123,3 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )
-
-
-def number(value: float, about: MetricSpread) -> str:
-    """``value`` rounded to one digit below the scatter of its metric, at least four digits."""
-    width = max(about.quantiles[3] - about.quantiles[0], 1e-300)
-    digits = 4
-    if value:
-        digits = max(4, 3 + int(np.floor(np.log10(abs(value)) - np.log10(width))))
-    return f"{value:.{min(digits, 10)}g}"

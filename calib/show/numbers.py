@@ -36,32 +36,17 @@ def in_shown(value: float, unit: str) -> float:
     return value * _SHOWN.get(unit, (unit, 1.0))[1]
 
 
-def unit_shown(unit: str) -> str:
-    """The unit that is printed for an SI unit; nothing for a plain number."""
-    return _SHOWN.get(unit, (unit, 1.0))[0]
-
-
 def with_unit(text: str, unit: str) -> str:
-    """A number with the unit that is printed; a plain number alone."""
-    return f"{text} {unit_shown(unit)}".rstrip()
+    """A number, or what it is of, with the unit that is printed; a plain number alone."""
+    return f"{text} {_SHOWN.get(unit, (unit, 1.0))[0]}".rstrip()
 
 
 def number(value: float, step: float) -> str:
     """A value rounded to the second digit of ``step``, such as the half width of its interval."""
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
-    if step <= 0.0:
-        return f"{value:.4g}"
-    first = math.floor(math.log10(step))
-    if first < -4 and abs(value) < 1e-2:
-        digits = max(0, math.floor(math.log10(max(abs(value), step))) - first + 1)
-        return f"{value:.{digits}e}"
+    first = math.floor(math.log10(step or 1e-3 * abs(value) or 1.0))
     return f"{value:z.{max(0, 1 - first)}f}"
-
-
-def percent(share: float) -> str:
-    """A share [1] in whole percent."""
-    return f"{round(100.0 * share):d} %"
 
 
 def estimate(found: ParameterEstimate) -> tuple[str, str]:

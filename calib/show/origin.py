@@ -1,4 +1,4 @@
-"""Where the results of a page come from: files with their digests, vehicle, versions, date."""
+"""Where the results of a page come from: files with their digests, versions, date."""
 
 import platform
 from collections.abc import Iterable, Mapping
@@ -31,9 +31,7 @@ def origin_of(date: str, files: Mapping[str, Path | None]) -> PageOrigin:
     return PageOrigin(date, tuple(given))
 
 
-def origin(
-    given: PageOrigin, stored: Stored, logs: Iterable[tuple[str, str, str]], mass: str
-) -> Facts:
+def origin(given: PageOrigin, stored: Stored, logs: Iterable[tuple[str, str, str]]) -> Facts:
     """Where the results come from; ``logs`` (role, name, SHA-256)."""
     packages = [f"{name} {version(name)}" for name in _PACKAGES]
     inputs = [(name, role, digest) for role, name, digest in (*logs, *given.files)]
@@ -41,7 +39,6 @@ def origin(
         "Where it comes from",
         rows=[
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
-            ("Vehicle", f"{stored.table.vehicle.name}, {mass}"),
             ("Date", given.date or "not stated"),
             ("Program", PROGRAM),
             ("Runs on", ", ".join([f"Python {platform.python_version()}", *packages])),

@@ -7,7 +7,6 @@ are the points that are compared with them:
     eta as measured, over that of the identified car on this run, times its eta without resistance
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,9 +14,8 @@ import numpy as np
 from calib.base.names import G
 from calib.car.braking import BITE
 from calib.car.forces import paper_curves
-from calib.car.vehicle import Vehicle
 from calib.estimation.plan import known_resistance
-from calib.fitting.path import Path, path_of
+from calib.fitting.path import path_of
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.parameters import RampParameters, parameters_of, tyres_of
@@ -34,8 +32,8 @@ from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from calib.show.sheet import Panel
-from calib.show.style import BODY, FRONT, NOMINAL, REAR, Array, Axes, Mask, Stroke, noisy
+from calib.show.sheet import Line, Panel
+from calib.show.style import FRONT, MEAN, NOMINAL, REAR, Array, Mask, Stroke
 from calib.table.table import Table
 
 GROUP = 5
@@ -44,11 +42,10 @@ GROUP = 5
 
 @dataclass(frozen=True)
 class MeasuredRamp:
-    """A ramp in blocks, shapes (k,), SI.
+    """A ramp in blocks, shapes (k,).
 
-    As driven: ``time`` [s]; ``z`` as measured and ``carried``, the part of it
-    that the tyres carry [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads
-    [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v.
+    As driven: ``time`` [s]; ``z`` [1]; ``F_f``, ``F_r`` normalised forces from pressure at the
+    table's pads [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v.
 
     As the table has it, without resistance: ``z_free``, ``eta``, ``D``, ``f1``, ``f2`` [1], NaN
     where nothing brakes.
@@ -59,7 +56,6 @@ class MeasuredRamp:
     name: str
     time: Array
     z: Array
-    carried: Array
     F_f: Array
     F_r: Array
     z_free: Array
@@ -92,14 +88,16 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
-    table_car = _without_resistance(vehicle, run, parameters, scale)
+    # the same brake forces on the car of the table, which has no resistance
+    B_f, B_r = (scale * B for B in nominal_forces(vehicle, run, parameters.log_pad_ratio))
+    B_f, B_r = (np.where(B_f + B_r > 0.0, B, np.nan) for B in (B_f, B_r))
+    table_car = path_of(vehicle, parameters, B_f, B_r)
     f1, f2 = paper_curves(vehicle, table_car.z, table_car.D)
     slips = _slips(table, parameters, run, F_f, F_r)
     return MeasuredRamp(
         name=log.name,
         time=b.end,
         z=read.z,
-        carried=(run.brake_sum + run.moment_f + run.moment_r) / vehicle.weight,
         F_f=F_f,
         F_r=F_r,
         z_free=table_car.z,
@@ -112,15 +110,6 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
         braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
         both=run.only is None,
     )
-
-
-def _without_resistance(
-    vehicle: Vehicle, run: RampRun, parameters: RampParameters[float], scale: float
-) -> Path:
-    """The blocks of a run as the car of the table drives them, with the same brake forces."""
-    B_f, B_r = (scale * B for B in nominal_forces(vehicle, run, parameters.log_pad_ratio))
-    held = B_f + B_r > 0.0
-    return path_of(vehicle, parameters, np.where(held, B_f, np.nan), np.where(held, B_r, np.nan))
 
 
 def _slips(
@@ -144,38 +133,22 @@ def _slips(
     return tyres.on_the_curve((shown[0], shown[1]), loads, static)
 
 
-def grouped(values: Array, mask: Mask) -> Array:
-    """Means of `GROUP` consecutive blocks where ``mask`` is true, without an incomplete group."""
-    kept = values[mask]
-    count = kept.size // GROUP
-    return np.asarray(kept[: count * GROUP].reshape(count, GROUP).mean(axis=1))
-
-
-def panels(ramps: Sequence[MeasuredRamp]) -> tuple[Panel, ...]:
-    """The forces of each ramp over time, Fig. 5; several are numbered."""
-    numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
-    return tuple(
-        Panel(f"forces{number}", f"Forces of {ramp.name} (Fig. 5)", forces, (ramp,), 2)
-        for ramp, number in zip(ramps, numbers, strict=True)
-    )
-
-
-def forces(ax: Axes, ramp: MeasuredRamp) -> None:
-    """Fig. 5, as driven: what the tyres carry of z is between the normalised forces."""
-    noisy(ax, ramp.time, ramp.F_f, FRONT, "front $F_f$")
-    noisy(ax, ramp.time, ramp.z, NOMINAL, "$z$ as measured")
-    noisy(ax, ramp.time, ramp.F_r, REAR, "rear $F_r$")
-    noisy(ax, ramp.time, ramp.carried, BODY, "$z$ less air drag")
-    ax.set(xlabel="time [s]", ylabel="normalised force, $z$ [1]")
-
-
-def points(
-    ax: Axes, ramp: MeasuredRamp, x: Array, y: Array, mask: Mask, stroke: Stroke, label: str = ""
-) -> None:
-    """Blocks as dots, and their means over 0.25 s as rings, those of the rear as triangles."""
-    ax.plot(x[mask], y[mask], ".", color=stroke["color"], ms=2.0, alpha=0.35, mew=0.0)
-    ring: Stroke = {"color": stroke["color"], "mfc": "white", "ms": 3.4, "mew": 0.8}
-    shown = label or "_points"  # labels that begin with an underscore are not in the legend
+def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:
+    """Braked blocks as means of `GROUP` consecutive ones; an incomplete group is left out."""
+    kept = np.array([x, y])[:, ramp.braked]
+    count = kept.shape[1] // GROUP
+    at = kept[:, : count * GROUP].reshape(2, count, GROUP).mean(axis=2)
     marker = "^" if stroke is REAR else "o"
-    means = grouped(x, mask), grouped(y, mask)
-    ax.plot(*means, marker, linestyle="", label=shown, zorder=3, **ring)
+    look = {"linestyle": "", "mfc": "white", "ms": 3.4, "mew": 0.8, "zorder": 3}
+    return Line(at[0], at[1], {"color": stroke["color"], "marker": marker, **look}, label)
+
+
+def panel(ramp: MeasuredRamp, name: str) -> Panel:
+    """Fig. 5: the forces of a ramp over time; z is between them, but for the drag of the air."""
+    lines = (
+        Line(ramp.time, ramp.F_f, FRONT, "front $F_f$", mean=MEAN),
+        Line(ramp.time, ramp.z, NOMINAL, "$z$ as measured", mean=MEAN),
+        Line(ramp.time, ramp.F_r, REAR, "rear $F_r$", mean=MEAN),
+    )
+    title = f"Forces of {ramp.name} (Fig. 5)"
+    return Panel(name, title, "time [s]", "normalised force, $z$ [1]", lines, columns=3)

@@ -10,23 +10,10 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
 from calib.base.errors import InputError
+from calib.estimation.estimator import COLUMNS as WRITTEN
 
-COLUMNS = (
-    "time",
-    "z",
-    "eta",
-    *(
-        f"{quantity}_{axle}{bound}"
-        for quantity, bounds in (
-            ("normalised_force", ("",)),
-            ("pad_friction", ("", "_lower", "_upper")),
-        )
-        for axle in "fr"
-        for bound in bounds
-    ),
-    *(f"brake_torque_{wheel}" for wheel in ("fl", "fr", "rl", "rr")),
-)
-"""Numeric columns of a result, besides ``valid``."""
+COLUMNS = tuple(name for name in WRITTEN if name != "valid" and not name.startswith("pad_change"))
+"""Numeric columns of a result that are drawn."""
 
 
 @dataclass(frozen=True)
@@ -40,9 +27,6 @@ class StoredResult:
     digest: str
     values: dict[str, Array]
     valid: Mask
-
-    def __getitem__(self, column: str) -> Array:
-        return self.values[column]
 
 
 def is_result(path: Path) -> bool:

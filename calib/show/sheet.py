@@ -1,6 +1,8 @@
 """A sheet: panels of one page, drawn together or one by one.
 
-    Panel  a name, a title, and a function that draws it into its axes
+    Line   values over an axis, with their 95 % band
+    Mark   a part of the axis, over the whole height
+    Panel  lines, marks and texts in one pair of axes
     Sheet  panels, and the rows in which the page shows them
 
 The legend of a panel is between its title and its axes, where it covers no data.
@@ -8,62 +10,146 @@ The legend of a panel is between its title and its axes, where it covers no data
 
 import io
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from string import ascii_letters
 from typing import Any
 
+import numpy as np
+
 from calib.base.write import write_whole
-from calib.show.style import WIDTH, Axes, Figure, styled
+from calib.show.style import WIDTH, Array, Axes, Figure, Mask, Stroke, reach, smooth, styled
 
 _POINTS = 72.0
 """Points to the inch."""
 _LETTER = 0.086
 """Width of a letter of the title [in], with a little to spare."""
+_BAND = 0.18
+"""Opacity of a 95 % band."""
+_RAW = 0.3
+"""Opacity of measured values behind their mean."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """``y`` over ``x`` (n,), and the two ends of its ``band``.
+
+    Over measured values their mean over ``mean`` [s] is drawn, 0 for none.
+    """
+
+    x: Array | Sequence[float]
+    y: Array | Sequence[float]
+    look: Stroke
+    label: str = ""
+    band: tuple[Array, Array] | None = None
+    mean: float = 0.0
+
+    def fill(self, ax: Axes) -> Array:
+        """Draw it, and return the values of the thick line."""
+        y, colour = np.asarray(self.y, float), self.look["color"]
+        if self.band is not None:
+            ax.fill_between(self.x, *self.band, color=colour, alpha=_BAND, lw=0.0, zorder=1)
+        if self.mean:
+            ax.plot(self.x, y, color=colour, linewidth=0.5, alpha=_RAW)
+            y = smooth(np.asarray(self.x), y, self.mean)
+        ax.plot(self.x, y, label=self.label, **self.look)
+        return y
+
+
+@dataclass(frozen=True)
+class Mark:
+    """The part of the x axis from ``start`` to ``end``; an upright line where they are equal."""
+
+    start: float
+    end: float
+    look: Stroke
+    label: str = ""
+
+    def fill(self, ax: Axes) -> None:
+        """Draw it behind the lines."""
+        if self.start == self.end:
+            ax.axvline(self.start, label=self.label, **self.look)
+        else:
+            ax.axvspan(self.start, self.end, label=self.label, lw=0.0, zorder=0, **self.look)
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes: ``draw(ax, *data)`` fills it; ``columns`` entries per row of the legend."""
+    """One pair of axes.
+
+    Attributes
+    ----------
+    name, title : for ``--figure``, and above the axes.
+    x, y : what is on the axes, with units.
+    lines, marks : as they are drawn, the last on top.
+    texts : words, each beside a point of the axes.
+    xlim, ylim : ends of the axes. Without ``ylim`` measured lines set it, by their means and zero,
+        ``where`` it is true (n,).
+    xticks : words at 0, 1, 2 ... instead of numbers.
+    columns : entries in a row of the legend.
+    """
 
     name: str
     title: str
-    draw: Callable[..., None]
-    data: tuple[object, ...] = ()
+    x: str
+    y: str
+    lines: Sequence[Line]
+    marks: Sequence[Mark] = ()
+    texts: Sequence[tuple[str, float, float]] = ()
+    xlim: tuple[float, float] | None = None
+    ylim: tuple[float, float] | None = None
+    where: Mask | None = None
+    xticks: Sequence[str] = ()
     columns: int = 3
 
     def fill(self, ax: Axes) -> float:
         """Draw the panel and its legend; returns the height of the legend [pt]."""
-        self.draw(ax, *self.data)
+        for mark in self.marks:
+            mark.fill(ax)
+        drawn = [(line, line.fill(ax)) for line in self.lines]
+        means = [y if self.where is None else y[self.where] for line, y in drawn if line.mean]
+        for text, *at in self.texts:
+            shift: dict[str, Any] = {"xytext": (4.0, -9.5), "textcoords": "offset points"}
+            ax.annotate(text, (at[0], at[1]), fontsize=7.0, **shift)
+        ax.set(xlabel=self.x, ylabel=self.y)
+        for limit, set_to in ((self.xlim, ax.set_xlim), (self._height(means), ax.set_ylim)):
+            if limit is not None:
+                set_to(*limit)
+        if self.xticks:
+            ax.set_xticks(range(len(self.xticks)), self.xticks)
         if not ax.get_legend_handles_labels()[1]:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
         return _POINTS * legend.get_window_extent().height / legend.figure.dpi
 
+    def _height(self, means: list[Array]) -> tuple[float, float] | None:
+        return self.ylim or reach(*means, zero=True)
+
 
 @dataclass(frozen=True)
 class Sheet:
-    """The panels of one page, with title and note.
+    """The panels of one page.
 
     Attributes
     ----------
     kind : what is drawn: table, stop, simulation, comparison, log and so on.
     name : used in file names.
-    title, note : text above the panels and below them.
     panels : all panels; those that ``rows`` does not name are drawn only alone.
-    rows : panel names in the layout of the page; a repeated name spans its places.
-    heights : relative heights of the rows.
+    rows : panel names in the layout of the page; a repeated name spans its places. Without any each
+        panel has a row.
+    heights : relative heights of the rows, or one for all.
+    title, note : text above the panels and below them.
     result : what came out, in a line below the title.
     """
 
     kind: str
     name: str
-    title: str
-    note: str
     panels: tuple[Panel, ...]
-    rows: tuple[tuple[str, ...], ...]
-    heights: tuple[float, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+    heights: tuple[float, ...] = (1.0,)
+    title: str = ""
+    note: str = ""
     result: str = ""
 
     @property
@@ -75,13 +161,14 @@ class Sheet:
         """The page: A4 wide, about 2.5 in per row."""
         from matplotlib.figure import Figure
 
-        heights = self.heights or (1.0,) * len(self.rows)
+        rows = self.rows or tuple((name,) for name in self.names)
+        heights = self.heights if len(self.heights) == len(rows) else self.heights * len(rows)
         panels = {panel.name: panel for panel in self.panels}
         with styled():
             figure = Figure(figsize=(WIDTH, 2.5 * sum(heights) + 0.8), layout="constrained")
-            places = figure.subplot_mosaic([list(r) for r in self.rows], height_ratios=heights)
+            places = figure.subplot_mosaic([list(r) for r in rows], height_ratios=heights)
             legends = {n: panels[n].fill(ax) for n, ax in places.items()}
-            top = {n: next(i for i, row in enumerate(self.rows) if n in row) for n in places}
+            top = {n: next(i for i, row in enumerate(rows) if n in row) for n in places}
             for i, (name, ax) in enumerate(places.items()):
                 # titles of one row are at one height
                 room = max(legends[n] for n in places if top[n] == top[name])
@@ -140,18 +227,6 @@ def render(figure: Figure, ending: str) -> bytes:
         return buffer.getvalue()
 
 
-def _render_pages(figures: list[Figure], done: Callable[[], None] = lambda: None) -> bytes:
-    """Bytes of one PDF with a page for each figure; ``done`` is called after each."""
-    from matplotlib.backends.backend_pdf import PdfPages
-
-    buffer = io.BytesIO()
-    with styled(), PdfPages(buffer, metadata=_METADATA[".pdf"]) as pages:
-        for figure in figures:
-            figure.savefig(pages, format="pdf")
-            done()
-    return buffer.getvalue()
-
-
 def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: None) -> None:
     """Write each file with its pages; all are drawn before the first is written.
 
@@ -159,16 +234,20 @@ def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: Non
     KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
     written.
     """
-    ready = {path: _content(path, figures, done) for path, figures in pages.items()}
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    ready = {}
+    for path, figures in pages.items():
+        ending, buffer = path.suffix.lower(), io.BytesIO()
+        if ending == ".pdf":
+            with styled(), PdfPages(buffer, metadata=_METADATA[ending]) as book:
+                for figure in figures:
+                    figure.savefig(book, format="pdf")
+                    done()
+            ready[path] = buffer.getvalue()
+        else:
+            (figure,) = figures
+            ready[path] = render(figure, ending)
+            done()
     for path, content in ready.items():
         write_whole(path, content)
-
-
-def _content(path: Path, figures: list[Figure], done: Callable[[], None]) -> bytes:
-    ending = path.suffix.lower()
-    if ending == ".pdf":
-        return _render_pages(figures, done)
-    (figure,) = figures
-    content = render(figure, ending)
-    done()
-    return content

@@ -5,6 +5,8 @@ from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
 
+import numpy as np
+
 from calib.base.plain import plain
 from calib.base.write import write_whole
 from calib.line.station.files import REPORT
@@ -15,10 +17,13 @@ from calib.line.station.index import (
     TRENDS,
     UNREADABLE,
     IndexedRun,
+    Runs,
     runs_below,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Table
 from calib.show.html import page_of
+from calib.show.sheet import Line, Panel, Sheet, render
+from calib.show.style import FRONT, NOMINAL
 
 _LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
@@ -26,41 +31,40 @@ _DRAWN = 200
 """Runs in a trend, the last of them."""
 _EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
-_TOP = (
-    "Failed and refused ones on top, then those with warnings; among equal ones the newest first."
+_KINDS = {word: word for word in (PASSED, WARNING, FAILED)} | dict.fromkeys(
+    (NO_VERDICT, UNREADABLE), FAILED
 )
-_KINDS = {"passed": PASSED, "warning": WARNING, "failed": FAILED, NO_VERDICT: FAILED}
-_KINDS[UNREADABLE] = FAILED
 """Verdicts, and as which they are drawn and sorted."""
 
 
-def write_index(folder: Path) -> int:
-    """Write `INDEX` and `LIVE` of the runs below ``folder``; return the number of runs.
+def write_index(folder: Path, known: Runs | None = None) -> Runs:
+    """Write `INDEX` and `LIVE` of the runs below ``folder``; return the runs.
 
-    Raises OSError if the folder cannot be read or written.
+    Those that an earlier call returned, ``known``, are not read again, and where they are all there
+    is the pages stay. Raises OSError if the folder cannot be read or written.
     """
-    runs, changed = runs_below(folder)
+    found = runs_below(folder, known or {})
+    runs = sorted(found.values(), key=lambda run: (-run.stamp[0], run.place))
     for name, every in ((INDEX, 0), (LIVE, _EVERY)):
         path = folder / name
-        if changed or not path.is_file():
-            found = facts(runs, folder.absolute().name, every)
-            write_whole(path, page_of(found, every).encode())
-    return len(runs)
+        if found != known or not path.is_file():
+            page = page_of(facts(runs, folder.absolute().name, every), every)
+            write_whole(path, page.encode())
+    return found
 
 
 def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
     """The ``runs``, the last first; ``every`` [s]: of the page that loads itself again."""
     last = runs[0] if runs else None
     counts = {word: sum(run.verdict == word for run in runs) for word in _KINDS}
-    of = {word: {"warning": "with warnings"}.get(word, word) for word in _KINDS}
     this, other = ("loads itself again", INDEX) if every else ("stays as it is", LIVE)
     return Facts(
         name,
         headline=_why(last) if last else "",
         verdict=_KINDS.get(last.verdict, FAILED) if last else "",
         word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
-        numbers=[("cars", str(len(runs))), *((of[w], str(n)) for w, n in counts.items() if n)],
-        tables=[_runs(worst_first(runs[:_LAST]), f"The last cars. {_TOP}")],
+        numbers=[("cars", str(len(runs))), *((w, str(n)) for w, n in counts.items() if n)],
+        tables=[_runs(worst_first(runs[:_LAST]), "The last cars, failed and refused ones on top.")],
         notes=[f"This page {this}; {other} is the other one."],
         pictures=[line for key in TRENDS if (line := trend(runs, key)) is not None],
         parts=[Facts("Earlier cars", tables=[_runs(runs[_LAST:])], folded=True)],
@@ -79,30 +83,16 @@ def trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
     known = [value for one in trends if (value := one.get(key)) is not None]
     if len(known) < 2:
         return None
-    shown = plain(key)
+    shown, x = plain(key), np.arange(1.0, len(known) + 1.0)
     given = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
-    limits = [x for x in given if x is not None]
-    low, high = min(*known, *limits), max(*known, *limits)
-    room = 0.08 * (high - low) or 0.01 * abs(high) or 1.0
-    low, high = low - room, high + room
-
-    def height(value: float) -> float:
-        return round(120.0 * (high - value) / (high - low), 2)
-
-    step = 300.0 / (len(known) - 1)
-    points = " ".join(f"{i * step:.2f},{height(v)}" for i, v in enumerate(known))
-    dashed = 'stroke="#666" stroke-dasharray="6 4"'
-    lines = "".join(f'<path d="M0 {height(x)}H300" {dashed}/>' for x in limits)
-    ends = f"{shown.value(low)} to {shown.value(high)}"
-    svg = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 120">{lines}'
-        f'<polyline points="{points}" fill="none" stroke="#00588c" stroke-width="2"/></svg>'
-    )
-    caption = (
-        f"{shown.heading} ({key}) of the last {len(known)} cars: {shown.with_unit(known[-1])}; the "
-        f"axis is {ends}, dashed: the limits."
-    )
-    return Picture(caption, svg.encode())
+    lines = [Line(x, shown.factor * np.array(known), FRONT)]
+    ends = [x[0], x[-1]]
+    lines += [Line(ends, [shown.factor * end] * 2, NOMINAL) for end in given if end is not None]
+    panel = Panel(key, "", "car, the last on the right", shown.heading, lines)
+    drawn = render(Sheet("trend", key, (panel,)).figure(key), ".svg")
+    last = shown.with_unit(known[-1])
+    caption = f"{shown.heading} ({key}) of the last {len(known)} cars: {last}; grey: the limits."
+    return Picture(caption, drawn)
 
 
 def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
@@ -115,7 +105,7 @@ def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
 def _row(run: IndexedRun) -> tuple[str, ...]:
     names, trend = ("pad_friction_f", "pad_friction_r"), run.trend or {}
     pads = " / ".join(plain(name).value(trend.get(name)) for name in names) if run.trend else ""
-    at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M:%S")
+    at = datetime.fromtimestamp(run.stamp[0] / 1e9).astimezone().strftime("%Y-%m-%d %H:%M:%S")
     return run.car or run.place, _heading(run), _why(run), pads, run.station, at
 
 

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import plain, plus_minus
+from calib.base.plain import plus_minus
 from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.results import SUMMARY, fill
-from calib.estimation.validate import Validation
 from calib.estimation.validate import to_dict as validation_dict
 from calib.exports.export import export
 from calib.line.station.files import (
@@ -24,27 +23,21 @@ from calib.line.station.files import (
     to_dict,
     to_text,
 )
-from calib.line.station.limits_file import action
 from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of
 from calib.show.judged import judged, pads
 from calib.show.origin import PageOrigin, origin
-from calib.show.sheet import Panel, Sheet
 from calib.show.stop import pads_over_time
-from calib.show.table import sheet as table_sheet
+from calib.show.table import sheet
 from calib.show.validation import on_the_way
 from calib.store.evidence import read_quality
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, pads_budget
-from calib.table.table import Table
 
-_TAKEN = ("f1-f2", "difference")
-"""Panels of the table's own sheet."""
 _CURVES = "The curves that the estimator looks up, with their 95 % bands."
-_OVER_TIME = "Pad friction over time with its 95 % band; grey: not valid."
 
 
 def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
@@ -57,14 +50,14 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
     of_stops: dict[str, list[Judgement]] = {}
     for check in found.checks:
-        if not check.of_car:
+        if check.stop is not None:
             of_stops.setdefault(check.figure, []).append(check.judgement)
     stops = ", ".join(r.log for r in found.results)
-    of_car = [[check.judgement] for check in found.checks if check.of_car]
+    of_car = [[check.judgement] for check in found.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
     by_stop, unknown_too = judged(f"Stop by stop, in this order: {stops}.", [*of_stops.values()])
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
-    steps = [(check.verdict, check.text, action(check.figure)) for check in bad]
+    steps = [(check.verdict, check.text, check.action) for check in bad]
     heads = ("verdict", "result", "next step")
     return Facts(
         title=f"Brake torque calibration of {name}",
@@ -77,8 +70,8 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
             ("Mass", str(found.results[0].mass)),
             ("Date", date or "not stated (--date)"),
             ("Operator", found.by or "not stated (--by)"),
-            ("Limits file", found.limits or "none: those of the program"),
-            ("Golden table", f"{found.golden}{mean}" if found.golden else "none given"),
+            ("Limits file", found.limits_file or "none: those of the program"),
+            ("Golden table", f"{found.golden.id}{mean}" if found.golden else "none given"),
         ],
         tables=[
             Cells(heads, steps, "Limits that are not held.", [step[0] for step in steps]),
@@ -92,28 +85,17 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 
 def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     """The facts with pads, curves, stops and origin; equal inputs give equal facts."""
-    pictures = sheet(found.table, found.results)
-    stops = [f"stop-{i}" for i, _ in enumerate(found.results, 1)]
     notes = [f"{r.log}: {text}" for r in found.results for text in on_the_way(r)]
-    meant = {check.figure: check.meaning for check in found.checks}
-    meanings = [
-        (plain(key).name, f"{key}: {text}. Why: {plain(key).reason or 'no limit by default'}.")
-        for key, text in meant.items()
-    ]
-    curves = [Picture(_CURVES, pictures, _TAKEN)]
-    over_time = [Picture(_OVER_TIME, pictures, stops)]
-    logs = [("ramp", log.name, log.digest) for log in found.ramps]
-    logs += [("coast", log.name, log.digest) for log in found.coasts]
-    logs += [(r.role, r.log, r.digest) for r in found.results]
+    curves = Picture(_CURVES, sheet(found.table, stored.id), ("f1-f2", "difference"))
+    stops = [pads_over_time(r) for r in found.results]
     remarks = [*found.table.remarks, *map(str, found.caveats)]
     told = facts(found, stored, date)
     parts = [
-        Facts("What each metric is, and why its limit", rows=meanings, folded=True),
         _pads(found),
-        Facts("The table", pictures=curves),
-        Facts("The stops", pictures=over_time, notes=notes),
+        Facts("The table", pictures=[curves]),
+        Facts("The stops", pictures=stops, notes=notes),
         Facts("Remarks", notes=remarks, folded=True),
-        origin(PageOrigin(date), stored, logs, str(found.results[0].mass)),
+        origin(PageOrigin(date), stored, found.logs),
     ]
     return replace(told, parts=parts)
 
@@ -141,27 +123,13 @@ def _pads(found: StationOutcome) -> Facts:
     )
 
 
-def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
-    """Panels of the table, and `stop-1`, `stop-2` ... for the hold-outs."""
-    curves = [panel for panel in table_sheet(table, "").panels if panel.name in _TAKEN]
-    stops = [
-        Panel(f"stop-{i}", _as_text(r.log), pads_over_time, (r,), 2)
-        for i, r in enumerate(results, 1)
-    ]
-    return Sheet("station", "station", "", "", (*curves, *stops), ())
-
-
-def _as_text(name: str) -> str:
-    """A log's name as plain text: no formula, and only characters that the font has."""
-    return "".join(c if c.isascii() and c.isprintable() else "?" for c in name).replace("$", r"\$")
-
-
 def store_and_write(
     found: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and the document.
 
-    ``date`` is that of a cdfx; empty for the day on which the version is stored.
+    ``date`` is that of a cdfx; empty for the day on which the version is stored [UTC], so that the
+    same run gives the same bytes on a later day, too.
 
     The version is entered with its state in one step, so none is without a verdict. Where another
     run has taken the version number meanwhile, the files are written again. Raises OSError,
@@ -169,19 +137,12 @@ def store_and_write(
     """
     while True:
         expected = store.foreseen(found.table, found.decision("to be written"))
-        document = write_all(found, expected, forms, date or _day(expected), work)
+        day = expected.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
+        document = write_all(found, expected, forms, date or day, work)
         digest = hashlib.sha256((work / DOCUMENT).read_bytes()).hexdigest()
         stored = store.save(found.table, found.decision(digest))
         if (stored.id, stored.state.word) == (expected.id, expected.state.word):
             return stored, document
-
-
-def _day(stored: Stored) -> str:
-    """The day on which a version was stored [UTC]; today for a new one.
-
-    So the same run gives the same bytes on a later day, too.
-    """
-    return stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
 
 
 def write_all(
@@ -196,15 +157,11 @@ def write_all(
     results = list(found.results)
     fill(results, validation_dict(stored, results), work)
     if stored.state.released:
-        _write_exports(stored, forms, date, work)
+        quality = read_quality(work / SUMMARY, stored)
+        for form in dict.fromkeys(forms):
+            export(stored, work / export_name(form), form, quality=quality, date=date)
     write_whole(work / JUNIT, junit_xml(found, stored))
     write_whole(work / REPORT, page_of(report(found, stored, date)).encode())
     document = to_dict(found, stored, sorted(p.name for p in work.iterdir() if p.name != DOCUMENT))
     write_whole(work / DOCUMENT, to_text(document).encode())
     return document
-
-
-def _write_exports(stored: Stored, forms: Sequence[str], date: str, work: Path) -> None:
-    quality = read_quality(work / SUMMARY, stored)
-    for form in dict.fromkeys(forms):
-        export(stored, work / export_name(form), form, quality=quality, date=date)

@@ -1,41 +1,54 @@
-"""A stop with its estimate: the panels of Figs. 13 to 16, and with truth those of Figs. 9 to 11."""
+"""A stop with its estimate: the panels of Figs. 13 to 16, and with truth the lines of 9 to 11."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
+from calib.base.names import WHEELS
+from calib.base.plain import plain, plus_minus
+from calib.car.forces import brake_torque
+from calib.car.vehicle import Vehicle
+from calib.estimation.estimator import Estimate
+from calib.estimation.metrics import truth_of
+from calib.estimation.plan import calibrated
 from calib.estimation.validate import Validation
-from calib.logs.clock import step_of
+from calib.logs.log import Log
 from calib.run.filters import runs
-from calib.show.sheet import Panel, Sheet
+from calib.show.facts import Picture
+from calib.show.judged import broken, pads, word
+from calib.show.result import StoredResult
+from calib.show.sheet import Line, Mark, Panel, Sheet
 from calib.show.style import (
     BODY,
     DASH_DOT,
     DOTTED,
     FRONT,
-    IDENTIFIED,
     LAW,
     LEVEL,
+    MEAN,
     NOMINAL,
     REAR,
+    SHADE,
     TRUTH,
     WHEEL_STROKES,
     Array,
-    Axes,
     Mask,
     Stroke,
-    band,
-    lines,
-    noisy,
-    shade,
+    reach,
     smooth,
-    stripe,
-    view,
 )
-from calib.show.trace import AxleTrace, StopTrace
+from calib.table.table import Table
 
-WHY = "Where the estimate is valid, and why not"
+_TIME = "time [s]"
+_CHANGED: Stroke = {"color": BODY["color"], "linestyle": DOTTED, "linewidth": 1.0}
+_BUMP: Stroke = {"facecolor": "none", "edgecolor": "#B0B0B0", "hatch": "////"}
 _SHADED = "Grey: the sample is not valid, and no estimate is drawn."
-CHANGED = "Dotted vertical line: a change of surface was detected."
-_BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
+_MARKED = (
+    "Dotted vertical line: a change of surface was detected. Striped: wheels or a_x are thrown "
+    "about, as over a bump; left out of the split."
+)
 _RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
@@ -45,205 +58,181 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
-_NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
-_LEAST = 0.02
-"""Share of the log from which a reason for not being valid is drawn."""
+_AXLES = (("f", "front", FRONT), ("r", "rear", REAR))
 _EVERY = 5
-"""Samples between two points of a drawn line: 25 ms at 200 Hz, less than the window of its mean."""
+"""Samples between two points of a line on a page: 25 ms at 200 Hz."""
 
 
-def sheet(trace: StopTrace) -> Sheet:
-    """Return the sheet of one stop. Panels for which the source has no data are left out."""
-    panels = _panels(trace)
-    names = [panel.name for panel in panels]
-    rows = [(names[i], names[min(i + 1, len(names) - 1)]) for i in range(0, len(names), 2)]
+def of_result(result: StoredResult) -> Sheet:
+    """The sheet of a stored result."""
+    valid, means = result.valid, ("none", "none")
+    if valid.any():
+        means = (_mean_pads(result, "f"), _mean_pads(result, "r"))
+    panels = _panels(result.values, valid, means, _over(result.values["time"], valid))
     return Sheet(
-        kind="simulation" if trace.has_truth else "stop",
-        name=trace.name,
-        title=f"{'Simulation' if trace.has_truth else 'Stop'} {trace.name}",
-        note=_note(trace),
+        kind="stop",
+        name=result.name,
+        panels=tuple(panels),
+        rows=_pairs(panels),
+        title=f"Stop {result.name}",
+        note=f"Result {result.name}, digest {result.digest[:16]}. {_SHADED} Bands are 95 %.",
+        result=_in_words(means).capitalize(),
+    )
+
+
+def of_validation(
+    table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
+) -> Sheet:
+    """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``."""
+    e, split, car = result.estimate, result.estimate.split, vehicle or calibrated(table)
+    means = _means(result)
+    marks = [Mark(time, time, _CHANGED) for time in split.changes]
+    marks += [Mark(start, end, _BUMP) for start, end in split.bumps]
+    over = _over(e.time, e.valid, marks)
+    more = _beside(e, log, car, "of the table" if vehicle is None else "of the vehicle file")
+    wheels = [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
+    if "v" in log:  # first, so that it is drawn below the wheels
+        wheels.insert(0, Line(e.time, log["v"] / car.rear.rolling_radius, BODY, "$V/R$"))
+    panels = (
+        over("wheel-speeds", "Wheel speeds", y="wheel speed [rad/s]", lines=wheels, columns=5),
+        *_panels(e.columns(), e.valid, means, over, more),
+    )
+    kind = "stop" if truth_of(log, car, e) is None else "simulation"
+    refused = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
+    warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
+    notes = (
+        f"Estimator with table {name}, digest {table.digest[:16]}.",
+        *e.notes,
+        *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
+        _SHADED,
+        *(f"Not valid for {lasts:.1f}\u00a0s: {why}." for why, lasts in refused.items() if lasts),
+        *([_MARKED] if marks else ()),
+    )
+    told = "; ".join([word(result), *broken(result), _in_words(means)])
+    return Sheet(
+        kind=kind,
+        name=log.name,
         panels=panels,
-        rows=tuple(rows),
-        result=_result_of(trace),
+        rows=_pairs(panels),
+        title=f"{kind.capitalize()} {log.name}",
+        note=" ".join((*notes, "Bands are 95 %.")),
+        result=told[0].upper() + told[1:],
     )
 
 
-def _result_of(trace: StopTrace) -> str:
-    """Verdict and pads in words."""
-    front, rear = ("none" if found is None else found for found in trace.pads)
-    words = f"pad friction front {front}, rear {rear} (95 %)"
-    words = f"{trace.verdict}; {words}" if trace.verdict else words
-    return words[0].upper() + words[1:]
+def pads_over_time(result: Validation) -> Picture:
+    """Pad friction of both axles of a stop, for a page."""
+    part = {name: values[::_EVERY] for name, values in result.estimate.columns().items()}
+    valid = np.asarray(part["valid"], bool)
+    panels = _panels(part, valid, _means(result), _over(result.estimate.time[::_EVERY], valid))
+    caption = f"{result.log}: pad friction with its 95 % band; grey: not valid."
+    return Picture(caption, Sheet("stop", result.log, tuple(panels)), ("pad-front", "pad-rear"))
 
 
-def _note(trace: StopTrace) -> str:
-    """Note of the page: source of the data and meaning of the marks."""
-    changed = (CHANGED,) if trace.changes else ()
-    bumps = (_BUMPS,) if trace.bumps else ()
-    return " ".join((*trace.notes, _SHADED, *changed, *bumps, "Bands are 95 %."))
+def _means(result: Validation) -> tuple[str, str]:
+    """Pad friction of both axles in words."""
+    return pads(result.figures, "f") or "none", pads(result.figures, "r") or "none"
 
 
-def _panels(trace: StopTrace) -> tuple[Panel, ...]:
-    """Panels of a stop in the order of Fig. 13."""
-    front, rear, of = trace.front, trace.rear, (trace,)
-    ratio = "Speed ratio" if front.slip is None else "Slip and speed ratio"
-    pad_f, pad_r = (
-        word if pads is None else f"{word}: {pads}"
-        for word, pads in zip(("Front pad friction", "Rear pad friction"), trace.pads, strict=True)
-    )
-    found = (
-        (trace.wheels, Panel("wheel-speeds", "Wheel speeds", _wheel_speeds, of, 5)),
-        (True, Panel("deceleration", "Deceleration", deceleration, of)),
-        (True, Panel("normalised-forces", "Normalised forces", _normalised_forces, of)),
-        (True, Panel("slip", ratio, slip, of)),
-        (True, Panel("pad-front", pad_f, pad, (trace, front, FRONT), 2)),
-        (True, Panel("pad-rear", pad_r, pad, (trace, rear, REAR), 2)),
-        (True, Panel("axle-torques", "Axle brake torques", _axle_torques, of, 2)),
-        (trace.has_truth, Panel("error", "Error of the torques", error, of, 2)),
-        (trace.refused, Panel("validity", WHY, validity, of)),
-    )
-    return tuple(panel for there, panel in found if there)
+def _over(time: Array, valid: Mask, marks: Sequence[Mark] = ()) -> Callable[..., Panel]:
+    """The maker of a panel over ``time`` (n,), grey where it is not ``valid``."""
+    last = time.size - 1
+    grey = [Mark(time[a], time[min(b, last)], {"color": SHADE}) for a, b in runs(~valid)]
+    return partial(Panel, x=_TIME, marks=(*grey, *marks), xlim=(time[0], time[-1]))
 
 
-def _frame(ax: Axes, trace: StopTrace, ylabel: str) -> None:
-    """Shade, mark and label an axis over time."""
-    shade(ax, trace.time, ~trace.valid)
-    for start, end in trace.bumps:
-        stripe(ax, start, end)
-    for time in trace.changes:
-        ax.axvline(time, color=BODY["color"], linestyle=DOTTED, linewidth=1.0)
-    ax.set(xlabel="time [s]", ylabel=ylabel)
-    ax.set_xlim(trace.time[0], trace.time[-1])
+def _pairs(panels: Sequence[Panel]) -> tuple[tuple[str, str], ...]:
+    """Rows of two; a last one alone is as wide as both."""
+    names = [panel.name for panel in panels]
+    return tuple(zip(names[::2], [*names[1::2], names[-1]], strict=False))
 
 
-def _wheel_speeds(ax: Axes, trace: StopTrace) -> None:
-    """Wheel speeds, panel (a)."""
-    if trace.v_wheel is not None:  # first, so that it is drawn below the wheels
-        ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
-    for wheel, omega in trace.wheels.items():
-        ax.plot(trace.time, omega, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
-    _frame(ax, trace, "wheel speed [rad/s]")
+def _in_words(means: tuple[str, str]) -> str:
+    return f"pad friction front {means[0]}, rear {means[1]} (95 %)"
 
 
-def deceleration(ax: Axes, trace: StopTrace) -> None:
-    """Deceleration, panel (b)."""
-    lines(ax, trace.time, [(trace.z, BODY, "$z = -a_x/g$")])
-    _frame(ax, trace, "deceleration [g]")
+def _mean_pads(result: StoredResult, side: str) -> str:
+    """As the validation counts them, over the valid samples."""
+    columns = (result.values[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
+    mu, lower, upper = (values[result.valid] for values in columns)
+    mean = float(np.mean(mu))
+    return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
 
 
-def _normalised_forces(ax: Axes, trace: StopTrace) -> None:
-    """Normalised forces, panel (c)."""
-    front, rear = trace.front.force, trace.rear.force
-    lines(ax, trace.time, [(front, FRONT, "front $F_f$"), (rear, REAR, "rear $F_r$")])
-    _frame(ax, trace, "normalised force [1]")
+def _panels(
+    values: Mapping[str, Any],
+    valid: Mask,
+    means: tuple[str, str],
+    over: Callable[..., Panel],
+    more: Mapping[str, Sequence[Line]] | None = None,
+) -> list[Panel]:
+    """Panels of a stop in the order of Fig. 13, with ``more`` lines by the names of the panels."""
+    time, more = values["time"], more or {}
+    forces, torques, of_pads = [], [], []
+    for mean, (side, axle, stroke) in zip(means, _AXLES, strict=True):
+        force, label = values[f"normalised_force_{side}"], f"{axle} $F_{side}$"
+        forces.append(Line(time, force, stroke, label, mean=MEAN))
+        torque = (values[f"brake_torque_{side}l"] + values[f"brake_torque_{side}r"]) / 1e3
+        torques.append(Line(time, torque, stroke, f"{axle} compensated", mean=MEAN))
+        beside = more.get(f"pad-{axle}", ())
+        lines, ends = _pad(side, values, valid, stroke, beside)
+        title, unit = f"{axle.capitalize()} pad friction: {mean}", "pad friction [1]"
+        of_pads.append(over(f"pad-{axle}", title, y=unit, lines=lines, ylim=ends, columns=2))
+    z = Line(time, values["z"], BODY, "$z = -a_x/g$", mean=MEAN)
+    ratio = 100.0 * (values["eta"] - 1.0)
+    eta = Line(time, ratio, _RATIO, r"$\eta - 1$, zeroed", mean=_SLIP_MEAN)
+    slips = [*more.get("slip", ()), eta]
+    torques += more.get("axle-torques", ())
+    return [
+        over("deceleration", "Deceleration", y="deceleration [g]", lines=[z]),
+        over("normalised-forces", "Normalised forces", y="normalised force [1]", lines=forces),
+        over("slip", "Slip and speed ratio", y=r"slip, $\eta - 1$ [%]", lines=slips, where=valid),
+        *of_pads,
+        over("axle-torques", "Axle brake torques", y="axle torque [kN m]", lines=torques,
+             columns=2),
+    ]  # fmt: skip
 
 
-def slip(ax: Axes, trace: StopTrace) -> None:
-    """Slips where v is known, and eta, which needs the wheel speeds only."""
-    slips = [None if axle.slip is None else 100.0 * axle.slip for axle in (trace.front, trace.rear)]
-    rows = [
-        (slips[0], FRONT, "front slip"),
-        (slips[1], REAR, "rear slip"),
-        (100.0 * (trace.eta - 1.0), _RATIO, r"$\eta - 1$, zeroed"),
-    ]
-    lines(ax, trace.time, rows, _SLIP_MEAN, trace.valid)
-    ratio = r"$\eta - 1$ [%]"
-    _frame(ax, trace, ratio if trace.front.slip is None else f"slip, {ratio}")
+def _pad(
+    side: str, values: Mapping[str, Any], valid: Mask, stroke: Stroke, more: Sequence[Line]
+) -> tuple[list[Line], tuple[float, float] | None]:
+    """Panel (d) and Fig. 9, one axle: the estimate with its interval over others; ends of y.
 
-
-def pad(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Panel (d) and Fig. 9, one axle: the estimate with its interval, truth, nominal, others.
-
-    The valid samples set the range of y; other methods may leave it, but widen it to a limit.
+    The valid samples set them; other methods may leave the panel, but widen it to a limit.
     """
-    shown = []
-    for name, (label, thin) in BASELINES.items():
-        if (values := axle.baselines.get(name)) is not None:
-            ax.plot(trace.time, _held(trace, values), label=label, **thin)
-            if np.isfinite(values[trace.valid]).any():
-                shown.append(np.nanpercentile(values[trace.valid], [5, 95]))
-    band(ax, trace.time, _held(trace, axle.lower), _held(trace, axle.upper), stroke)
-    label = r"estimate $\mu_{p,c}$, 95 %"
-    ax.plot(trace.time, _held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
-    if axle.nominal is not None:
-        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
-        shown.append(np.array([axle.nominal]))
-    if axle.true_pad is not None:
-        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
-        shown.append(axle.true_pad[trace.valid])
-    view(ax, axle.lower[trace.valid], axle.upper[trace.valid], *shown)
-    _frame(ax, trace, "pad friction [1]")
+    columns = (values[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
+    pad, lower, upper = (np.where(valid, x, np.nan) for x in columns)
+    look: Stroke = {**stroke, "linewidth": 1.7}
+    estimate = Line(values["time"], pad, look, r"estimate $\mu_{p,c}$, 95 %", (lower, upper))
+    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in more)]
+    wide = [np.percentile(y, [5, 95]) for y in known if y.size]
+    return [*more, estimate], reach(lower, upper, *wide)
 
 
-def _held(trace: StopTrace, values: Array) -> Array:
-    """``values`` (n,), NaN where the estimate is not valid."""
-    return np.where(trace.valid, values, np.nan)
-
-
-def _axle_torques(ax: Axes, trace: StopTrace) -> None:
-    """Panel (e), Figs. 10 and 11: per axle, with nominal pads, compensated and true."""
-    for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
-        noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
-        if axle.nominal_torque is not None:
-            thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
-            label = f"{word}, pads {trace.nominal_of}"
-            noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, label)
-        if axle.true_torque is not None:
-            ax.plot(trace.time, axle.true_torque / 1e3, label=f"{word} truth", **TRUTH)
-    _frame(ax, trace, "axle torque [kN m]")
-
-
-def error(ax: Axes, trace: StopTrace) -> None:
-    """Error of each axle's torque, compensated and with nominal pads, where it is valid."""
-    rows = []
-    for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
-        thin = {"color": stroke["color"], "linestyle": _NOMINALS[word], "linewidth": 0.9}
-        for found, look, of in (
-            (axle.torque, stroke, "compensated"),
-            (axle.nominal_torque, thin, "nominal"),
-        ):
-            if found is not None and axle.true_torque is not None:
-                off = relative(found, axle.true_torque, trace.valid)
-                rows.append((off, look, f"{word} {of}"))
-    lines(ax, trace.time, rows)
-    _frame(ax, trace, "torque error [%]")
-
-
-def relative(found: Array, true: Array, valid: Mask) -> Array:
-    """Relative error of ``found`` [%] (n,); NaN where not valid or where ``true`` is near zero."""
-    known = valid & (true > 0.0)
-    return np.where(known, 100.0 * (found / np.where(known, true, 1.0) - 1.0), np.nan)
-
-
-def validity(ax: Axes, trace: StopTrace) -> None:
-    """When the estimate is valid, and each reason why it is not, as bars over time."""
-    step = step_of(trace.time)
-    reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= _LEAST}
-    rows = {"valid": trace.valid, **reasons}
-    for place, (word, mask) in enumerate(rows.items()):
-        spans = [(trace.time[a], (b - a) * step) for a, b in runs(mask)]
-        colour = NOMINAL["color"] if place else IDENTIFIED["color"]
-        ax.broken_barh(spans, (place, 0.34), color=colour, lw=0.0)
-        lasts = f" {word}: {step * np.count_nonzero(mask):.1f} s"
-        ax.text(trace.time[0], place - 0.08, lasts, fontsize=7.0, va="bottom")
-    ax.set_ylim(len(rows) - 0.4, -0.7)
-    ax.set_yticks([])
-    ax.set(xlabel="time [s]")
-    ax.set_xlim(trace.time[0], trace.time[-1])
-
-
-def pads_over_time(ax: Axes, result: Validation) -> None:
-    """Pad friction of both axles over time with its 95 % band where it is valid; else grey."""
-    e = result.estimate
-    shade(ax, e.time, ~e.valid)
-    curves = []
-    for axle, stroke, word in ((e.front, FRONT, "front"), (e.rear, REAR, "rear")):
-        good, lower, upper = (
-            np.where(e.valid, x, np.nan) for x in (axle.pad_friction, axle.lower, axle.upper)
-        )
-        line, low, high = (x[::_EVERY] for x in (smooth(e.time, good), lower, upper))
-        band(ax, e.time[::_EVERY], low, high, stroke)
-        ax.plot(e.time[::_EVERY], line, label=word, **stroke)
-        curves += [line, low, high]
-    view(ax, *curves, zero=True)
-    ax.set(xlabel="time [s]", ylabel="pad friction [1]")
+def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:
+    """What a log has beside the estimate, by panel: slips, other methods, nominal pads, truth."""
+    found: dict[str, list[Line]] = {"slip": [], "axle-torques": []}
+    truth, time = truth_of(log, car, e), e.time
+    for i, (_, name, stroke) in enumerate(_AXLES):
+        axle, pressure = (car.front, car.rear)[i], np.maximum((e.pressure_f, e.pressure_r)[i], 0.0)
+        slip = (e.slip_f, e.slip_r)[i]
+        if slip is not None:
+            label = f"{name} slip"
+            found["slip"].append(Line(time, 100.0 * slip, stroke, label, mean=_SLIP_MEAN))
+        held = [
+            Line(time, np.where(e.valid, e.baselines[key][i], np.nan), look, label)
+            for key, (label, look) in BASELINES.items()
+            if key in e.baselines
+        ]
+        nominal = np.full(time.size, axle.pad_friction)
+        held.append(Line(time, nominal, NOMINAL, rf"$\mu_{{p,n}}$ {whose}"))
+        thin: Stroke = {"color": stroke["color"], "linestyle": DASH_DOT, "linewidth": 0.9}
+        torque = 2.0 * brake_torque(axle, axle.pad_friction, pressure) / 1e3
+        torques = [Line(time, torque, thin, f"{name}, pads {whose}", mean=MEAN)]
+        if truth is not None:
+            true = truth[i]
+            held.append(Line(time, smooth(time, true.pad_friction), TRUTH, "truth"))
+            torques.append(Line(time, 2.0 * true.torque / 1e3, TRUTH, f"{name} truth"))
+        found[f"pad-{name}"] = held
+        found["axle-torques"] += torques
+    return found

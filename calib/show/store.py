@@ -1,6 +1,7 @@
 """Facts of the tables of a store: lists, one table, two of them, what happened, what came back."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from calib.base.plain import counted
 from calib.exports.compare import Difference as FromFile
@@ -9,12 +10,12 @@ from calib.show.facts import FAILED, Facts, Row, Table
 from calib.store.answer import answer, verdict_lines
 from calib.store.figures import effect_figures, mean_figures
 from calib.store.journal import Entry
-from calib.store.listing import ListedVersion
+from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
-from calib.store.store import StoreVerdict
+from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
 from calib.table.budget import pads_budget
-from calib.table.compare import CurveGap, Difference, ValueGap
+from calib.table.compare import Difference
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
@@ -24,27 +25,28 @@ _PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
 """Sections whose changed keys are printed; of the others only how many there are."""
 
 
-def listed(rows: Sequence[ListedVersion]) -> Facts:
+def listed(rows: Sequence[Listed]) -> Facts:
     """Versions of tables, told apart; those that cannot be used last, with the reason."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     cells = []
     for row in rows:
-        if row.flaw:
-            cells.append((row.id, row.state, row.date[:10], *[""] * 6))
+        known = (row["id"], row["state"], row["date"][:10])
+        if row["flaw"]:
+            cells.append((*known, *[""] * 6))
             continue
-        warned = counted(row.warnings, "warning") if row.warnings else ""
+        warned = counted(row["warnings"], "warning") if row["warnings"] else ""
         cells.append(
             (
-                *(row.id, row.state, row.date[:10]),
-                " ".join(filter(None, (row.serial, row.vin))),
-                str(len(row.logs)),
-                "/".join(f"{x:.3f}" for x in row.pads or ()),
-                "{:.2f}-{:.2f}".format(*row.usable or (0.0, 0.0)),
-                "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
-                ", ".join(filter(None, (row.verdict, warned, "signed" if row.keys else ""))),
+                *known,
+                " ".join(filter(None, (row["serial"], row["vin"]))),
+                str(len(row["logs"])),
+                "/".join(f"{x:.3f}" for x in row["pads"]),
+                "{:.2f}-{:.2f}".format(*row["usable"]),
+                "" if row["band_width"] is None else f"{100 * row['band_width']:.0f} %",
+                ", ".join(filter(None, (row["verdict"], warned, "signed" if row["keys"] else ""))),
             )
         )
-    flaws = [f"{row.id} cannot be used: {row.flaw}" for row in rows if row.flaw]
+    flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
     return Facts(tables=[Table(heads, cells)], notes=flaws)
 
 
@@ -62,7 +64,12 @@ def shown(stored: Stored) -> Facts:
         ("signed", f"by key {keys}; `tables verify --key` checks it" if keys else "no"),
         ("vehicle", f"{table.vehicle.name}, {table.vehicle.mass:g} kg"),
         *table.provenance.identity.items(),
-        *_origin(table),
+        *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
+        *(
+            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
+            for one in mean_figures(table)
+        ),
+        *(("by hand", str(one)) for one in table.by_hand),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((of.effect, str(of)) for of in effect_figures(table)),
         ("pad scale", _interval(pads.pad_scale)),
@@ -76,16 +83,20 @@ def shown(stored: Stored) -> Facts:
     return Facts(rows=rows, tables=[_curves(table)], notes=notes)
 
 
-def _origin(table: LookUp) -> list[Row]:
-    """What a table was made of, how its cars differ, what was set by hand."""
-    return [
-        *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
-        *(
-            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
-            for one in mean_figures(table)
-        ),
-        *(("by hand", str(one)) for one in table.by_hand),
-    ]
+def shown_document(stored: Stored) -> dict[str, Any]:
+    """The JSON document of a table."""
+    record, curves = stored.table.content()
+    eta, D = stored.table.difference.peak
+    return {
+        **stored.address,
+        "state": stored.state.word,
+        "keys": key_ids(stored),
+        "answer": answer(stored),
+        "decelerations": stored.table.paper.decelerations,
+        "peak": {"eta": eta, "D": D},
+        "record": record,
+        "curves": curves,
+    }
 
 
 def _interval(value: Value) -> str:
@@ -113,6 +124,19 @@ def history(entries: Sequence[Entry]) -> Facts:
         proof += [f"key {entry.key}"] if entry.key else []
         rows.append((entry.at, entry.id, event, entry.by, entry.reason, "; ".join(proof)))
     return Facts(tables=[Table(("when", "table", "state", "by", "why", "evidence"), rows)])
+
+
+def compared_document(found: Difference, first: Stored, second: Stored) -> dict[str, Any]:
+    """The JSON document of two tables."""
+    return {
+        "a": first.id,
+        "b": second.id,
+        "states": {"a": first.state.word, "b": second.state.word},
+        "verdict": found.verdict,
+        "identical": found.identical,
+        **vars(found),
+        "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
+    }
 
 
 def compared(found: Difference, first: Stored, second: Stored) -> Facts:
@@ -152,18 +176,8 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
                 for stored in (first, second)
                 for cell in stored.table.by_hand
             ),
-            *map(_beyond, found.beyond),
         ],
     )
-
-
-def _beyond(gap: CurveGap | ValueGap) -> str:
-    count = gap.in_bands
-    bands = "beyond any band" if count == float("inf") else f"{count:.1f} times the bands of both"
-    if isinstance(gap, ValueGap):
-        return f"{gap.name}: {gap.a:.4g} and {gap.b:.4g}, {bands}"
-    axis = "slip" if gap.curve == "g" else "eta"
-    return f"{gap.curve}: {gap.largest:+.4g} at {axis} {gap.at:.5f}, {bands} at most"
 
 
 def _short(written: str | None) -> str:
@@ -174,7 +188,7 @@ def _short(written: str | None) -> str:
         return str(written)
 
 
-def verified(verdicts: Sequence[StoreVerdict], with_key: bool) -> Facts:
+def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
     """Which versions are damaged, and, with a key, which are signed as what."""
     rows = []
     for verdict in verdicts:
@@ -199,6 +213,36 @@ def merged(stored: Stored) -> Facts:
         rows=[("parent", f"{p.id} ({p.digest[:12]})") for p in stored.table.provenance.parents],
         notes=stored.table.remarks,
     )
+
+
+def merged_document(stored: Stored) -> dict[str, Any]:
+    """The JSON document of a mean of several cars."""
+    table = stored.table
+    return {
+        **stored.address,
+        "parents": table.provenance.parents,
+        "cars": table.spread.cars if table.spread else 1,
+        "eta": [table.difference.eta[0], table.difference.eta[-1]],
+        "figures": mean_figures(table),
+        "remarks": table.remarks,
+        "warnings": table.warnings,
+    }
+
+
+def returned_document(found: Returned, stored: Stored | None, told: FromFile) -> dict[str, Any]:
+    """The JSON document of a file of a calibration tool."""
+    return {
+        "format": found.format,
+        "facts": found.facts,
+        "axes": found.content.axes,
+        "curves": {n: {"x": x, "y": y} for n, (x, y) in found.content.curves.items()},
+        "scalars": found.content.scalars,
+        "units": found.units,
+        "in_store": stored is not None,
+        "unchanged": found.unchanged,
+        "rounded": told.rounded,
+        "differences": told.wrong,
+    }
 
 
 def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:

@@ -1,11 +1,10 @@
 """The style of all figures: fonts, colours and line styles.
 
 Colours are those of Okabe and Ito, which colour-blind readers can distinguish; every line style
-differs as well, for prints in grey. Measured values are drawn twice: thin without smoothing, thick
-as their mean over 0.1 s.
+differs as well, for prints in grey.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -48,12 +47,7 @@ WHEEL_STROKES: dict[str, Stroke] = {
 }
 
 SHADE = "#E9E9E9"
-_STRIPE = "#B0B0B0"
-_RAW = 0.3
-"""Opacity of a line without smoothing."""
-_BAND = 0.18
-"""Opacity of a 95 % band."""
-_MEAN = 0.1
+MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
 
 _RC: dict[str, Any] = {
@@ -102,15 +96,7 @@ def styled() -> Iterator[None]:
         yield
 
 
-def noisy(
-    ax: Axes, time: Array, values: Array, stroke: Stroke, label: str, window: float = _MEAN
-) -> None:
-    """Draw a measured line: thin without smoothing, thick as centred mean over ``window`` [s]."""
-    ax.plot(time, values, color=stroke["color"], linewidth=0.5, alpha=_RAW)
-    ax.plot(time, smooth(time, values, window), label=label, **stroke)
-
-
-def smooth(time: Array, values: Array, window: float = _MEAN) -> Array:
+def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
     width = max(1, round(window / step_of(time))) | 1
     known = np.isfinite(values)
@@ -119,65 +105,19 @@ def smooth(time: Array, values: Array, window: float = _MEAN) -> Array:
     return np.where(known, total / np.where(known, weight, 1.0), np.nan)
 
 
-def lines(
-    ax: Axes,
-    time: Array,
-    rows: Sequence[tuple[Array | None, Stroke, str]],
-    window: float = _MEAN,
-    where: Mask | None = None,
-) -> None:
-    """Draw measured lines, and set the y range to their means and zero, ``where`` it is true.
-
-    A row is values, stroke and label; one without values is not drawn.
-    """
-    shown = []
-    for values, stroke, label in rows:
-        if values is not None:
-            noisy(ax, time, values, stroke, label, window)
-            mean = smooth(time, values, window)
-            shown.append(mean if where is None else mean[where])
-    view(ax, *shown, zero=True)
-
-
-def band(ax: Axes, x: Array, lower: Array, upper: Array, stroke: Stroke) -> None:
-    """Draw a 95 % band behind its line."""
-    ax.fill_between(x, lower, upper, color=stroke["color"], alpha=_BAND, linewidth=0.0, zorder=1)
-
-
-def shade(ax: Axes, x: Array, where: Mask) -> None:
-    """Shade the whole height of ``ax`` where the mask is true."""
-    across = ax.get_xaxis_transform()
-    ax.fill_between(x, 0.0, 1.0, where=where, transform=across, color=SHADE, lw=0.0, zorder=0)
-
-
-def stripe(ax: Axes, start: float, end: float) -> None:
-    """Hatch the whole height of ``ax`` between two places."""
-    ax.axvspan(start, end, facecolor="none", edgecolor=_STRIPE, hatch="////", lw=0.0)
-
-
-def beside(
-    ax: Axes, text: str, at: tuple[float, float], off: tuple[float, float], **look: Any
-) -> None:
-    """Write ``text`` beside the point ``at``, ``off`` by so many points."""
-    look = {"fontsize": 7.0, **look}
-    ax.annotate(text, at, xytext=off, textcoords="offset points", **look)
-
-
-def zero(ax: Axes) -> None:
-    """Draw the line of zero."""
-    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
-
-
-def view(ax: Axes, *values: Array, zero: bool = False, margin: float = 0.12) -> None:
-    """Set the y range to all finite ``values``; other lines of the axis do not change it.
-
-    ``zero`` includes zero. Without a finite value the axis stays unchanged.
-    """
-    known = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v))] for v in values] or [np.empty(0)])
+def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[float, float] | None:
+    """Ends of an axis that shows all finite ``values``; None without one. ``zero`` includes it."""
+    known = np.concatenate([v[np.isfinite(v)] for v in values] or [np.empty(0)])
     if known.size == 0:
-        return
+        return None
     low, high = float(known.min()), float(known.max())
     if zero:
         low, high = min(low, 0.0), max(high, 0.0)
     room = margin * (high - low) or 0.1 * abs(high) or 1.0
-    ax.set_ylim(low if zero and low == 0.0 else low - room, high + room)
+    return (low if zero and low == 0.0 else low - room), high + room
+
+
+def as_text(name: str) -> str:
+    """A name as plain text: no formula, only what the font has, no underscore that hides it."""
+    plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in name)
+    return (" " * plain.startswith("_") + plain).replace("$", r"\$")

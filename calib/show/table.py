@@ -3,12 +3,14 @@
 With the ramps it was made of, their measured points are drawn too, and Fig. 5.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
+from calib.base.intervals import Z95
 from calib.base.plain import plus_minus
-from calib.show import ramp as ramp_figures
-from calib.show.ramp import MeasuredRamp, points
-from calib.show.sheet import Panel, Sheet
+from calib.show.ramp import MeasuredRamp, panel, points
+from calib.show.sheet import Line, Mark, Panel, Sheet
 from calib.show.style import (
     BODY,
     DASHED,
@@ -20,13 +22,9 @@ from calib.show.style import (
     REAR,
     SHADE,
     Array,
-    Axes,
     Stroke,
-    band,
-    beside,
-    zero,
 )
-from calib.show.vehicle import P, distribution
+from calib.show.vehicle import beta_point, brake_torques, nominal_ratio, rear_per_front
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 _Ramps = tuple[MeasuredRamp, ...]
@@ -39,9 +37,8 @@ _FLAGS = {
 }
 """Word, line style and width of each flag of a cell."""
 
-_FIG_2 = "Brake torque distribution (Fig. 2)"
 ETA = r"$\eta - 1$ [%]"
-_FREED = "drag taken out"
+_FREED = "ramps, drag taken out"
 """What was done to the measured points beside a curve over eta; the note says it in full."""
 _MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
@@ -49,71 +46,82 @@ _MARKED = 0.1
 
 def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
-    of_ramps = ramp_figures.panels(ramps)
-    both = (table, ramps)
+    numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
+    of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
+    pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
+    front, rear = (plus_minus(pad.value, pad.ci95[1] - pad.value) for pad in pads)
+    last = table.paper.usable[1]
     return Sheet(
         kind="table",
         name=name,
-        title=f"Table {name}",
-        note=_note(table, ramps),
-        result=_result(table),
-        panels=(
-            Panel("torque-distribution", _FIG_2, distribution, (table,), 2),
-            Panel("tyre", "Common tyre curve (Fig. 3)", tyre, both, 2),
-            Panel("f1-f2", "Normalised force curves (Fig. 6)", f1_f2, both, 2),
-            Panel("difference", r"Difference $D = F_f - F_r$", difference, both, 2),
-            *of_ramps,
-        ),
+        panels=(_torques(table), _tyre(table, ramps), *_over_eta(table, ramps), *of_ramps),
         rows=(
             ("torque-distribution", "tyre"),
             ("f1-f2", "difference"),
             *((panel.name,) * 2 for panel in of_ramps),
         ),
         heights=(1.25, 1.0, *(0.95 for _ in of_ramps)),
+        title=f"Table {name}",
+        note=_note(table, bool(ramps)),
+        result=f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f}\u00a0g",
     )
 
 
-def _result(table: Table) -> str:
-    """Pads and usable range in words."""
-    pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
-    front, rear = (plus_minus(pad.value, pad.ci95[1] - pad.value) for pad in pads)
-    last = table.paper.usable[1]
-    return f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f}\u00a0g"
-
-
-def _note(table: Table, ramps: _Ramps) -> str:
+def _note(table: Table, ramps: bool) -> str:
     origin = table.provenance
     of = ", ".join([p.id for p in origin.parents] or [log.name for log in origin.logs])
     note = f"Digest {table.digest[:16]}, made of {of} with {table.provenance.program}. "
-    note += "Bands are 95 %."
+    note += "Bands are 95 %. Grey: beyond the usable range."
     if ramps:
         note += (
-            " Rings and triangles: the ramps, as means over 0.25\u00a0s; dots: blocks of "
-            "50\u00a0ms. Over \u03b7 they are without air drag, grade and rolling resistance, as "
-            "the table is: the fit takes these out, and the estimator adds them. Grey: beyond the "
-            "usable range; \u03b7 hardly rises any more there, or falls, or the points are too few."
+            " Rings and triangles: the ramps, as means over 0.25\u00a0s. Over \u03b7 they are "
+            "without air drag, grade and rolling resistance, as the table is: the fit takes these "
+            "out, and the estimator adds them."
         )
     return note
 
 
-def by_flag(ax: Axes, x: Array, y: Array, flag: Array, stroke: Stroke, label: str) -> None:
-    """Draw a curve of a table, each piece with the worse flag of its two ends."""
+def _torques(table: Table) -> Panel:
+    """Fig. 2 with the identified and the nominal pads, and the end of the usable range."""
+    vehicle, pads, end = table.vehicle, table.calibration, table.paper.usable[1]
+    found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
+    betas = {
+        r"$\beta$, pads as identified": (found, IDENTIFIED),
+        r"$\beta$, nominal pads": (nominal_ratio(vehicle), NOMINAL),
+    }
+    panel = brake_torques("Brake torque distribution (Fig. 2)", vehicle, betas, 0.8)
+    front, rear = (torque / 1e3 for torque in beta_point(vehicle, found, end))
+    mark: Stroke = {"color": BODY["color"], "marker": "|", "ms": 12.0, "mew": 1.4, "linestyle": ""}
+    ends, half = np.array(panel.xlim), Z95 * pads.pad_log_ratio.sigma
+    band = np.exp(-half) * found * ends, np.exp(half) * found * ends
+    more = (
+        Line(ends, found * ends, IDENTIFIED, band=band),
+        Line([front], [rear], mark, f"usable up to {end:.2f} g"),
+    )
+    return replace(panel, lines=(*panel.lines, *more))
+
+
+def by_flag(
+    x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
+) -> list[Line]:
+    """A curve of a table (n,), each piece with the worse flag of its two ends."""
     worse = np.maximum(flag[:-1], flag[1:])
+    lines = [Line(x, np.full(x.size, np.nan), stroke, band=band)]
     for value, (word, style, width) in _FLAGS.items():
         piece = worse == value
         if piece.any():
             ends = np.concatenate([piece, [False]]) | np.concatenate([[False], piece])
-            line: Stroke = {"color": stroke["color"], "linestyle": style, "linewidth": width}
+            look: Stroke = {"color": stroke["color"], "linestyle": style, "linewidth": width}
             # NaN separates the pieces of one flag
-            ax.plot(x, np.where(ends, y, np.nan), label=f"{label} {word}", **line)
+            lines.append(Line(x, np.where(ends, y, np.nan), look, f"{label} {word}"))
+    return lines
 
 
-def tyre(ax: Axes, table: Table, ramps: _Ramps = ()) -> None:
+def _tyre(table: Table, ramps: _Ramps) -> Panel:
     """Fig. 3: normalised force over slip, common to both axles, at the mean wheel load."""
     curve = table.tyre
-    percent = 100.0 * curve.slip
-    band(ax, percent, curve.lower, curve.upper, IDENTIFIED)
-    by_flag(ax, percent, curve.force, curve.flag, IDENTIFIED, "curve")
+    x, band = 100.0 * curve.slip, (curve.lower, curve.upper)
+    lines = by_flag(x, curve.force, curve.flag, IDENTIFIED, "curve", band)
     for i, ramp in enumerate(ramps):
         for slip, force, stroke, word in (
             (ramp.slip_f, ramp.F_f, FRONT, "front"),
@@ -121,95 +129,52 @@ def tyre(ax: Axes, table: Table, ramps: _Ramps = ()) -> None:
         ):
             if slip is not None:
                 label = "" if i else f"{word} axle, ramps"
-                points(ax, ramp, 100.0 * slip, force, ramp.braked, stroke, label)
-    _mark_p(ax, table)
-    ax.set(xlabel="slip [%]", ylabel="normalised force [1]")
-    ax.set_xlim(-0.02 * percent[-1], 1.05 * percent[-1])
-    ax.set_ylim(-0.02 * curve.force[-1], 1.1 * curve.force[-1])
+                lines.append(points(ramp, 100.0 * slip, force, stroke, label))
+    return Panel(
+        "tyre",
+        "Common tyre curve (Fig. 3)",
+        "slip [%]",
+        "normalised force [1]",
+        lines,
+        xlim=(-0.02 * x[-1], 1.05 * x[-1]),
+        ylim=(-0.02 * curve.force[-1], 1.1 * curve.force[-1]),
+        columns=2,
+    )
 
 
-def _mark_p(ax: Axes, table: Table) -> None:
-    """Mark the axles on the curve at 0.3 g, if the table reaches there."""
-    low, high = table.paper.decelerations
-    if not low <= P <= high + 1e-9:  # a table may end there, with a rounding error
-        return
-    order = np.argsort(table.paper.z)
-    for f, word in ((table.paper.f1, "front"), (table.paper.f2, "rear")):
-        force = P + float(np.interp(P, table.paper.z[order], f[order]))
-        slip = 100.0 * float(np.interp(force, table.tyre.force, table.tyre.slip))
-        ax.plot(slip, force, "s", color=BODY["color"], ms=4.0, zorder=4)
-        beside(ax, f"{word} at {P:g} g", (slip, force), (9.0, -13.0))
-
-
-def f1_f2(ax: Axes, table: Table, ramps: _Ramps = ()) -> None:
-    """Fig. 6: f1 and f2 over eta with their bands."""
-    curve = table.paper
-    x = 100.0 * (curve.eta - 1.0)
-    zero(ax)
-    for f, lower, upper, stroke, label in (
-        (curve.f1, curve.f1_lower, curve.f1_upper, FRONT, "$f_1$"),
-        (curve.f2, curve.f2_lower, curve.f2_upper, REAR, "$f_2$"),
-    ):
-        band(ax, x, lower, upper, stroke)
-        by_flag(ax, x, f, curve.flag, stroke, label)
-    for i, ramp in enumerate(_over_both(ramps)):
-        _over_eta(ax, table, ramp, ramp.f1, FRONT, "" if i else f"$f_1$, ramps, {_FREED}")
-        _over_eta(ax, table, ramp, ramp.f2, REAR, "" if i else f"$f_2$, ramps, {_FREED}")
-    _usable(ax, table, below=True)
-    ax.set(xlabel=ETA, ylabel="$f_1$, $f_2$ [1]")
-
-
-def difference(ax: Axes, table: Table, ramps: _Ramps = ()) -> None:
-    """D(eta) with its band."""
-    curve = table.difference
-    x = 100.0 * (curve.eta - 1.0)
-    band(ax, x, curve.lower, curve.upper, IDENTIFIED)
-    by_flag(ax, x, curve.D, curve.flag, IDENTIFIED, "$D$")
-    for i, ramp in enumerate(_over_both(ramps)):
-        _over_eta(ax, table, ramp, ramp.D, IDENTIFIED, "" if i else f"ramps, {_FREED}")
-    _usable(ax, table)
-    ax.set(xlabel=ETA, ylabel="$D$ [1]")
-
-
-def _over_both(ramps: _Ramps) -> _Ramps:
-    """The ramps that the curves over eta are of: with both axles."""
-    return tuple(ramp for ramp in ramps if ramp.both)
-
-
-def _over_eta(
-    ax: Axes, table: Table, ramp: MeasuredRamp, y: Array, stroke: Stroke, label: str
-) -> None:
-    """Measured points; grey above the last deceleration that is usable.
-
-    Their entry in the legend is that of the first curve with such points.
-    """
-    x = 100.0 * (ramp.eta - 1.0)
-    last = table.paper.usable[1]
-    beyond = ramp.z_free > last
-    points(ax, ramp, x, y, ramp.braked & ~beyond, stroke, label)
-    grey = f"above {last:.2f} g: not usable"
-    told = grey in ax.get_legend_handles_labels()[1] or not label
-    points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL, "" if told else grey)
-
-
-def _usable(ax: Axes, table: Table, below: bool = False) -> None:
-    """Mark the end of the usable range, and on the line of zero the decelerations up to it."""
-    x, z = 100.0 * (table.paper.eta - 1.0), table.paper.z
-    (low, high), end = table.paper.usable, 100.0 * (table.paper.usable_eta[1] - 1.0)
-    label = f"usable to {end:.2f} %, {high:.2f} g"
-    ax.axvline(end, label=label, color=BODY["color"], linewidth=0.9, linestyle=LONG)
-    _reach(ax, x)
-    ax.axvspan(end, ax.get_xlim()[1], color=SHADE, linewidth=0.0, zorder=0)
-    order = np.argsort(z)
-    for mark in np.arange(_MARKED, high, _MARKED):
-        if mark < low:
-            continue
-        at = float(np.interp(mark, z[order], x[order]))
-        ax.plot(at, 0.0, "|", color=BODY["color"], ms=6.0, zorder=4)
-        off = (0.0, -9.5 if below else 5.0)
-        beside(ax, f"{mark:.1f} g", (at, 0.0), off, ha="center", fontsize=6.5)
-
-
-def _reach(ax: Axes, x: Array) -> None:
-    """Set the common range of all panels over eta."""
-    ax.set_xlim(x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0]))
+def _over_eta(table: Table, ramps: _Ramps) -> tuple[Panel, Panel]:
+    """Fig. 6 and D; the end of the usable range and the decelerations up to it are marked."""
+    p, d = table.paper, table.difference
+    x, x_d = 100.0 * (p.eta - 1.0), 100.0 * (d.eta - 1.0)
+    f = [
+        *by_flag(x, p.f1, p.flag, FRONT, "$f_1$", (p.f1_lower, p.f1_upper)),
+        *by_flag(x, p.f2, p.flag, REAR, "$f_2$", (p.f2_lower, p.f2_upper)),
+    ]
+    D = by_flag(x_d, d.D, d.flag, IDENTIFIED, "$D$", (d.lower, d.upper))
+    for i, ramp in enumerate(one for one in ramps if one.both):
+        at, freed = 100.0 * (ramp.eta - 1.0), "" if i else _FREED
+        f += [points(ramp, at, ramp.f1, FRONT, freed), points(ramp, at, ramp.f2, REAR)]
+        D.append(points(ramp, at, ramp.D, IDENTIFIED, freed))
+    reach = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
+    (low, high), end = p.usable, 100.0 * (p.usable_eta[1] - 1.0)
+    line: Stroke = {"color": BODY["color"], "linewidth": 0.9, "linestyle": LONG}
+    marks = (
+        Mark(end, end, line, f"usable to {end:.2f} %, {high:.2f} g"),
+        Mark(end, reach[1], {"color": SHADE}),
+    )
+    order = np.argsort(p.z)
+    decelerations = [z for z in np.arange(_MARKED, high, _MARKED) if z >= low]
+    places = np.interp(decelerations, p.z[order], x[order])
+    ticks: Stroke = {"color": BODY["color"], "marker": "|", "ms": 6.0, "linestyle": ""}
+    zero = [
+        Line(reach, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6}),
+        Line(places, np.zeros(places.size), ticks),
+    ]
+    below = [(f"{z:.1f} g", at, 0.0) for z, at in zip(decelerations, places, strict=True)]
+    above = [(text, at, 0.12 * float(np.max(d.upper))) for text, at, _ in below]
+    return (
+        Panel("f1-f2", "Normalised force curves (Fig. 6)", ETA, "$f_1$, $f_2$ [1]",
+              [*zero, *f], marks, below, reach, columns=2),
+        Panel("difference", r"Difference $D = F_f - F_r$", ETA, "$D$ [1]",
+              [*zero, *D], marks, above, reach, columns=2),
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""A vehicle: its facts, the effects it may have, the torques of its axles, Fig. 2 of a table.
+"""A vehicle: its facts, the effects it may have, and Fig. 2, the torques of its axles.
 
 T_r |  .-I-.     on the I curve both axles use the same friction;
     | /  ,-' beta  on the beta line the pads share one pressure;
@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calib.base.intervals import Z95
 from calib.base.units import behind
 from calib.car.bias import friction_used, front_share, pressure_per_g
 from calib.car.effects.effect import Card
@@ -19,28 +18,12 @@ from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
-from calib.show.sheet import Panel, Sheet
-from calib.show.style import (
-    BAR,
-    BODY,
-    FRONT,
-    IDENTIFIED,
-    NOMINAL,
-    REAR,
-    Array,
-    Axes,
-    Stroke,
-    band,
-    beside,
-)
-from calib.table.table import Table
+from calib.show.sheet import Line, Panel, Sheet
+from calib.show.style import BAR, BODY, FRONT, IDENTIFIED, NOMINAL, REAR, Array, Stroke
 
-_TOP = 1.0
-"""Highest deceleration that is drawn [g]."""
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
-P = 0.3
-"""The deceleration of the paper's point P [g]."""
+_THIN: Stroke = {"color": NOMINAL["color"], "linewidth": 0.5, "alpha": 0.6}
 _KNM = 1e3
 
 
@@ -112,100 +95,70 @@ def card(one: Card) -> Facts:
 def sheet(vehicle: Vehicle) -> Sheet:
     """Return the sheet of a vehicle with its nominal pads."""
     share, per_g = front_share(vehicle), pressure_per_g(vehicle) / BAR
+    z = np.linspace(0.0, min(1.0, 0.98 * vehicle.cg_to_front_axle / vehicle.cg_height), 201)
+    used_f, used_r = friction_used(vehicle, z)
+    used = [
+        Line(z, used_f, FRONT, "front axle"),
+        Line(z, used_r, REAR, "rear axle"),
+        Line(z, z, NOMINAL, "ideal: both alike"),
+    ]
+    betas = {"installed, nominal pads": (nominal_ratio(vehicle), IDENTIFIED)}
     return Sheet(
         kind="vehicle",
         name=vehicle.name,
+        panels=(
+            brake_torques("Brake torque of the axles", vehicle, betas, 1.0),
+            Panel("friction", "Friction that the axles use", "deceleration [g]",
+                  "friction used [1]", used, xlim=(0.0, 1.0), ylim=(0.0, 1.4)),
+        ),
+        heights=(1.4, 1.0),
         title=f"Brakes of {vehicle.name}",
         note=f"With the nominal pads of the file: {per_g:.1f} bar per g, {100 * share:.1f} % of "
         "the brake force at the front. Straight line, one pressure on both axles, no drag, no "
         "control of slip; the inertia of the wheels is neglected.",
-        panels=(
-            Panel("distribution", "Brake torque of the axles", _installed, (vehicle,)),
-            Panel("friction", "Friction that the axles use", friction, (vehicle,)),
-        ),
-        rows=(("distribution",), ("friction",)),
-        heights=(1.4, 1.0),
-    )
+    )  # fmt: skip
 
 
-def _installed(ax: Axes, vehicle: Vehicle) -> None:
-    """Rear over front torque: the ideal parabola, the _installed line, lines of equal z."""
-    ratio = _nominal_ratio(vehicle)
-    top = beta_point(vehicle, ratio, _TOP)[0]
-    _lines(ax, vehicle, {"installed, nominal pads": (ratio, IDENTIFIED)}, 1.08 * top, ratio)
-    _biased(ax, vehicle, ratio, _TOP, BODY["color"])
+def brake_torques(
+    title: str, vehicle: Vehicle, betas: dict[str, tuple[float, Stroke]], top: float
+) -> Panel:
+    """Fig. 2: torques of the axles up to ``top`` [g]; each beta line with its T_br/T_bf [1].
 
-
-def friction(ax: Axes, vehicle: Vehicle) -> None:
-    """Friction used by the axles over the deceleration; the higher one locks first."""
-    z = np.linspace(0.0, min(_TOP, 0.98 * vehicle.cg_to_front_axle / vehicle.cg_height), 201)
-    used_f, used_r = friction_used(vehicle, z)
-    ax.plot(z, used_f, label="front axle", **FRONT)
-    ax.plot(z, used_r, label="rear axle", **REAR)
-    ax.plot(z, z, label="ideal: both alike", **NOMINAL)
-    ax.set(xlabel="deceleration [g]", ylabel="friction used [1]")
-    ax.set(xlim=(0.0, _TOP), ylim=(0.0, 1.4 * _TOP))
-
-
-def distribution(ax: Axes, table: Table) -> None:
-    """Draw Fig. 2 for the car of a table, with its nominal and its identified pads.
-
-    Torques are per axle. As in (9), the inertia of the wheels is neglected.
+    The decelerations are marked along the first one. As in (9), the inertia of the wheels is
+    neglected.
     """
-    vehicle, pads = table.vehicle, table.calibration
-    half = Z95 * pads.pad_log_ratio.sigma
-    nominal = _nominal_ratio(vehicle)
-    found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
-    top = beta_point(vehicle, min(nominal, found), _DECELERATIONS[-1])[0] * 1.08
-    ends = np.array([0.0, top]) / _KNM
-    band(ax, ends, np.exp(-half) * found * ends, np.exp(half) * found * ends, IDENTIFIED)
-    betas = {
-        r"$\beta$, pads as identified": (found, IDENTIFIED),
-        r"$\beta$, nominal pads": (nominal, NOMINAL),
-    }
-    _lines(ax, vehicle, betas, top, found)
-    end = table.paper.usable[1]
-    front, rear = (torque / _KNM for torque in beta_point(vehicle, found, end))
-    mark = {"color": BODY["color"], "ms": 12.0, "mew": 1.4}
-    ax.plot(front, rear, "|", label=f"usable up to {end:.2f} g", **mark)
-    _biased(ax, vehicle, nominal, _DECELERATIONS[-1], NOMINAL["color"])
-
-
-def _lines(
-    ax: Axes, vehicle: Vehicle, betas: dict[str, tuple[float, Stroke]], top: float, ratio: float
-) -> None:
-    """The I curve, each beta line up to ``top`` [N m], and the decelerations along ``ratio``."""
+    (ratio, stroke), *_ = betas.values()
+    end = 1.08 * beta_point(vehicle, ratio, top)[0] / _KNM
     front, rear = (torque / _KNM for torque in ideal(vehicle))
-    ax.plot(front, rear, label="I curve: equal friction", **BODY)
-    for label, (slope, stroke) in betas.items():
-        ax.plot([0.0, top / _KNM], [0.0, slope * top / _KNM], label=label, **stroke)
+    lines = [Line(front, rear, BODY, "I curve: equal friction")]
+    lines += [Line([0.0, end], [0.0, x * end], look, name) for name, (x, look) in betas.items()]
+    texts, radii = [], (vehicle.front.rolling_radius, vehicle.rear.rolling_radius)
     for z in _DECELERATIONS:
-        _constant_deceleration(ax, vehicle, ratio, z)
-    ax.plot([], [], "o", color=IDENTIFIED["color"], ms=3.2, label="deceleration [g]")
-    highest = max(float(rear.max()), *(slope * top / _KNM for slope, _ in betas.values()))
-    ax.set(xlim=(0.0, top / _KNM), ylim=(0.0, 1.15 * highest))
-    ax.set(xlabel="front axle torque [kN m]", ylabel="rear axle torque [kN m]")
-
-
-def _constant_deceleration(ax: Axes, vehicle: Vehicle, ratio: float, z: float) -> None:
-    """A thin line of constant z, its point on the beta line, and the number beside it."""
-    radii = vehicle.front.rolling_radius, vehicle.rear.rolling_radius
-    front, rear = (vehicle.weight * z * radius / _KNM for radius in radii)
-    ax.plot([front, 0.0], [0.0, rear], color=NOMINAL["color"], lw=0.5, alpha=0.6, zorder=1)
-    front, rear = (torque / _KNM for torque in beta_point(vehicle, ratio, z))
-    named = z == P
-    ax.plot(front, rear, "o", color=IDENTIFIED["color"], ms=6.0 if named else 3.2, zorder=3)
-    text, weight = (f"P, {z:g} g", "bold") if named else (f"{z:g}", "normal")
-    beside(ax, text, (front, rear), (4.0, -9.5), fontweight=weight)
-
-
-def _biased(ax: Axes, vehicle: Vehicle, ratio: float, top: float, colour: str) -> None:
-    """Mark the deceleration up to which the front axle uses more friction, if it is in view."""
+        whole_f, whole_r = (vehicle.weight * z * radius / _KNM for radius in radii)
+        lines.append(Line([whole_f, 0.0], [0.0, whole_r], _THIN))
+        at_f, at_r = (torque / _KNM for torque in beta_point(vehicle, ratio, z))
+        texts.append((f"{z:g} g", at_f, at_r))
+    dots: Stroke = {"color": stroke["color"], "marker": "o", "linestyle": "", "ms": 3.2}
+    lines.append(Line([at for _, at, _ in texts], [at for _, _, at in texts], dots))
     biased = front_biased_up_to(vehicle)
     if 0.0 < biased <= top:
-        front, rear = (torque / _KNM for torque in beta_point(vehicle, ratio, biased))
-        label = f"front locks first up to {biased:.2f} g"
-        ax.plot(front, rear, "D", mfc="white", color=colour, label=label)
+        at_f, at_r = (
+            torque / _KNM for torque in beta_point(vehicle, nominal_ratio(vehicle), biased)
+        )
+        diamond: Stroke = {"color": BODY["color"], "marker": "D", "mfc": "white", "linestyle": ""}
+        lines.append(Line([at_f], [at_r], diamond, f"front locks first up to {biased:.2f} g"))
+    highest = max(float(rear.max()), *(slope * end for slope, _ in betas.values()))
+    return Panel(
+        "torque-distribution",
+        title,
+        "front axle torque [kN m]",
+        "rear axle torque [kN m]",
+        lines,
+        texts=texts,
+        xlim=(0.0, end),
+        ylim=(0.0, 1.15 * highest),
+        columns=2,
+    )
 
 
 def ideal(vehicle: Vehicle) -> tuple[Array, Array]:
@@ -221,12 +174,13 @@ def rear_per_front(vehicle: Vehicle, friction_f: float, friction_r: float) -> fl
     return rear / (vehicle.front.torque_gain * friction_f)
 
 
+def nominal_ratio(vehicle: Vehicle) -> float:
+    """T_br/T_bf [1] with the nominal pads."""
+    return rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)
+
+
 def beta_point(vehicle: Vehicle, ratio: float, z: float) -> tuple[float, float]:
     """Torques of the axles [N m] at z [1] on the line of this ``ratio`` T_br/T_bf [1], (5), (9)."""
     per_front = 1.0 / vehicle.front.rolling_radius + ratio / vehicle.rear.rolling_radius
     front = vehicle.weight * z / per_front
     return front, ratio * front
-
-
-def _nominal_ratio(vehicle: Vehicle) -> float:
-    return rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.random_effects import quantile95
-from calib.car.effects.effect import Parameter
 from calib.car.own_effects.own_effect import every_effect
-from calib.store.own_errors import stiffness
+from calib.store.mean import stiffness
 from calib.table.budget import pad_levels
 from calib.table.table import Scatter, Table, Value
 
@@ -76,15 +75,10 @@ def effect_figures(table: Table) -> Iterator[_EffectFigure]:
     """Every parameter of the effects of a table, in the order of its record."""
     known = every_effect(table.vehicle.effects)
     for effect, values in table.effect_values.items():
-        card = known[effect].card if effect in known else None
-        parameters = {p.name: p for p in card.parameters} if card else {}
+        of = {p.name: p for p in known[effect].card.parameters} if effect in known else {}
         for name, value in values.items():
-            yield _figure(effect, name, value, parameters.get(name))
-
-
-def _figure(effect: str, name: str, value: Value, of: Parameter | None) -> _EffectFigure:
-    low, high = value.ci95
-    if of is None:
-        return _EffectFigure(effect, name, value, "SI", (low, high))
-    cut = (max(low, min(of.low, value.value)), min(high, max(of.high, value.value)))
-    return _EffectFigure(effect, name, value, of.unit, cut)
+            unit, (low, high) = "SI", value.ci95
+            if name in of:
+                unit, least, most = of[name].unit, of[name].low, of[name].high
+                low, high = max(low, min(least, value.value)), min(high, max(most, value.value))
+            yield _EffectFigure(effect, name, value, unit, (low, high))

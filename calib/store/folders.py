@@ -89,15 +89,9 @@ def path_of(reference: str) -> Path | None:
         return None
     if (path / RECORD).is_file() or any(path.glob("*.parquet")):
         return path
-    if path.is_file():
-        raise TableNotFound(
-            "is a file and no table",
-            where=reference,
-            expected="name, name@version or path",
-            do="give the table first, then the logs",
-        )
-    if path.is_dir():
-        what, expected = f"no {RECORD} in it", "the directory of one version, like v0001"
-    else:
-        what, expected = "no such directory", "name, name@version or path"
-    raise TableNotFound(what, where=reference, expected=expected)
+    raise TableNotFound(
+        f"no {RECORD} in it" if path.is_dir() else "is no directory",
+        where=reference,
+        expected="name, name@version, or the directory of one version, like v0001",
+        do="give the table first, then the logs" * path.is_file(),
+    )

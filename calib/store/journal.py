@@ -12,12 +12,11 @@ head (see `calib.store.signature`) is what shows that.
 import hashlib
 import json
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from calib.base.bounded import JOURNAL as JOURNAL_FILE
 from calib.base.bounded import read_bounded
@@ -25,7 +24,15 @@ from calib.base.digest import canonical_json
 from calib.base.errors import DamagedTable
 from calib.base.program import PROGRAM
 from calib.base.write import sync, write_whole
-from calib.store.state import CHANGES, STATES, Evidence, StateDecision, VersionState, user
+from calib.store.state import (
+    CHANGES,
+    STATES,
+    UNKNOWN,
+    Evidence,
+    StateDecision,
+    VersionState,
+    user,
+)
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
 
@@ -39,11 +46,10 @@ _START = "0" * 64
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of the journal.
+    """One line of the journal; ``number`` from 1, ``at`` ISO 8601 in UTC, ``state`` afterwards.
 
-    ``number`` from 1; ``at`` ISO 8601 in UTC; ``state`` of the version afterwards; ``digest`` of
-    its content and ``record`` the SHA-256 of its record file; ``inputs`` digest of what it was
-    fitted from, of an entry that adds a version; ``key`` that signed.
+    ``digest`` of its content, ``record`` SHA-256 of its record file; ``inputs`` digest of what a
+    new version was fitted from; ``key`` that signed.
     """
 
     number: int
@@ -84,10 +90,6 @@ class Journal:
         """Hash of the last entry."""
         return self.entries[-1].hash if self.entries else _START
 
-    def line_of(self, head: str) -> int:
-        """Number of the line with the hash ``head``; 0 where there is none."""
-        return next((e.number for e in self.entries if e.hash == head), 0)
-
     @cached_property
     def tables(self) -> dict[str, dict[int, tuple[Entry, ...]]]:
         """The entries of each version of each table, in order; numbers rise."""
@@ -102,8 +104,10 @@ class Journal:
         return self.tables.get(name, {})
 
     def state(self, name: str, version: int) -> VersionState:
-        """The state of a version. Raises KeyError for one that the journal does not know."""
-        history = self.tables[name][version]
+        """The state of a version; `UNKNOWN` where the journal does not know it."""
+        history = self.of(name).get(version)
+        if not history:
+            return UNKNOWN
         last = [entry for entry in history if entry.event != SIGNED][-1]
         return VersionState(
             last.state,
@@ -116,28 +120,38 @@ class Journal:
             seen=frozenset(one.sha256 for entry in history for one in entry.evidence),
         )
 
-    def added(self, decision: StateDecision, **of: Any) -> "Journal":
-        """The journal with one more entry: a decision, and the other fields of `Entry`."""
+    def added(
+        self, name: str, version: int, event: str, decision: StateDecision, **of: str
+    ) -> "Journal":
+        """The journal with one more entry; ``of`` other fields of a version that is new to it."""
+        known = self.of(name).get(version)
+        if known:
+            of = {"digest": known[0].digest, "record": known[0].record, "inputs": ""} | of
         entry = Entry(
             number=len(self.entries) + 1,
             at=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
             by=decision.by or user(),
             program=PROGRAM,
+            event=event,
+            table=name,
+            version=version,
             state=decision.state,
             reason=decision.reason,
             verdict=decision.verdict,
             evidence=decision.evidence,
             previous=self.head,
             hash="",
-            **of,
+            **{"key": ""} | of,
         )
         return Journal((*self.entries, replace(entry, hash=_hash(entry))))
 
-    def content(self) -> bytes:
+    @property
+    def lines(self) -> bytes:
         """The bytes of the journal's file."""
         return b"".join(canonical_json(asdict(entry)) + b"\n" for entry in self.entries)
 
-    def head_content(self) -> bytes:
+    @property
+    def head_line(self) -> bytes:
         """The bytes of the head's file."""
         return f"{self.head} {len(self.entries)}\n".encode()
 
@@ -146,13 +160,13 @@ def read_journal(folder: Path) -> Journal:
     """The journal of a store; an empty one where there is none.
 
     It may be longer than its head says, by lines whose writer was stopped before it wrote the head.
-    Raises DamagedTable that names the first line that is wrong, OSError where it cannot be read.
+    Raises DamagedTable that names the first line that is wrong, OSError.
     """
     # The head first: a writer may add a line between the two.
     head = _bytes(folder / HEAD)
-    data = _bytes(folder / JOURNAL)
     where = folder / JOURNAL
-    if data is None and head not in (None, Journal().head_content()):
+    data = _bytes(where)
+    if data is None and head not in (None, Journal().head_line):
         raise _damaged(f"missing, and {HEAD} is there", where)
     if data and not data.endswith(b"\n"):
         raise _damaged("torn: its last line has no end", where)
@@ -172,9 +186,9 @@ def read_journal(folder: Path) -> Journal:
 def write_journal(folder: Path, journal: Journal) -> None:
     """Replace the journal by a longer one. Raises OSError."""
     if not (folder / HEAD).exists():  # a journal without a head is one whose head was lost
-        write_whole(folder / HEAD, Journal().head_content())
-    write_whole(folder / JOURNAL, journal.content())
-    write_whole(folder / HEAD, journal.head_content())
+        write_whole(folder / HEAD, Journal().head_line)
+    write_whole(folder / JOURNAL, journal.lines)
+    write_whole(folder / HEAD, journal.head_line)
     sync(folder)
 
 
@@ -183,19 +197,9 @@ def enter(folder: Path, journal: Journal, undo: Callable[[], object]) -> None:
     try:
         write_journal(folder, journal)
     except BaseException:
-        if _bytes(folder / JOURNAL) != journal.content():
+        if _bytes(folder / JOURNAL) != journal.lines:
             undo()
         raise
-
-
-def without_duplicates(pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Hook of `json.loads` that refuses a key given twice. Raises ValueError."""
-    document: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in document:
-            raise ValueError(f"key {key!r} is given twice")
-        document[key] = value
-    return document
 
 
 def _damaged(what: str, where: Path) -> DamagedTable:
@@ -211,7 +215,7 @@ def _bytes(path: Path) -> bytes | None:
 
 def _entry(line: bytes, number: int, where: Path) -> Entry:
     try:
-        document = json.loads(line, object_pairs_hook=without_duplicates)
+        document = json.loads(line)
         evidence = tuple(Evidence(**one) for one in document["evidence"])
         entry = Entry(**{**document, "evidence": evidence})
         wrong = [name for name, kind in _KINDS.items() if type(document[name]) is not kind]
@@ -230,22 +234,21 @@ def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str
         return "does not follow the line before: a line was changed, lost or put in"
     if entry.event not in (*FIRST, CHANGED, SIGNED) or entry.state not in STATES:
         return f"{entry.event} {entry.state}: no such event"
-    if entry.event in FIRST:
-        return f"{entry.id} is stored a second time" if before else ""
-    if before is None:
-        return f"{entry.id} was never stored"
-    if (entry.digest, entry.record) != (before.digest, before.record):
+    if before is None or entry.event in FIRST:
+        fits = before is None and entry.event in FIRST
+    elif (entry.digest, entry.record) != (before.digest, before.record):
         return f"{entry.id} is another table than the one that was stored"
-    if entry.event == SIGNED:
-        return "" if entry.state == before.state else "a signature does not change the state"
-    allowed = entry.state in CHANGES[before.state]
-    return "" if allowed else f"{entry.id} cannot become {entry.state} from {before.state}"
+    else:
+        same = entry.state == before.state
+        fits = same if entry.event == SIGNED else entry.state in CHANGES[before.state]
+    was = before.state if before else "never stored"
+    return "" if fits else f"{entry.id} was {was} before {entry.event} {entry.state}"
 
 
 def _check_head(entries: list[Entry], head: bytes | None, where: Path) -> None:
+    if head is None and entries:
+        raise _damaged(f"{HEAD} beside it is missing", where)
     if head is None:
-        if entries:
-            raise _damaged(f"{HEAD} beside it is missing", where)
         return
     digest, _, count = head.decode(errors="replace").strip().partition(" ")
     number = int(count) if re.fullmatch(r"[0-9]{1,18}", count) else -1

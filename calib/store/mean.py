@@ -8,9 +8,18 @@ A band is that of the table of one more car: scatter between cars, error of the 
 run, and what all cars share. All but the last go with Student's t of one degree of freedom less
 than there are cars. In the budget they are the part `cars`; the other parts are as large as in one
 car: a mean does not make them smaller.
+
+    own      noise, zeros              another run of the same car draws them anew
+    shared   mass, resistance,         vehicle file, track, kind of sensor, method: alike in all
+             accelerometer, tyres,     cars of a line, so that a mean of cars keeps them
+             load_geometry, unlike_pads
+
+What of the shared ones is not alike (a driver's weight, one car's accelerometer) is seen as spread
+between cars. A table without a budget does not say what is its own; nothing of it is then.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,21 +28,12 @@ from calib.base.intervals import Z95
 from calib.base.random_effects import RandomEffects, quantile95, random_effects
 from calib.car.forces import paper_curves
 from calib.fitting.calibration import calibration_of
-from calib.store.own_errors import (
-    COMPLIANCE,
-    OWN,
-    RATIO,
-    own_covariance,
-    own_level,
-    own_share,
-    own_share_of_tyre,
-    own_variance,
-    stiffness,
-)
+from calib.fitting.path import delta_sigma, path
+from calib.model.parameters import RampParameters, tyres_of
+from calib.model.settings import SETTINGS
 from calib.table.budget import PadLevels, axle_budgets, level_of, pad_levels, pad_scale
 from calib.table.table import (
     Array,
-    Calibration,
     DifferenceCurve,
     PaperCurves,
     Table,
@@ -47,14 +47,10 @@ _CARS = "cars"
 """Part of a budget that is the difference between cars."""
 
 
-class _MeanCurves(NamedTuple):
-    """The curves of a mean table, the scatter of D, and the weight of each car (k,)."""
+OWN = ("noise", "zeros")
+"""Parts of `calib.table.budget` that differ from run to run and cannot be alike in two cars."""
 
-    difference: DifferenceCurve
-    paper: PaperCurves
-    tyre: TyreCurve
-    scatter: RandomEffects
-    weights: Array
+RATIO, COMPLIANCE = "log_pad_ratio", "log_compliance"
 
 
 class _OneCurve(NamedTuple):
@@ -68,31 +64,22 @@ class _OneCurve(NamedTuple):
     flag: Array
 
 
-def mean_curves(tables: Sequence[Table]) -> _MeanCurves:
-    """The mean curves.
+def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects, Array]:
+    """The curves of a mean table by name, the scatter of D, and the weight of each car (k,).
 
     A car has one weight in the whole mean, by how well its D is known where D is largest: what
     belongs together in a car stays together.
     """
-    d = [t.difference for t in tables]
-    of_D = _on_one_axis(
-        1.0,
-        [(c.eta, c.D, c.upper - c.lower, c.count, c.flag) for c in d],
-        lambda eta: [own_share(t, eta) for t in tables],
-    )
+    d, g = ([[*vars(getattr(t, of)).values()] for t in tables] for of in ("difference", "tyre"))
+    of_D = _on_one_axis(1.0, d, lambda eta: [own_share(t, eta) for t in tables])
     top = int(np.argmax(np.abs(of_D.values.mean(axis=0))))
     at = slice(top, top + 1)
     weights = np.asarray(random_effects(of_D.values[:, at], of_D.own[:, at]).weights[:, 0])
-    g = [t.tyre for t in tables]
-    of_g = _on_one_axis(
-        0.0,
-        [(c.slip, c.force, c.upper - c.lower, c.count, c.flag) for c in g],
-        lambda slip: [own_share_of_tyre(t, slip) for t in tables],
-    )
+    of_g = _on_one_axis(0.0, g, lambda slip: [own_share_of_tyre(t, slip) for t in tables])
     scatter, columns = _mean(of_D, weights)
-    difference = DifferenceCurve(*columns)
-    tyre = TyreCurve(*_mean(of_g, weights)[1])
-    return _MeanCurves(difference, _paper(tables, difference, weights), tyre, scatter, weights)
+    difference, tyre = DifferenceCurve(*columns), TyreCurve(*_mean(of_g, weights)[1])
+    paper = _paper(tables, difference, weights)
+    return {"difference": difference, "paper": paper, "tyre": tyre}, scatter, weights
 
 
 def _paper(tables: Sequence[Table], d: DifferenceCurve, weights: Array) -> PaperCurves:
@@ -115,37 +102,32 @@ def _mean(of: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ..
 
 
 def _on_one_axis(
-    start: float, curves: Sequence[tuple[Array, ...]], own_shares: Callable[[Array], list[Array]]
+    start: float, curves: Sequence[Sequence[Array]], own_shares: Callable[[Array], list[Array]]
 ) -> _OneCurve:
-    """Axis, value, width of the band, blocks and flags of each car, from ``start`` to the shortest.
+    """The columns of one curve of each car on a common axis, from ``start`` to the shortest.
 
     A cell has the blocks of all cars, and the flag of the middle car, of the worse of two.
     """
-    axes = [curve[0] for curve in curves]
-    axis = np.linspace(start, min(float(a[-1]) for a in axes), max(a.size for a in axes))
+    axes = [x for x, *_ in curves]
+    axis = np.linspace(start, min(float(x[-1]) for x in axes), max(x.size for x in axes))
     values = np.array([np.interp(axis, x, y) for x, y, *_ in curves])
-    variance = np.array([(np.interp(axis, x, w) / (2.0 * Z95)) ** 2 for x, _, w, *_ in curves])
+    widths = np.array([np.interp(axis, x, high - low) for x, _, low, high, *_ in curves])
+    variance = (widths / (2.0 * Z95)) ** 2
     own = variance * np.array(own_shares(axis))
     nearest = [np.abs(x[:, None] - axis).argmin(axis=0) for x in axes]
-    counts, flags = (
+    count, flag = (
         np.array([curve[column][at] for curve, at in zip(curves, nearest, strict=True)])
-        for column in (3, 4)
+        for column in (4, 5)
     )
-    middle = np.sort(flags, axis=0)[len(curves) // 2]
-    return _OneCurve(axis, values, own, variance - own, counts.sum(axis=0), middle)
+    middle = np.sort(flag, axis=0)[len(curves) // 2]
+    return _OneCurve(axis, values, own, variance - own, count.sum(axis=0), middle)
 
 
-class _MeanPads(NamedTuple):
-    """What a mean table says of pads and tyre, and the scatter of level, ratio and stiffness."""
+def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], RandomEffects]:
+    """Parts of a mean table on pads and tyre, and the scatter of level, ratio and stiffness.
 
-    posterior: TyrePosterior
-    calibration: Calibration
-    budget: TableBudget
-    scatter: RandomEffects
-
-
-def mean_pads(tables: Sequence[Table], weights: Array) -> _MeanPads:
-    """Mean of pads and tyre; ``weights`` (k,) of the cars."""
+    ``weights`` (k,) of the cars.
+    """
     vehicle, names = tables[0].vehicle, tables[0].posterior.names
     scatter = _scatter(tables, weights)
     of_cars = inflated(scatter) ** 2
@@ -165,22 +147,22 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> _MeanPads:
     # the part of the covariance that no stop learns from: no mean makes it smaller
     scatters = [t.posterior.scatter for t in tables]
     apart = _shared([{"": one} if one else {} for one in scatters], weights)
-    return _MeanPads(
-        posterior=TyrePosterior(
+    found = {
+        "posterior": TyrePosterior(
             names,
             tuple(mean.tolist()),
             _rows(np.sum(list(parts.values()), axis=0)),
             _rows(apart[""]) if apart else (),
         ),
-        calibration=pads,
-        budget=TableBudget(
+        "calibration": pads,
+        "budget": TableBudget(
             front=front.relative,
             rear=rear.relative,
             level=level,
             posterior={part: _rows(share) for part, share in parts.items()},
         ),
-        scatter=scatter,
-    )
+    }
+    return found, scatter
 
 
 def inflated(found: RandomEffects) -> Array:
@@ -224,3 +206,62 @@ def _shared(of: Sequence[Mapping[str, Any]], weights: Array) -> dict[str, Array]
 def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:
     even = 0.5 * (matrix + matrix.T)
     return tuple(tuple(float(x) for x in row) for row in even)
+
+
+def stiffness(table: Table) -> float:
+    """Logarithm of the slip stiffness of the tyres [1]."""
+    return -table.posterior.value(COMPLIANCE)
+
+
+def own_covariance(table: Table) -> Array:
+    """Covariance of the posterior (k, k) by the errors of the table's own run."""
+    n = len(table.posterior.names)
+    parts = {} if table.budget is None else table.budget.posterior
+    return sum((np.asarray(parts[p]) for p in OWN if p in parts), np.zeros((n, n)))
+
+
+def own_variance(table: Table, name: str) -> float:
+    """Variance of a parameter by the errors of the table's own run; 0 for one that it lacks."""
+    names = table.posterior.names
+    return float(own_covariance(table)[(names.index(name),) * 2]) if name in names else 0.0
+
+
+def own_level(table: Table) -> float:
+    """Variance of the logarithm of the pad level [1] by the errors of the table's own run."""
+    level = {} if table.budget is None else table.budget.level
+    return sum(level.get(part, 0.0) for part in OWN)
+
+
+def own_share(table: Table, eta: Array) -> Array:
+    """Share of the own errors in the variance of D at ``eta`` (n,), 0 to 1, by the delta method."""
+    z = np.linspace(0.0, table.paper.decelerations[1], SETTINGS.rows)
+
+    def D(x: RampParameters[float]) -> Array:
+        p = path(table.vehicle, x, z)
+        turn = int(np.argmax(p.eta)) + 1
+        return np.interp(eta, p.eta[:turn], p.D[:turn])
+
+    return _share(table, eta.size, D)
+
+
+def own_share_of_tyre(table: Table, slip: Array) -> Array:
+    """The same of the tyre curve g at ``slip`` (n,)."""
+    force = np.linspace(0.0, 1.3 * float(table.tyre.force[-1]), 2 * SETTINGS.rows)
+    one = np.ones(())
+
+    def g(x: RampParameters[float]) -> Array:
+        return np.interp(slip, tyres_of(x).tyre.slip(force, one), force)
+
+    return _share(table, slip.size, g)
+
+
+def _share(table: Table, rows: int, curve: Callable[[RampParameters[float]], Array]) -> Array:
+    known, own = table.posterior, own_covariance(table)
+    if known.names != RampParameters._fields or np.any(np.diag(own) <= 0.0):
+        return np.zeros(rows)
+    covariance = tuple(tuple(row) for row in own.tolist())
+    part = delta_sigma(curve, replace(known, covariance=covariance))
+    whole = delta_sigma(curve, known)
+    # at eta = 1 both are zero
+    share = np.divide(part, whole, out=np.zeros(rows), where=whole > 0.0)
+    return np.asarray(np.minimum(share, 1.0) ** 2)

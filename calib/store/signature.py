@@ -4,18 +4,18 @@
     tables/sedan/v0001.KEYID.minisig   of another one
 
 A signature is minisign's, of the record file, which holds the SHA-256 of every curve file. Its
-trusted comment is a `Statement`: table, version, digest, state, and the head of the journal. So it
-holds of a version whose state has been that one ever since, in a store whose journal contains that
-head. Whether a line with the event `signed` stands in the journal does not matter: minisign writes
-none.
+trusted comment is a `Statement`: it holds of a version whose state has been that one ever since, in
+a store whose journal contains that head. Whether a line with the event `signed` stands in the
+journal does not matter: minisign writes none.
 """
 
 import hashlib
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import DamagedTable, SignatureRefused
@@ -24,29 +24,20 @@ from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
 from calib.store.journal import SIGNED, enter, read_journal, write_journal
 from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
 from calib.store.seen import SeenJournals, recall
-from calib.store.snapshot import Snapshot
+from calib.store.snapshot import Snapshot, StoreEntry
 from calib.store.state import STATES, StateDecision
-from calib.store.store import Store, StoreVerdict, entered
+from calib.store.store import Store
 from calib.store.version import Stored
 
 _NEWEST = "get the newest copy of the store"
-_LINE = "brake-cal table={table} version={version} state={state} digest={digest} journal={head}"
-_PARTS = {
-    "table": r"([A-Za-z0-9._-]{1,100})",
-    "version": r"([1-9][0-9]{0,5})",
-    "state": rf"({'|'.join(STATES)})",
-    "digest": r"([0-9a-f]{64})",
-    "head": r"([0-9a-f]{64})",
-}
+_STATEMENT = re.compile(
+    r"brake-cal table=([A-Za-z0-9._-]{1,100}) version=([1-9][0-9]{0,5}) "
+    rf"state=({'|'.join(STATES)}) digest=([0-9a-f]{{64}}) journal=([0-9a-f]{{64}})"
+)
 
 
-@dataclass(frozen=True)
-class Statement:
-    """That a version had a state when it was signed; ``head`` hash of the journal's newest line.
-
-    >>> print(Statement("sedan", 3, "released", "0" * 64, "f" * 64).line[:56])
-    brake-cal table=sedan version=3 state=released digest=00
-    """
+class Statement(NamedTuple):
+    """That a version had a state when it was signed; ``head`` hash of the journal's newest line."""
 
     table: str
     version: int
@@ -57,7 +48,10 @@ class Statement:
     @property
     def line(self) -> str:
         """The statement as a trusted comment."""
-        return _LINE.format(**asdict(self))
+        return (
+            f"brake-cal table={self.table} version={self.version} state={self.state} "
+            f"digest={self.digest} journal={self.head}"
+        )
 
 
 def parse_statement(line: str, where: object = None) -> Statement:
@@ -65,13 +59,9 @@ def parse_statement(line: str, where: object = None) -> Statement:
 
     Raises SignatureRefused for every line that is not the one spelling of a statement.
     """
-    found = re.fullmatch(_LINE.format(**_PARTS), line)
+    found = _STATEMENT.fullmatch(line)
     if not found:
-        raise SignatureRefused(
-            "its trusted comment is not that of a table",
-            where=where,
-            expected=_LINE.format(**dict.fromkeys(_PARTS, "...")),
-        )
+        raise SignatureRefused("its trusted comment is not that of a table", where=where)
     table, version, *rest = found.groups()
     return Statement(table, int(version), *rest)
 
@@ -89,6 +79,18 @@ class _Signed:
     statement: Statement
     note: str = ""
 
+    def to_dict(self) -> dict[str, object]:
+        """The JSON document of a signature."""
+        return {
+            "table": self.stored.id,
+            "digest": self.stored.digest,
+            "state": self.stored.state.word,
+            "key_id": self.key_id,
+            "record": self.stored.path / RECORD,
+            "signature": self.path,
+            "trusted_comment": self.statement.line,
+        }
+
 
 def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     """Sign the record and the state of ``name@version``, and enter that in the journal.
@@ -97,30 +99,28 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     the key. The file comes first: it says nothing that is not so, entered or not; if it is not
     entered, it is put back as it was.
 
-    Raises TableNotFound when there is no such version, DamagedTable when it is damaged; StoreError
-    when the store cannot be written; SignatureRefused when its journal does not contain what the
-    key signed, or is older than what this user has seen with the key.
+    Raises TableNotFound, DamagedTable; StoreError when the store cannot be written;
+    SignatureRefused as `require_signed` for what is wrong with the journal.
     """
-    memory = recall()
-    memory.check(store.folder, store.now().journal, key.key_id)
+    memory, public = recall(), key.public
+    memory.check(store.folder, store.now().journal, public.key_id)
     with store.changing(reference) as (now, stored):
-        _check_anchors(now, key.public)
+        _check_anchors(now, public)
         state, head = stored.state.word, now.journal.head
         statement = Statement(stored.name, stored.version, state, stored.digest, head)
         if read_journal(store.folder) != now.journal:
             write_journal(store.folder, now.journal)  # with the versions older than it
-        path = _path(stored, key.public)
+        path = _path(stored, public)
         before = path.read_bytes() if path.exists() else None
         write_whole(path, key.sign(_record(stored), statement.line))
 
         def put_back() -> None:
             path.unlink() if before is None else write_whole(path, before)
 
-        decision = StateDecision(state, by=by)
-        journal = entered(SIGNED, stored, decision, now.journal, key.key_id)
-        enter(store.folder, journal, put_back)
-    note = _keep(store.now(), key.public, memory)
-    return _Signed(stored, path, key.key_id, statement, note)
+        of = (stored.name, stored.version, SIGNED, StateDecision(state, by=by))
+        enter(store.folder, now.journal.added(*of, key=public.key_id), put_back)
+    note = _keep(store.now(), public, memory)
+    return _Signed(stored, path, public.key_id, statement, note)
 
 
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
@@ -150,18 +150,17 @@ def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _
 
 def verify_signed(
     store: Store, public: PublicKey, name: str | None = None
-) -> tuple[tuple[StoreVerdict, ...], str]:
+) -> tuple[tuple[StoreEntry, ...], str]:
     """`Store.verify` with the signatures of a key, and a note as in `_Signed`.
 
     Every released version must have one, and each that the key has ever signed. Raises as
     `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
     """
     memory = recall()
-    verdicts, now = store.verify(name), store.now()
+    entries, now = store.verify(name), store.now()
     memory.check(store.folder, now.journal, public.key_id)
-    found = tuple(_with_signature(now, verdict, public) for verdict in verdicts)
-    sound = all(verdict.sound for verdict in found)
-    return found, _keep(now, public, memory) if sound else ""
+    found = tuple(_with_signature(now, entry, public) for entry in entries)
+    return found, _keep(now, public, memory) if all(one.sound for one in found) else ""
 
 
 def key_ids(stored: Stored) -> tuple[str, ...]:
@@ -169,17 +168,17 @@ def key_ids(stored: Stored) -> tuple[str, ...]:
     return tuple(one.key_id for _, one in _signatures(stored.path.parent, stored.version))
 
 
-def _signatures(home: Path, version: int) -> Iterator[tuple[Path, Signature]]:
-    """The signature files of a version that can be read."""
+def _signatures(
+    home: Path, version: int, key: PublicKey | None = None
+) -> Iterator[tuple[Path, Signature]]:
+    """The signature files of a version, of a key or of all, that can be read."""
     for path in signature_files(home, version):
         try:
-            yield path, read_signature(path)
+            found = read_signature(path)
         except SignatureRefused:
             continue
-
-
-def _of_key(home: Path, version: int, public: PublicKey) -> list[tuple[Path, Signature]]:
-    return [(p, s) for p, s in _signatures(home, version) if s.number == public.number]
+        if key is None or key.number == found.number:
+            yield path, found
 
 
 def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
@@ -189,21 +188,18 @@ def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bo
     """
     history = now.journal.of(name).get(version, ())
     told = any(entry.event == SIGNED and entry.key == public.key_id for entry in history)
-    return told or bool(_of_key(now.folder / name, version, public))
+    return told or any(_signatures(now.folder / name, version, public))
 
 
-def _with_signature(now: Snapshot, verdict: StoreVerdict, public: PublicKey) -> StoreVerdict:
-    name, _, number = verdict.id.partition("@")
-    stored = now.entry(name, int(number)).stored
-    if not stored:
-        return verdict  # which says why
-    if not stored.state.released and not _was_signed(now, name, stored.version, public):
-        return verdict
+def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
+    wanted = entry.state.released or _was_signed(now, entry.name, entry.version, public)
+    if entry.stored is None or not wanted:
+        return entry
     try:
-        return replace(verdict, signed=_held(now, stored, public).statement.state)
+        return replace(entry, signed=_held(now, entry.stored, public).statement.state)
     except SignatureRefused as error:
-        flaw = error.what if error.where == stored.id else f"{error.where}: {error.what}"
-        return replace(verdict, violations=(*verdict.violations, flaw))
+        flaw = error.what if error.where == entry.id else f"{error.where}: {error.what}"
+        return replace(entry, violations=(*entry.violations, flaw))
 
 
 def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
@@ -211,16 +207,17 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
 
     Raises SignatureRefused when there is none, or it is of another version, state or store.
     """
-    refused = None
-    for path, signature in _of_key(stored.path.parent, stored.version, public):
+    home, refused = stored.path.parent, None
+    for path, signature in _signatures(home, stored.version, public):
         try:
-            statement = _checked(now, stored, public, path, signature)
-            return _Signed(stored, path, public.key_id, statement)
+            return _Signed(
+                stored, path, public.key_id, _checked(now, stored, public, path, signature)
+            )
         except SignatureRefused as error:
             refused = refused or error
     if refused:
         raise refused
-    for path in signature_files(stored.path.parent, stored.version):
+    for path in signature_files(home, stored.version):
         read_signature(path)  # one that cannot be read may be the one that is looked for
     others = ", ".join(key_ids(stored))
     raise SignatureRefused(
@@ -235,18 +232,32 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
 def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
 ) -> Statement:
+    """The statement of a signature, after it was verified and compared with version and journal."""
     # what it says it is of comes first: that tells more than that it does not hold here
-    statement = parse_statement(signature.trusted_comment, path)
-    signs = (statement.table, statement.version, statement.digest)
-    if signs != (stored.name, stored.version, stored.digest):
+    said = parse_statement(signature.trusted_comment, path)
+    if (said.table, said.version, said.digest) != (stored.name, stored.version, stored.digest):
         raise SignatureRefused(
-            f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}",
+            f"is of {said.table}@{said.version}, digest {said.digest[:12]}",
             where=path,
             expected=f"{stored.id}, digest {stored.digest[:12]}",
         )
     verify(public, _record(stored), signature, path)
-    _check_state(now, stored, statement.state, _line(now, statement, path))
-    return statement
+    line = _line(now, said, path)
+    history = now.journal.of(stored.name)[stored.version]
+    then = [entry.state for entry in history if entry.number <= line]
+    since = [entry for entry in history if entry.number > line]
+    if then[-1:] != [said.state]:
+        was = then[-1] if then else "not stored"
+        raise SignatureRefused(f"signed as {said.state}, it was {was} then", where=stored.id)
+    if any(entry.state != said.state for entry in since):
+        states = pairwise([said.state, *(entry.state for entry in since)])
+        new = " and ".join(state for before, state in states if state != before)
+        raise SignatureRefused(
+            f"signed as {said.state}, {new} since (by {since[-1].by}, {since[-1].at[:10]})",
+            where=stored.id,
+            do=f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`",
+        )
+    return said
 
 
 def _check_anchors(now: Snapshot, public: PublicKey) -> None:
@@ -268,7 +279,7 @@ def _check_anchors(now: Snapshot, public: PublicKey) -> None:
 
 def _line(now: Snapshot, statement: Statement, path: Path) -> int:
     """Number of the line of the journal that a signature covers as its head."""
-    number = now.journal.line_of(statement.head)
+    number = next((e.number for e in now.journal.entries if e.hash == statement.head), 0)
     if not number:
         raise SignatureRefused(
             "covers a line that the journal does not contain: the journal was set back, or is "
@@ -281,31 +292,13 @@ def _line(now: Snapshot, statement: Statement, path: Path) -> int:
     return number
 
 
-def _check_state(now: Snapshot, stored: Stored, signed: str, line: int) -> None:
-    """The version had the state that was signed, and has had no other one since."""
-    history = now.journal.of(stored.name)[stored.version]
-    was = [entry.state for entry in history if entry.number <= line]
-    since = [entry for entry in history if entry.number > line]
-    if was[-1:] != [signed]:
-        then = was[-1] if was else "not stored"
-        raise SignatureRefused(f"signed as {signed}, it was {then} then", where=stored.id)
-    if any(entry.state != signed for entry in since):
-        states = [signed, *(entry.state for entry in since)]
-        new = " and ".join(state for before, state in pairwise(states) if state != before)
-        raise SignatureRefused(
-            f"signed as {signed}, {new} since (by {since[-1].by}, {since[-1].at[:10]})",
-            where=stored.id,
-            do=f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`",
-        )
-
-
 def _path(stored: Stored, public: PublicKey) -> Path:
     """The file of a key's signature: its own, else the simple name, else one with its number."""
     home = stored.path.parent
-    mine = [path for path, _ in _of_key(home, stored.version, public)]
     simple = home / f"{folder_of(stored.version)}{SIGNATURE}"
     named = simple.with_name(f"{simple.stem}.{public.key_id}{SIGNATURE}")
-    return mine[0] if mine else named if simple.exists() else simple
+    mine = next((path for path, _ in _signatures(home, stored.version, public)), None)
+    return mine or (named if simple.exists() else simple)
 
 
 def _record(stored: Stored) -> bytes:

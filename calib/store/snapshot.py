@@ -5,10 +5,10 @@ Every read is a comparison of three: the digests in a version, its place, and th
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 
 from calib.base.errors import DamagedTable, StoreError, TableNotFound
+from calib.base.toml import did_you_mean
 from calib.store.folders import (
     checked_name,
     names_in,
@@ -19,7 +19,7 @@ from calib.store.folders import (
     versions_in,
 )
 from calib.store.journal import JOURNAL, Journal
-from calib.store.state import OUTSIDE, UNKNOWN, WITHDRAWN, VersionState
+from calib.store.state import OUTSIDE, WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
 from calib.table.compare import inputs, same
 from calib.table.invariants import violations
@@ -28,18 +28,27 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """One version in a listing: ``stored`` is None where it cannot be read, ``flaw`` says why."""
+    """One version: ``stored`` is None where it cannot be read, as ``violations`` then say.
+
+    ``signed``: the state in its signature, where a key was given and one holds.
+    """
 
     name: str
     version: int
     state: VersionState
     stored: Stored | None
-    flaw: str = ""
+    violations: tuple[str, ...] = ()
+    signed: str | None = None
 
     @property
     def id(self) -> str:
         """name@version."""
         return f"{self.name}@{self.version}"
+
+    @property
+    def sound(self) -> bool:
+        """Whether there are no violations."""
+        return not self.violations
 
 
 @dataclass(frozen=True)
@@ -65,68 +74,51 @@ class Snapshot:
         known = self.names
         if checked_name(name) in known or versions_in(self.folder / name):
             return name
-        near = get_close_matches(name, known, n=1)
         is_file = "a file of that name is here: give the table first, then the logs"
         raise TableNotFound(
             f"no table {name!r}",
             where=self.folder,
             expected="one of " + ", ".join(known) if known else "a table: the store is empty",
-            do=f"did you mean {near[0]!r}?" if near else is_file * Path(name).is_file(),
+            do=did_you_mean(name, known) or is_file * Path(name).is_file(),
         )
 
     def versions(self, name: str) -> Sequence[int]:
         """Numbers of the versions of a table, rising."""
-        return tuple(self.journal.of(name)) if self.journal.entries else self._there(name)
+        return tuple(self.journal.of(name)) if self.journal.entries else self.with_strays(name)
 
     def with_strays(self, name: str) -> Sequence[int]:
         """Numbers of the versions that should be there, and of the folders that should not."""
-        return sorted({*self.journal.of(name), *self._there(name)})
+        return sorted({*self.journal.of(name), *versions_in(self.folder / name)})
 
     def next_number(self, name: str) -> int:
         """A number that no version ever had, and that nothing on disk bears."""
         return 1 + max([*self.journal.of(name), *numbers(self.folder / name)], default=0)
 
-    def is_missing(self, name: str, version: int) -> bool:
-        """Whether the journal knows a version whose folder is not there."""
-        known = version in self.journal.of(name)
-        return known and place(self.folder / checked_name(name), version) is None
-
-    def state(self, name: str, version: int) -> VersionState:
-        """State of a version; `UNKNOWN` where the journal does not know it."""
-        known = version in self.journal.of(name)
-        return self.journal.state(name, version) if known else UNKNOWN
-
     def find(self, reference: str, released: bool = False) -> Stored:
-        """Read the version that a reference means; a bare name as in `calib.store.store`.
-
-        Raises TableNotFound, StoreError where no version of the name may be meant, DamagedTable.
-        """
+        """Read the version that a reference means; a bare name as in `Store.load`."""
         path = path_of(reference)
         if path is not None:
             return self._at(path)
-        name, at, version = reference.partition("@")
-        if at:
-            return self.load(name, self.number(name, version))
-        states = {v: self.state(name, v) for v in self.versions(self.known(name))}
+        if "@" in reference:
+            return self.load(*self.numbered(reference))
+        name = self.known(reference)
+        states = {v: self.journal.state(name, v) for v in self.versions(name)}
         fit = [v for v, s in states.items() if (s.released if released else s.usable)]
         if fit:
             return self.load(name, max(fit))
         there = ", ".join(f"{name}@{version} {state.word}" for version, state in states.items())
-        if released:
-            raise StoreError(
-                f"{name} has no released version; there is {there}",
-                do=f"release one: `brake-cal tables release {name}@N --reason ...`",
-            )
+        release = f"release one: `brake-cal tables release {name}@N --reason ...`"
         raise StoreError(
-            f"no version of {name} may be used; there is {there}",
-            do=f"name the one that you mean, such as {name}@{max(states)}",
+            f"{name} has no {'released' if released else 'usable'} version; there is {there}",
+            do=release if released else f"name the one that you mean, such as {name}@{max(states)}",
         )
 
-    def number(self, name: str, version: str) -> int:
-        """The version number that was written. Raises TableNotFound."""
+    def numbered(self, reference: str) -> tuple[str, int]:
+        """Name and version of ``name@version``. Raises TableNotFound."""
+        name, _, version = reference.partition("@")
         known = self.with_strays(self.known(name))
         if version.isascii() and version.isdecimal() and int(version) in known:
-            return int(version)
+            return name, int(version)
         raise TableNotFound(
             f"no version {version!r} of {name!r}",
             where=self.folder,
@@ -158,18 +150,19 @@ class Snapshot:
 
     def entry(self, name: str, version: int) -> StoreEntry:
         """A version in a listing, whether it can be read or not."""
-        state = self.state(name, version)
+        state = self.journal.state(name, version)
         try:
             return StoreEntry(name, version, state, self.load(name, version))
         except StoreError as error:
-            return StoreEntry(name, version, state, None, error.what)
+            return StoreEntry(name, version, state, None, (error.what,))
 
-    def flaws(self, name: str, version: int) -> tuple[str, ...]:
-        """What is wrong with a version, in words; one that was withdrawn may be missing."""
-        if self.is_missing(name, version) and self.state(name, version).word == WITHDRAWN:
-            return ()
+    def verified(self, name: str, version: int) -> StoreEntry:
+        """`entry`, with what is unsound in its table; one that was withdrawn may be missing."""
         found = self.entry(name, version)
-        return violations(found.stored.table) if found.stored else (found.flaw,)
+        if found.stored:
+            return replace(found, violations=violations(found.stored.table))
+        given_up = found.state.word == WITHDRAWN and not place(self.folder / name, version)
+        return replace(found, violations=()) if given_up else found
 
     def identical(self, table: Table) -> Stored | None:
         """The newest version that holds the same table; one that is damaged does not count."""
@@ -184,14 +177,13 @@ class Snapshot:
     def refused_kin(self, stored: Stored) -> tuple[Stored, ...]:
         """The rejected and withdrawn versions of its name that share a ramp with ``stored``.
 
-        A version that cannot be read is left out: `flaws` names it.
+        A version that cannot be read is left out: `verified` names it.
         """
-        refused = (v for v in self.versions(stored.name) if not self.state(stored.name, v).usable)
+        refused = (
+            v for v in self.versions(stored.name) if not self.journal.state(stored.name, v).usable
+        )
         others = (self.entry(stored.name, v).stored for v in refused if v != stored.version)
-        return tuple(other for other in others if other and _ramps(other) & _ramps(stored))
-
-    def _there(self, name: str) -> list[int]:
-        return versions_in(self.folder / name)
+        return tuple(other for other in others if other and other.ramps & stored.ramps)
 
     def _unknown(self, stored: Stored) -> Stored:
         """A version that the journal does not know: an older one, where there is no journal."""
@@ -208,11 +200,6 @@ class Snapshot:
     def _at(self, path: Path) -> Stored:
         """The version in a directory, with its state if that is its place in this store."""
         stored = read_version(path)
-        at_home = placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve()
-        if at_home:
+        if placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve():
             return self.load(stored.name, stored.version)
         return replace(stored, state=OUTSIDE) if stored.journaled else stored
-
-
-def _ramps(stored: Stored) -> set[str]:
-    return {log.digest for log in stored.table.provenance.logs if log.role == "ramp"}

@@ -10,7 +10,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from calib.base.errors import StoreError
@@ -22,6 +22,7 @@ from calib.store.folders import (
     folder_of,
     names_in,
     path_of,
+    place,
     placed_in,
     unplaced,
     versions_in,
@@ -29,7 +30,6 @@ from calib.store.folders import (
 from calib.store.journal import (
     ADOPTED,
     CHANGED,
-    FIRST,
     HEAD,
     JOURNAL,
     STORED,
@@ -44,23 +44,6 @@ from calib.store.version import Stored, read_version, write_version
 from calib.table.compare import inputs
 from calib.table.invariants import violations
 from calib.table.table import Table
-
-
-@dataclass(frozen=True)
-class StoreVerdict:
-    """Result of `verify` for one version: its violations in words, none when it is sound.
-
-    ``signed``: the state in its signature, where a key was given and one holds.
-    """
-
-    id: str
-    violations: tuple[str, ...]
-    signed: str | None = None
-
-    @property
-    def sound(self) -> bool:
-        """Whether there are no violations."""
-        return not self.violations
 
 
 class Store:
@@ -89,9 +72,8 @@ class Store:
     def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
-        ``decision`` gives its state; without one a new version is a draft, and one that was there
-        keeps its state. Raises StoreError, and changes nothing, when the name is not valid, the
-        table is not sound, its state may not follow, or the store cannot be written.
+        Without a ``decision`` a new version is a draft. Raises StoreError, and stores nothing, when
+        the table is not sound, its state may not follow, or the store cannot be written.
         """
         _require_storable(table)
         with self._writing() as now:
@@ -103,24 +85,17 @@ class Store:
     def foreseen(self, table: Table, decision: StateDecision) -> Stored:
         """What `save` will return if no other writer adds a version before. Raises as `save`."""
         _require_storable(table)
-        with self._reading() as now:
-            now = _with_older(now)
+        with self._reading() as found:
+            now = _with_older(found)
             known = now.identical(table)
-            version = known.version if known else now.next_number(table.name)
-            new = not known or is_new(known.id, known.state, decision)
-            path = placed_in(self.folder, table.name, version)
+            version = now.next_number(table.name)
+        if known and not is_new(known.id, known.state, decision):
+            return known
+        path = placed_in(self.folder, table.name, version)
         made = known or Stored(table, table.name, version, table.digest, path)
-        if not new:
-            return made
-        state = VersionState(
-            decision.state,
-            by=decision.by or user(),
-            reason=decision.reason,
-            verdict=decision.verdict,
-            evidence=decision.evidence,
-            stored_at=made.state.stored_at,
-        )
-        return replace(made, state=state)
+        by, since = decision.by or user(), made.state.stored_at
+        said = (decision.reason, decision.verdict, decision.evidence)
+        return replace(made, state=VersionState(decision.state, "", by, *said, since))
 
     def judge(self, reference: str, decision: StateDecision) -> Stored:
         """Change the state of ``name@version``. Raises TableNotFound, DamagedTable, StoreError."""
@@ -128,31 +103,20 @@ class Store:
             return self._judged(stored, decision, now)
 
     def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
-        """Withdraw a version whose folder is gone, so that `verify` no longer counts it as missing.
-
-        Returns False, and does nothing, where the folder is there. Raises as `judge`.
-        """
-        name, _, version = reference.partition("@")
-        before = self.now()
-        number = before.number(name, version)
-        if not before.is_missing(name, number):
+        """Withdraw a version whose folder is gone; False, and nothing done, where it is there."""
+        name, version = self.now().numbered(reference)
+        if place(self.folder / name, version):
             return False
         with self._writing() as now:
-            if is_new(reference, now.state(name, number), decision):
-                first = now.journal.of(name)[number][0]
-                of = {"table": name, "version": number, "inputs": "", "key": ""}
-                entered = now.journal.added(
-                    decision, event=CHANGED, digest=first.digest, record=first.record, **of
-                )
-                write_journal(self.folder, entered)
+            if is_new(reference, now.journal.state(name, version), decision):
+                write_journal(self.folder, now.journal.added(name, version, CHANGED, decision))
         return True
 
     def load(self, reference: str) -> Stored:
         """Read and verify a table, to look at it or to judge it.
 
         ``name`` is its newest version that is neither rejected nor withdrawn, ``name@version`` that
-        version whatever its state, or a path to a version. Raises TableNotFound, DamagedTable;
-        StoreError when no version of the name may be meant.
+        version, or a path to a version. Raises TableNotFound, DamagedTable, StoreError.
         """
         return self._find(reference, released=False)
 
@@ -161,37 +125,31 @@ class Store:
         return self._find(reference, released=True)
 
     def journal(self, name: str | None = None) -> Journal:
-        """The journal of the whole store, with the versions that are older than it.
-
-        Raises TableNotFound when there is no store, or no table ``name``; DamagedTable.
-        """
+        """The journal, with the versions older than it. Raises TableNotFound, DamagedTable."""
         with self._reading() as now:
             if name is not None:
                 now.known(name)
             return _with_older(now).journal if now.names else now.journal
 
     def now(self) -> Snapshot:
-        """The store as it is at this moment. Raises as `journal`."""
+        """The store as it is at this moment. Raises DamagedTable."""
         with self._reading() as now:
             return now
 
     def list(self) -> tuple[StoreEntry, ...]:
-        """Every version in the store, by name and version. Raises as `journal`."""
+        """Every version in the store, by name and version. Raises TableNotFound, DamagedTable."""
         with self._reading() as now:
             return tuple(now.entry(name, v) for name in now.names for v in now.versions(name))
 
-    def verify(self, name: str | None = None) -> tuple[StoreVerdict, ...]:
+    def verify(self, name: str | None = None) -> tuple[StoreEntry, ...]:
         """Compare versions with digests, invariants and journal, of one table or of all.
 
-        One verdict per version that is or ever was, and one for each that the journal does not
-        know. Raises as `journal`.
+        One entry per version that is or ever was, and one for each that the journal does not know.
         """
         with self._reading() as now:
             names = {*now.names, *names_in(self.folder)} if name is None else {now.known(name)}
             return tuple(
-                StoreVerdict(f"{one}@{version}", now.flaws(one, version))
-                for one in sorted(names)
-                for version in now.with_strays(one)
+                now.verified(one, v) for one in sorted(names) for v in now.with_strays(one)
             )
 
     def unfinished(self) -> tuple[Path, ...]:
@@ -201,10 +159,9 @@ class Store:
     @contextmanager
     def changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
         """The store, locked, and the version ``name@version`` of it, which will change."""
-        name, _, version = reference.partition("@")
-        self.now().number(name, version)  # before anything is made
+        self.now().numbered(reference)  # before anything is made
         with self._writing() as now:
-            yield now, now.load(name, now.number(name, version))
+            yield now, now.load(*now.numbered(reference))
 
     def _find(self, reference: str, released: bool) -> Stored:
         path = path_of(reference)
@@ -215,8 +172,8 @@ class Store:
     def _added(self, table: Table, decision: StateDecision, now: Snapshot) -> Stored:
         """The new version: made aside, entered in the journal, moved to its place."""
         version = now.next_number(table.name)
-        place = placed_in(self.folder, table.name, version)
-        work = place.with_name(f"{NEW}{place.name}")
+        final = placed_in(self.folder, table.name, version)
+        work = final.with_name(f"{NEW}{final.name}")
 
         def discard() -> None:
             shutil.rmtree(work, ignore_errors=True)
@@ -226,21 +183,21 @@ class Store:
         try:
             write_version(table, version, work)
             stored = read_version(work, f"{table.name}@{version}")
-            journal = entered(STORED, stored, decision, now.journal)
+            journal = _first(STORED, stored, decision, now.journal)
         except BaseException:
             discard()
             raise
         enter(self.folder, journal, discard)
         with suppress(OSError):  # it is stored: readers find it aside, the next writer moves it
-            os.rename(work, place)
-            sync(place.parent)
+            os.rename(work, final)
+            sync(final.parent)
         return Snapshot(self.folder, journal).load(table.name, version)
 
     def _judged(self, stored: Stored, decision: StateDecision | None, now: Snapshot) -> Stored:
         """Enter a change of state, unless it is one that the journal has already."""
         if decision is None or not is_new(stored.id, stored.state, decision):
             return stored
-        journal = entered(CHANGED, stored, decision, now.journal)
+        journal = now.journal.added(stored.name, stored.version, CHANGED, decision)
         write_journal(self.folder, journal)
         return replace(stored, state=journal.state(stored.name, stored.version))
 
@@ -274,20 +231,11 @@ def _require_storable(table: Table) -> None:
         )
 
 
-def entered(
-    event: str, stored: Stored, decision: StateDecision, journal: Journal, key: str = ""
-) -> Journal:
-    """The journal with an event of a version."""
-    return journal.added(
-        decision,
-        event=event,
-        table=stored.name,
-        version=stored.version,
-        digest=stored.digest,
-        record=stored.record,
-        inputs=inputs(stored.table.content()[0]) if event in FIRST else "",
-        key=key,
-    )
+def _first(event: str, stored: Stored, decision: StateDecision, journal: Journal) -> Journal:
+    """The journal with a version that is new to it."""
+    given = inputs(stored.table.content()[0])
+    of = {"digest": stored.digest, "record": stored.record, "inputs": given}
+    return journal.added(stored.name, stored.version, event, decision, **of)
 
 
 def _with_older(now: Snapshot) -> Snapshot:
@@ -302,8 +250,8 @@ def _with_older(now: Snapshot) -> Snapshot:
         for version in versions_in(now.folder / name):
             entry = now.entry(name, version)
             if entry.stored is not None:
-                journal = entered(ADOPTED, entry.stored, StateDecision(), journal)
-            elif JOURNAL in entry.flaw:
+                journal = _first(ADOPTED, entry.stored, StateDecision(), journal)
+            elif JOURNAL in entry.violations[0]:
                 now.load(name, version)
     return Snapshot(now.folder, journal)
 

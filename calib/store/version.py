@@ -26,11 +26,9 @@ from calib.base.digest import content_digest
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.write import sync
 from calib.store.folders import RECORD
-from calib.store.journal import JOURNAL, without_duplicates
+from calib.store.journal import JOURNAL
 from calib.store.state import UNKNOWN, VersionState
-from calib.table.table import Array, Table
-
-_CURVES = ("difference", "paper", "tyre")
+from calib.table.table import CURVES, Array, Table
 
 
 @dataclass(frozen=True)
@@ -60,6 +58,11 @@ class Stored:
         return f"{self.name}@{self.version}"
 
     @property
+    def ramps(self) -> set[str]:
+        """Digests of its ramps; a coast log may serve several tables."""
+        return {log.digest for log in self.table.provenance.logs if log.role == "ramp"}
+
+    @property
     def address(self) -> dict[str, object]:
         """Which table it is and where: the head of every document about it."""
         named = {"id": self.id, "name": self.name, "version": self.version}
@@ -71,20 +74,18 @@ def write_version(table: Table, version: int, path: Path) -> None:
     record, curves = table.content()
     path.mkdir(parents=True)
     digests = {}
-    for name in _CURVES:
+    for name in CURVES:
         data = curve_bytes(curves[name])
         digests[f"{name}.parquet"] = _sha256(data)
         _write(path / f"{name}.parquet", data)
-    document = {**_document(record, table.digest, version, digests), "states": JOURNAL}
-    _write(path / RECORD, (json.dumps(document, indent=2, sort_keys=True) + "\n").encode())
+    _write(path / RECORD, _content(record, table.digest, version, digests, True))
     sync(path)
 
 
 def read_version(path: Path, promised: str | None = None) -> Stored:
     """Read one version and compare it with its digests.
 
-    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable naming the part
-    that differs, StoreError when it cannot be read at all.
+    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable, StoreError.
     """
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
@@ -92,34 +93,29 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     data = _bytes(path / RECORD)
     try:
         file = validated(data, RecordFile, None, DamagedTable)
-        document = json.loads(data, object_pairs_hook=without_duplicates)
-    except (DamagedTable, ValueError, RecursionError) as error:
+        record = json.loads(data)["record"]
+    except (DamagedTable, RecursionError) as error:
         raise _damaged(path, f"{RECORD}: {error}") from error
-    record = document["record"]
     try:
-        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in _CURVES}
+        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in CURVES}
         if content_digest(record, curves) != file.digest:
             raise _damaged(path, f"{RECORD}: the record or its digest was changed")
         table = table_of(file.record, curves)
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, f"{RECORD}: not the record of these curves ({error!r})") from error
     journaled = file.states is not None
-    expected = _document(record, file.digest, file.version, file.files)
-    expected |= {"states": JOURNAL} if journaled else {}
-    changed = sorted(k for k in {*expected, *document} if expected.get(k) != document.get(k))
-    if changed:
-        raise _damaged(path, f"{RECORD}: {', '.join(changed)} not in agreement with the record")
-    name, version = table.name, file.version
-    if promised not in (None, f"{name}@{version}"):
-        raise _damaged(path, f"{RECORD}: holds {name}@{version} in the place of {promised}")
-    return Stored(table, name, version, file.digest, path, _sha256(data), journaled)
+    if data != _content(record, file.digest, file.version, file.files, journaled):
+        raise _damaged(path, f"{RECORD}: its keys or its spelling do not agree with the record")
+    stored = Stored(table, table.name, file.version, file.digest, path, _sha256(data), journaled)
+    if promised not in (None, stored.id):
+        raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
+    return stored
 
 
 def curve_bytes(columns: dict[str, Array]) -> bytes:
     """A Parquet file of named ``columns``, each (n,) and dimensionless, in the given order.
 
-    Without compression and dictionary, in one row group: so any reader can read it, and the same
-    columns give the same bytes under one version of the Parquet library.
+    Without compression and in one row group: the same columns give the same bytes.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -148,18 +144,21 @@ def read_curve(data: bytes) -> dict[str, Array]:
     }
 
 
-def _document(
-    record: dict[str, Any], digest: str, version: int, files: dict[str, str]
-) -> dict[str, Any]:
-    logs = record["provenance"]["logs"]
-    return {
+def _content(
+    record: dict[str, Any], digest: str, version: int, files: dict[str, str], journaled: bool
+) -> bytes:
+    """The bytes of a record file, which has one spelling."""
+    document = {
         "id": f"{record['name']}@{version}",
         "version": version,
         "digest": digest,
-        "parents": [{"name": log["name"], "digest": log["digest"]} for log in logs],
+        "parents": [{key: log[key] for key in ("name", "digest")}
+                    for log in record["provenance"]["logs"]],
         "files": files,
         "record": record,
-    }
+        **({"states": JOURNAL} if journaled else {}),
+    }  # fmt: skip
+    return (json.dumps(document, indent=2, sort_keys=True) + "\n").encode()
 
 
 def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import G
 from calib.logs.channel_map import Mapping
-from calib.logs.source import Array
 from calib.run.copies import factor_between, is_other_quantity
 from calib.run.limits import LIMITS
 from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows, lead
@@ -48,10 +48,7 @@ _NAMED = 99
 def _choose(
     search: Search, channel: str, passed: list[tuple[Series, int]], why: str
 ) -> Series | None:
-    """The column whose name fits best; if several fit equally well, a doubt.
-
-    Of measured columns, those that are sampled coarsely beside another are no candidates.
-    """
+    """The column whose name fits best; if several fit equally well, a doubt."""
     measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
     top = max((s.rate or 0.0 for s in measured), default=0.0)
     coarse = {s.name for s in measured if 2.0 * (s.rate or 0.0) < top}
@@ -100,8 +97,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
 def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, metres: bool) -> None:
     """By unit, and by the derivative of speed up to its sign.
 
-    ``rate`` is that derivative, shape (n,): in m/s^2 with ``metres``, else of the wheels in
-    rad/s^2.
+    ``rate`` is that derivative, (n,) [m/s^2]; without ``metres`` that of the wheels [rad/s^2].
     """
     checked = None
     if rate is not None and float(np.ptp(rate)) > (_ACCELERATED if metres else 2.0):
@@ -124,29 +120,22 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, me
         return
     named = chosen.name == "a_x" or score(chosen.name, LONG) > 0
     reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
-    if checked is not None:
-        if _wrong_size(search, chosen, checked, clock, metres):
-            return
+    if checked is None:
+        sign = -1 if DECELERATION & set(words(chosen.name)) else 1
+        reasons.append("the speed changes too slowly, or is not known, to check its sign with")
+    elif _wrong_size(search, chosen, checked, clock, metres):
+        return
+    else:
         agrees = follows(chosen.values, checked, clock)
         sign = 1 if agrees > 0 else -1
         reasons.append(f"is the derivative of speed (correlation {abs(agrees):.2f})")
-        reasons += ["positive when the car slows down: sign reversed"] if sign < 0 else []
-    else:
-        sign = -1 if DECELERATION & set(words(chosen.name)) else 1
-        if rate is None:
-            reasons.append("no speed is known to check its sign with")
-        else:
-            most = f"{float(np.abs(rate).max()):.2g} {'m/s^2' if metres else 'rad/s^2'}"
-            reasons.append(f"the speed changes by {most} at most: too slowly to check its sign")
-        reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
-    sure = named and checked is not None
-    search.propose("a_x", Mapping(chosen.name, sign=sign), sure, *reasons)
+    reasons += ["positive when the car slows down: sign reversed"] if sign < 0 else []
+    search.propose("a_x", Mapping(chosen.name, sign=sign), named and checked is not None, *reasons)
 
 
 def _wrong_size(
     search: Search, item: Series, rate: Array, clock: ColumnClock, metres: bool
 ) -> bool:
-    """Whether the size of the acceleration contradicts its unit, which is then asked for."""
     slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
     off, what = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
     low, high = _SLOPES if metres else LIMITS.wheel_radius
@@ -170,11 +159,9 @@ def refuse_computed(search: Search) -> None:
 
 
 def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> None:
-    """By unit, correlated with the deceleration and not later than it.
+    """By unit, correlated with the deceleration ``braking``, (n,), and not later than it.
 
-    ``braking`` is the deceleration, shape (n,), or None if speed does not change. A column
-    without a unit is a doubt if it is named a brake pressure: it could be a torque or a
-    percentage.
+    A column without a unit is a doubt if it is named a brake pressure: it could be a torque.
     """
     passed, unnamed = [], []
     for item in search.free():
@@ -200,14 +187,11 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     named = chosen.name == "p_mc" or _brake_score(chosen.name) > 0
     reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
     sure = False
-    if braking is None:
-        reasons.append("no speed is known to check it with")
-    elif np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
-        reasons.append("no braking in the log to check it with")
+    if braking is None or np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
+        reasons.append("no braking is known to check it with")
     else:
         ahead, agrees = lead(chosen.values, braking, clock, _LATE)
-        when = f"{ahead:.2f} s before" if ahead > 0 else "with"
-        reasons.append(f"{when} the deceleration (correlation {agrees:.2f})")
+        reasons.append(f"{ahead:.2f} s before the deceleration (correlation {agrees:.2f})")
         sure = named
     search.propose("p_mc", Mapping(chosen.name), sure, *reasons)
 
@@ -221,11 +205,9 @@ def find_by_name(search: Search) -> None:
             do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
             search.doubt(channel, found, "several columns fit by name", do)
         elif found:
-            reasons = (
-                "name",
-                f"unit {found[0].column.unit}",
-                _NOT_TESTED.get(channel, "not tested"),
-            )
+            reasons = ["name", f"unit {found[0].column.unit}", "not tested"]
+            if channel.startswith("T_drive"):
+                reasons.append("it must be that at the wheels, negative when it slows the car")
             search.propose(channel, Mapping(found[0].name), False, *reasons)
 
 
@@ -239,7 +221,6 @@ def _brake_score(name: str) -> int:
 
 
 def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
-    """Reason why a pressure is not the brake pressure, or None."""
     if item.values.max() > LIMITS.pressure:
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
@@ -260,10 +241,3 @@ _BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
     "T_drive_r": ("N*m", "r", (TORQUE, DRIVE)),
 }
 """SI unit, axle and words of the channels that a column is by name and unit alone."""
-
-
-_NOT_TESTED = dict.fromkeys(
-    ("T_drive_f", "T_drive_r"),
-    "not tested: it must be that at the wheels (scale by the gear), negative when it slows",
-)
-"""What the user must look at, by channel."""

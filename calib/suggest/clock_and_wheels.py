@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.names import WHEELS
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
-from calib.logs.source import Array
 from calib.run.limits import LIMITS
 from calib.suggest.columns import (
     ColumnClock,
@@ -16,7 +16,6 @@ from calib.suggest.columns import (
     Series,
     moving,
     rim_mapping,
-    rim_reason,
     rising,
     together,
     without_gaps,
@@ -32,11 +31,7 @@ _ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
 
 
 def find_clock(search: Search) -> None:
-    """Not decreasing, named as a time, with a unit of time.
-
-    A missing unit follows from the rate: of seconds, milliseconds and microseconds only one
-    gives 40 Hz to 1 kHz. Nothing is proposed if no column, or more than one, fits.
-    """
+    """Not decreasing, named as a time, with a unit of time, or with one that its rate can have."""
     if "time" not in search.told:
         _propose_clock(search)
     elif (given := search.given("time")) is not None:
@@ -53,25 +48,25 @@ def find_clock(search: Search) -> None:
 
 
 def _propose_clock(search: Search) -> None:
-    free = search.free()
-    running = [s for s in free if s.si in ("s", None) and _runs(s.values)]
+    timed = [s for s in search.free() if s.si in ("s", None)]
+    gapped = [s for s in search.gapped if s.si in ("s", None)]
+    running = [s for s in timed if _runs(s.values)]
     named = [s for s in running if _is_time(s.name)]
     fit = [s for s in named if s.name == "time"] or named
+    unread = [(name, why) for name, why in search.left.items() if _is_time(name)]
     if len(fit) > 1:
         search.doubt("time", fit, "more than one column is a time", "choose one: --take time=NAME")
     elif fit:
         _take_clock(search, fit[0])
-    elif broken := [s for s in (*free, *search.gapped) if s.si in ("s", None) and _is_time(s.name)]:
+    elif broken := [s for s in (*timed, *gapped) if _is_time(s.name)]:
         why = f"{broken[0].name} is named a time, but {_disorder(broken[0].values)}"
         search.doubt("time", broken[:1], why, "correct the log, or export it again")
-    elif unread := [(name, why) for name, why in search.left.items() if _is_time(name)]:
-        name, why = unread[0]
+    elif unread:
         do = "export the log again, with a time for each row"
-        search.doubts.append(Doubt("time", (name,), why, do))
+        search.doubts.append(Doubt("time", unread[0][:1], unread[0][1], do))
     else:
         candidates = [s for s in running if s.si == "s"] or running
         do = "choose one and give its unit: --take 'time=NAME [s]'"
-        do = do if candidates else "export the log again, with its time"
         search.doubt("time", candidates, "no column is named a time", do)
 
 
@@ -121,14 +116,12 @@ def _is_time(name: str) -> bool:
 
 
 def _runs(values: Array) -> bool:
-    """Whether the values rise, with `_REPEATED` of the rows repeating the one before at most."""
     steps = np.diff(values)
     few = np.count_nonzero(steps == 0.0) <= _REPEATED * values.size
     return bool(steps.size and np.all(steps >= 0.0) and few)
 
 
 def _disorder(time: Array) -> str:
-    """What keeps a column from being a time, in words."""
     steps = np.diff(time)
     for what, wrong in (
         ("has no value", np.flatnonzero(np.isnan(time))),
@@ -141,7 +134,6 @@ def _disorder(time: Array) -> str:
 
 
 def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
-    """Sets of four free columns of the given quantities, one for each wheel."""
     found: dict[tuple[str, str | None], dict[str, Series]] = {}
     for item in search.free():
         wheel, rest = loose_corner(item.name)
@@ -151,10 +143,7 @@ def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
 
 
 def find_wheels(search: Search) -> tuple[Array | None, bool]:
-    """Named for the four wheels, similar, with a unit; speeds at the rim need the radius.
-
-    Returns the mean wheel speed and whether it is in rad/s.
-    """
+    """Four speeds named for the wheels and alike; their mean, and whether it is in rad/s."""
     good = []
     for four in _fours(search, "rad/s", "m/s", None):
         if together([four[w].values for w in WHEELS]):
@@ -187,8 +176,7 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     if not _wheels_told(search):
         for channel, one in zip(_ALL_WHEELS, chosen, strict=True):
             at_rim = rim_mapping(channel, one.name, unit, search.radius)
-            reasons = ["name", f"unit {unit}", "the four wheels agree"]
-            reasons += [rim_reason(search.radius)] if at_rim and search.radius else []
+            reasons = ("name", f"unit {unit}", "the four wheels agree")
             search.propose(channel, at_rim or Mapping(one.name), True, *reasons)
     return mean / search.radius if si == "m/s" and search.radius else mean, True
 

@@ -10,13 +10,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
-from calib.logs.source import Array, Column, ColumnSource, address_of
+from calib.logs.source import Column, ColumnSource, address_of
 from calib.run.filters import centred_mean, runs
 
 _SMOOTH = 0.2
@@ -31,10 +32,10 @@ TOGETHER, RATIO = 0.99, 0.1
 
 @dataclass(frozen=True)
 class Series:
-    """A numeric column; ``si`` is the SI unit, None without a unit, ``?`` for an unknown one.
+    """A numeric column, (n,), in SI; ``si`` is None without a unit, ``?`` for one that is not
+    known.
 
-    ``values``, shape (n,), are in SI if the unit is known, else as written. ``rate`` is that of its
-    samples [Hz], None if they are the rows. ``name`` is the address that only this column has.
+    ``name`` is the address that only this column has, ``rate`` [Hz] None if that of the rows.
     """
 
     name: str
@@ -132,10 +133,7 @@ def correlation(a: Array, b: Array) -> float:
 def lead(
     first: Array, then: Array, clock: ColumnClock, latest: float = _LAG
 ) -> tuple[float, float]:
-    """Time by which ``first`` leads ``then`` [s], and their correlation at that lag [1].
-
-    ``first`` may be later by at most ``latest`` [s]. The lag is uncertain for a slow ramp alone.
-    """
+    """Lead of ``first`` before ``then`` [s], at least -``latest``, and their correlation [1]."""
     n = first.size
     reach = min(clock.width(_LAG), n // 4)
     back = min(reach, round(latest / clock.step))
@@ -194,27 +192,15 @@ class Doubt:
 def rim_mapping(
     channel: str, source: str, unit: str | None, radius: float | None
 ) -> Mapping | None:
-    """The mapping of a wheel speed that is written as a speed at the rim.
-
-    None for another channel, a unit that is not one of speed, or without the ``radius`` [m].
-    """
+    """The mapping of a wheel speed that is written as a speed at the rim; None for any other."""
     if not channel.startswith("omega_") or not unit or radius is None or not is_unit(unit, "m/s"):
         return None
     return Mapping(source, "rad/s", scale=to_si(1.0, unit, "m/s") / radius)
 
 
-def rim_reason(radius: float) -> str:
-    """How a speed at the rim became a wheel speed, in words."""
-    return f"divided by the given radius of {radius:g} m"
-
-
 @dataclass
 class Search:
-    """What is known so far; a column that is proposed or in ``left`` is not looked at again.
-
-    ``gapped`` columns have no value in some rows; ``told`` channels have no proposals but those of
-    the user.
-    """
+    """What is known so far; a column that is proposed or in ``left`` is not looked at again."""
 
     series: list[Series]
     gapped: list[Series]

@@ -1,19 +1,22 @@
 """Propose a channel map for a foreign log: by names, units and physics, and tried on the log."""
 
+import json
 import os
 from collections.abc import Iterable, Iterator
 from collections.abc import Mapping as Named
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from calib.base.errors import BrakeCalError, InputError
 from calib.base.names import CHANNELS
+from calib.base.printable import one_line
 from calib.base.units import UnknownUnit, is_unit, unit_of
 from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
+from calib.logs.text.dialect import LOOKED
 from calib.suggest.body import (
     find_acceleration,
     find_by_name,
@@ -36,20 +39,12 @@ from calib.suggest.columns import (
     Search,
     read_series,
     rim_mapping,
-    rim_reason,
 )
-
-if TYPE_CHECKING:
-    from tomlkit.items import Array, Table
 
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A channel map proposed for ``log``; it is written only if there are no ``doubts``.
-
-    ``missing`` required channels and ``left`` columns have a reason each; ``ignore`` columns have
-    the name of a channel and another content.
-    """
+    """A channel map proposed for ``log``; it is written only if there are no ``doubts``."""
 
     log: str
     proposals: tuple[Proposal, ...]
@@ -68,10 +63,9 @@ def suggest(
 ) -> Suggestion:
     """Propose a channel map for an opened log.
 
-    ``told`` are sources given by the user, by channel: ``Brake [bar]`` with or without a unit;
-    empty for a channel that must not be mapped. ``radius`` [m] turns speeds at the rim into wheel
-    speeds. A channel is missing if no column fits, and a doubt if several fit. Raises InputError
-    for a channel or column in ``told`` that does not exist.
+    ``told`` are sources given by the user, by channel, such as ``Brake [bar]``; empty for a channel
+    without one. ``radius`` [m] turns speeds at the rim into wheel speeds. Raises InputError for a
+    channel or column in ``told`` that does not exist.
     """
     search = Search(*read_series(source), dict(told or {}), radius)
     for channel, cell in search.told.items():
@@ -82,20 +76,19 @@ def suggest(
     taken = {p.mapping.source for p in proposals}
     left = {s.name: search.left.get(s.name, "not a known channel") for s in search.series}
     left = {name: why for name, why in {**search.left, **left}.items() if name not in taken}
-    doubted = {name for doubt in search.doubts for name in doubt.channel.split(" ... ")}
-    wheels = any(channel.startswith("omega") for channel in doubted)
-    missing = {}
-    for name in REQUIRED:
-        asked = name in doubted or (wheels and name.startswith("omega"))
-        if name not in search.proposals and not asked:
-            gone = f"the column of that name is {left[name]}" if name in left else None
-            missing[name] = gone or _why_missing(name, search)
+    asked = {doubt.channel[:6] for doubt in search.doubts}  # a doubt of one wheel is of all
+    none = "no column fits by name, unit and values"
+    none = none if search.clock else "not looked for, since the time is not known"
+    missing = {
+        name: f"the column of that name is {left[name]}" if name in left else none
+        for name in REQUIRED
+        if name not in search.proposals and name[:6] not in asked
+    }
     ignore = tuple(n for n in left if n in CHANNELS and n not in search.proposals)
     return Suggestion(where, proposals, tuple(search.doubts), missing, left, ignore)
 
 
 def _find(search: Search) -> None:
-    """Each step uses the results of the steps before."""
     find_clock(search)
     clock = search.clock
     if clock is None:
@@ -114,24 +107,10 @@ def _find(search: Search) -> None:
     find_by_name(search)
 
 
-def _why_missing(name: str, search: Search) -> str:
-    if not search.clock:
-        return "not looked for, since the time is not known"
-    why = {
-        "time": "no column is increasing and named a time",
-        "p_mc": "no column is a brake pressure by name, unit and values",
-        "a_x": "no column is a longitudinal acceleration by name, unit and values",
-    }
-    return why.get(name, "no four columns are wheel speeds by name, unit and values")
-
-
 def _told(
     channel: str, cell: str, source: ColumnSource, where: str, radius: float | None
 ) -> Proposal | None:
-    """The proposal for a channel whose source the user names; None for an empty name.
-
-    ``cell`` is the name of a column, with or without a unit. Raises InputError.
-    """
+    """The proposal for a channel whose source the user names; None for an empty name."""
     if channel not in CHANNELS:
         raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
     if not cell:
@@ -141,13 +120,12 @@ def _told(
     unit = given.unit if column.name != cell and given.unit != column.unit else None
     mapping = rim_mapping(channel, address, unit or column.unit, radius)
     if mapping is not None and radius is not None:
-        return Proposal(channel, mapping, SURE, ("given", rim_reason(radius)))
+        return Proposal(channel, mapping, SURE, (f"given, with a radius of {radius:g} m",))
     _check_unit(unit or column.unit, channel, cell)
     return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
 
 def _column_called(cell: str, source: ColumnSource, where: str) -> Column:
-    """The column with this address, also if ``cell`` has another unit."""
     columns = source.columns
     found = called(cell, columns) or called(column_from_cell(cell).name, columns)
     if len(found) == 1:
@@ -171,11 +149,7 @@ def _check_unit(unit: str | None, channel: str, cell: str) -> None:
 
 
 def tried(found: Suggestion, path: Path, read_with: ChannelMap | None = None) -> Suggestion:
-    """The suggestion, with a doubt if the log cannot be read with it.
-
-    ``read_with`` is the map that the log was opened with: its file format and DBC are used. A
-    suggestion with doubts has no map yet, and is returned as it is.
-    """
+    """The suggestion, with a doubt if the log cannot be read with it."""
     if found.doubts or not found.proposals:
         return found
     channels = {proposal.channel: proposal.mapping for proposal in found.proposals}
@@ -196,66 +170,51 @@ def to_toml(
 ) -> str:
     """The channel map as TOML; comments say how sure each entry is.
 
-    ``read_with`` is the map that the log was opened with: its DBC files and text format are kept.
-    The paths of the DBC files lead from ``folder``, in which the map is to stand; they are absolute
-    without one.
+    DBC files and text format are those of ``read_with``; paths lead from ``folder``, or are
+    absolute.
     """
-    import tomlkit
-
-    document = tomlkit.document()
-    document.add(tomlkit.comment(f"proposed from {_one_line(found.log)}"))
-    document.add("schema", 1)
+    lines = [f"# proposed from {one_line(found.log)}", "schema = 1"]
     known = read_with.databases if read_with else Databases()
     if known.buses or known.files:
         by_bus = {bus: _files(files, folder) for bus, files in known.buses}
-        document.add("dbc", by_bus or _files(known.files, folder))
+        lines.append(f"dbc = {_written(by_bus or _files(known.files, folder))}")
     if known.sources is not None:
-        document.add("j1939", list(known.sources) or "any")
+        lines.append(f"j1939 = {_written(list(known.sources) or 'any')}")
     if found.ignore:
-        document.add("ignore", list(found.ignore))
-    for name, why in found.missing.items():
-        document.add(tomlkit.comment(f"{name}: {_one_line(why)}"))
-    channels = tomlkit.table(is_super_table=True)
-    for proposal in found.proposals:
-        channels.add(proposal.channel, _entry(proposal))
-    document.add("channels", channels)
-    text = {k: v for k, v in asdict(read_with.text).items() if v is not None} if read_with else {}
-    if text:
-        document.add("text", text)
-    return tomlkit.dumps(document)
-
-
-def _files(files: Iterable[DatabaseFile], folder: Path | None) -> "Array":
-    import tomlkit
-
-    found = tomlkit.array()
-    for file in files:
-        try:
-            path = Path(os.path.relpath(file.path, folder)) if folder else file.path
-        except ValueError:  # on another drive
-            path = file.path
-        one_bus = (
-            tomlkit.inline_table().append("file", path.as_posix()).append("bus", file.bus or "")
-        )
-        found.append(one_bus if file.bus else path.as_posix())
-    return found
-
-
-def _entry(proposal: Proposal) -> "Table":
-    import tomlkit
-
-    entry = tomlkit.table()
-    entry.comment(f"{proposal.sure}: {_one_line('; '.join(proposal.reasons))}")
-    entry.trivia.comment_ws = "  "
+        lines.append(f"ignore = {_written(list(found.ignore))}")
+    lines += [f"# {name}: {one_line(why)}" for name, why in found.missing.items()]
     usual = asdict(Mapping(""))
-    for name, value in asdict(proposal.mapping).items():
-        if value != usual[name]:
-            entry.add(name, value)
-    return entry
+    for proposal in found.proposals:
+        why = one_line("; ".join(proposal.reasons))
+        lines += ["", f"[channels.{proposal.channel}]  # {proposal.sure}: {why}"]
+        lines += _rows(asdict(proposal.mapping), usual)
+    if text := _rows(asdict(read_with.text), asdict(LOOKED)) if read_with else []:
+        lines += ["", "[text]", *text]
+    return "\n".join([*lines, ""])
 
 
-def _one_line(text: str) -> str:
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+def _rows(values: Named[str, object], usual: Named[str, object]) -> list[str]:
+    return [f"{k} = {_written(value)}" for k, value in values.items() if value != usual[k]]
+
+
+def _written(value: object) -> str:
+    """A value as TOML in one line."""
+    if isinstance(value, dict):
+        rows = (f"{_written(key)} = {_written(x)}" for key, x in value.items())
+        return f"{{{', '.join(rows)}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_written, value))}]"
+    return json.dumps(value).replace("\x7f", "\\u007f")  # the one sign that JSON leaves
+
+
+def _files(files: Iterable[DatabaseFile], folder: Path | None) -> list[object]:
+    found: list[object] = []
+    for file in files:
+        path = file.path
+        with suppress(ValueError):  # on another drive
+            path = Path(os.path.relpath(path, folder)) if folder else path
+        found.append({"file": path.as_posix(), "bus": file.bus} if file.bus else path.as_posix())
+    return found
 
 
 def to_lines(found: Suggestion) -> Iterator[tuple[str, str]]:

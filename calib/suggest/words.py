@@ -124,8 +124,6 @@ def corner(name: str) -> str | None:
 def loose_corner(name: str) -> tuple[str | None, str]:
     """The wheel in a name or at its end, and the name without it: the same for all four wheels.
 
-    The end is reliable only if all four wheels have such a name.
-
     >>> loose_corner("WSFL"), loose_corner("WheelSpeed_RR")
     (('fl', 'ws'), ('rr', 'wheel speed'))
     """
@@ -172,5 +170,4 @@ def score(name: str, of: Words) -> int:
 
 
 def _matching(found: set[str], wanted: frozenset[str]) -> set[str]:
-    """The words in ``wanted`` that occur, long ones also within a compound."""
     return {w for w in found if w in wanted or any(len(x) >= _WHOLE and x in w for x in wanted)}

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.intervals import Z95
 from calib.car.balance import brake_forces
 from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, Table
@@ -68,11 +67,6 @@ class AxleBudget:
         return max(self.parts, key=lambda part: self.parts[part])
 
     @property
-    def half_width(self) -> float:
-        """Half width of the 95 % interval of the pad friction [1], to first order."""
-        return Z95 * self.sigma * self.pad_friction
-
-    @property
     def words(self) -> str:
         """The three largest parts.
 
@@ -81,11 +75,6 @@ class AxleBudget:
         """
         named = [(part.replace("_", " "), 100 * x) for part, x in self.relative.items()][:3]
         return "one sigma of " + ", ".join(f"{part} {percent:.1f} %" for part, percent in named)
-
-    @property
-    def advice(self) -> str:
-        """What would shrink the largest part."""
-        return _ADVICE[self.largest]
 
 
 def axle_budget(pad_friction: float, *weighed: tuple[float, Parts]) -> AxleBudget:
@@ -101,37 +90,26 @@ def advice_lines(axles: Iterable[AxleBudget]) -> list[str]:
 
 
 def summary(front: AxleBudget, rear: AxleBudget) -> dict[str, object]:
-    """Both axles for a JSON file: the parts as standard deviations, relative [1], and the advice.
-
-    The squares of the parts of an axle add up to the variance of the logarithm of its pad friction.
-    """
+    """Both axles for a JSON file: the parts as relative standard deviations [1], and the advice."""
     axles = {"front": front, "rear": rear}
-    return {
-        **{name: axle.relative for name, axle in axles.items()},
-        "largest": {
-            name: {"part": axle.largest, "do": axle.advice} for name, axle in axles.items()
-        },
-    }
+    largest = {name: {"part": x.largest, "do": _ADVICE[x.largest]} for name, x in axles.items()}
+    return {**{name: axle.relative for name, axle in axles.items()}, "largest": largest}
 
 
 def pads_budget(table: Table) -> tuple[AxleBudget, AxleBudget]:
     """Budgets of the front and the rear pads of the ramps.
 
-    Their parts add up to the square of sigma over value of each. A table without a budget says how
-    much is open, and nothing of it but the mass.
+    Of a table without a budget only the mass is known.
     """
-    cal = table.calibration
-    if table.budget is not None:
-        front, rear = (
-            {part: x**2 for part, x in sigma.items()}
-            for sigma in (table.budget.front, table.budget.rear)
-        )
-        return (
-            AxleBudget(cal.pad_friction_f.value, front),
-            AxleBudget(cal.pad_friction_r.value, rear),
-        )
-    ratio = {"ramp": cal.pad_log_ratio.sigma**2}
-    return axle_budgets(table.vehicle, cal, level_of(table), ratio)
+    cal, held = table.calibration, table.budget
+    if held is None:
+        ratio = {"ramp": cal.pad_log_ratio.sigma**2}
+        return axle_budgets(table.vehicle, cal, level_of(table), ratio)
+    front, rear = ({part: x**2 for part, x in of.items()} for of in (held.front, held.rear))
+    return (
+        AxleBudget(cal.pad_friction_f.value, front),
+        AxleBudget(cal.pad_friction_r.value, rear),
+    )
 
 
 def axle_budgets(
@@ -149,10 +127,7 @@ def axle_budgets(
 
 
 def level_of(table: Table) -> Parts:
-    """Variance of the logarithm of the pad level of the ramps [1] by part.
-
-    It is that of the sum of forces: the ratio of the pads has no part in it.
-    """
+    """Variance of the logarithm of the pad level of the ramps [1] by part."""
     if table.budget is not None:
         return table.budget.level
     cal = table.calibration

@@ -4,21 +4,17 @@ Each check takes a table and yields its violations in words; `violations` runs t
 the table alone: only hold-outs can show whether the fit is good.
 """
 
-import re
 from collections.abc import Iterator
-from dataclasses import fields
 
 import numpy as np
 
 from calib.base.digest import canonical_json
 from calib.base.errors import not_finite
 from calib.car.forces import axle_loads
-from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Array, Table
+from calib.table.table import CURVES, Array, Table
 
 _TOLERANCE = 1e-9
 """Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
-
-_FLAGS = (MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND)
 
 
 def violations(table: Table) -> tuple[str, ...]:
@@ -26,30 +22,28 @@ def violations(table: Table) -> tuple[str, ...]:
     shapes = tuple(_shapes(table))
     if shapes:  # the next checks need columns of equal length
         return shapes
-    checks = (_finite, _axes, _flags, _zero, _constraint, _covariance, _parents, _spread)
+    checks = (_finite, _axes, _zero, _constraint, _covariance)
     return tuple(flaw for check in checks for flaw in check(table))
 
 
 def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
-    for curve in (table.difference, table.paper, table.tyre):
-        name = type(curve).__name__.removesuffix("Curve").removesuffix("Curves").lower()
-        yield name, {f.name: np.asarray(getattr(curve, f.name)) for f in fields(curve)}
+    for name in CURVES:
+        yield name, {key: np.asarray(column) for key, column in vars(getattr(table, name)).items()}
 
 
 def _shapes(table: Table) -> Iterator[str]:
     for curve, columns in _columns(table):
         shapes = {column.shape for column in columns.values()}
-        if len(shapes) != 1 or len(next(iter(shapes))) != 1:
+        if len(shapes) != 1 or len(shapes.copy().pop()) != 1:
             yield f"{curve}: columns of different shapes {sorted(shapes)}"
-        elif next(iter(shapes))[0] < 2:
+        elif shapes.pop()[0] < 2:
             yield f"{curve}: fewer than two rows"
 
 
 def require_finite(table: Table) -> None:
     """Raise NotFiniteError, with the name of the quantity, for a number that is not finite."""
-    name = next((flaw.partition(":")[0] for flaw in _finite(table)), None)
-    if name is not None:
-        raise not_finite(name, table.name)
+    for flaw in _finite(table):
+        raise not_finite(flaw.partition(":")[0], table.name)
 
 
 def _finite(table: Table) -> Iterator[str]:
@@ -57,8 +51,7 @@ def _finite(table: Table) -> Iterator[str]:
         for name, column in columns.items():
             if not np.all(np.isfinite(column)):
                 yield f"{curve}.{name}: not finite in row {int(np.argmin(np.isfinite(column)))}"
-    record, _ = table.content()
-    for key, part in record.items():
+    for key, part in table.content()[0].items():
         try:
             canonical_json({key: part})
         except ValueError:
@@ -80,14 +73,6 @@ def _axes(table: Table) -> Iterator[str]:
             yield f"{name}: outside its own 95 % band"
 
 
-def _flags(table: Table) -> Iterator[str]:
-    for curve, columns in _columns(table):
-        if not np.all(np.isin(columns["flag"], _FLAGS)):
-            yield f"{curve}.flag: a value that is no flag"
-        if not np.all(columns["count"] >= 0.0):
-            yield f"{curve}.count: negative"
-
-
 def _zero(table: Table) -> Iterator[str]:
     eta, D = table.difference.eta, table.difference.D
     if not eta[0] <= 1.0 <= eta[-1]:
@@ -107,50 +92,24 @@ def _constraint(table: Table) -> Iterator[str]:
 
 def _covariance(table: Table) -> Iterator[str]:
     posterior = table.posterior
-    n = len(posterior.names)
-    if {n} != {len(posterior.mean), len(posterior.covariance), *map(len, posterior.covariance)}:
-        yield f"posterior: {n} names, mean and covariance of other sizes"
-        return
-    if posterior.scatter and {n} != {len(posterior.scatter), *map(len, posterior.scatter)}:
-        yield f"posterior: {n} names, scatter of another size"
+    n, held = len(posterior.names), (posterior.covariance, posterior.scatter)
+    sizes = [len(part) for matrix in held if matrix for part in (matrix, *matrix)]
+    if {n} != {len(posterior.mean), *sizes} or (n and not posterior.covariance):
+        yield f"posterior: {n} names, mean, covariance and scatter of other sizes"
         return
     covariance = np.asarray(posterior.covariance, dtype=np.float64)
     scatter = np.asarray(posterior.scatter or np.zeros_like(covariance), dtype=np.float64)
-    if n and np.all(np.isfinite(covariance + scatter)):  # not finite: reported above
-        sigma = np.sqrt(np.abs(np.diag(covariance)))
-        scale = np.where(sigma > 0.0, sigma, 1.0)
-        # Compared as correlations: a stiffness and an exponent differ by orders of magnitude.
-        unit = np.outer(scale, scale)
-        yield from _psd("posterior.covariance", covariance / unit)
-        yield from _psd("posterior.scatter", scatter / unit)
-        if np.min(np.linalg.eigvalsh((covariance - scatter) / unit)) < -1e-9 and scatter.any():
-            yield "posterior.scatter: more than the covariance"
-
-
-def _psd(name: str, matrix: Array) -> Iterator[str]:
-    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9):
-        yield f"{name}: not symmetric"
-    elif np.min(np.linalg.eigvalsh(matrix)) < -1e-9:
-        yield f"{name}: not positive semidefinite"
-
-
-def _parents(table: Table) -> Iterator[str]:
-    origin = table.provenance
-    digests = [(log.name, log.digest) for log in origin.logs]
-    digests += [(parent.id, parent.digest) for parent in origin.parents]
-    for name, digest in digests:
-        if not re.fullmatch(r"[0-9a-f]{64}", digest):
-            yield f"provenance: the digest of {name} is not a SHA-256"
-
-
-def _spread(table: Table) -> Iterator[str]:
-    spread = table.spread
-    if spread is None:
+    if not n or not np.all(np.isfinite(covariance + scatter)):  # not finite: reported above
         return
-    if spread.cars < 2:
-        yield f"spread: of {spread.cars} cars, which have none"
-    if len(spread.D) != table.difference.eta.size:
-        yield f"spread: {len(spread.D)} rows of D, the table has {table.difference.eta.size}"
-    scalars = (spread.pad_level, spread.pad_ratio, spread.stiffness)
-    if any(min(s.between, s.of_mean) < 0.0 for s in (*spread.D, *scalars)):
-        yield "spread: a negative standard deviation"
+    sigma = np.sqrt(np.abs(np.diag(covariance)))
+    scale = np.where(sigma > 0.0, sigma, 1.0)
+    named = ("covariance", covariance), ("scatter", scatter), ("rest", covariance - scatter)
+    for name, matrix in named if scatter.any() else named[:1]:
+        # Compared as correlations: a stiffness and an exponent differ by orders of magnitude.
+        unit = matrix / np.outer(scale, scale)
+        if not np.allclose(unit, unit.T, rtol=0.0, atol=1e-9):
+            yield f"posterior.{name}: not symmetric"
+            return
+        if np.min(np.linalg.eigvalsh(unit)) < -1e-9:
+            yield f"posterior.{name}: not positive semidefinite"
+            return

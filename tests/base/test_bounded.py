@@ -4,10 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from calib.base.bounded import KINDS, POINTER, TOML, FileKind, bytes_of, open_bounded, read_bounded
+from calib.base import bounded
+from calib.base.bounded import POINTER, TOML, FileKind, bytes_of, open_bounded, read_bounded
 from calib.base.errors import InputError, LogError, SettingsError
 
 SMALL = FileKind("small", 0.001)
+KINDS = [kind for kind in vars(bounded).values() if isinstance(kind, FileKind)]
 
 
 def test_a_regular_file_is_read_through_links(tmp_path):
@@ -52,9 +54,9 @@ def listening(path):
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (pipe, "named pipe"),
+        (pipe, "a pipe or a device"),
         (Path.mkdir, "directory"),
-        (lambda path: path.symlink_to("/dev/zero"), "device"),
+        (lambda path: path.symlink_to("/dev/zero"), "a pipe or a device"),
         (lambda path: path.symlink_to(path), "symbolic links"),
         (listening, "No such device or address"),
         (lambda path: None, "No such file"),

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.base.publish import INTENT, publish, settle, workshop
+from calib.base.publish import INTENT, PUBLISHING, publish, settle, workshop
 from calib.base.write import write_whole
 
 VERDICT = "verdict.json"
@@ -108,12 +108,13 @@ def test_a_kill_while_the_next_start_settles_is_settled_by_the_one_after(tmp_pat
     for step in range(1000):
         out = tmp_path / str(step)
         run(out, "old", "1")
-        with monkeypatch.context() as dying, suppress(Killed):
-            dying.setattr("calib.base.publish._perform", lambda *_: (_ for _ in ()).throw(Killed))
-            dying.setattr("calib.base.publish._undo", lambda *_: None)
-            dying.setattr("calib.base.publish._delete", lambda *_: None)
-            run(out, "new", "2")
-        assert (out / INTENT).exists()
+        with workshop(out) as work:  # killed as soon as its work folder has its new name
+            for name, text in result_of("new", "2").items():
+                (work / name).parent.mkdir(exist_ok=True)
+                (work / name).write_text(text)
+            intent = {"schema": 1, "verdict": VERDICT, "remove": old(out)}
+            (work / INTENT).write_text(json.dumps(intent))
+            work.rename(out / PUBLISHING)
         with monkeypatch.context() as dying, suppress(Killed):
             kill_at(dying, step)
             settle(out)
@@ -140,40 +141,30 @@ def test_the_work_of_a_dead_run_goes(out):
     assert files(out) == {**result_of("old", "1"), "notes": "mine"}
 
 
-def test_without_its_work_folder_a_killed_run_is_undone(out, monkeypatch):
-    with monkeypatch.context() as dying, suppress(Killed):
-        done = kill_at(dying, 10**6)
+def test_a_run_that_cannot_be_moved_is_undone(out, monkeypatch):
+    replace = os.replace
+
+    def full(source, target):
+        if Path(target) == out / VERDICT:
+            raise OSError(28, "No space left on device")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="No space"):
         run(out, "new", "2")
-    moves = [i for i, name in enumerate(done) if name == "replace"]
-    run(out, "old", "1")
-    with monkeypatch.context() as dying, suppress(Killed):
-        kill_at(dying, moves[-1])  # all but the verdict is moved
-        run(out, "new", "2")
-    assert "new.txt" in files(out)
-    (work,) = (p for p in out.glob(".making-*") if p.is_dir())
-    for path in sorted(work.rglob("*"), reverse=True):
-        path.rmdir() if path.is_dir() else path.unlink()
-    work.rmdir()
-    assert settle(out)
     assert files(out) == {"notes": "mine"}
     assert not (out / "sim").exists()
 
 
 @pytest.mark.parametrize(
-    "change",
-    [
-        {"work": "sub"},
-        {"move": ["../victim"]},
-        {"remove": ["/victim"]},
-        {"move": []},
-        {"schema": 2},
-    ],
+    "change", [{"verdict": "../victim"}, {"remove": ["/victim"]}, {"verdict": ""}, {"schema": 2}]
 )
 def test_a_foreign_intent_is_refused(out, change):
     victim = out.parent / "victim"
     victim.write_text("kept")
-    good = {"schema": 1, "work": ".making-0", "remove": [], "move": ["a"]}
-    (out / INTENT).write_text(json.dumps({**good, **change}))
+    (out / PUBLISHING).mkdir()
+    good = {"schema": 1, "verdict": VERDICT, "remove": []}
+    (out / PUBLISHING / INTENT).write_text(json.dumps({**good, **change}))
     with pytest.raises(OSError, match="damaged"):
         settle(out)
     assert victim.read_text() == "kept"
@@ -243,17 +234,6 @@ def test_on_a_full_disk_the_earlier_run_stays(mounted):
         assert files(out) == result_of("old", "1")
     with pytest.raises(OSError, match="space"):
         run(out, "new", "2" * 100_000)
-
-
-def test_a_disk_that_is_full_at_the_intent(out, monkeypatch):
-    def full(path, content):
-        raise OSError(28, "No space left on device", str(path))
-
-    before = files(out)
-    monkeypatch.setattr("calib.base.publish.write_whole", full)
-    with pytest.raises(OSError, match="No space"):
-        run(out, "new", "2")
-    assert files(out) == before
 
 
 def test_a_read_only_folder_is_told_at_once(mounted):

@@ -1,13 +1,12 @@
 """Where settings are found, and what their file may say."""
 
-import os
 from pathlib import Path
 
 import pytest
 
 from calib.base.errors import SettingsError
-from calib.base.settings import NAME, Settings, find_settings, folders_to_search, is_key
-from calib.base.settings_file import read_settings
+from calib.base.settings import NAME, Settings
+from calib.base.settings_file import find_project, read_settings
 
 KEY = "RWQf6LRCGA9i53mlYecO4IzT51TGPpvWucNSCh1CBM0QTaLn73Y7GFO3"
 """The public key in the manual of minisign."""
@@ -45,15 +44,13 @@ def written(tmp_path, monkeypatch):
 
 def test_the_nearest_file_counts(written, tmp_path):
     sub = tmp_path / "project" / "sub"
-    assert NAME not in {p.name for p in tmp_path.parents}
-    assert find_settings(sub) is None
-    written("", folder="../..")
-    assert find_settings(sub) == tmp_path / NAME
-    written("")
-    assert find_settings(sub) == tmp_path / "project" / NAME
+    assert find_project().file is None
+    written("schema = 1", folder="../..")
+    assert find_project().file == Path("../..") / NAME
+    written("schema = 1")
     (sub / NAME).mkdir()  # a folder is no file
-    assert find_settings(sub) == tmp_path / "project" / NAME
-    assert folders_to_search(sub)[:3] == [sub, sub.parent, tmp_path]
+    assert find_project().file == Path("..") / NAME
+    assert find_project().searched[:3] == (sub, sub.parent, tmp_path)
 
 
 def test_every_key_is_read_and_paths_lead_from_the_file(written):
@@ -87,7 +84,6 @@ def test_a_golden_table_is_a_name_or_a_path(written, golden, means):
 
 @pytest.mark.parametrize("other", [KEY[:-1], KEY + "A", "line.pub", "R" + KEY[1:-1], KEY.lower()])
 def test_what_is_no_key_is_a_path(written, other):
-    assert is_key(KEY)
     path = written(f'schema = 1\n[keys]\npublic = "{other}"\n')
     assert read_settings(path).public_key == Path("..") / other
 
@@ -113,14 +109,3 @@ def test_all_mistakes_are_one_error(written):
     ):
         assert part in message
     assert refused.value.exit_code == 3
-
-
-def test_a_file_that_cannot_be_read(written, monkeypatch):
-    path = written("schema = 1")
-
-    def refused(*_, **__):
-        raise PermissionError(13, os.strerror(13))
-
-    monkeypatch.setattr(os, "open", refused)
-    with pytest.raises(SettingsError, match="Permission denied"):
-        read_settings(path)

@@ -32,7 +32,7 @@ from calib.line.fleet.work import Job, WorkItem, run_items  # noqa: E402
 from calib.line.fleet.workers import Pool  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.logs.write import write_csv  # noqa: E402
-from calib.model.manoeuvre import ramp  # noqa: E402
+from calib.model.manoeuvre import manoeuvre  # noqa: E402
 from calib.model.sensor_noise import add_noise  # noqa: E402
 from calib.model.simulate import simulate  # noqa: E402
 from calib.table.table import Table  # noqa: E402
@@ -43,7 +43,7 @@ COLUMNS = ["p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr"]
 
 def table_of(car: Vehicle) -> Table:
     """A table of the car, fitted on a simulated ramp."""
-    drive = ramp(33.0)
+    drive = manoeuvre("ramp", 33.0)
     log = simulate(default_model(car), drive.time, drive.pressure, drive.v0, name="ramp")
     return fit(car, [add_noise(replace(log, truth={}), 0)])
 

@@ -55,17 +55,14 @@ def test_a_piped_log_is_read_as_its_file(piped, tmp_path):
     assert (found.pop("log"), found.pop("source")) == ("stdin", "stdin.csv")
     assert {**found, "warnings": 0} == {k: file[k] for k in found} | {"warnings": 0}
     assert piped("log", "-", "--until", 2, "--out", tmp_path / "a.csv").code == 0
-    assert piped("log", "-", "--out", tmp_path, "--to", "parquet").code == 0
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.csv", "stdin.parquet"]
+    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
 
 
 @pytest.mark.parametrize(
     ("words", "code"),
     [
-        (("check", "-", "-"), 2),
         (("fit", "-", *CAR), 2),
         (("station", SEDAN / "ramp_wet_asphalt.csv", "-", *CAR, "--out", "out"), 2),
-        (("log", "-", "-", "--out", "out", "--to", "csv"), 2),
     ],
 )
 def test_where_a_log_must_have_a_name_it_is_refused(piped, tmp_path, monkeypatch, words, code):

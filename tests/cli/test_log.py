@@ -58,27 +58,12 @@ def test_cut_says_what_it_kept(brake_cal, tmp_path):
     np.testing.assert_array_equal(part["omega_fl"], log["omega_fl"][500:1201])
 
 
-def test_cut_takes_times_with_units(brake_cal, tmp_path):
-    for options in (("2.5", "6"), ("2.5 s", "6000 ms"), ("2500ms", "0.1 min")):
-        out = tmp_path / "cut.csv"
-        ran = brake_cal("log", RAMP, "--from", options[0], "--until", options[1], "--out", out)
-        assert (ran.code, read_log(out).time.size) == (0, 701)
-
-
 @pytest.mark.parametrize(
-    ("options", "code", "says"),
-    [
-        (("--from", 50), 3, "no sample from 50 s"),
-        (("--from", 5, "--until", 4), 2, "5 s is not before 4 s"),
-        (("--from", "1,5"), 2, "'1,5' has a decimal comma; expected a decimal point: '1.5'"),
-        (("--until", "1 bar"), 2, "a unit of pressure, not of time"),
-        (("--from", "early"), 2, 'expected a quantity such as "1.5 s"'),
-        (("--from", "nan"), 2, "not finite"),
-    ],
+    ("options", "code"),
+    [(("--from", 50), 3), (("--from", 5, "--until", 4), 2), (("--from", "1,5"), 2)],
 )
-def test_a_cut_that_makes_no_sense_writes_nothing(brake_cal, tmp_path, options, code, says):
-    ran = brake_cal("log", RAMP, *options, "--out", tmp_path / "cut.csv")
-    assert ran.code == code
+def test_a_cut_that_makes_no_sense_writes_nothing(brake_cal, tmp_path, options, code):
+    assert brake_cal("log", RAMP, *options, "--out", tmp_path / "cut.csv").code == code
     assert list(tmp_path.iterdir()) == []
 
 
@@ -93,43 +78,14 @@ def test_convert_goes_round_all_formats(brake_cal, tmp_path):
         np.testing.assert_array_equal(a.values, b.values)
 
 
-def test_several_logs_go_into_a_folder_or_none(brake_cal, tmp_path):
-    out = tmp_path / "made"
-    ran = brake_cal("log", RAMP, COAST, "--out", out, "--to", "parquet", "--json")
-    assert ran.code == 0
-    made = [entry["out"] for entry in json.loads(ran.out)["logs"]]
-    assert made == [str(out / f"{path.stem}.parquet") for path in (RAMP, COAST)]
-    assert sorted(map(str, out.iterdir())) == sorted(made)
-    bad = tmp_path / "bad.csv"
-    bad.write_text("time [s]\n")
-    ran = brake_cal("log", RAMP, bad, "--out", tmp_path / "none", "--to", "csv")
-    assert ran.code == 3
-    assert not (tmp_path / "none").exists()
-
-
-def test_a_file_that_exists_is_replaced_with_force_only(brake_cal, tmp_path):
+def test_another_log_is_replaced_with_force_only(brake_cal, tmp_path):
     out = tmp_path / "coast.csv"
-    out.write_text("mine")
-    for arguments in (("--out", out), ("--out", tmp_path, "--to", "csv")):
-        ran = brake_cal("log", COAST, *arguments)
-        assert (ran.code, out.read_text()) == (2, "mine")
-    assert brake_cal("log", COAST, "--until", 3, "--out", out).code == 2
-    assert brake_cal("log", COAST, "--out", tmp_path, "--to", "csv", "--force").code == 0
-    assert read_log(out).time.size == 2000
+    assert brake_cal("log", COAST, "--out", out).code == 0
     made = out.read_bytes()
-    assert brake_cal("log", COAST, "--out", out).code == 0  # the same log once more
-    assert brake_cal("log", RAMP, "--out", out).code == 2
+    assert brake_cal("log", COAST, "--until", 3, "--out", out).code == 2
     assert out.read_bytes() == made
 
 
-def test_what_convert_cannot_write_is_a_usage_error(brake_cal, tmp_path):
-    copy = tmp_path / "run.csv"
-    copy.write_bytes(COAST.read_bytes())
-    for arguments in (
-        (copy, "--out", copy),
-        (copy, "--out", "x.xlsx"),
-        (copy, RAMP, "--out", "x.csv"),
-        (copy, "--out", tmp_path / "d", "--to", "xlsx"),
-    ):
-        ran = brake_cal("log", *arguments)
-        assert ran.code == 2
+def test_what_cannot_be_written_is_a_usage_error(brake_cal, tmp_path):
+    for arguments in ((COAST, "--out", "x.xlsx"), (COAST, RAMP, "--out", "x.csv")):
+        assert brake_cal("log", *arguments).code == 2

@@ -157,11 +157,7 @@ def test_a_fleet_is_written_and_told(brake_cal, tmp_path):
     out = tmp_path / "out"
     ran = brake_cal("fleet", path, "--out", out)
     assert ran.code == 0, ran.err
-    (out / "mine.png").touch()
-    assert brake_cal("fleet", path, "--figure", "settling", "--out", out).code == 0
-    assert {p.name for p in out.iterdir()} == {
-        "fleet.json", "report.html", "settling.png", "mine.png"
-    }  # fmt: skip
+    assert {p.name for p in out.iterdir()} == {"fleet.json", "report.html"}
     document = json.loads((out / "fleet.json").read_text())
     assert (document["logs"], len(document["copies"])) == (8, 2)
     ordered = told(brake_cal("fleet", path, "--order", "built", "--json"))

@@ -46,13 +46,13 @@ def test_sign_says_what_it_signed_and_how_to_check_it(tables, secret, store):
     ran = tables("sign", "sedan@1", "--key", secret, "--by", "Ada")
     assert (ran.code, ran.err) == (0, "")
     assert ran.out == (
-        f"sedan@1 is signed as released by key {ADA.key_id}\n"
+        f"sedan@1 is signed as released by key {ADA.public.key_id}\n"
         f"check it with: minisign -Vm {store}/sedan/v0001/record.json "
         f"-x {store}/sedan/v0001.minisig -p PUBLIC\n"
     )
     log = tables("log", "sedan").out
     assert log.splitlines()[2].split()[1:] == [
-        "sedan@1", "signed,", "released", "Ada", "key", ADA.key_id
+        "sedan@1", "signed,", "released", "Ada", "key", ADA.public.key_id
     ]  # fmt: skip
 
 
@@ -67,7 +67,7 @@ def test_sign_json(tables, secret, store, document):
         "table": "sedan@1",
         "digest": stored.digest,
         "state": "released",
-        "key_id": ADA.key_id,
+        "key_id": ADA.public.key_id,
         "record": f"{store}/sedan/v0001/record.json",
         "signature": f"{store}/sedan/v0001.minisig",
     }
@@ -119,7 +119,7 @@ def test_verify_with_a_key(tables, signed, two, public, document):
     assert [row["signed"] for row in found["versions"]] == ["released", None, None]
     ran = tables("verify", "--key", EVE.public.text, "--json")
     assert ran.code == 4
-    assert f"is signed by key {ADA.key_id}, not by key {EVE.key_id}" in ran.out
+    assert f"is signed by key {ADA.public.key_id}, not by key {EVE.public.key_id}" in ran.out
     assert tables("verify", "--key", "no.pub").code == 3
 
 
@@ -141,10 +141,13 @@ def test_list_and_show_say_signed_or_not(tables, signed, two, document):
     assert "released" in tables("list").out
     assert tables("list").out.count("signed") == 1
     rows = document(tables("list", "--json"))["tables"]
-    assert [row["keys"] for row in rows] == [[ADA.key_id], [], []]
-    assert f"by key {ADA.key_id}; `tables verify --key` checks it" in tables("show", "sedan@1").out
+    assert [row["keys"] for row in rows] == [[ADA.public.key_id], [], []]
+    assert (
+        f"by key {ADA.public.key_id}; `tables verify --key` checks it"
+        in tables("show", "sedan@1").out
+    )
     assert "signed              no\n" in tables("show", "sedan@2").out
-    assert document(tables("show", "sedan@1", "--json"))["keys"] == [ADA.key_id]
+    assert document(tables("show", "sedan@1", "--json"))["keys"] == [ADA.public.key_id]
 
 
 USES = {
@@ -175,7 +178,7 @@ def use(brake_cal, store, tmp_path):
 def test_require_signed_refuses_what_is_not_signed(use, stored, tmp_path, name):
     ran = use(name, "--require-signed", "--key", ADA.public.text)
     assert (ran.code, ran.result) == (4, "")
-    assert f"sedan@1: has no signature of key {ADA.key_id}" in ran.err
+    assert f"sedan@1: has no signature of key {ADA.public.key_id}" in ran.err
     assert not (tmp_path / "out").exists()
 
 
@@ -183,7 +186,7 @@ def test_require_signed_refuses_what_is_not_signed(use, stored, tmp_path, name):
 def test_require_signed_goes_on_with_what_is_signed(use, signed, public, name):
     """The made table is of another car than the logs: validate and station stop there."""
     ran = use(name, "--require-signed", "--key", public)
-    assert f"sedan@1 is signed as released by key {ADA.key_id}\n" in ran.err
+    assert f"sedan@1 is signed as released by key {ADA.public.key_id}\n" in ran.err
     assert ran.code == (0 if name == "export" else 3)
 
 

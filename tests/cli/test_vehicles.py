@@ -7,7 +7,6 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from calib.car.vehicle_file import read_vehicle
-from cli import vehicles
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 
@@ -34,43 +33,14 @@ def car(tmp_path):
 
 def test_the_reference_car_is_written_and_never_replaced_silently(brake_cal, tmp_path):
     file = tmp_path / "cars" / "new.toml"
-    assert brake_cal("vehicle", "init", file, "--from", "sedan").code == 0
-    assert brake_cal("vehicle", "init", file, "--from", "sedan").code == 0  # nothing is lost
+    assert brake_cal("vehicle", "init", file).code == 0
+    assert brake_cal("vehicle", "init", file).code == 0  # nothing is lost
     assert read_vehicle(file) == read_vehicle(SEDAN)
     file.write_text("mine")
-    ran = brake_cal("vehicle", "init", file, "--from", "sedan")
-    assert (ran.code, file.read_text()) == (2, "mine")
-    assert brake_cal("vehicle", "init", file, "--from", "sedan", "--force", "--json").code == 0
-    assert read_vehicle(file) == read_vehicle(SEDAN)
-
-
-def test_without_a_terminal_it_says_what_to_give(brake_cal, tmp_path):
-    ran = brake_cal("vehicle", "init", tmp_path / "x.toml")
-    assert ran.code == 2
-    assert "without a terminal" in ran.err
-    assert "--from sedan" in ran.err
-    assert list(tmp_path.iterdir()) == []
-    assert "known: sedan" in brake_cal("vehicle", "init", "--from", "sedna").err
-
-
-def test_it_asks_again_after_nonsense(brake_cal, tmp_path, monkeypatch):
-    typed = iter(["my-car", "heavy", "1800 g", "1650", *[None] * 40])
-    asked = []
-
-    def prompt(label, default, err):
-        asked.append(label)
-        answer = next(typed)
-        return default if answer is None else answer
-
-    monkeypatch.setattr(vehicles.sys.stdin, "isatty", lambda: True, raising=False)
-    monkeypatch.setattr(vehicles.typer, "prompt", prompt)
-    file = tmp_path / "asked.toml"
     ran = brake_cal("vehicle", "init", file)
-    assert ran.code == 0
-    assert asked[:5] == ["name", *["mass in kg"] * 3, "cg_to_front_axle in m"]
-    assert ran.err.count("usual: 700 to 4500 kg") == 3  # the question and two refusals
-    vehicle = read_vehicle(file)
-    assert (vehicle.name, vehicle.mass) == ("my-car", 1650.0)
+    assert (ran.code, file.read_text()) == (2, "mine")
+    assert brake_cal("vehicle", "init", file, "--force", "--json").code == 0
+    assert read_vehicle(file) == read_vehicle(SEDAN)
 
 
 def test_a_good_file_is_plausible(brake_cal, document):

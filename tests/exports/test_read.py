@@ -37,11 +37,6 @@ def test_it_comes_back_to_the_last_bit(real, tmp_path, form, points):
     assert difference(found, real) == Difference([])
 
 
-def test_the_store_is_asked_by_the_id_in_the_file(written, stored, store, tmp_path):
-    assert parent(read_back(written), Store(store)).digest == stored.digest
-    assert parent(read_back(written), Store(tmp_path / "none")) is None
-
-
 def test_no_cut_is_taken_for_the_whole(written):
     """Cut anywhere: refused, but for the last line's end, which nobody misses."""
     whole = written.read_bytes()
@@ -72,42 +67,44 @@ def test_no_lost_line_is_overlooked(written):
 
 WRONG = {
     "DCM": [
-        ("\nEND\n\nFESTWERT sedan_mass", "\n\nFESTWERT sedan_mass", "sedan_version has no END"),
-        ("VERTEILUNG sedan_eta 21", "VERTEILUNG sedan_eta 22", "has 21 of 22 numbers ST/X"),
-        ("  WERT 1744.0\n", "", "sedan_mass has 0 of 1 numbers WERT"),
-        ("  WERT 1744.0", "  WERT 1.744,0", "could not convert"),
-        ("  WERT 1744.0", "  WERTE 1744.0", "'WERTE' within FESTWERT sedan_mass"),
-        ("_FORMAT 2.0", "_FORMAT 1.0", "expected DCM with KONSERVIERUNG_FORMAT 2"),
-        ("*SSTX sedan_eta\n", "", "is over no axis"),
-        ("* objects: ", "* objects: 1", "objects and states 1"),
-        ("FESTWERT sedan_l_r", "FESTWERT sedan_l_f", "sedan_l_f is in it twice"),
-        ("FESTWERT sedan_version", "FESTWERT sedan_verse", "labels of 0 tables"),
-        ("KENNLINIE sedan_g 21", "KENNLINIE sedan_g", "expected KENNLINIE NAME SIZE"),
-        ("FUNKTIONEN\n", "FUNKTIONE\n", "outside of every object"),
+        ("\nEND\n\nFESTWERT sedan_mass", "\n\nFESTWERT sedan_mass"),
+        ("VERTEILUNG sedan_eta 21", "VERTEILUNG sedan_eta 22"),
+        ("  WERT 1744.0\n", ""),
+        ("  WERT 1744.0", "  WERT 1.744,0"),
+        ("  WERT 1744.0", "  WERTE 1744.0"),
+        ("_FORMAT 2.0", "_FORMAT 1.0"),
+        ("*SSTX sedan_eta\n", ""),
+        ("* objects: ", "* objects: 1"),
+        ("FESTWERT sedan_l_r", "FESTWERT sedan_l_f"),
+        ("FESTWERT sedan_version", "FESTWERT sedan_verse"),
+        ("KENNLINIE sedan_g 21", "KENNLINIE sedan_g"),
+        ("FUNKTIONEN\n", "FUNKTIONE\n"),
     ],
     "CDF": [
-        ("</MSRSW>", "", "cut off or damaged"),
-        ("CDF20", "CDF19", "no CDF 2.0"),
-        ("<V>1744.0</V>", "", "sedan_mass: no SW-VALUES-PHYS"),
-        ("<V>1744.0</V>", "<V>heavy</V>", "expected numbers in V"),
-        (">sedan_eta</SW-INSTANCE-REF>", ">sedan_etc</SW-INSTANCE-REF>", "over sedan_etc"),
-        ("<V>1.005</V>", "", "21 values over an axis of 20"),
-        ("<SHORT-NAME>sedan_l_r", "<SHORT-NAME>sedan_l_f", "sedan_l_f is in it twice"),
-        ("<CATEGORY>VALUE<", "<CATEGORY>MAP<", "category MAP"),
-        ("<SHORT-NAME>sedan_mass</SHORT-NAME>", "", "without SHORT-NAME"),
+        ("</MSRSW>", ""),
+        ("CDF20", "CDF19"),
+        ("<V>1744.0</V>", ""),
+        ("<V>1744.0</V>", "<V>heavy</V>"),
+        (">sedan_eta</SW-INSTANCE-REF>", ">sedan_etc</SW-INSTANCE-REF>"),
+        ("<V>1.005</V>", ""),
+        ("<SHORT-NAME>sedan_l_r", "<SHORT-NAME>sedan_l_f"),
+        ("<CATEGORY>VALUE<", "<CATEGORY>MAP<"),
+        ("<SHORT-NAME>sedan_mass</SHORT-NAME>", ""),
+        ("<MSRSW", "<!DOCTYPE a [<!ENTITY b 'c'>]><MSRSW"),
     ],
 }
 
 
 @pytest.mark.parametrize(
-    ("form", "old", "new", "says"), [(form, *row) for form, rows in WRONG.items() for row in rows]
+    ("form", "old", "new"), [(form, *row) for form, rows in WRONG.items() for row in rows]
 )
-def test_what_is_wrong_in_a_file_is_named(stored, tmp_path, form, old, new, says):
+def test_what_is_wrong_in_a_file_is_refused(stored, tmp_path, form, old, new):
     text = WRITERS[form](build(stored)).decode()
     assert old in text
     (tmp_path / "a").write_text(text.replace(old, new))
-    with pytest.raises(ExchangeError, match=says):
+    with pytest.raises(ExchangeError) as error:
         read_back(tmp_path / "a")
+    assert error.value.exit_code == 3
 
 
 def test_a_number_that_was_changed_is_found_and_where(written, stored):
@@ -117,19 +114,6 @@ def test_a_number_that_was_changed_is_found_and_where(written, stored):
     assert wrong[1] == "sedan_mass: 1745.0, the table has 1744.0"
     assert len(wrong) == 2
     assert len(difference(read_back(written), None).wrong) == 1  # the checksum still speaks
-
-
-def test_another_digest_is_a_difference(written, stored):
-    written.write_text(written.read_text().replace(stored.digest, "0" * 64))
-    (wrong,) = difference(read_back(written), stored).wrong
-    assert wrong == f"claims digest 000000000000, sedan@1 has {stored.digest[:12]}"
-
-
-def test_a_point_that_is_no_row_is_a_difference(written, stored):
-    x = repr(float(stored.table.paper.eta[3]))
-    written.write_text(written.read_text().replace(x, "1.0007"))
-    wrong = difference(read_back(written), stored).wrong
-    assert any(w.startswith("sedan_eta: 1.0007") for w in wrong)
 
 
 NUMBER = re.compile(r"(?<=[ >])-?[0-9]+\.[0-9]+(?:e[-+][0-9]+)?(?=[ <\n])")

@@ -1,14 +1,11 @@
 """The contents of the manual, and every link and anchor in it and in the README."""
 
-import io
 import re
 from pathlib import Path
 
 import pytest
-from rich.console import Console
-from rich.markdown import Markdown
 
-from calib.help.page import FOLDER, contents, find, for_terminal, front
+from calib.help.page import FOLDER, contents
 from tests.support.manual import PAGES
 
 README, CONTRIBUTING = (FOLDER.parents[1] / f"{name}.md" for name in ("README", "CONTRIBUTING"))
@@ -27,10 +24,8 @@ def anchor(title: str) -> str:
 
 
 def test_every_page_is_listed_once_under_its_own_title():
-    assert sorted([page.name for page in contents()]) == sorted(
-        page.stem for page in PAGES if page.stem != front().name
-    )
-    for page in contents():
+    assert sorted([*contents(), "index"]) == sorted(page.stem for page in PAGES)
+    for page in contents().values():
         first, *_ = titles(FOLDER / f"{page.name}.md")
         assert page.title == first
         assert page.group
@@ -62,38 +57,6 @@ def test_a_page_begins_with_its_only_title(page):
     assert text.startswith("# ")
 
 
-@pytest.mark.parametrize(
-    ("asked", "names"),
-    [
-        ("ramp", ["ramp"]),
-        ("Vehicle-File.md", ["vehicle_file"]),
-        (" vehicle FILE ", ["vehicle_file"]),
-        ("veh", ["vehicle_file"]),
-        ("v", ["vehicle_file", "validation"]),
-        ("index", ["index"]),
-        ("", []),
-    ],
-)
-def test_a_page_is_found_by_its_name_or_the_beginning_of_it(asked, names):
-    assert [page.name for page in find(asked)] == names
-
-
 def test_comments_are_for_authors_only():
-    for page in contents():
+    for page in contents().values():
         assert "<!--" not in page.text, page.name
-
-
-def test_a_terminal_is_told_the_page_that_a_link_leads_to():
-    text = "see [the line](line.md#limits), [minisign](https://a.b) ![a table](../x.png)"
-    assert for_terminal(text) == (
-        "see the line (page `line`), [minisign](https://a.b) *(picture: a table)*"
-    )
-
-
-@pytest.mark.parametrize("page", contents(), ids=lambda page: page.name)
-def test_a_page_fits_a_terminal_of_80_columns(page):
-    shown = io.StringIO()
-    Console(file=shown, width=80).print(Markdown(for_terminal(page.text), hyperlinks=False))
-    lines = shown.getvalue().splitlines()
-    assert page.title in shown.getvalue()
-    assert max(len(line) for line in lines) <= 80

@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
-from calib.logs.resample import Wanted, on_one_clock
+from calib.logs.resample import on_one_clock
 from calib.logs.source import ChannelTrace
 
 
 def wanted(name, time, values=None, hold=False, clock=None):
     time = np.asarray(time, float)
     values = 3.0 * time + 1.0 if values is None else np.asarray(values, float)
-    return Wanted(name, ChannelTrace(clock or name, time, values), hold)
+    return ChannelTrace(clock or name, time, values, hold, name)
 
 
 @given(

@@ -51,15 +51,6 @@ def test_a_map_names_columns_and_all_others_stay(foreign):
     assert "Text" in notes
 
 
-def test_names_are_kept_if_told(foreign):
-    path, chart = foreign
-    found = columns(read_whole(path, chart, keep_names=True))
-    assert list(found) == ["Zeit", "Druck", "Gang", "p_mc", "Druck#2"]
-    assert found["Gang"] == (None, [1.0, 2.0, 3.0])
-    with pytest.raises(LogError, match="time"):
-        _ = read_whole(path).time
-
-
 @pytest.mark.parametrize("name", ["run.mf4", "bus.blf"])
 def test_a_recording_has_the_clock_and_the_values_that_are_read(tmp_path, name):
     if name == "run.mf4":

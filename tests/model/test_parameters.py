@@ -47,7 +47,6 @@ def test_an_older_table_has_one_curve_for_both_axles():
 
 
 def test_sigma_is_the_root_of_the_variance_of_that_name():
-    assert POSTERIOR.variance("clock_offset") == COVARIANCE[3, 3]
     assert POSTERIOR.sigma("clock_offset") == pytest.approx(math.sqrt(COVARIANCE[3, 3]))
     with pytest.raises(ValueError, match="not in tuple"):
         POSTERIOR.sigma("clock")

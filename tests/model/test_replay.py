@@ -14,7 +14,7 @@ from calib.car.model import default_model
 from calib.car.vehicle_file import read_vehicle
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.model.manoeuvre import ramp
+from calib.model.manoeuvre import manoeuvre
 from calib.model.replay import COAST_SECONDS, first_speed, replay
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
@@ -39,7 +39,7 @@ WHEEL_SPEEDS = tuple(f"omega_{w}" for w in WHEELS)
 
 @pytest.fixture(scope="module")
 def driven():
-    plan = ramp(30.0)
+    plan = manoeuvre("ramp", 30.0)
     return simulate(MODEL, plan.time, plan.pressure, plan.v0, name="driven")
 
 
@@ -162,5 +162,5 @@ def test_a_ripple_follows_the_angle_of_the_wheels_that_is_given(driven):
 
 
 def test_an_angle_of_an_unknown_axle_is_refused(driven):
-    with pytest.raises(ModelError, match="unknown axle 'x'"):
+    with pytest.raises(ModelError, match="unknown input"):
         replay(MODEL, driven, wheel_angle={"x": driven.time})

@@ -369,7 +369,7 @@ def test_disc_temperatures_are_handed_through_and_looked_at():
     log = simulate(model(), time, np.zeros(201), 20.0, temperature={"r": heat})
     assert np.array_equal(log["T_disc_r"], heat)
     assert "T_disc_f" not in log
-    with pytest.raises(ModelError, match="unknown axle 'x'"):
+    with pytest.raises(ModelError, match="unknown input"):
         simulate(model(), time, np.zeros(201), 20.0, temperature={"x": heat})
     with pytest.raises(ModelError, match="not finite"):
         simulate(model(), time, np.zeros(201), 20.0, temperature={"f": heat * np.nan})

@@ -13,9 +13,9 @@ from calib.run.driving_record import (
     STANDSTILL,
     brake_events,
     driving_record,
-    rolling_radius,
     run_events,
 )
+from calib.run.wheels import rolling_radius
 from tests.support.made_runs import BAR_PER_G, changed, made_run, ramp, stop
 from tests.support.reference_car import IDEAL, without
 from tests.support.reference_car import stop as plant_stop

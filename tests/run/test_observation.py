@@ -32,7 +32,7 @@ def test_the_figures_are_the_columns_of_a_batch():
 
 
 def share(log):
-    return observe(log, noise=False).explained
+    return observe(log, full=False).explained
 
 
 @pytest.mark.parametrize("pressure", [ramp(), stop(), stop(level=8.0), stop(end=4.0)])
@@ -71,6 +71,6 @@ def test_a_speed_made_of_wheels_is_none_for_a_diagnosis():
     wheels = [RUN[f"omega_{w}"] for w in ("fl", "fr", "rl", "rr")]
     for made in (0.32 * wheels[2], 0.08 * sum(wheels)):
         run = changed(RUN, v=made)
-        assert observe(run, noise=False).v_of_wheels
+        assert observe(run).v_of_wheels
         assert problems_for(run, "diagnose")
     assert problems_for(RUN, "diagnose") == []

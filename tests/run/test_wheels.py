@@ -152,7 +152,7 @@ def test_each_pair_is_named(plain, pair):
     found, other = (side, diagonal) if of_one_side else (diagonal, side)
     assert found.wheels == pair
     assert other is None
-    refused = [bool(problems(observe(log, noise=False), purpose)) for purpose in PURPOSES]
+    refused = [bool(problems(observe(log, full=False), purpose)) for purpose in PURPOSES]
     assert all(refused) or not of_one_side
 
 

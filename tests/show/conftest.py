@@ -8,20 +8,15 @@ from calib.estimation.validate import validate_one
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
+from calib.run.driving_record import run_events
 from calib.show import compare, log, stop, table
 from calib.show.ramp import measure
-from calib.show.trace import StopTrace, from_validation
+from calib.show.sheet import Sheet
 from calib.table.table import Table
 from tests.support.tables import made_table
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
 SEDAN, SIMULATION = LOGS / "sedan", LOGS / "simulation_study"
-
-
-def traced(table, run, vehicle=None) -> StopTrace:
-    """The trace of a run with other methods beside the estimate."""
-    result = validate_one(table, run, vehicle, DEFAULTS)
-    return from_validation(table, "sedan@1", run, result, vehicle)
 
 
 @pytest.fixture(scope="session")
@@ -40,19 +35,21 @@ def sedan(ramp) -> Table:
 
 
 @pytest.fixture(scope="session")
-def trace(sedan, transition) -> StopTrace:
-    return traced(sedan, transition)
+def stopped(sedan, transition):
+    """A stop, judged."""
+    return validate_one(sedan, transition, None, DEFAULTS)
 
 
 @pytest.fixture(scope="session")
-def simulated() -> StopTrace:
+def simulated() -> Sheet:
     """The paper's Section IV: the estimator is told 0.5 and 0.6 where the pads are 0.4."""
     found = fit(
         read_vehicle(SIMULATION / "vehicle.toml"), [read_log(SIMULATION / "ramp_noisy.parquet")]
     )
     wrong = read_vehicle(SIMULATION / "vehicle_wrong_pads.toml")
     run = read_log(SIMULATION / "stop_noisy.parquet")
-    return traced(found, run, wrong)
+    result = validate_one(found, run, wrong, DEFAULTS)
+    return stop.of_validation(found, "sedan@1", run, result, wrong)
 
 
 SHEETS = ("table", "ramp", "stop", "simulation", "comparison", "log")
@@ -65,8 +62,10 @@ def sheet(request, sedan, ramp, transition):
     return {
         "table": lambda: table.sheet(made, "sedan@1"),
         "ramp": lambda: table.sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
-        "stop": lambda: stop.sheet(request.getfixturevalue("trace")),
-        "simulation": lambda: stop.sheet(request.getfixturevalue("simulated")),
+        "stop": lambda: stop.of_validation(
+            sedan, "sedan@1", transition, request.getfixturevalue("stopped")
+        ),
+        "simulation": lambda: request.getfixturevalue("simulated"),
         "comparison": lambda: compare.sheet(made, made_table(28.0), "sedan@1", "sedan@2"),
-        "log": lambda: log.sheet(transition),
+        "log": lambda: log.sheet(log.whole_of(transition), run_events(transition)),
     }[request.param]()

@@ -2,17 +2,10 @@ import numpy as np
 import pytest
 
 from calib.show import compare
-from calib.show.style import FRONT
-from tests.support.plot_lines import line
+from tests.support.plot_lines import line, panel
 from tests.support.tables import C, made_table
 
 FIRST, SECOND = made_table(), made_table(28.0, rows=31)
-
-
-def line_of(ax, colour):
-    """x and y of the longest line of a colour."""
-    found = [one for one in ax.get_lines() if one.get_color() == colour]
-    return max((one.get_data() for one in found), key=lambda data: len(data[0]))
 
 
 def one_curve(table):
@@ -36,14 +29,13 @@ def test_only_the_common_range_counts():
     assert compare.gap((x, y, lower, upper), (x + 9.0, y, lower, upper))[0].size == 0
 
 
-def test_both_tables_are_drawn_with_their_bands():
+def test_both_tables_are_drawn_and_the_second_less_the_first():
     sheet = compare.sheet(FIRST, SECOND, "sedan@1", "sedan@2")
-    (ax,) = sheet.figure("f1-f2").axes
-    assert np.array_equal(line(ax, "$f_1$ sedan@1")[1], FIRST.paper.f1)
-    assert np.array_equal(line(ax, "$f_2$ sedan@2")[1], SECOND.paper.f2)
-    assert len(ax.collections) == 4
-    (ax,) = sheet.figure("f1-f2-gap").axes
-    x, y = line_of(ax, FRONT["color"])
+    curves = panel(sheet, "f1-f2")
+    assert np.array_equal(line(curves, "$f_1$ sedan@1")[1], FIRST.paper.f1)
+    assert np.array_equal(line(curves, "$f_2$ sedan@2")[1], SECOND.paper.f2)
+    assert all(one.band for one in curves.lines)
+    x, y = line(panel(sheet, "f1-f2-gap"), r"$\Delta$ $f_1$")
     # f1 = D F_zr/F_z with the load of z = 60 (eta - 1); linear between rows
     rear = (1.1556 - 60.0 * x / 100.0 * 0.615) / 2.805
     assert y == pytest.approx((28.0 - C) * x / 100.0 * rear, abs=2e-5)

@@ -3,10 +3,10 @@ import json
 import pytest
 
 from calib.line.fleet.document import document, headline
-from calib.line.fleet.outliers import SHARE, judge
+from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.results import open_fleet
 from calib.line.fleet.summary import summarise
-from calib.show.fleet_page import facts, number, reach, report
+from calib.show.fleet_page import facts, report
 from calib.show.html import page_of
 from cli.console import plain
 from tests.support.fleet_results import results
@@ -54,20 +54,3 @@ def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path)
     told = document(short)["figures"]["settling"]
     assert told["change"] is None
     assert told["chart"]["rules"]["1"]["by_chance"] is None
-
-
-def test_numbers_show_their_scatter():
-    import numpy as np
-
-    eta = 1.003 + 1e-5 * np.linspace(-1.0, 1.0, 21)
-    assert number(1.0030052, judge(eta[None]).spreads[0]) == "1.003005"
-    assert number(0.38123, judge(np.linspace(0.3, 0.5, 9)[None]).spreads[0]) == "0.3812"
-
-
-def test_the_page_says_what_so_few_logs_can_show(tmp_path):
-    few = summarise(open_fleet(results(tmp_path / "r.parquet", 12)), ("settling",))
-    told = reach(few)
-    assert told
-    assert told in facts(few).notes
-    assert reach(summarise(open_fleet(results(tmp_path / "s.parquet", 3)))) == ""
-    assert facts(few).verdict == "unjudged"

@@ -4,7 +4,7 @@ import pytest
 from calib.car.vehicle_file import read_vehicle
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
-from calib.show.ramp import GROUP, grouped, measure
+from calib.show.ramp import measure
 from tests.show.conftest import SIMULATION
 from tests.support.reference_car import CAR, REAL, ramp
 
@@ -39,13 +39,6 @@ def test_f1_and_f2_satisfy_18(table, run):
     rear = 1.1556 - 0.615 * found.z_free
     assert (found.f1 * front)[braked] == pytest.approx((-found.f2 * rear)[braked])
     assert (found.f1 - found.f2)[braked] == pytest.approx(found.D[braked])
-
-
-def test_a_group_is_the_mean_of_its_blocks():
-    values = np.arange(2.0 * GROUP + 3.0)
-    mask = np.ones(values.size, bool)
-    assert list(grouped(values, mask)) == [(GROUP - 1) / 2, (3 * GROUP - 1) / 2]
-    assert grouped(values, ~mask).size == 0
 
 
 def test_points_of_a_clean_ramp_with_drag_lie_on_the_curves():

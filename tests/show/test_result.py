@@ -22,7 +22,7 @@ def test_a_result_is_read_as_written(tmp_path):
     found = read_result(path)
     assert found.name == "stop"
     for name in COLUMNS:
-        assert np.array_equal(found[name], columns[name])
+        assert np.array_equal(found.values[name], columns[name])
     assert np.array_equal(found.valid, columns["valid"])
 
 

@@ -3,13 +3,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.estimation.results import write_result
 from calib.show import stop
-from calib.show.style import FRONT, REAR
-from tests.support.plot_lines import axes, line
+from calib.show.result import read_result
+from tests.support.plot_lines import line, panel
+
+PAD = r"estimate $\mu_{p,c}$, 95 %"
 
 
-def test_panels_in_the_order_of_the_paper(trace):
-    assert stop.sheet(trace).names == (
+@pytest.fixture(scope="module")
+def drawn(sedan, transition, stopped):
+    return stop.of_validation(sedan, "sedan@1", transition, stopped)
+
+
+def test_panels_in_the_order_of_the_paper(drawn):
+    assert drawn.names == (
         "wheel-speeds",
         "deceleration",
         "normalised-forces",
@@ -17,74 +25,67 @@ def test_panels_in_the_order_of_the_paper(trace):
         "pad-front",
         "pad-rear",
         "axle-torques",
-        "validity",
     )
 
 
-def test_pad_friction_with_interval_nominal_and_rivals(trace):
-    ax = axes()
-    stop.pad(ax, trace, trace.front, FRONT)
-    estimate = line(ax, r"estimate $\mu_{p,c}$, 95 %")[1]
-    assert np.array_equal(estimate[trace.valid], trace.front.pad[trace.valid])
-    assert np.isnan(estimate[~trace.valid]).all()
-    assert line(ax, r"$\mu_{p,n}$ of the table")[1] == [trace.front.nominal] * 2
+def test_pad_friction_with_interval_nominal_and_rivals(drawn, stopped):
+    e, pads = stopped.estimate, panel(drawn, "pad-front")
+    found = line(pads, PAD)[1]
+    assert np.array_equal(found[e.valid], e.front.pad_friction[e.valid])
+    assert np.isnan(found[~e.valid]).all()
+    # the table's vehicle has 28.84 cm^2 and 130.9 mm in front
+    nominal = line(pads, r"$\mu_{p,n}$ of the table")[1]
+    p = np.maximum(e.pressure_f, 0.0)
+    torque = line(panel(drawn, "axle-torques"), "front, pads of the table")[1]
+    assert torque == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * nominal * p)
     for name, (label, _) in stop.BASELINES.items():
-        rival = line(ax, label)[1]
-        assert np.array_equal(rival[trace.valid], trace.front.baselines[name][trace.valid])
-        assert np.isnan(rival[~trace.valid]).all()
-    low, high = ax.get_ylim()
-    held = trace.valid
-    assert low < trace.front.lower[held].min()
-    assert high > trace.front.upper[held].max()
+        rival = line(pads, label)[1]
+        assert np.array_equal(rival[e.valid], e.baselines[name][0][e.valid])
+        assert np.isnan(rival[~e.valid]).all()
+    low, high = pads.ylim
+    assert low < e.front.lower[e.valid].min()
+    assert high > e.front.upper[e.valid].max()
 
 
-def test_every_panel_marks_the_change_of_surface(trace):
-    (time,) = trace.changes
+def test_every_panel_over_time_marks_the_change_of_surface(drawn, stopped):
+    (time,) = stopped.estimate.split.changes
     assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
-    *over_time, why = stop.sheet(trace).overview().axes
-    assert why.get_title(loc="left").endswith(stop.WHY)
-    for ax in over_time:
-        uprights = [one for one in ax.get_lines() if list(one.get_xdata()) == [time, time]]
-        assert len(uprights) == 1
-    assert stop.CHANGED in stop.sheet(trace).note
-    assert stop.CHANGED not in stop.sheet(replace(trace, changes=())).note
+    for one in drawn.panels:
+        assert [(mark.start, mark.end) for mark in one.marks].count((time, time)) == 1
 
 
-def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(trace):
-    nowhere = replace(trace, valid=np.zeros(trace.time.size, bool))
-    assert len(stop.sheet(nowhere).overview().axes) == 8
-
-
-def test_what_is_before_the_bite_does_not_set_the_axis(trace):
-    """The interval before the bite is that of the prior: some tenths; in the stop a twentieth."""
-    ax = axes()
-    stop.pad(ax, replace(trace, front=replace(trace.front, nominal=None, baselines={})),
-             replace(trace.front, nominal=None, baselines={}), FRONT)  # fmt: skip
-    held = trace.valid
-    span = trace.front.upper[held].max() - trace.front.lower[held].min()
-    before = trace.front.upper[~held].max() - trace.front.lower[~held].min()
-    low, high = ax.get_ylim()
+def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
+    write_result(stopped.estimate, tmp_path / "stop.parquet")
+    sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
+    assert sheet.result.lower() in drawn.result
+    for name, label in (
+        ("pad-rear", PAD),
+        ("normalised-forces", "rear $F_r$"),
+        ("axle-torques", "rear compensated"),
+    ):
+        a, b = (line(panel(one, name), label)[1] for one in (sheet, drawn))
+        assert np.array_equal(a, b, equal_nan=True)
+    # the interval before the bite is that of the prior, and does not set the axis
+    e = stopped.estimate
+    span = e.front.upper[e.valid].max() - e.front.lower[e.valid].min()
+    before = e.front.upper[~e.valid].max() - e.front.lower[~e.valid].min()
+    low, high = panel(sheet, "pad-front").ylim
     assert span < high - low < 1.3 * span
     assert before > 1.5 * span
 
 
-def test_a_simulation_shows_its_truth_and_the_error(simulated):
-    sheet = stop.sheet(simulated)
-    assert (sheet.kind, sheet.names[-2]) == ("simulation", "error")
-    ax = axes()
-    stop.pad(ax, simulated, simulated.rear, REAR)
-    truth = line(ax, "truth")[1][simulated.valid]
-    assert truth == pytest.approx(np.full(truth.size, 0.4), rel=0.02)
-    ax = axes()
-    stop.error(ax, simulated)
-    nominal = line(ax, "front nominal")[1]
-    # 0.5 where 0.4 is true
-    assert nominal[simulated.valid] == pytest.approx(np.full(simulated.valid.sum(), 25.0), abs=1.0)
-    assert np.isnan(nominal[~simulated.valid]).all()
+def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
+    nowhere = np.zeros(stopped.estimate.time.size, bool)
+    none = replace(stopped, estimate=replace(stopped.estimate, valid=nowhere))
+    assert len(stop.of_validation(sedan, "sedan@1", transition, none).overview().axes) == 7
 
 
-def test_no_error_where_nothing_brakes():
-    true, valid = np.array([1.0, 0.0, 1.0]), np.array([True, True, False])
-    found = stop.relative(np.full(3, 1.05), true, valid)
-    assert found[0] == pytest.approx(5.0)
-    assert np.isnan(found[1:]).all()
+def test_a_simulation_shows_its_truth_beside_the_nominal_pads(simulated):
+    assert simulated.kind == "simulation"
+    # the paper's Section IV: 0.4; the pressure is noisy
+    truth = line(panel(simulated, "pad-rear"), "truth")[1]
+    assert np.nanmean(truth) == pytest.approx(0.4, rel=0.01)
+    assert np.isnan(truth[0])
+    for axle, nominal in (("front", 0.5), ("rear", 0.6)):
+        found = line(panel(simulated, f"pad-{axle}"), r"$\mu_{p,n}$ of the vehicle file")[1]
+        assert (found == nominal).all()

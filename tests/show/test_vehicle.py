@@ -12,19 +12,17 @@ from calib.show.vehicle import (
     rear_per_front,
     sheet,
 )
+from tests.support.plot_lines import line
 from tests.support.tables import VEHICLE
 
 
 def test_the_lines_meet_where_the_bias_turns():
-    drawn = sheet(VEHICLE).overview()
-    brakes, used = drawn.axes
-    by_label = {line.get_label(): line for line in brakes.lines}
-    at = by_label["front locks first up to 0.64 g"].get_xydata()[0]
-    ideal = by_label["I curve: equal friction"].get_xydata()
-    assert np.interp(at[0], *ideal.T) == pytest.approx(at[1], rel=1e-3)
+    brakes, used = sheet(VEHICLE).panels
+    x, y = line(brakes, "front locks first up to 0.64 g")
+    assert np.interp(x, *line(brakes, "I curve: equal friction")) == pytest.approx(y, rel=1e-3)
     front, rear, _ = used.lines
-    cross = np.argmin(np.abs(front.get_ydata() - rear.get_ydata())[20:]) + 20
-    assert front.get_xdata()[cross] == pytest.approx(0.641, abs=0.01)
+    cross = np.argmin(np.abs(front.y - rear.y)[20:]) + 20
+    assert front.x[cross] == pytest.approx(0.641, abs=0.01)
 
 
 WEIGHT, L, L_F, L_R, H, R = 1744.0 * 9.80665, 2.805, 1.1556, 1.6494, 0.615, 0.322

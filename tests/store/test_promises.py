@@ -300,7 +300,7 @@ def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
         stopped = killed(lambda n=step: store.save(made_table(20.0 + n), reject), step)
         entries = store.list() if store.folder.is_dir() else ()
         assert len(entries) - before in ((0, 1) if stopped else (1,))
-        assert all(entry.flaw == "" for entry in entries)
+        assert all(entry.sound for entry in entries)
         assert all(entry.state.word == "rejected" for entry in entries)
         assert [e.version for e in entries] == list(range(1, len(entries) + 1))
         assert not entries or all(verdict.sound for verdict in store.verify())

@@ -64,7 +64,7 @@ def test_what_is_seen_is_the_newest_line_for_each_key_and_store(store, seen):
     (sight,) = json.loads(seen.read_text())["seen"]
     entries = store.journal().entries
     assert sight == {
-        "key": ADA.key_id,
+        "key": ADA.public.key_id,
         "store": entries[0].hash,
         "place": str(store.folder.resolve()),
         "head": entries[-1].hash,
@@ -73,7 +73,10 @@ def test_what_is_seen_is_the_newest_line_for_each_key_and_store(store, seen):
     sign(store, "sedan@2", EVE)
     verify_signed(store, ADA.public)
     found = json.loads(seen.read_text())["seen"]
-    assert {(one["key"], one["lines"]) for one in found} == {(ADA.key_id, 6), (EVE.key_id, 6)}
+    assert {(one["key"], one["lines"]) for one in found} == {
+        (ADA.public.key_id, 6),
+        (EVE.public.key_id, 6),
+    }
     sign(store, "sedan@2", EVE)
     set_back(store, 6)
     used(store)  # what was seen with another key is no alarm

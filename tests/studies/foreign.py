@@ -29,7 +29,7 @@ from calib.base.bounded import POINTER  # noqa: E402
 from calib.base.errors import BrakeCalError, LogError  # noqa: E402
 from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases  # noqa: E402
 from calib.logs.formats import RECORDINGS, ending_of  # noqa: E402
-from calib.logs.read import opened_recording  # noqa: E402
+from calib.logs.read import open_log  # noqa: E402
 from calib.logs.source import Recording  # noqa: E402
 
 EXTENDED = 1 << 31
@@ -66,11 +66,10 @@ def by_us(path: Path, identifiers: "list[tuple[int, bool]]", folder: Path) -> in
     if identifiers:
         (folder / "all.dbc").write_text(database(identifiers))
         files = (DatabaseFile(folder / "all.dbc"),)
-    opened = opened_recording(path, ChannelMap("map", {}, databases=Databases(files)))
-    try:
-        return sum(size_of(opened, index) for index in range(1, len(opened.columns)))
-    finally:
-        opened.close()
+    with open_log(path, ChannelMap("map", {}, databases=Databases(files))) as opened:
+        source = opened.source
+        assert isinstance(source, Recording)
+        return sum(size_of(source, index) for index in range(1, len(source.columns)))
 
 
 def size_of(opened: Recording, index: int) -> int:

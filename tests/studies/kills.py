@@ -81,7 +81,7 @@ def of_store(kills: int, dice: random.Random, home: Path) -> Counter[str]:
             entries[key].state.word != word for key, word in told.items() if key in entries
         )
         counts["without a verdict"] += sum(e.state.word == "draft" for e in entries.values())
-        counts["cannot be read"] += sum(bool(e.flaw) for e in entries.values())
+        counts["cannot be read"] += sum(bool(e.violations) for e in entries.values())
         if entries:
             counts["not sound"] += sum(not verdict.sound for verdict in store.verify())
     return counts
@@ -118,7 +118,7 @@ def of_station(kills: int, dice: random.Random, home: Path) -> Counter[str]:
     longest = patience(lambda: published(0, out))
     for _ in range(kills):
         killed(lambda number: published(number, out), longest, dice)
-        counts["met an intent"] += (out / ".publishing.json").exists()
+        counts["met an intent"] += (out / ".publishing").exists()
         counts["flaws after the kill"] += not is_whole(out)
         settle(out)
         counts["flaws after the next command"] += not is_whole(out)

@@ -86,7 +86,7 @@ def test_the_map_reads_the_run_back(tmp_path):
     rows = np.column_stack(list(columns.values()))
     head = ";".join(f"{name} [{unit or ''}]" for name, unit in columns)
     np.savetxt(path, rows, delimiter=";", header=head, comments="", fmt="%.9f")
-    channel_map.write_text(to_toml(suggest(open_log(path).source, str(path))))
+    channel_map.write_text(to_toml(suggest(open_log(path).table(), str(path))))
     log = read_log(path, channel_map)
     for name in ("time", "a_x", "p_mc", "v", *(f"omega_{w}" for w in WHEELS)):
         np.testing.assert_allclose(log[name], RUN[name], rtol=1e-6, atol=2e-3)
@@ -270,7 +270,7 @@ def test_a_torque_of_no_axle_and_a_demand_are_no_torque_of_the_drive(name):
     + sorted(SAMPLES.glob("real/*.csv")), ids=lambda path: path.stem,
 )  # fmt: skip
 def test_our_own_logs_are_taken_as_they_are(path):
-    result = suggest(open_log(path).source, str(path))
+    result = suggest(open_log(path).table(), str(path))
     assert not result.doubts
     assert all(p.mapping.source == p.channel and p.mapping.sign == 1 for p in result.proposals)
     assert list(result.missing) == (["p_mc"] if path.parent.name == "real" else [])

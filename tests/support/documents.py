@@ -9,7 +9,7 @@ def missing_and_unknown(name: str, document: dict[str, object]) -> list[str]:
     """What is wrong with a document, in the judgement of another program's validator."""
     one = documents()[name]
     errors = [error.message for error in Draft202012Validator(one.schema).iter_errors(document)]
-    starts = tuple(key.name.removesuffix(SEVERAL) for key in one.keys if SEVERAL in key.name)
-    known = {"schema", *(key.name for key in one.keys)}
+    starts = tuple(key.removesuffix(SEVERAL) for key in one.keys if SEVERAL in key)
+    known = {"schema", *one.keys}
     left = {key for key in document if key not in known and not key.startswith(starts or ("\0",))}
     return errors + [f"{name}: the page has no key {key}" for key in sorted(left)]

@@ -101,7 +101,7 @@ def on_bus(path: Path) -> object:
 def signals_of_a_bus(path: Path) -> object:
     """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
     chart = ChannelMap("map.toml", {}, databases=Databases((DatabaseFile(_beside(path)),)))
-    opened = open_log(path, chart).source
+    opened = open_log(path, chart).table()
     return opened.read(range(len(opened.columns)))
 
 

@@ -1,26 +1,20 @@
-"""Finding what was drawn in a pair of axes."""
+"""Finding what is drawn in a panel."""
 
 import numpy as np
-from matplotlib.figure import Figure
 
 
-def axes():
-    return Figure().subplots()
+def panel(sheet, name):
+    """The panel of that name."""
+    (found,) = [one for one in sheet.panels if one.name == name]
+    return found
 
 
-def line(ax, label):
+def line(panel, label):
     """x and y of the one line of that label."""
-    (found,) = [one for one in ax.get_lines() if one.get_label() == label]
-    return found.get_xdata(), found.get_ydata()
+    (found,) = [one for one in panel.lines if one.label == label]
+    return np.asarray(found.x), np.asarray(found.y)
 
 
-def labels(ax):
-    return ax.get_legend_handles_labels()[1]
-
-
-def drawn(ax, x, y):
-    """Whether some line of ``ax`` goes through exactly these points."""
-    return any(
-        np.array_equal(one.get_xdata(), x) and np.array_equal(one.get_ydata(), y, equal_nan=True)
-        for one in ax.get_lines()
-    )
+def labels(panel):
+    """Labels of the lines."""
+    return {one.label for one in panel.lines}

@@ -1,17 +1,14 @@
 """Keys that sign tables, what somebody without a key can do to a store, and what is refused."""
 
-import hashlib
-import json
 import shutil
 from base64 import b64encode
-from dataclasses import asdict, replace
 
 import minisign
 import pytest
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 from calib.base.errors import StoreError
-from calib.store.journal import Entry, Journal, write_journal
+from calib.store.journal import Journal, write_journal
 from calib.store.minisign import SecretKey
 from calib.store.signature import require_signed, verify_signed
 from calib.store.state import StateDecision
@@ -42,23 +39,6 @@ WITHDRAW = StateDecision("withdrawn", "pads recalled", by="Bob")
 def set_back(store: Store, lines: int) -> None:
     """Cut the journal to its first lines, and write a head that agrees."""
     write_journal(store.folder, Journal(store.journal().entries[:lines]))
-
-
-def rewritten(store: Store, record: dict[str, str]) -> None:
-    """Write the journal anew, with every hash in it, for other record files of versions."""
-    journal = Journal()
-    for entry in store.journal().entries:
-        changed = replace(
-            entry, record=record.get(entry.id, entry.record), previous=journal.head, hash=""
-        )
-        journal = Journal((*journal.entries, replace(changed, hash=hash_of(changed))))
-    write_journal(store.folder, journal)
-
-
-def hash_of(entry: Entry) -> str:
-    """SHA-256 of the canonical JSON of an entry whose hash is empty."""
-    text = json.dumps(asdict(entry), sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def replaced_by(store: Store, other: Store) -> None:

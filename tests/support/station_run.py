@@ -6,8 +6,7 @@ from pathlib import Path
 
 from calib.car.vehicle_file import read_vehicle
 from calib.line.station.limits_file import LIMITS
-from calib.line.station.metrics import Car
-from calib.line.station.station import Identity, StationOutcome, outcome, table_of, validated
+from calib.line.station.station import Identity, StationOutcome, table_of, validated
 from calib.logs.read import read_log
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
@@ -24,5 +23,5 @@ def failed_car() -> StationOutcome:
     stops[0] = replace(stops[0], name=MARKUP, notes=(f"channel {MARKUP} was not taken",))
     identity = Identity(serial=MARKUP, vin="WVWZZZ1JZXW000001")
     table = table_of(car, [ramp], [coast], identity)
-    results = [validated(table, log, LIMITS) for log in stops]
-    return outcome(Car(table, [ramp], stops, results), [coast], LIMITS, identity)
+    results = tuple(validated(table, log, LIMITS) for log in stops)
+    return StationOutcome(table, [ramp], [coast], stops, results, LIMITS, identity)

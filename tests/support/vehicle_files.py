@@ -3,7 +3,9 @@
 from dataclasses import asdict
 from pathlib import Path
 
-from calib.base.toml import toml_bytes, written_quantity
+import tomlkit
+
+from calib.base.toml import written_quantity
 from calib.base.units import si_of
 from calib.car.keys import KEYS
 from calib.car.vehicle import Vehicle
@@ -19,4 +21,4 @@ def write_vehicle(vehicle: Vehicle, path: Path) -> None:
         part[key.name] = written_quantity(value, si_of(key.unit))  # type: ignore[index]
     if vehicle.effects.names:
         document["effects"] = {n: dict(own) for n, own in vehicle.effects.parameters.items()}
-    path.write_bytes(toml_bytes(document))
+    path.write_bytes(tomlkit.dumps(document).encode())

@@ -15,7 +15,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.car.effects.effect import Parameter, Parameters, effect
+from calib.car.effects.effect import CARDS, Parameters, effect
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import second_order
 from calib.car.vehicle import Vehicle
@@ -23,14 +23,9 @@ from calib.car.vehicle import Vehicle
 AIR_DENSITY = 1.2
 """Density of air at 20 degC and 1013 hPa [kg/m^3], ISO 2533 rounded."""
 
-NATURAL_FREQUENCY = Parameter("natural_frequency", "rad/s", 3.0, 30.0, 2.6 * np.pi, 2.5)
-"""1.3 Hz, that of a usual body (Gillespie, ch. 5)."""
-
-DAMPING = Parameter("damping", "1", 0.05, 0.95, 0.3, 0.1)
-"""That of a usual body (Gillespie, ch. 5)."""
-
-ELASTIC_SHARE = Parameter("elastic_share", "1", 0.0, 1.5, 0.4, 0.4)
-"""Zero on a stiff car, nearly 1 without anti-dive (Gillespie, ch. 7)."""
+ELASTIC_SHARE, NATURAL_FREQUENCY, DAMPING, _ = CARDS["pitch_coupling"].parameters
+"""A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5); the elastic share is zero on a
+stiff car, nearly 1 without anti-dive (ch. 7)."""
 
 
 def _drag(parameters: Parameters, v: Array) -> Array:
@@ -83,51 +78,13 @@ def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_
 
 AERODYNAMIC_DRAG = effect(
     "aerodynamic_drag",
-    Parameter("drag_area", "m^2", 0.0, 12.0, 0.65, 0.25),
-    Parameter("load_share", "1", -0.5, 1.5, 0.5, 0.25, default=1.0),
-    cause="air resistance of the body",
-    equation="F = 1/2 rho (c_d A) v^2, rho = 1.2 kg/m^3; front load less (1 - s) F h/L; no "
-    "effect at drag_area = 0",
-    source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 1 and 4",
-    looks_like="deceleration beyond the tyre forces that falls with v^2, braked or not",
     load_shift=_above_the_road,
     body_force=lambda vehicle, parameters, motion: _drag(parameters, motion.v),
 )
 EFFECTS = (
     AERODYNAMIC_DRAG,
-    effect(
-        "mass_error",
-        Parameter("mass_error", "1", -0.3, 0.3, 0.05, 0.04),
-        cause="passengers, load or fuel other than in the vehicle file",
-        equation="M_v (1 + e), in (5) to (7); no effect at mass_error = 0",
-        source="Newton's second law; (5) to (7) of the paper",
-        looks_like="all brakes weaker by one factor, like a lower pad level; drag has less effect",
-        # The centre of gravity stays where it is.
-        mass=lambda parameters: 1.0 + parameters["mass_error"],
-    ),
-    effect(
-        "road_grade",
-        Parameter("grade", "1", -0.2, 0.2, 0.02, 0.02),
-        Parameter("felt", "1", 0.0, 1.0, 0.5, 0.5),
-        cause="slope of the road, positive uphill",
-        equation="F = W s, s sine of the slope; a_x reads f g s more; no effect at grade = 0",
-        source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 1",
-        looks_like="a constant deceleration, braked or not, without slip; either sign",
-        body_force=_grade,
-        accelerometer=_felt,
-    ),
-    effect(
-        "pitch_coupling",
-        ELASTIC_SHARE,
-        NATURAL_FREQUENCY,
-        DAMPING,
-        Parameter("pitch_gradient", "rad", 0.0, 0.15, 0.03, 0.015),
-        cause="the body pitches on its springs; e of the load transfer goes through them",
-        equation="z_b'' + 2 D w z_b' + w^2 z_b = w^2 z; front load less W e (z - z_b) h/L; "
-        "a_x - g e k z_b; no effect at elastic_share = 0",
-        source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 5 and 7 (anti-dive)",
-        looks_like="a_x that oscillates at 1 to 2 Hz after a step and is too large while held",
-        load_shift=_lagging_load,
-        accelerometer=_nose_down,
-    ),
+    # The centre of gravity stays where it is.
+    effect("mass_error", mass=lambda parameters: 1.0 + parameters["mass_error"]),
+    effect("road_grade", body_force=_grade, accelerometer=_felt),
+    effect("pitch_coupling", load_shift=_lagging_load, accelerometer=_nose_down),
 )

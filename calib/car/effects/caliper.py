@@ -27,7 +27,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
 from calib.car.braking import BITE
-from calib.car.effects.effect import Pair, Parameter, Parameters, effect
+from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 
 _BOTH = 0.5
@@ -137,41 +137,7 @@ def clamped(time: Array, p: Array, most: float, drain: float) -> Array:
 
 
 EFFECTS = (
-    effect(
-        "brake_threshold_pressure",
-        Parameter("threshold", "Pa", -3e5, 10e5, 1.5e5, 1e5),
-        Parameter("threshold_rear_share", "1", 0.0, 1.0, _BOTH, 0.25, default=_BOTH, share=True),
-        cause="springs and seals of the calipers; below 0 a sensor that reads too low",
-        equation="p - p_0 above |p_0|; p_0 min(1, 2 - 2 s) in front, p_0 min(1, 2 s) in the "
-        "rear; no effect at threshold = 0",
-        source="Limpert, Brake Design and Safety, ch. 5 (pushout pressure)",
-        looks_like="the same loss of torque at every pressure; no torque below the threshold",
-        pressure=_above_threshold,
-    ),
-    effect(
-        "caliper_hysteresis",
-        Parameter("width", "1", 0.0, 0.5, 0.06, 0.04),
-        Parameter("fixed_share", "1", 0.0, 1.0, 0.5, 0.5, default=0.0),
-        cause="friction of piston seals and slide pins holds the pads on release",
-        equation="c = p - r rising, p/(1 - (1 - s) w) + r falling, held between; "
-        "r = s w p_0/2, p_0 = 20 bar; no effect at width = 0",
-        source="Visintin, Differential Models of Hysteresis, ch. III (play); Limpert, ch. 5",
-        looks_like="more torque on release than on application at the same pressure, fast or "
-        "slow; a fixed width also bites late and drags after release; seen only in logs with a "
-        "release",
-        pressure=_in_the_loop,
-    ),
-    effect(
-        "residual_torque",
-        Parameter("residual_pressure", "Pa", 0.0, 20e5, 1.5e5, 1e5),
-        Parameter("drain_time", "s", 1.0, 60.0, 8.0, 5.0),
-        Parameter("rear_bias", "1", -1.0, 1.0, 0.0, 0.7),
-        cause="pads that stick: a seized pin or piston, after an application",
-        equation="clamp = max(p, q), q = min(p, r) while applied, q' = -q/T after; front or "
-        "rear share by b; no effect at residual_pressure = 0",
-        source="Limpert, Brake Design and Safety, ch. 5; Breuer and Bill, Brake Technology",
-        looks_like="a deceleration that stays after release, with slip of one axle, and none "
-        "before the first application; only logs that go on after a release show it",
-        pressure=_never_free,
-    ),
+    effect("brake_threshold_pressure", pressure=_above_threshold),
+    effect("caliper_hysteresis", pressure=_in_the_loop),
+    effect("residual_torque", pressure=_never_free),
 )

@@ -1,30 +1,19 @@
 """The list of all effects.
 
 A new effect needs its place in `EFFECTS` of the file of its link, in the order in which effects of
-that link act, and its name in `_ORDER`.
+that link act, its card in `cards.csv` and its parameters in `parameters.csv`.
 """
 
 from calib.base.errors import ModelError
 from calib.car.effects import body, caliper, line, pads, sensors, wheels
-from calib.car.effects.effect import Effect
+from calib.car.effects.effect import CARDS, Effect
 
 _CHAIN = {
     effect.card.name: effect
     for link in (line, caliper, pads, wheels, body, sensors)
     for effect in link.EFFECTS
 }
-_ORDER = (
-    "aerodynamic_drag rolling_resistance road_grade engine_drag pad_thermal_fade "
-    "pad_speed_dependence pad_pressure_dependence wet_pad_recovery rolling_radius_mismatch "
-    "brake_threshold_pressure hydraulic_lag hydraulic_delay rear_proportioning "
-    "caliper_hysteresis pitch_coupling accelerometer_bias accelerometer_scale wheel_inertia "
-    "side_imbalance disc_thickness_variation mass_error residual_torque hydraulic_oscillation "
-    "regenerative_torque rolling_radius_load tone_ring_runout accelerometer_lag speed_delay "
-    "wheel_speed_delay"
-)
-"""The order in which effects are listed, and tried by a diagnosis."""
-
-CATALOGUE: dict[str, Effect] = {name: _CHAIN[name] for name in _ORDER.split()}
+CATALOGUE: dict[str, Effect] = {name: _CHAIN[name] for name in CARDS}
 
 LINE = tuple(effect.card.name for effect in line.EFFECTS)
 """Effects between the master cylinder and the wheels, in the direction of flow."""

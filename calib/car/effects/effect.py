@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from calib.base.arrays import Array
+from calib.base.plain import rows
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 
@@ -114,18 +115,38 @@ class Effect:
     wheel_speed_delay: Callable[[Parameters], float] | None = None
 
 
-def effect(
-    name: str,
-    *parameters: Parameter,
-    cause: str,
-    equation: str,
-    source: str,
-    looks_like: str,
-    neutral: float = 0.0,
-    **hooks: Callable[..., Any],
-) -> Effect:
-    """An effect from what its card says and its hooks, as the catalogue has them."""
-    return Effect(Card(name, cause, equation, source, looks_like, parameters, neutral), **hooks)
+def _cards() -> dict[str, Card]:
+    parameters: dict[str, list[Parameter]] = {}
+    for row in rows("parameters.csv", "calib.car.effects"):
+        low, high, typical, spread = (float(row[k]) for k in ("low", "high", "typical", "spread"))
+        default = float(row["default"]) if row["default"] else None
+        parameters.setdefault(row["effect"], []).append(
+            Parameter(
+                row["name"], row["unit"], low, high, typical, spread, default, row["share"] == "yes"
+            )
+        )
+    return {
+        row["name"]: _card(row, tuple(parameters[row["name"]]))
+        for row in rows("cards.csv", "calib.car.effects")
+    }
+
+
+def _card(row: dict[str, str], parameters: tuple[Parameter, ...]) -> Card:
+    neutral = float(row["neutral"])
+    equation = f"{row['equation']}; no effect at {parameters[0].name} = {neutral:g}"
+    texts = (row["cause"], equation, row["source"], row["looks_like"])
+    return Card(row["name"], *texts, parameters, neutral)
+
+
+CARDS = _cards()
+"""The cards of the catalogue, in the order in which effects are listed, and tried by a diagnosis.
+
+They stand in `cards.csv`, their parameters in `parameters.csv`."""
+
+
+def effect(name: str, **hooks: Callable[..., Any]) -> Effect:
+    """The effect of the catalogue that has these hooks."""
+    return Effect(CARDS[name], **hooks)
 
 
 def acts_on_brakes(effect: Effect) -> bool:

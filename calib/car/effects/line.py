@@ -3,7 +3,7 @@
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.effects.effect import Pair, Parameter, Parameters, effect
+from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order
 
@@ -59,45 +59,8 @@ def limited(p: Array, knee: float, slope: float) -> Array:
 
 
 EFFECTS = (
-    effect(
-        "hydraulic_delay",
-        Parameter("delay", "s", -0.05, 0.5, 0.05, 0.03),
-        cause="dead time between the pressure sensor and the brakes, or between their clocks",
-        equation="p(t) = p_mc(t - T_d); no effect at delay = 0",
-        source="Breuer and Bill, Brake Technology Handbook",
-        looks_like="torque that follows the pressure later, with unchanged shape",
-        pressure=_delayed,
-    ),
-    effect(
-        "hydraulic_lag",
-        Parameter("time_constant", "s", 0.0, 1.0, 0.1, 0.06),
-        Parameter("lag_bend", "1", 0.0, 0.25, 0.1, 0.1, default=0.0),
-        cause="flow resistance of the lines and volume taken by the calipers",
-        equation="q T^2 p'' + T p' + p = p_mc; no effect at time_constant = 0",
-        source="Limpert, Brake Design and Safety, ch. 5; Breuer and Bill, Brake Technology",
-        looks_like="torque that follows changes of pressure late and rounded; none when held",
-        pressure=_lagging,
-    ),
-    effect(
-        "hydraulic_oscillation",
-        Parameter("response_time", "s", 0.0, 0.5, 0.06, 0.04),
-        Parameter("line_damping", "1", 0.05, 0.98, 0.5, 0.2),
-        cause="mass of the fluid in the lines on the compliance of hoses, calipers or a booster",
-        equation="T^2 p'' + 2 D T p' + p = p_mc; no effect at response_time = 0",
-        source="Limpert, Brake Design and Safety, ch. 5; Breuer and Bill, Brake Technology",
-        looks_like="torque that follows a step of pressure late and overshoots; on ramps the "
-        "same as a delay of 2 D T: only steps or quick releases tell them apart",
-        pressure=_oscillating,
-    ),
-    effect(
-        "rear_proportioning",
-        Parameter("knee_slope", "1", 0.0, 1.0, 0.4, 0.2),
-        Parameter("knee", "Pa", 0.0, 150e5, 25e5, 10e5),
-        cause="a proportioning valve, or a control unit that acts as one",
-        equation="p_r = p_k + s (p - p_k) above p_k; no effect at knee_slope = 1",
-        source="Limpert, Brake Design and Safety, ch. 7",
-        looks_like="rear torque that grows less with pressure above a knee; front unchanged",
-        neutral=1.0,
-        pressure=_proportioned,
-    ),
+    effect("hydraulic_delay", pressure=_delayed),
+    effect("hydraulic_lag", pressure=_lagging),
+    effect("hydraulic_oscillation", pressure=_oscillating),
+    effect("rear_proportioning", pressure=_proportioned),
 )

@@ -14,7 +14,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.disc_temperature import DISCS, heated
-from calib.car.effects.effect import Pair, Parameter, Parameters, effect
+from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 
 _REFERENCE_PRESSURE = 20e5
@@ -105,70 +105,12 @@ def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     return {"fl": 1.0 + a * left * turned, "fr": 1.0 + a * right * turned}
 
 
-FADE = effect(
-    "pad_thermal_fade",
-    Parameter("fade_slope", "1/K", 0.0, 0.005, 0.001, 0.0005),
-    Parameter("fade_onset", "degC", 0.0, 500.0, 150.0, 60.0),
-    cause="the binder of the pads decomposes above a temperature",
-    equation="mu_p (1 - k max(T - T_0, 0)); no effect at fade_slope = 0",
-    source="Limpert, Brake Design and Safety, ch. 3; Breuer and Bill, Brake Technology",
-    looks_like="less torque at the same pressure on hot discs, no change on cold ones; without "
-    "a log of T the heat at the start of each log is found with it, less exactly: log T",
-    friction=faded,
-)
+FADE = effect("pad_thermal_fade", friction=faded)
 EFFECTS = (
     FADE,
-    effect(
-        "pad_speed_dependence",
-        Parameter("speed_slope", "s/m", -0.02, 0.02, -0.004, 0.004),
-        cause="pad friction changes with the sliding speed",
-        equation="mu_p (1 + k (v - 20 m/s)); no effect at speed_slope = 0",
-        source="Limpert, Brake Design and Safety, ch. 3; ISO 15484",
-        looks_like="torque that grows (k < 0) towards the end of a stop at constant pressure",
-        friction=_by_speed,
-    ),
-    effect(
-        "pad_pressure_dependence",
-        Parameter("pressure_slope", "1/Pa", -1e-7, 1e-7, -2e-8, 2e-8),
-        Parameter("pressure_bend", "1/Pa", 0.0, 4e-6, 2e-7, 4e-7, default=0.0),
-        cause="pad friction changes with the contact pressure",
-        equation="mu_p (1 + k (p - 20 bar)), most of it at light braking with a bend b > 0; no "
-        "effect at pressure_slope = 0",
-        source="Limpert, Brake Design and Safety, ch. 3; ISO 15484",
-        looks_like="torque that is not proportional to pressure, at any speed and temperature",
-        friction=_by_pressure,
-    ),
-    effect(
-        "wet_pad_recovery",
-        Parameter("wet_loss", "1", 0.0, 0.95, 0.3, 0.15),
-        Parameter("dry_energy", "J", 1e3, 1e6, 60e3, 40e3),
-        Parameter("dry_rear_share", "1", 0.2, 2.0, 0.8, 0.3, default=1.0),
-        cause="a film of water on disc and pads that the heat of braking removes",
-        equation="mu_p (1 - a exp(-E/E_0)), E heat of one brake, E_0 less at the rear; "
-        "no effect at wet_loss = 0",
-        source="Breuer and Bill, Brake Technology Handbook",
-        looks_like="weak brakes at the first application that recover with energy, not with time",
-        friction=_drying,
-    ),
-    effect(
-        "side_imbalance",
-        Parameter("imbalance", "1", -0.5, 0.5, 0.08, 0.05),
-        Parameter("rear_share", "1", -0.2, 1.2, 0.5, 0.5),
-        cause="pads, pistons or discs that differ between left and right",
-        equation="front T_b (1 +- x), rear T_b (1 +- r x), left +; no effect at imbalance = 0",
-        source="Limpert, Brake Design and Safety, ch. 7; UN R13-H, annex 3",
-        looks_like="left and right slips differ in proportion to torque, only while braked",
-        wheels=_uneven,
-    ),
-    effect(
-        "disc_thickness_variation",
-        Parameter("amplitude", "1", 0.0, 0.3, 0.03, 0.02),
-        Parameter("phase", "rad", -np.pi, np.pi, 0.0, 0.5),
-        Parameter("side", "1", -1.0, 1.0, 0.0, 0.8),
-        cause="front discs whose thickness varies around the turn (judder)",
-        equation="front T_b (1 + a sin(angle + phase)), 1 or 2 discs; no effect at amplitude = 0",
-        source="Jacobsson, Aspects of Disc Brake Judder, Proc. IMechE D 217 (2003)",
-        looks_like="a_x and front wheel speeds that pulse with the wheel's turn while braking",
-        wheels=_pulsing,
-    ),
+    effect("pad_speed_dependence", friction=_by_speed),
+    effect("pad_pressure_dependence", friction=_by_pressure),
+    effect("wet_pad_recovery", friction=_drying),
+    effect("side_imbalance", wheels=_uneven),
+    effect("disc_thickness_variation", wheels=_pulsing),
 )

@@ -13,7 +13,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import AXLES
 from calib.car.braking import BITE
-from calib.car.effects.effect import Pair, Parameter, Parameters, effect
+from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.forces import axle_loads
 from calib.car.history import Motion
 from calib.car.lag import first_order
@@ -90,79 +90,17 @@ def _flattened(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict
     }
 
 
-ROLLING_RESISTANCE = effect(
-    "rolling_resistance",
-    Parameter("coefficient", "1", 0.0, 0.05, 0.011, 0.005),
-    Parameter("rolling_growth", "1", -0.2, 0.5, 0.1, 0.1, default=0.0),
-    cause="hysteresis of the rolling tyre",
-    equation="M = c_rr (1 + g ((v/20 m/s)^2 - 1)) F_z R, on each wheel; no effect at "
-    "coefficient = 0",
-    source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 4; SAE J2452",
-    looks_like="a deceleration without brake pressure that hardly depends on speed",
-    axle_moment=_rolling,
-)
+ROLLING_RESISTANCE = effect("rolling_resistance", axle_moment=_rolling)
 EFFECTS = (
     ROLLING_RESISTANCE,
-    effect(
-        "engine_drag",
-        Parameter("drag_torque", "N*m", -500.0, 1500.0, 150.0, 100.0),
-        Parameter("drag_growth", "s/m", -0.02, 0.05, 0.008, 0.006, default=0.0),
-        Parameter("drag_rear_share", "1", 0.0, 1.0, 0.0, 0.5, default=0.0, share=True),
-        cause="engine in gear with closed throttle, at the driven axle or at both",
-        equation="M = M_e (1 + g (v - 20 m/s)), 1 - s of it on the front axle, s on the rear "
-        "one; no effect at drag_torque = 0",
-        source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 2; growth: Heywood, Internal "
-        "Combustion Engine Fundamentals, ch. 13",
-        looks_like="a nearly constant deceleration, braked or not; the driven axle alone slips",
-        axle_moment=_engine,
-    ),
-    effect(
-        "regenerative_torque",
-        Parameter("regen_torque", "N*m", 0.0, 3000.0, 170.0, 110.0),
-        Parameter("regen_power", "W", 1e3, 200e3, 15e3, 8e3),
-        Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5, share=True),
-        Parameter("regen_onset", "Pa", 0.02e5, 10e5, BITE, 0.5e5, default=BITE),
-        Parameter("regen_span", "Pa", 0.1e5, 15e5, 3e5, 3e5, default=_BLEND * BITE),
-        Parameter("regen_lag", "s", 0.0, 0.4, 0.03, 0.03, default=0.0),
-        cause="an electric motor that brakes an axle, limited by the power it can take",
-        equation="M = min(M_0, P/omega) from the pressure p_0 on, in full p_s above it, 1 - s "
-        "of it front, s rear; follows the pedal with a lag T; fades out below 3 m/s; no effect "
-        "at regen_torque = 0",
-        source="Breuer and Bill, Brake Technology Handbook (regenerative braking)",
-        looks_like="a deceleration that sets in with the brake, does not grow with pressure "
-        "and falls with speed, with slip of the driven axle; at one pressure and speed the "
-        "pads absorb it: light and hard stops from high speed show it",
-        axle_moment=_motor,
-    ),
-    effect(
-        "wheel_inertia",
-        Parameter("extra_inertia", "kg*m^2", 0.0, 10.0, 1.0, 0.7),
-        cause="drive shafts, gears and engine that turn with the driven front wheels",
-        equation="J_w + J_x at the front; no effect at extra_inertia = 0",
-        source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 2 (rotating masses)",
-        looks_like="less front tyre force per torque, as with weaker front pads",
-        # Valid for one gear: the engine's share grows with the square of the ratio.
-        inertia=lambda parameters: (parameters["extra_inertia"], 0.0),
-    ),
+    effect("engine_drag", axle_moment=_engine),
+    effect("regenerative_torque", axle_moment=_motor),
+    # Valid for one gear: the engine's share grows with the square of the ratio.
+    effect("wheel_inertia", inertia=lambda parameters: (parameters["extra_inertia"], 0.0)),
+    # The front radius is taken as right: a common error is one of the speed scale.
     effect(
         "rolling_radius_mismatch",
-        Parameter("radius_mismatch", "1", -0.03, 0.03, 0.003, 0.003),
-        cause="tread wear or inflation that differs between the axles",
-        equation="R_r (1 + m); no effect at radius_mismatch = 0",
-        source="Pacejka, Tyre and Vehicle Dynamics, ch. 1 (effective rolling radius)",
-        looks_like="a constant factor on the rear wheel speeds, braked or not",
-        # The front radius is taken as right: a common error is one of the speed scale.
         radius=lambda parameters: (1.0, 1.0 + parameters["radius_mismatch"]),
     ),
-    effect(
-        "rolling_radius_load",
-        Parameter("radius_load", "1", 0.0, 0.03, 0.004, 0.002),
-        cause="tyres that are pressed flatter under the load transfer of braking",
-        equation="omega exp(q (F_z/F_z0 - 1)); no effect at radius_load = 0",
-        source="Pacejka, Tyre and Vehicle Dynamics, ch. 1 (effective rolling radius)",
-        looks_like="front wheels that turn faster and rear ones slower in proportion to the "
-        "deceleration; pads, tyre stiffness and peak absorb most of it: stops from the same "
-        "speed on dry and wet roads, or hard stops beside ramps to the peak, show it",
-        wheel_speed=_flattened,
-    ),
+    effect("rolling_radius_load", wheel_speed=_flattened),
 )

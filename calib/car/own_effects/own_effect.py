@@ -1,7 +1,7 @@
 """Effects of the user's own: defined in a Python file, beside those of the catalogue.
 
 They are part of the value `Effects`, that of a vehicle or a model, and not of a global list: two
-cars in one program may have different ones. `calib.car.own_effects.read` reads such a file.
+cars in one program may have different ones. `calib.car.own_effects.effect_file` reads such a file.
 """
 
 from collections.abc import Iterable, Mapping
@@ -32,11 +32,7 @@ def definition(effects: Effects, name: str) -> Effect:
     Raises ModelError for an unknown name, and for an own effect whose file was not given.
     """
     own = effects.own.get(name)
-    if own is None:
-        return effect_named(name)
-    if isinstance(own, OwnEffect):
-        return own.effect
-    raise not_given(name, own)
+    return effect_named(name) if own is None else given(name, own).effect
 
 
 def every_effect(effects: Effects) -> dict[str, Effect]:
@@ -45,12 +41,14 @@ def every_effect(effects: Effects) -> dict[str, Effect]:
     return {**CATALOGUE, **own}
 
 
-def not_given(name: str, defined: DefinedIn, where: object = None) -> ModelError:
-    """The error for an own effect whose file is needed and was not given."""
-    return ModelError(
-        f"the effect {name!r} is defined in {defined.file}, which was not given",
+def given(name: str, own: DefinedIn, where: object = None) -> OwnEffect:
+    """An own effect with its file. Raises ModelError where that was not given."""
+    if isinstance(own, OwnEffect):
+        return own
+    raise ModelError(
+        f"the effect {name!r} is defined in {own.file}, which was not given",
         where=where,
-        do=f"give --effect {defined.file}, with its folder; diagnose, simulate, fit and validate "
+        do=f"give --effect {own.file}, with its folder; diagnose, simulate, fit and validate "
         "have this option",
     )
 
@@ -61,27 +59,27 @@ def with_own(vehicle: Vehicle, own: Iterable[OwnEffect]) -> Vehicle:
     Raises ModelError for a file that is not the one with which its effects were fitted, and for two
     effects of one name.
     """
-    given: dict[str, OwnEffect] = {}
+    files: dict[str, OwnEffect] = {}
     for one in own:
-        if one.name in given:
+        if one.name in files:
             raise ModelError(
-                f"the effect {one.name!r} is also defined in {given[one.name].file}",
+                f"the effect {one.name!r} is also defined in {files[one.name].file}",
                 where=one.file,
                 expected="another name",
             )
-        given[one.name] = one
-    effects = replace(vehicle.effects, own=completed(vehicle.effects.own, given, vehicle.name))
+        files[one.name] = one
+    effects = replace(vehicle.effects, own=completed(vehicle.effects.own, files, vehicle.name))
     return replace(vehicle, effects=effects)
 
 
 def completed(
-    defined: Mapping[str, DefinedIn], given: Mapping[str, DefinedIn], where: object
+    defined: Mapping[str, DefinedIn], files: Mapping[str, DefinedIn], where: object
 ) -> dict[str, DefinedIn]:
-    """``defined``, completed by those ``given``. Raises ModelError where a file has changed.
+    """``defined``, completed by these ``files``. Raises ModelError where one has changed.
 
     ``where`` is what names the definitions, for the message.
     """
-    for name, own in given.items():
+    for name, own in files.items():
         known = defined.get(name, own)
         if known.sha256 and known.sha256 != own.sha256:
             raise ModelError(
@@ -90,4 +88,4 @@ def completed(
                 expected=f"the file with the SHA-256 {known.sha256[:12]}...",
                 do="take that file, or fit or diagnose again",
             )
-    return {**defined, **given}
+    return {**defined, **files}

@@ -20,7 +20,7 @@ from calib.plausibility.wheel_signals import LOST_PULSES
 from calib.run.axle_signals import signals
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
-from calib.run.rules import wrong_channels
+from calib.run.rules import problems
 
 
 def require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
@@ -42,7 +42,7 @@ def require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
 def require_right_channels(vehicle: Vehicle, logs: Sequence[Log]) -> None:
     """Raise LogError for a log with channels that are wrong, or one of another car."""
     for log in logs:
-        reasons = wrong_channels(observe(log, noise=False))
+        reasons = problems(observe(log), "search")
         if reasons:
             raise LogError(
                 "this run will not do for a diagnosis: " + "; ".join(reasons),

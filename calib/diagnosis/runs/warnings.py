@@ -47,7 +47,7 @@ def unexplained_warnings(
 def _of_log(one: JudgedLog, judged: Sequence[JudgedLog]) -> Iterator[PlausibilityWarning]:
     sensor = judge_accelerometer(one.vehicle, one.known, one.blocks, one.noise)
     yield from run_warnings(one.log, one.signals, one.vehicle, sensor, one.response)
-    seen = observe(one.log, noise=False)
+    seen = observe(one.log, full=False)
     yield from swapped_axles(one.log.name, seen)
     yield from locked_wheels(one.log.name, seen)
     yield from saturated(one.log.name, seen)

@@ -2,31 +2,25 @@
 
 The chart (Shewhart; Western Electric, Statistical Quality Control Handbook, 1956) shows where to
 look. A steady line breaks its rules, too: with known limits one car in 92 (Champ and Woodall,
-Technometrics 29, 1987). The decision is made by one test over the whole order, that of Pettitt
-(Applied Statistics 28, 1979), by ranks, so for any distribution.
+Technometrics 29, 1987). The decision is made by the test of Pettitt (Applied Statistics 28, 1979)
+over the whole order, by ranks, so for any distribution.
 
     K = max_k |S_k|,   S_k = sum of (rank - mean rank) up to car k
 
 Neighbours may be alike without a drift: logs of one car. K is divided by sqrt((1 + r)/(1 - r))
 (Bayley and Hammersley, Supplement to the J. of the Royal Statistical Society 8, 1946), r the
 correlation of neighbours without the drift itself (Serinaldi and Kilsby, Stochastic Environmental
-Research and Risk Assessment 30, 2016): good for up to about four logs a car and ten cars. The chart
-assumes independent cars.
+Research and Risk Assessment 30, 2016): good for up to about four logs a car and ten cars.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from calib.line.fleet.outliers import Mask
-from calib.logs.log import Array
+from calib.base.arrays import Array, Mask
 
-RULES = {
-    1: "one car beyond 3 sigma",
-    2: "two of three beyond 2 sigma on one side",
-    3: "four of five beyond 1 sigma on one side",
-    4: "eight in a row on one side",
-}
+_RULES = {1: (3.0, 1, 1), 2: (2.0, 2, 3), 3: (1.0, 4, 5), 4: (0.0, 8, 8)}
+"""Of each rule: sigmas, and how many of how many cars in a row are beyond them on one side."""
 
 BY_CHANCE = {1: 0.0027, 2: 0.00205, 3: 0.00447, 4: 0.00781}
 """Share of cars with an alarm of each rule on a steady, normal line with known limits [1]."""
@@ -40,8 +34,8 @@ FEWEST = 10
 _ALIKE = 0.95
 """Largest correlation of neighbours that is counted: 39 logs then say as much as one."""
 
-_MEDIAN_RANGE = 0.9539
-"""Median of |x - y| over sigma, x and y normal: sqrt(2) times the upper quartile 0.6745."""
+_MEDIAN_RANGE, _MEAN_RANGE = 0.9539, 1.128
+"""Median and mean of |x - y| over sigma, x and y normal."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +76,7 @@ def chart(values: Array) -> Chart | None:
     moving = np.abs(np.diff(values))
     sigma = float(np.median(moving)) / _MEDIAN_RANGE
     if sigma <= 0.0:  # coarse metrics: most consecutive values are equal
-        sigma = float(np.mean(moving)) / 1.128
+        sigma = float(np.mean(moving)) / _MEAN_RANGE
     centre = float(np.median(values))
     if sigma <= 1e-12 * abs(centre):
         return None
@@ -91,8 +85,7 @@ def chart(values: Array) -> Chart | None:
 
 def alarms(z: Array) -> dict[int, Mask]:
     """Masks (n,) of run rules 1 to 4 on standardised ``z`` (n,), true where a pattern completes."""
-    rules = {1: (3.0, 1, 1), 2: (2.0, 2, 3), 3: (1.0, 4, 5), 4: (0.0, 8, 8)}
-    return {n: _enough(z > x, *of) | _enough(z < -x, *of) for n, (x, *of) in rules.items()}
+    return {n: _enough(z > x, *of) | _enough(z < -x, *of) for n, (x, *of) in _RULES.items()}
 
 
 def _enough(hit: Mask, wanted: int, window: int) -> Mask:
@@ -105,8 +98,7 @@ def change(values: Array) -> LevelChange | None:
     """Test ``values`` (n,) in order for one change of level; None below `FEWEST` or all equal.
 
     ``p`` is the tail of Kolmogorov's distribution, exact for many cars and too large for few, see
-    `least_p`. A slow drift is detected too; ``first`` is then near its middle. Neighbours that are
-    alike make ``p`` larger, see `likeness`.
+    `least_p`. Of a slow drift ``first`` is near its middle.
     """
     n = values.size
     if n < FEWEST:
@@ -114,8 +106,7 @@ def change(values: Array) -> LevelChange | None:
     from scipy.special import kolmogorov
     from scipy.stats import rankdata
 
-    ranks = rankdata(values)
-    about = ranks - 0.5 * (n + 1)
+    about = rankdata(values) - 0.5 * (n + 1)
     scale = float(np.sqrt(np.sum(about**2) * n / (n - 1)))
     if scale == 0.0:
         return None
@@ -130,9 +121,8 @@ def change(values: Array) -> LevelChange | None:
 def likeness(ranks: Array, first: int) -> float:
     """Correlation of neighbours in ``ranks`` (n,) about their mean, from 0 to `_ALIKE`.
 
-    What is left of a step at ``first``, or of a straight line if that explains more: a drift alone
-    makes no neighbours alike. The estimate is too small by (2 + 4 r)/n (van Giersbergen, Economics
-    Letters 86, 2005), which is taken out.
+    What is left of a step at ``first``, or of a straight line if that explains more. The estimate
+    is too small by (2 + 4 r)/n (van Giersbergen, Economics Letters 86, 2005), which is taken out.
     """
     n = ranks.size
     step = np.concatenate([part - part.mean() for part in np.split(ranks, [first])])
@@ -147,9 +137,7 @@ def likeness(ranks: Array, first: int) -> float:
 
 
 def least_p(n: int) -> float:
-    """The smallest ``p`` of a `change` in ``n`` different values.
-
-    It belongs to a step: the larger half of the values comes last.
+    """The smallest ``p`` of a `change` in ``n`` values: that of a step, the larger half last.
 
     >>> [round(least_p(n), 4) for n in (10, 14, 16, 22)]
     [0.0661, 0.0149, 0.0071, 0.0007]

@@ -2,9 +2,11 @@
 
 from typing import Any
 
-from calib.base.plain import counted, plain
-from calib.line.fleet import control_chart, outliers
-from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
+import numpy as np
+
+from calib.base.plain import counted
+from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE
+from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.summary import Look, Summary
 
 
@@ -12,38 +14,16 @@ def headline(found: Summary) -> str:
     """The fleet in one sentence."""
     errors = sum(failure.count for failure in found.failures)
     failed = f"; {counted(errors, 'log')} with an error" if errors else ""
-    if too_few(found):
+    if found.too_few:
         some = any(look.spread.count for look in found.looks)
         why = "too few to judge outliers or drift" if some else "none has a metric"
         return f"{counted(len(found.logs), 'log')}: {why}{failed}."
-    names, logs = [name_of(look) for look in found.looks if look.drifts], len(found.apart)
-    drift = "No drift" if drift_tested(found) else "Drift not tested"
+    names, logs = [look.name for look in found.looks if look.drifts], len(found.apart)
+    drift = "No drift" if found.drift_tested else "Drift not tested"
     if names:
         drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
     apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
     return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
-
-
-def too_few(found: Summary) -> bool:
-    """Whether no metric has enough logs to be judged."""
-    counts = [look.spread.count for look in found.looks]
-    return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
-
-
-def drift_tested(found: Summary) -> bool:
-    """Whether any metric has enough logs to tell a drift."""
-    return any(look.change is not None for look in found.looks)
-
-
-def name_of(look: Look) -> str:
-    """The plain name of a metric."""
-    return plain(look.metric.name, look.metric.unit).name
-
-
-def _by_chance(look: Look, rule: int) -> float | None:
-    """How often a steady line would break ``rule``; None where there are too few logs to say."""
-    n = look.values.size
-    return BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None
 
 
 def document(found: Summary) -> dict[str, Any]:
@@ -56,29 +36,29 @@ def document(found: Summary) -> dict[str, Any]:
         "headline": headline(found),
         "errors": found.failures,
         "copies": found.copies,
-        "outliers": [
-            {"log": o.log, "figure": o.metric, "value": o.value, "z": o.z, "p": o.p}
-            for o in found.outliers
-        ],
-        "outliers_by_chance": outliers.SHARE * len(found.outliers),
+        "outliers": found.outliers,
+        "outliers_by_chance": SHARE * len(found.outliers),
         "apart": [
-            {"log": car.log, "p": car.p, "figures": [o.metric for o in car.reasons]}
+            {"log": car.log, "p": car.p, "figures": [o.figure for o in car.reasons]}
             for car in found.apart
         ],
         "figures": {look.metric.name: _entry(found, look) for look in found.looks},
-        "classes": {s.metric.name: dict(s.counts) for s in found.shares},
+        "classes": found.classes,
     }
 
 
 def _entry(found: Summary, look: Look) -> dict[str, Any]:
-    s, c = look.spread, look.change
+    s, c, n = look.spread, look.change, look.values.size
     return {
         "unit": look.metric.unit,
         "count": s.count,
         "median": s.median,
         "scale": s.scale,
         "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
-        "beyond_3": {"count": s.beyond, "by_chance": s.expected},
+        "beyond_3": {
+            "count": int(np.sum(np.abs(s.z) > 3.0)),
+            "by_chance": BY_CHANCE[1] * int(np.isfinite(s.p).sum()),
+        },
         "outliers": int(look.outlying.sum()),
         "named_beyond": s.edges,
         "chart": look.chart
@@ -87,10 +67,10 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
             "limits": look.chart.limits,
             "rules": {
                 str(rule): {
-                    "broken": int(look.chart.alarms[rule].sum()),
-                    "by_chance": _by_chance(look, rule),
+                    "broken": int(alarm.sum()),
+                    "by_chance": BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None,
                 }
-                for rule in RULES
+                for rule, alarm in look.chart.alarms.items()
             },
         },
         "change": c

@@ -25,6 +25,7 @@ NAME = "journal.sqlite"
 _SCHEMA = "2"
 _ANEW = "name another --out, or start again with --fresh"
 _TABLES = """
+BEGIN;
 CREATE TABLE IF NOT EXISTS settings (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL,
     error TEXT, cells TEXT NOT NULL, lost INTEGER NOT NULL);
@@ -34,7 +35,7 @@ DELETE FROM rows;
 
 
 class BatchJournal:
-    """The journal of ``folder``, which is made if there is none, open for one run at a time.
+    """The journal of ``folder``, open for one run at a time; made if there is none.
 
     ``fresh`` deletes its content. Raises BatchError when it was written with other settings, is no
     journal of this version, is damaged or in use, OSError when the disk is full or fails; so do
@@ -42,7 +43,9 @@ class BatchJournal:
     """
 
     def __init__(self, folder: Path, settings: dict[str, str], fresh: bool = False):
-        self._path, ours = folder / NAME, {"schema": _SCHEMA, **settings}
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder, self._path = folder, folder / NAME
+        ours = {"schema": _SCHEMA, **settings}
         try:
             self._db, stored = _locked(self._path)
         except _Unusable:
@@ -58,7 +61,7 @@ class BatchJournal:
             raise BatchError(what, where=folder, do=_ANEW)
         if fresh or not stored:
             with _explained(self._path), self._db:
-                self._db.executescript(f"BEGIN; {_TABLES}")
+                self._db.executescript(_TABLES)
                 self._db.executemany("INSERT INTO settings VALUES (?, ?)", ours.items())
 
     def add(self, rows: Iterable[Row]) -> None:
@@ -72,18 +75,13 @@ class BatchJournal:
 
     def row(self, log: str) -> Row | None:
         """The row of a log, or None; floats are exact."""
-        for found in self._select("* FROM rows WHERE log = ?", log):
-            _, digest, status, error, cells, lost = found
+        for _, digest, status, error, cells, lost in self._select("* FROM rows WHERE log = ?", log):
             return Row(log, digest, Status(status), error, tuple(json.loads(cells)), bool(lost))
         return None
 
     def rows(self, logs: Iterable[str]) -> Iterator[Row]:
-        """Rows of ``logs`` in their order. Raises KeyError for a log that has none."""
-        for log in logs:
-            row = self.row(log)
-            if row is None:
-                raise KeyError(log)
-            yield row
+        """Rows of those of ``logs`` that have one, in their order."""
+        return filter(None, map(self.row, logs))
 
     def counts(self) -> Counter[Status]:
         """Number of rows by status."""
@@ -93,9 +91,9 @@ class BatchJournal:
         """All logs that have a row, sorted."""
         return [log for (log,) in self._select("log FROM rows ORDER BY log")]
 
-    def _select(self, what: str, *values: str) -> Iterator[tuple[Any, ...]]:
+    def _select(self, what: str, *values: str) -> list[tuple[Any, ...]]:
         with _explained(self._path):
-            yield from self._db.execute(f"SELECT {what}", values)
+            return self._db.execute(f"SELECT {what}", values).fetchall()
 
     def close(self) -> None:
         """Close it; another run may then open it."""

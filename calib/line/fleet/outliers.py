@@ -8,14 +8,9 @@ other metrics, of its tails: see `calib.line.fleet.shapes`.
     edges          how far a car must be, in one metric, to be named for it alone
 
 Metrics that follow each other count as one: that number is the effective one of Galwey (Genetic
-Epidemiology 33, 2009), from the rank correlations. A car is named once, with all its reasons.
-
-Differences below the least one that matters, `least`, name no car. Where half of the cars or more
-have one value, such as a prior's, the other cars are judged among themselves.
-
-Assumed are good cars with tails about as long as those of a t distribution with 4 degrees of
-freedom, or shorter. `tests/studies/results/fleet_alarms.md` says how often a fleet of good cars
-names one, and how often a bad car is found.
+Epidemiology 33, 2009). Where half of the cars or more have one value, such as a prior's, the other
+cars are judged among themselves. Assumed are good cars with tails about as long as those of a t
+distribution with 4 degrees of freedom, or shorter: `tests/studies/results/fleet_alarms.md`.
 """
 
 from collections.abc import Sequence
@@ -23,12 +18,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index, Mask
 from calib.line.fleet.shapes import QUARTILE, TAIL_PRIOR, Bulk
-from calib.logs.log import Array
-
-Mask = NDArray[np.bool_]
 
 SHARE = 0.03
 """Expected share of false ones among the named cars, and of normal fleets that name a good one.
@@ -42,9 +34,6 @@ _MANY = 30
 
 FEWEST = 8
 """Fewest cars for a scale that can name outliers."""
-
-_FAR = 3.0
-"""|z| beyond which cars are counted and compared with the number by chance."""
 
 _OUTSIDE = 0.1
 """Share of the cars, the outermost, that must prove that they belong to the bulk."""
@@ -67,9 +56,8 @@ class MetricSpread:
 
     ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) the normal
     number that is as rare, NaN if the metric is not known or not judged; ``p`` two-sided (n,), NaN
-    likewise; ``beyond`` cars past `_FAR`, ``expected`` as many by chance; ``quantiles`` 5, 25, 75
-    and 95 %; ``edges``: a car below the first or above the second is named for this metric alone,
-    None if the metric is not judged.
+    likewise; ``quantiles`` 5, 25, 75 and 95 %; ``edges``: a car below the first or above the second
+    is named for this metric alone, None if the metric is not judged.
     """
 
     count: int
@@ -77,9 +65,7 @@ class MetricSpread:
     scale: float
     z: Array
     p: Array
-    beyond: int
-    expected: float
-    quantiles: tuple[float, float, float, float]
+    quantiles: tuple[float, ...]
     edges: tuple[float, float] | None
 
 
@@ -87,13 +73,12 @@ class MetricSpread:
 class _Judged:
     """All metrics of a fleet: ``spreads``; ``named`` (m, n) the reasons for which a car is named.
 
-    ``p`` (n,) of each car over its metrics; ``together`` number of metrics that say new things.
+    ``p`` (n,) of each car over its metrics.
     """
 
     spreads: tuple[MetricSpread, ...]
     named: Mask
     p: Array
-    together: float
 
 
 def judge(values: Array, least: Sequence[float] | None = None) -> _Judged:
@@ -118,7 +103,7 @@ def judge(values: Array, least: Sequence[float] | None = None) -> _Judged:
     edge = _share(n) * max(int(cars.sum()), 1) / max(int(some.sum()), 1) / max(together, 1.0)
     edges = {i: m.edges(prior, edge) for i, m, prior in zip(known, metrics, priors, strict=True)}
     spreads = tuple(_spread(values[i], p[i], edges.get(i)) for i in range(m))
-    return _Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car, together)
+    return _Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car)
 
 
 def named(p: Array, share: float = SHARE) -> Mask:
@@ -167,7 +152,7 @@ class _Metric:
     ``distance`` of its judged cars from ``centre``; ``inside``: those in the bulk.
     """
 
-    rows: NDArray[np.int64]
+    rows: Index
     centre: float
     distance: Array
     scale: float
@@ -283,12 +268,9 @@ def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> Metri
 
     known = values[np.isfinite(values)]
     if known.size == 0:
-        return MetricSpread(0, np.nan, np.nan, p, p, 0, 0.0, (np.nan,) * 4, None)
+        return MetricSpread(0, np.nan, np.nan, p, p, (np.nan,) * 4, None)
     median = float(np.median(known))
     scale = _MAD * float(np.median(np.abs(known - median)))
     z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
-    beyond = int(np.sum(np.abs(z) > _FAR))
-    expected = 0.0027 * int(np.isfinite(p).sum())
-    q = [float(x) for x in np.quantile(known, [0.05, 0.25, 0.75, 0.95])]
-    quantiles = (q[0], q[1], q[2], q[3])
-    return MetricSpread(known.size, median, scale, z, p, beyond, expected, quantiles, edges)
+    quantiles = tuple(map(float, np.quantile(known, [0.05, 0.25, 0.75, 0.95])))
+    return MetricSpread(known.size, median, scale, z, p, quantiles, edges)

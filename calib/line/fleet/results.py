@@ -1,8 +1,4 @@
-"""`results.parquet`: one row for each log, sorted by log; equal rows give equal bytes.
-
-The columns are in `calib.line.fleet.rows`. Rows are written in groups, so that a large fleet needs
-little memory.
-"""
+"""`results.parquet`: one row for each log, with the columns of `calib.line.fleet.rows`."""
 
 import itertools
 import os
@@ -14,25 +10,24 @@ from typing import Any
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.bounded import RESULT, open_bounded
 from calib.base.errors import InputError
 from calib.base.toml import did_you_mean
 from calib.base.write import sync
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
-from calib.logs.log import Array
 
 NAME = "results.parquet"
 _GROUP = 5000
 """Number of rows in memory at a time."""
-
 _EXPECTED = "results.parquet of `brake-cal batch`"
 
 
 def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> Path:
     """Write the rows in their order and return the path; an old file is replaced at the end.
 
-    Units and meanings are in the metadata of the fields, the settings in that of the file.
-    Raises OSError if the folder cannot be written.
+    Units and meanings are in the metadata of the fields, the settings in that of the file; equal
+    rows give equal bytes. Raises OSError if the folder cannot be written.
     """
     import pyarrow.parquet as pq
 
@@ -66,9 +61,7 @@ def _table(rows: list[Row], schema: Any) -> Any:
 
     none = (None,) * (len(schema) - len(HEAD))
     full = [(r.log, r.digest, r.status, r.error, *(r.cells or none)) for r in rows]
-    columns = zip(zip(*full, strict=True), schema, strict=True)
-    arrays = [pa.array(values, type=field.type) for values, field in columns]
-    return pa.Table.from_arrays(arrays, schema=schema)
+    return pa.table(dict(zip(schema.names, zip(*full, strict=True), strict=True)), schema=schema)
 
 
 @dataclass(frozen=True)
@@ -96,9 +89,7 @@ class FleetFile:
 
 
 def open_fleet(path: Path, order: str | None = None) -> FleetFile:
-    """Read the results of a batch.
-
-    ``order`` is the column that orders the line; None for the logs' names.
+    """Read the results of a batch, in the ``order`` of a column, or of the logs' names.
 
     Raises InputError for another file, an unknown status, or an unknown column.
     """

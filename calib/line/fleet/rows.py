@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 Cell = float | bool | str | None
 
@@ -37,10 +38,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """Result of a command for one log.
+    """Result of a command for one log; ``cells`` follow `columns_of`, none for an error.
 
-    ``cells`` follow `columns_of` and are empty for an error. ``lost`` marks an error that the log
-    may not cause: the worker died or had no memory. The next run tries it again.
+    ``lost``: an error that the log may not cause, as of a worker that died. It is tried again.
     """
 
     log: str
@@ -50,25 +50,21 @@ class Row:
     cells: tuple[Cell, ...] = ()
     lost: bool = False
 
-    def to_dict(self, command: Command) -> dict[str, object]:
+    def to_dict(self, command: Command) -> dict[str, Any]:
         """The row of a command as one JSON document."""
         head = {"log": self.log, "digest": self.digest, "status": self.status, "error": self.error}
-        return {**head, "figures": self._metrics(command)}
+        names = (column.name for column in columns_of(command))
+        return {**head, "figures": dict(zip(names, self.cells, strict=False))}
 
     def line(self, command: Command) -> str:
         """The row of a command in one line: its status or error, and the pads where it has them."""
         if self.error is not None:
             return f"{self.log}: error: {self.error.removeprefix(f'{self.log}: ')}"
-        metrics = self._metrics(command)
+        metrics = self.to_dict(command)["figures"]
         broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
-        front, rear = metrics.get("pad_friction_f"), metrics.get("pad_friction_r")
-        known = isinstance(front, float) and isinstance(rear, float)
-        pads = f", pads {front:.3f} / {rear:.3f}" if known else ""
-        return f"{self.log}: {self.status}{broken}{pads}"
-
-    def _metrics(self, command: Command) -> dict[str, Cell]:
-        names = (column.name for column in columns_of(command))
-        return dict(zip(names, self.cells, strict=False))
+        pads = [metrics.get(f"pad_friction_{axle}") for axle in "fr"]
+        told = "" if None in pads else f", pads {pads[0]:.3f} / {pads[1]:.3f}"
+        return f"{self.log}: {self.status}{broken}{told}"
 
 
 def finite(value: float | None) -> float | None:
@@ -90,13 +86,13 @@ HEAD = (
 
 _WARNED = _text("warned", "codes of the warnings; null without any")
 
+_PADS = ("friction_f", "friction_r", "scale")
+
 FIT = (
     Column("pad_friction_f", "1", "pad friction, front"),
     Column("pad_friction_r", "1", "pad friction, rear"),
     Column("pad_scale", "1", "common factor on the nominal pad friction"),
-    Column("pad_friction_f_sigma", "1", "one sigma of it"),
-    Column("pad_friction_r_sigma", "1", "one sigma of it"),
-    Column("pad_scale_sigma", "1", "one sigma of it"),
+    *(Column(f"pad_{name}_sigma", "1", "one sigma of it") for name in _PADS),
     Column("deceleration_max", "1", "deceleration that the ramp reached, z"),
     Column("front_biased_up_to", "1", "z up to which the front axle brakes more for its load"),
     Column("eta_peak", "1", "largest eta on the ramp"),

@@ -15,7 +15,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from calib.logs.log import Array
+from calib.base.arrays import Array
 
 SKEW = np.array([-0.9, -0.7, -0.5, -0.35, -0.2, 0.0, 0.2, 0.35, 0.5, 0.7, 0.9])
 _SKEW_PRIOR = np.array([0.5, 0.5, 1.0, 1.5, 2.5, 988.0, 2.5, 1.5, 1.0, 0.5, 0.5]) / 1000.0

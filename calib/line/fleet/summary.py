@@ -6,25 +6,22 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import InputError
 from calib.base.plain import plain
 from calib.base.toml import did_you_mean
+from calib.line.fleet import control_chart, outliers
 from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, least_p
 from calib.line.fleet.outliers import MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
-from calib.logs.log import Array
 
 _DRIFT = 0.01
 """Expected share of false ones among the metrics with a drift [1]."""
 
 _EXAMPLES = 3
 """Most logs that are named for a kind of error."""
-
-_SHORTEST = 3
-"""Fewest characters of a log's name, without ending, that is replaced in a message."""
 
 _MANY = 20
 """A text column with more different values than this is not a class: names, digests."""
@@ -35,7 +32,7 @@ class Outlier:
     """A reason why a log stands apart: a metric, its value, its z and two-sided p."""
 
     log: str
-    metric: str
+    figure: str
     value: float
     z: float
     p: float
@@ -60,13 +57,18 @@ class Look:
     """
 
     metric: Column
-    rows: NDArray[np.int64]
+    rows: Index
     values: Array
     spread: MetricSpread
     chart: Chart | None
     change: LevelChange | None
     drifts: bool
-    outlying: NDArray[np.bool_]
+    outlying: Mask
+
+    @property
+    def name(self) -> str:
+        """The plain name of the metric."""
+        return plain(self.metric.name, self.metric.unit).name
 
     @property
     def others(self) -> tuple[float, float]:
@@ -89,36 +91,39 @@ class _Failure:
 
 
 @dataclass(frozen=True)
-class _Shares:
-    """A metric of text or yes/no: number of each value, the most frequent first."""
-
-    metric: Column
-    counts: tuple[tuple[str, int], ...]
-
-
-@dataclass(frozen=True)
 class Summary:
-    """The whole fleet; ``status``: number of logs for each; ``apart``: the farthest first.
+    """The whole fleet.
 
-    ``together``: number of judged metrics that say new things; ``copies``: names of logs that are
-    one and the same recording, by recording.
+    ``status``: number of logs for each; ``classes``: of each metric of text or yes/no the number of
+    each value, the most frequent first; ``apart``: the farthest log first; ``copies``: names of
+    logs that are one and the same recording, by recording.
     """
 
     logs: tuple[str, ...]
     ordered_by: str
     status: dict[Status, int]
     looks: tuple[Look, ...]
-    shares: tuple[_Shares, ...]
+    classes: dict[str, dict[str, int]]
     apart: tuple[_Apart, ...]
     failures: tuple[_Failure, ...]
-    together: float = 1.0
-    copies: tuple[tuple[str, ...], ...] = ()
+    copies: list[list[str]]
 
     @property
     def outliers(self) -> tuple[Outlier, ...]:
         """All reasons of all logs that stand apart, the strongest first."""
         found = [reason for car in self.apart for reason in car.reasons]
         return tuple(sorted(found, key=lambda o: (o.p, -abs(o.z), o.log)))
+
+    @property
+    def too_few(self) -> bool:
+        """Whether no metric has enough logs to be judged."""
+        counts = [look.spread.count for look in self.looks]
+        return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
+
+    @property
+    def drift_tested(self) -> bool:
+        """Whether any metric has enough logs to tell a drift."""
+        return any(look.change is not None for look in self.looks)
 
 
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
@@ -147,17 +152,16 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         )
         for i, m in enumerate(numbers)
     )
-    status = Counter(fleet.values("status"))
+    status, digests = Counter(fleet.values("status")), fleet.values("digest")
     return Summary(
         fleet.logs,
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
         looks,
-        tuple(_shares(fleet, metrics)),
+        dict(_classes(fleet, metrics)),
         _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
-        judged.together,
-        copies(fleet.logs, fleet.values("digest")),
+        [same for same in _grouped(fleet.logs, digests).values() if len(same) > 1],
     )
 
 
@@ -203,23 +207,22 @@ def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
     return tuple(known[name] for name in wanted) or fleet.metrics
 
 
-def _shares(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[_Shares]:
+def _classes(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[tuple[str, dict[str, int]]]:
     words: dict[object, str] = {True: "yes", False: "no", None: "none"}
     for metric in (m for m in metrics if m.kind is not float):
         counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
         if metric.kind is bool or len(counts) <= _MANY:
-            yield _Shares(metric, tuple(counts.most_common()))
+            yield metric.name, dict(counts.most_common())
 
 
 def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[_Apart, ...]:
     """The logs that stand apart, each with its metrics; ``p`` (n,) of all logs."""
     reasons: dict[int, list[Outlier]] = {}
     for look in looks:
-        for i in np.flatnonzero(look.outlying):
-            row, s = int(look.rows[i]), look.spread
-            told = float(look.values[i]), float(s.z[row]), float(s.p[row])
+        for value, row in zip(look.values[look.outlying], look.rows[look.outlying], strict=True):
+            told = float(value), float(look.spread.z[row]), float(look.spread.p[row])
             found = Outlier(fleet.logs[row], look.metric.name, *told)
-            reasons.setdefault(row, []).append(found)
+            reasons.setdefault(int(row), []).append(found)
     cars = [
         _Apart(fleet.logs[row], float(p[row]), tuple(sorted(why, key=lambda o: (o.p, -abs(o.z)))))
         for row, why in reasons.items()
@@ -229,42 +232,30 @@ def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[_Apart,
 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
     """Errors grouped by kind, the most frequent first."""
-    groups: dict[str, list[tuple[str, str]]] = {}
-    for log, error in zip(logs, errors, strict=True):
-        if isinstance(error, str):
-            groups.setdefault(kind_of(error, log), []).append((error, log))
-    ranked = (groups[kind] for kind in sorted(groups, key=lambda kind: (-len(groups[kind]), kind)))
-    return tuple(
-        _Failure(group[0][0], len(group), tuple(log for _, log in group[:_EXAMPLES]))
-        for group in ranked
-    )
+    kinds = [
+        kind_of(error, log) if isinstance(error, str) else None
+        for log, error in zip(logs, errors, strict=True)
+    ]
+    messages = dict(zip(reversed(kinds), reversed(errors), strict=True))
+    ranked = sorted(_grouped(logs, kinds).items(), key=lambda kind: (-len(kind[1]), kind[0]))
+    return tuple(_Failure(str(messages[k]), len(g), tuple(g[:_EXAMPLES])) for k, g in ranked)
 
 
-def copies(logs: tuple[str, ...], digests: Sequence[object]) -> tuple[tuple[str, ...], ...]:
-    """Logs of the same bytes, in groups, in their order: a recording that counts more than once.
-
-    >>> copies(("a", "b", "c", "d"), ("1", "2", "1", None))
-    (('a', 'c'),)
-    """
+def _grouped(logs: tuple[str, ...], keys: Sequence[object]) -> dict[str, list[str]]:
+    """The logs by their keys, in their order; None is no key."""
     groups: dict[str, list[str]] = {}
-    for log, digest in zip(logs, digests, strict=False):
-        if isinstance(digest, str):
-            groups.setdefault(digest, []).append(log)
-    return tuple(tuple(group) for group in groups.values() if len(group) > 1)
+    for log, key in zip(logs, keys, strict=False):
+        if key is not None:
+            groups.setdefault(str(key), []).append(log)
+    return groups
 
 
 def kind_of(error: str, log: str) -> str:
-    """The message without names of this log and without numbers.
-
-    The name without ending is replaced only if it has three or more characters and is not a number:
-    a shorter one could be a word or a unit.
+    """The message without the name of this log and without numbers.
 
     >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
     'LOG: ends at # s; expected # s'
     """
-    name = re.split(r"[/\\]", log)[-1]
-    stem = name.rpartition(".")[0]
-    own = [log, name] + [stem] * (len(stem) >= _SHORTEST and not stem.isdecimal())
-    for text in filter(None, own):
-        error = re.sub(rf"""([^\s'"]*[/\\])?(?<![\w-]){re.escape(text)}(?![\w-])""", "LOG", error)
+    for own in filter(None, (log, re.split(r"[/\\]", log)[-1])):
+        error = error.replace(own, "LOG")
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)

@@ -11,14 +11,12 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from threading import Event
 
 from calib.base.printable import printable
 from calib.line.fleet.batch import Sweep, logs_below
 from calib.line.fleet.journal import BatchJournal
-from calib.line.fleet.results import NAME as RESULTS
 from calib.line.fleet.results import write_results
 from calib.line.fleet.rows import Row, Status
 from calib.line.fleet.work import Job
@@ -63,14 +61,6 @@ def _stamp(path: str) -> tuple[int, ...] | None:
     return stamp if stat.S_ISREG(found.st_mode) else None
 
 
-@dataclass(frozen=True)
-class _Watched:
-    """Result of a watch: number of logs by status, and path of the results; None without logs."""
-
-    results: Path | None
-    counts: Counter[Status]
-
-
 def watch(
     job: Job,
     folder: Path,
@@ -85,20 +75,18 @@ def watch(
     fresh: bool = False,
     each: Callable[[], None] = lambda: None,
     clock: Callable[[], float] = time.monotonic,
-) -> _Watched:
+) -> Counter[Status]:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
     ``folder`` is scanned each ``every`` [s], a log is complete after ``settle`` [s] without change;
     ``out`` keeps journal and results.parquet as in `run_batch`, rows named by their path within
-    ``folder``, and ``fresh`` deletes them. ``tell`` is called with each row after it is on the
-    disk, ``trouble`` once when a folder cannot be read, ``each`` after each scan; ``clock`` [s].
+    ``folder``. ``tell`` is called with each row after it is on the disk, ``trouble`` once when a
+    folder cannot be read, ``each`` after each scan; ``clock`` [s]. Returns the number of rows by
+    status; without a row there is no results.parquet.
 
-    A log is repeated only if its digest has changed, so a watch that was stopped or killed
-    continues. A log that was deleted keeps its row. The job is not "diagnose": its logs are folders
-    without a sign of completion. Raises BatchError like `run_batch` and when ``out`` belongs to
-    another folder, OSError when it cannot be written.
+    A log is repeated only if its digest has changed; one that was deleted keeps its row. The job is
+    not "diagnose": its logs are folders without a sign of completion. Raises like `run_batch`.
     """
-    out.mkdir(parents=True, exist_ok=True)
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     settled, troubled, written, behind = Settled(settle), set[str](), -math.inf, True
 
@@ -122,7 +110,7 @@ def watch(
             logs = {printable(os.path.relpath(path, folder)): path for path in ready}
             sweep = Sweep(job, journal, executor, len(logs), tell=tell)
             sweep.work(given(logs))
-            for row in filter(None, map(journal.row, logs)):
+            for row in journal.rows(logs):
                 if row.digest is None or row.lost:
                     settled.give(logs[row.log], clock() + _RETRY)
             behind = behind or bool(ready)
@@ -133,4 +121,4 @@ def watch(
                 behind, written = False, clock()
             if not ready:
                 stop.wait(every)
-        return _Watched(out / RESULTS if journal.logs() else None, journal.counts())
+        return journal.counts()

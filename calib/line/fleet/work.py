@@ -18,7 +18,7 @@ from calib.line.fleet.rows import FIT, Cell, Command, Row, Status, finite
 from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
-from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
+from calib.logs.read import FORMATS, REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
 VEHICLE = "vehicle.toml"
@@ -52,10 +52,6 @@ class Job:
             "map": _of_map(self.channel_map) if self.channel_map else "none",
             "program": self.version,
         }
-
-    def packed(self) -> bytes:
-        """The job as bytes; a worker unpacks them once."""
-        return pickle.dumps(self)
 
 
 def _of_map(mapped: ChannelMap) -> str:
@@ -93,9 +89,10 @@ class WorkItem:
 
 
 def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
-    """Rows of some logs in their order; None for an unchanged log. ``packed``: a `Job`.
+    """Rows of some logs in their order; None for an unchanged log.
 
-    Raises BatchError if the job comes from another version of the program.
+    ``packed``: a pickled `Job`, which a worker unpacks once. Raises BatchError if it comes from
+    another version of the program.
     """
     job: Job = _unpacked(packed)
     if job.version != VERSION:
@@ -140,22 +137,21 @@ def _digest_of(files: Files) -> str:
 
 
 def _contents(job: Job, item: WorkItem) -> Files:
-    if job.command != Command.DIAGNOSE:
-        return {item.name: log_bytes(Path(item.path), item.name)}
-    root = Path(item.path)
-    logs = sorted(p for part in (CALIBRATION, HOLDOUT) for p in (root / part).glob("*"))
-    logs = [p for p in logs if ending_of(p) in FORMATS and not p.name.startswith(".")]
-    files = {VEHICLE: log_bytes(root / VEHICLE, f"{item.name}/{VEHICLE}", any_format=True)}
-    for path in logs:
-        inner = path.relative_to(root).as_posix()
-        files[inner] = log_bytes(path, f"{item.name}/{inner}")
-    return files
+    """Bytes of the log, which has the name "", or of all files of its folder."""
+    root, names = Path(item.path), [""]
+    if job.command == Command.DIAGNOSE:
+        logs = sorted(p for part in (CALIBRATION, HOLDOUT) for p in (root / part).glob("*"))
+        logs = [p for p in logs if ending_of(p) in FORMATS and not p.name.startswith(".")]
+        names = [VEHICLE, *(p.relative_to(root).as_posix() for p in logs)]
+    where = {name: f"{item.name}/{name}".removesuffix("/") for name in names}
+    return {n: log_bytes(root / n, where[n], any_format=n == VEHICLE) for n in names}
 
 
-def _log(job: Job, item: WorkItem, files: Files, require: tuple[str, ...] = REQUIRED) -> Log:
-    (data,) = files.values()
-    path = Path(item.path)
-    return log_of(data, Path(item.name), job.channel_map, require=require, file=path)
+def _log(
+    job: Job, item: WorkItem, files: Files, name: str = "", require: tuple[str, ...] = REQUIRED
+) -> Log:
+    where, file = Path(item.name) / name, Path(item.path) / name
+    return read_log(where, job.channel_map, require=require, data=files[name], file=file)
 
 
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -203,13 +199,11 @@ def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.diagnosis.diagnose import diagnose
 
     vehicle = read_vehicle(Path(item.path) / VEHICLE)
-    sides: dict[str, list[Log]] = {CALIBRATION: [], HOLDOUT: []}
-    for inner, data in files.items():
-        if inner != VEHICLE:
-            where, file = Path(item.name) / inner, Path(item.path) / inner
-            log = log_of(data, where, job.channel_map, file=file)
-            sides[inner.split("/")[0]].append(log)
-    found = diagnose(vehicle, sides[CALIBRATION], sides[HOLDOUT])
+    calibration, holdout = (
+        [_log(job, item, files, name) for name in files if name.startswith(f"{part}/")]
+        for part in (CALIBRATION, HOLDOUT)
+    )
+    found = diagnose(vehicle, calibration, holdout)
     gap = (found.gap.before, found.gap.after, found.gap.closed)
     names = "+".join(effect.name for effect in found.effects)
     return Status.DONE, (found.verdict, names, *map(finite, gap))

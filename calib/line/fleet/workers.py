@@ -50,7 +50,8 @@ class Cluster:
     """The workers of Dask, the extra `dist`, behind a scheduler at ``address``, "tcp://host:port".
 
     Each worker must have this version of the program, and the logs under the same absolute paths.
-    Dask gives the logs of a dead worker to another one. Raises BatchError if there is no answer.
+    Dask gives the logs of a dead worker to another one. Raises BatchError if there is no answer,
+    and so do its methods.
     """
 
     def __init__(self, address: str):
@@ -62,36 +63,27 @@ class Cluster:
                 where="--scheduler",
                 do="pip install 'brake-cal[dist]'",
             ) from cause
+        self._client: Any = None
         try:
             _knock(address)
-            self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
+            self._client = Client(address, timeout=PATIENCE, set_as_default=False)
+            self._client.wait_for_workers(1, timeout=PATIENCE)
         except (OSError, ValueError) as cause:
+            self.close()
             raise BatchError(
-                f"no scheduler answers: {cause or type(cause).__name__}",
+                f"no scheduler with workers answers: {cause or type(cause).__name__}",
                 where=address,
                 expected="the address of a Dask scheduler, like tcp://host:8786",
-                do="start one with `dask scheduler`",
-            ) from cause
-        try:
-            self._client.wait_for_workers(1, timeout=PATIENCE)
-        except TimeoutError as cause:
-            self._client.close()
-            raise BatchError(
-                "the scheduler has no workers",
-                where=address,
-                do=f"start some with `dask worker {address}`",
+                do=f"start `dask scheduler`, and some `dask worker {address}`",
             ) from cause
         self._address = address
         self._asked, self._threads = -math.inf, 1
 
     @property
     def workers(self) -> int:
-        """Number of threads of all workers, updated once a second because workers may change.
-
-        Raises BatchError if the scheduler is gone.
-        """
+        """Number of threads of all workers, updated once a second because workers may change."""
         if time.monotonic() - self._asked > 1.0:
-            self._require_scheduler()
+            self.renew()
             try:
                 self._threads = max(1, sum(self._client.nthreads().values()))
             except OSError as cause:
@@ -100,32 +92,27 @@ class Cluster:
         return self._threads
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Submit logs to the scheduler. Raises BatchError if it is gone."""
+        """Submit logs to the scheduler."""
         rows: Future[Rows] = Future()
         given = self._client.submit(run_items, packed, items, pure=False)
         given.add_done_callback(partial(_pass_on, rows))
         # If the scheduler is lost, running futures fail, but later ones would not.
-        self._require_scheduler()
+        self.renew()
         return rows
 
     def renew(self) -> None:
-        """Keep the workers of the cluster. Raises BatchError if the scheduler is gone."""
-        self._require_scheduler()
-
-    def _require_scheduler(self) -> None:
+        """Keep the workers, which Dask renews itself, as long as there is a scheduler."""
         if self._client.status != "running":
             raise self._gone()
 
     def _gone(self) -> BatchError:
-        return BatchError(
-            "the scheduler is gone",
-            where=self._address,
-            do="start it and run the same command again: finished logs are kept",
-        )
+        do = "start it and run the same command again: finished logs are kept"
+        return BatchError("the scheduler is gone", where=self._address, do=do)
 
     def close(self) -> None:
         """Disconnect from the cluster; unfinished logs are dropped."""
-        self._client.close()
+        if self._client is not None:
+            self._client.close()
 
 
 Executor = Pool | Cluster
@@ -133,7 +120,7 @@ Executor = Pool | Cluster
 
 
 def _knock(address: str) -> None:
-    """Raise OSError or ValueError if there is no scheduler: a Dask client would end slowly."""
+    """Raise OSError or ValueError if there is no scheduler: a Dask client ends with a traceback."""
     from dask.utils import parse_timedelta
     from distributed.comm.addressing import parse_address, parse_host_port
 

@@ -7,10 +7,9 @@ before it (type I, Henderson's third method). The expected mean squares are line
 
     E[MS] = C sigma^2      C from the design only, so  sigma^2 = C^-1 MS
 
-In a full design with equal repeats this is the textbook table (AIAG, Measurement Systems Analysis,
-4th ed., app. A; Montgomery, Design and Analysis of Experiments, ch. 13). With unequal numbers or
-missing cells the estimates stay unbiased and the intervals are approximate, with the degrees of
-freedom of Satterthwaite (1946).
+In a full design this is the textbook table (AIAG, Measurement Systems Analysis, 4th ed., app. A;
+Montgomery, Design and Analysis of Experiments, ch. 13). With missing cells the estimates stay
+unbiased; the intervals are approximate, with the degrees of freedom of Satterthwaite (1946).
 
     GRR^2 = EV^2 + AV^2          scatter of the measurement: repeatability and reproducibility
     TV^2 = GRR^2 + PV^2          PV: the cars themselves
@@ -24,13 +23,14 @@ of draws of nu MS/chi2(nu) for each expected mean square. How often they contain
 `tests/studies/results/repeatability_coverage.md`.
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.logs.log import Array
+from calib.base.arrays import Array
 
 Codes = NDArray[np.int64]
 
@@ -53,33 +53,26 @@ _DRAWS = 20_000
 class _VarianceSource:
     """One row of the table: ``ss``, ``ms`` in the metric's unit squared, ``df`` degrees of freedom.
 
-    ``expected`` coefficients of the variances in the expected mean square; ``effective_df`` degrees
-    of freedom of the chi-square distribution of the mean square, possibly approximate.
+    ``effective_df``: of the chi-square distribution of the mean square, possibly approximate.
     """
 
-    name: str
+    source: str
     df: int
     ss: float
-    expected: tuple[float, ...]
+    ms: float
     effective_df: float
-
-    @property
-    def ms(self) -> float:
-        """Mean square."""
-        return self.ss / self.df
 
 
 @dataclass(frozen=True)
 class Anova:
-    """The table, and the estimated variances; a negative estimate stays negative."""
+    """The table, and the estimated variances; a negative estimate stays negative.
+
+    ``expected_mean_squares`` C: coefficient of each variance in each mean square, (k, k).
+    """
 
     sources: tuple[_VarianceSource, ...]
     variances: dict[str, float]
-
-    @property
-    def expected_mean_squares(self) -> Array:
-        """C: coefficient of each variance in each expected mean square, shape (k, k)."""
-        return np.array([source.expected for source in self.sources])
+    expected_mean_squares: Array
 
 
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
@@ -110,18 +103,17 @@ def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = 
     df = {n: U.shape[1] for n, U in parts.items()}
     about = y - np.mean(y)
     ss = {n: float(np.sum((U.T @ about) ** 2)) for n, U in parts.items()}
+    ms = {n: ss[n] / df[n] for n in names}
     # E[MS] has tr(U U' Z Z')/df of each variance
-    expected = {
-        n: tuple(float(np.sum((U.T @ z) ** 2)) / df[n] for z in Z.values())
-        for n, U in parts.items()
-    }
-    solved = np.linalg.solve(np.array([*expected.values()]), [ss[n] / df[n] for n in names])
-    variances = dict(zip(names, map(float, solved), strict=True))
+    C = np.array(
+        [[float(np.sum((U.T @ z) ** 2)) / df[n] for z in Z.values()] for n, U in parts.items()]
+    )
+    variances = dict(zip(names, map(float, np.linalg.solve(C, [*ms.values()])), strict=True))
     sources = (
-        _VarianceSource(n, df[n], ss[n], expected[n], _effective_df(U, Z, variances))
+        _VarianceSource(n, df[n], ss[n], ms[n], _effective_df(U, Z, variances))
         for n, U in parts.items()
     )
-    return Anova(tuple(sources), variances)
+    return Anova(tuple(sources), variances, C)
 
 
 def _partition(Z: dict[str, Array]) -> dict[str, Array]:
@@ -161,60 +153,52 @@ def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) ->
 
 @dataclass(frozen=True)
 class _VarianceComponent:
-    """``raw`` estimate, in the metric's unit squared; ``variance``: zero for a negative one.
+    """Standard deviation with its 95 % interval, and ``variance``: zero for a negative one.
 
-    ``low``, ``high`` 95 % interval.
+    ``raw_variance`` as estimated; in the metric's unit, or that squared.
     """
 
+    sd: float
+    ci95: tuple[float, float]
     variance: float
-    raw: float
-    low: float
-    high: float
+    raw_variance: float
 
-    @property
-    def sd(self) -> float:
-        """Standard deviation, in the metric's unit."""
-        return float(np.sqrt(self.variance))
 
-    @property
-    def sd95(self) -> tuple[float, float]:
-        """95 % interval of the standard deviation."""
-        return float(np.sqrt(self.low)), float(np.sqrt(self.high))
+@dataclass(frozen=True)
+class _Ratio:
+    """A ratio [1] with its 95 % interval."""
+
+    value: float
+    ci95: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class _Categories:
+    """Number of distinct categories, rounded down and ``uncut``, with its 95 % interval."""
+
+    value: int
+    uncut: float
+    ci95: tuple[float, float]
 
 
 @dataclass(frozen=True)
 class GaugeRR:
-    """Components of a metric's scatter.
+    """Components of a metric's scatter, as the document has them.
 
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
-    ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1]; ``ndc``
-    number of distinct categories, not rounded [1]; ``tolerance`` six standard deviations of the
-    gauge over the tolerance's width [1], None without one; each with its 95 % interval.
+    ``gauge`` and ``total``; ``negative`` those whose estimated variance is negative, and counts as
+    zero; ``grr`` share of the gauge in the total standard deviation; ``grr_of_tolerance`` six of
+    its standard deviations over the tolerance, None without one; ``cars_differ`` whether the
+    interval of the cars' standard deviation is above zero.
     """
 
+    anova: tuple[_VarianceSource, ...]
     components: dict[str, _VarianceComponent]
-    grr: float
-    grr95: tuple[float, float]
-    ndc: float
-    ndc95: tuple[float, float]
-    tolerance: float | None = None
-    tolerance95: tuple[float, float] | None = None
-
-    @property
-    def cars_differ(self) -> bool:
-        """Whether the 95 % interval of the cars' standard deviation is above zero."""
-        return self.components[CAR].low > 0.0
-
-    @property
-    def categories(self) -> int:
-        """Number of distinct categories, rounded down."""
-        return int(min(self.ndc, 1e9))
-
-    @property
-    def negative(self) -> tuple[str, ...]:
-        """Causes with a negative estimated variance, which counts as zero."""
-        sums = (REPRODUCIBILITY, GAUGE, TOTAL)
-        return tuple(n for n, c in self.components.items() if c.raw < 0.0 and n not in sums)
+    negative: tuple[str, ...]
+    grr: _Ratio
+    ndc: _Categories
+    grr_of_tolerance: _Ratio | None
+    cars_differ: bool
 
 
 def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
@@ -229,17 +213,24 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     raw = _derived(variances)
     point = _derived({name: np.maximum(x, 0.0) for name, x in variances.items()})
     spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(found).items()})
-    components = {
-        name: _VarianceComponent(float(point[name]), float(raw[name]), *_ends(spread[name]))
-        for name in point
-    }
+    components = {n: _component(float(point[n]), float(raw[n]), spread[n]) for n in point}
     (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(spread)
-    shares = float(grr), _ends(grrs), float(ndc), _ends(ndcs)
-    if tolerance is None:
-        return GaugeRR(components, *shares)
-    gauge, per = components[GAUGE], _SIGMAS / tolerance
-    low, high = gauge.sd95
-    return GaugeRR(components, *shares, per * gauge.sd, (per * low, per * high))
+    gauge, per = components[GAUGE], _SIGMAS / tolerance if tolerance else math.nan
+    low, high = gauge.ci95
+    return GaugeRR(
+        found.sources,
+        components,
+        tuple(name for name in components if found.variances.get(name, 0.0) < 0.0),
+        _Ratio(float(grr), _ends(grrs)),
+        _Categories(int(min(float(ndc), 1e9)), float(ndc), _ends(ndcs)),
+        _Ratio(per * gauge.sd, (per * low, per * high)) if tolerance else None,
+        components[CAR].ci95[0] > 0.0,
+    )
+
+
+def _component(variance: float, raw: float, draws: Array) -> _VarianceComponent:
+    low, high = map(math.sqrt, _ends(draws))
+    return _VarianceComponent(math.sqrt(variance), (low, high), variance, raw)
 
 
 def _drawn(found: Anova) -> dict[str, Array]:

@@ -1,14 +1,12 @@
-"""Car and station of each log: from a plan file, or from the folders of the logs.
+"""Car and station of each ramp of a gauge study, from a plan file.
 
-log,car,station,road,vehicle            plan.csv; station, road and vehicle are optional
+log,car,station,road,vehicle                station, road and vehicle are optional
 a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the plan's folder
-
-car/station/ramp.csv                 folders, with as many levels as the layout
 """
 
 import csv
 import os
-from collections import Counter, defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,10 +14,8 @@ from calib.base.bounded import PLAN, bytes_of
 from calib.base.errors import InputError
 from calib.base.toml import did_you_mean
 
-COLUMNS = ("log", "car", "station", "road", "vehicle")
-FILE = f"a CSV file with columns {', '.join(COLUMNS)}"
-LAYOUTS = ("car", "car/station", "station/car")
-"""Possible meanings of a log's folders, outer folder first."""
+_COLUMNS = ("log", "car", "station", "road", "vehicle")
+_FILE = f"a CSV file with columns {', '.join(_COLUMNS)}"
 
 
 @dataclass(frozen=True)
@@ -33,121 +29,64 @@ class Place:
     road: str = ""
 
 
-def read_plan(path: Path) -> tuple[Place, ...]:
-    """Read a plan, one log a row, with commas or semicolons between cells.
+def read_plan(path: Path, logs: Sequence[Path] = ()) -> tuple[Place, ...]:
+    """Read a plan, one log a row, with commas or semicolons; of ``logs`` only, if there are any.
 
-    Raises InputError if the file is not readable, or if a log or column occurs twice.
+    D, f1, f2 and the stiffness of the tyres depend on the road, so ramps of different roads are no
+    repeats of each other and are refused. Raises InputError if the file is not readable, if a log
+    or column occurs twice, and for a log without a row.
     """
     (_, heads), *rows = _cells(path)
-    for head in heads:
-        if head not in COLUMNS:
-            near = did_you_mean(head, COLUMNS)
-            raise InputError(f"unknown column {head!r}", where=path, expected=FILE, do=near)
     for head in ("log", "car", *heads):
+        if head not in _COLUMNS:
+            near = did_you_mean(head, _COLUMNS)
+            raise InputError(f"unknown column {head!r}", where=path, expected=_FILE, do=near)
         if heads.count(head) != 1:
-            raise InputError(f"no or two columns {head!r}", where=path, expected=FILE)
-    places = tuple(_place(path, line, heads, row) for line, row in rows)
+            raise InputError(f"no or two columns {head!r}", where=path, expected=_FILE)
+    known: dict[str, Place] = {}
+    for line, row in rows:
+        place = _place(path, line, heads, row)
+        if known.setdefault(os.path.realpath(place.log), place) is not place:
+            raise InputError(f"{place.log} occurs twice", where=path)
+    for log in logs:
+        if os.path.realpath(log) not in known:
+            raise InputError(f"{log} is not in the plan", where=path, do="add a row for it")
+    places = tuple(known[os.path.realpath(log)] for log in logs) or tuple(known.values())
     if not places:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
-    log, times = Counter(os.path.realpath(place.log) for place in places).most_common(1)[0]
-    if times > 1:
-        raise InputError(f"{log} occurs twice", where=path)
-    for key in ("station", "road"):
-        if len({bool(getattr(place, key)) for place in places}) > 1:
-            raise InputError(f"some logs have a {key} and some have none", where=path)
+    if len({bool(place.station) for place in places}) > 1:
+        raise InputError("some logs have a station and some have none", where=path)
+    if roads := sorted({place.road for place in places})[1:]:
+        raise InputError(
+            f"ramps of {len(roads) + 1} roads are no repeats",
+            where=path,
+            expected="ramps of one road",
+            do="name those of one road after the command",
+        )
     return places
 
 
 def _cells(path: Path) -> list[tuple[int, list[str]]]:
     """Number and cells of each line that is not empty, at least one."""
-    data = bytes_of(path, PLAN, InputError, FILE)
+    data = bytes_of(path, PLAN, InputError, _FILE)
     try:
         lines = data.decode("utf-8-sig").splitlines()
         separator = ";" if lines and ";" in lines[0] and "," not in lines[0] else ","
         table = csv.reader((line if line.strip() else "" for line in lines), delimiter=separator)
         rows = [(table.line_num, list(map(str.strip, row))) for row in table if row]
     except (UnicodeDecodeError, csv.Error) as cause:
-        raise InputError(f"not a table: {cause}", where=path, expected=FILE) from cause
+        raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
     if not rows or b"\0" in data:
-        raise InputError("not a table", where=path, expected=FILE)
+        raise InputError("not a table", where=path, expected=_FILE)
     return rows
 
 
 def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
     if len(row) > len(heads):
         raise InputError(f"line {line} has more cells than columns", where=path)
-    cells = dict.fromkeys(COLUMNS, "") | dict(zip(heads, row, strict=False))
+    cells = dict.fromkeys(_COLUMNS, "") | dict(zip(heads, row, strict=False))
     for key in ("log", "car"):
         if not cells[key]:
             raise InputError(f"line {line} has no {key}", where=path)
     vehicle = path.parent / cells["vehicle"] if cells["vehicle"] else None
     return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle, cells["road"])
-
-
-def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Place, ...]:
-    """The places of ``logs``, or all if it is empty. Raises InputError for an unknown log."""
-    known = {os.path.realpath(place.log): place for place in places}
-    for log in logs:
-        if os.path.realpath(log) not in known:
-            raise InputError(f"{log} is not in the plan", where=plan, do="add a row for it")
-    return tuple(known[os.path.realpath(log)] for log in logs) if logs else places
-
-
-def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Place, ...]:
-    """The places on ``road``; None for the only road of the plan, or a plan without roads.
-
-    D, f1, f2 and the stiffness of the tyres depend on the road, so ramps of different roads are no
-    repeats of each other. Raises InputError for several roads without a choice, and an unknown one.
-    """
-    roads = sorted({place.road for place in places} - {""})
-    if road is None and len(roads) < 2:
-        return places
-    if road not in roads:
-        what = f"no ramp on road {road!r}" if road else f"ramps of {len(roads)} roads"
-        known = f"one road: {', '.join(roads)}" if roads else "a column road"
-        do = "" if road else "choose one with --road: ramps of two roads are no repeats"
-        raise InputError(what, where=plan, expected=known, do=do)
-    return tuple(place for place in places if place.road == road)
-
-
-def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
-    """Car and station from the folders of each log; ``layout`` is one of `LAYOUTS`.
-
-    Raises InputError for a log with too few folders above it.
-    """
-    levels = layout.split("/")
-    out = []
-    for log in logs:
-        folders = _folders(log)[-len(levels) :]
-        if len(folders) < len(levels):
-            raise InputError("not enough folders above it", where=log, expected=f"{layout}/*.csv")
-        named = dict(zip(levels, folders, strict=True))
-        out.append(Place(log, named["car"], named.get("station", "")))
-    return tuple(out)
-
-
-def _folders(log: Path) -> tuple[str, ...]:
-    # as given: links are not resolved
-    return Path(os.path.abspath(log)).parent.parts[1:]
-
-
-def certain_layout(logs: list[Path]) -> str:
-    """Return ``car/station`` if the folders are unambiguous.
-
-    All logs must be two levels below one folder, and every inner name must occur in two or more
-    outer folders. Raises InputError otherwise, with the options to give.
-    """
-    outer: dict[str, set[str]] = defaultdict(set)
-    roots = set()
-    for found in map(_folders, logs):
-        roots.add((len(found), found[:-2]))
-        outer["".join(found[-1:])].add("".join(found[-2:-1]))
-    if len(roots) == 1 and min(map(len, outer.values())) > 1:
-        return "car/station"
-    raise InputError(
-        "car and station of each log are ambiguous from its folders",
-        where=f"{len(logs)} logs",
-        expected="folders car/station/*.csv with each station under two cars or more",
-        do="give --plan plan.csv with columns log,car,station, or --folders car | car/station | "
-        "station/car",
-    )

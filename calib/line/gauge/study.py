@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import InputError, LimitsError
 from calib.estimation.limits import Judgement, Limit, judge
 from calib.line.gauge.gauge_rr import (
@@ -30,7 +31,7 @@ from calib.line.gauge.gauge_rr import (
     gauge_rr,
     terms_of,
 )
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.run.axle_signals import signals
 from calib.table.table import LogReference, Table
 
@@ -51,17 +52,11 @@ _DEFAULTS = (
 )
 """AIAG, Measurement Systems Analysis, 4th ed."""
 
-METRICS = {
-    "pad_scale": "common factor on the nominal pad friction",
-    "pad_friction_f": "pad friction, front",
-    "pad_friction_r": "pad friction, rear",
-    "eta_zero": "eta - 1 on the unbraked lead-in",
-    "slip_stiffness": "normalised force per slip of the tyres at small slip",
-    "difference": "D = F_f - F_r at the reference eta",
-    "f1": "f1 at the reference eta",
-    "f2": "f2 at the reference eta",
-}
-"""Metrics of every ramp; all dimensionless."""
+METRICS = (
+    *("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_stiffness"),
+    *("difference", "f1", "f2"),
+)
+"""Metrics of every ramp, see `metrics_of`; all dimensionless."""
 
 
 class GaugeVerdict(StrEnum):
@@ -83,12 +78,12 @@ REFUSED = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
 
 @dataclass(frozen=True)
 class GaugeReading:
-    """The metrics of one ramp, by name of `METRICS`; its car, station and SHA-256."""
+    """The metrics of one ramp, ``figures`` by name of `METRICS`; its car, station and SHA-256."""
 
     log: str
     car: str
     station: str
-    metrics: dict[str, float]
+    figures: dict[str, float]
     digest: str = ""
 
 
@@ -96,12 +91,11 @@ class GaugeReading:
 class GaugeResult:
     """Result for one metric; ``values`` are in the order of the readings.
 
-    ``analysis`` and ``gauge`` are None if repeats do not scatter at all.
+    ``gauge`` is None if repeats do not scatter at all.
     """
 
     name: str
     values: Array
-    analysis: Anova | None
     gauge: GaugeRR | None
     judgements: tuple[Judgement, ...]
     verdict: GaugeVerdict
@@ -135,8 +129,8 @@ class GaugeStudy:
 def metrics_of(table: Table, log: Log, reference: float = _REFERENCE) -> dict[str, float]:
     """Metrics of one ramp from its ``table``, with the curves at eta - 1 = ``reference`` [1].
 
-    At a given eta the curves are what the ECU reads; at a given deceleration they depend on the pad
-    ratio alone, which a ramp determines poorly. Raises InputError beyond the end of the curves.
+    At a given deceleration they would depend on the pad ratio alone, which a ramp determines
+    poorly. Raises InputError beyond the end of the curves.
     """
     paper, eta = table.paper, 1.0 + reference
     if not paper.eta[0] <= eta <= paper.eta[-1]:
@@ -215,13 +209,20 @@ def study(
         np.unique([getattr(r, key) for r in readings], return_inverse=True)[1]
         for key in ("car", "station")
     )
-    _check_design(readings, car, station)
     terms = terms_of(car, station)
-    results = []
-    for name in readings[0].metrics:
-        values = np.array([r.metrics[name] for r in readings])
-        analysis = anova(values, car, station, terms)
-        results.append(_result(name, values, analysis, held, tolerances.get(name)))
+    values = {name: np.array([r.figures[name] for r in readings]) for name in readings[0].figures}
+    try:
+        analyses = {name: anova(y, car, station, terms) for name, y in values.items()}
+    except ValueError as cause:
+        raise InputError(
+            str(cause),
+            where=f"{len(readings)} ramps",
+            expected="two cars or more, and more ramps than cars and stations together",
+        ) from cause
+    results = [
+        _result(name, values[name], analysis, held, tolerances.get(name))
+        for name, analysis in analyses.items()
+    ]
     notes = _notes(car, station, terms)
     alike = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
     if alike:
@@ -232,39 +233,25 @@ def study(
     return GaugeStudy(readings, tuple(results), reference, tuple(notes))
 
 
-def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes) -> None:
-    where = f"{len(readings)} ramps"
-    if len(set(car)) < 2:
-        expected = "ramps of two cars or more; 10 is usual"
-        raise InputError("all ramps are of one car", where=where, expected=expected)
-    if len({*zip(car, station, strict=True)}) == len(readings) and len(set(station)) < 2:
-        expected = "two ramps or more of some cars"
-        raise InputError("no car has a second ramp", where=where, expected=expected)
-    try:
-        anova(np.zeros(car.size), car, station)
-    except ValueError as cause:
-        expected = "more ramps than cars and stations together"
-        raise InputError(str(cause), where=where, expected=expected) from cause
-
-
 def _result(
     name: str, values: Array, analysis: Anova, limits: tuple[Limit, ...], tolerance: float | None
 ) -> GaugeResult:
     try:
-        judged = gauge_rr(analysis, tolerance)
+        gauge = gauge_rr(analysis, tolerance)
     except ValueError:
-        return GaugeResult(name, values, None, None, (), GaugeVerdict.NOT_JUDGED)
-    of_cars = (judged.grr, float(judged.categories)) if judged.cars_differ else (None, None)
-    figures = dict(zip(_FIGURES, (*of_cars, judged.tolerance), strict=True))
+        return GaugeResult(name, values, None, (), GaugeVerdict.NOT_JUDGED)
+    of_cars = (gauge.grr.value, float(gauge.ndc.value)) if gauge.cars_differ else (None, None)
+    of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
+    figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
     judgements = judge(_limits_of(name, limits), figures)
-    shares = [x for x in (figures["grr"], figures["grr_of_tolerance"]) if x is not None]
+    shares = [x for x in (of_cars[0], of_tolerance) if x is not None]
     if any(j.passed is False for j in judgements):
         verdict = GaugeVerdict.BAD
     elif not shares:
         verdict = GaugeVerdict.ALIKE
     else:
         verdict = GaugeVerdict.GOOD if max(shares) <= _GOOD_GRR else GaugeVerdict.MARGINAL
-    return GaugeResult(name, values, analysis, judged, judgements, verdict)
+    return GaugeResult(name, values, gauge, judgements, verdict)
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
@@ -278,26 +265,29 @@ def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
     np.add.at(ramps, (car, station), 1)
     cars, stations = ramps.shape
     empty = int(np.sum(ramps == 0))
-    notes = []
-    if stations < 2:
-        notes.append("stations are not given: reproducibility is not measured")
-    elif STATION not in terms:
-        notes.append(
-            "no car was on two stations: differences of stations count as differences of cars"
-        )
-    elif INTERACTION not in terms:
-        notes.append("no car was twice on a station: the interaction counts as repeatability")
-    if STATION in terms and stations < 4:
-        notes.append(f"{stations} stations are few: the interval of the reproducibility is wide")
-    if cars < 5:
-        notes.append(f"{cars} cars are few: AIAG asks for 10")
-    if ramps.min() != ramps.max():
-        cells = f", {empty} of {ramps.size} car-station cells empty" if empty else ""
-        notes.append(
+    cells = f", {empty} of {ramps.size} car-station cells empty" if empty else ""
+    notes = (
+        (stations < 2, "stations are not given: reproducibility is not measured"),
+        (
+            stations > 1 and STATION not in terms,
+            "no car was on two stations: differences of stations count as differences of cars",
+        ),
+        (
+            STATION in terms and INTERACTION not in terms,
+            "no car was twice on a station: the interaction counts as repeatability",
+        ),
+        (
+            STATION in terms and stations < 4,
+            f"{stations} stations are few: the interval of the reproducibility is wide",
+        ),
+        (cars < 5, f"{cars} cars are few: AIAG asks for 10"),
+        (
+            ramps.min() != ramps.max(),
             f"unequal numbers of ramps{cells}: sums of squares are type I (car, station, both), "
-            "variances from their expectations, intervals approximate"
-        )
-    return notes
+            "variances from their expectations, intervals approximate",
+        ),
+    )
+    return [text for holds, text in notes if holds]
 
 
 def to_dict(found: GaugeStudy) -> dict[str, object]:
@@ -308,42 +298,15 @@ def to_dict(found: GaugeStudy) -> dict[str, object]:
         "stations": found.stations,
         "reference_eta_rise": found.reference,
         "notes": found.notes,
-        "ramps": [
-            {
-                "log": r.log,
-                "car": r.car,
-                "station": r.station,
-                "figures": r.metrics,
-                "digest": r.digest,
-            }
-            for r in found.readings
-        ],
+        "ramps": found.readings,
         "quantities": {result.name: _entry(result) for result in found.results},
     }
 
 
 def _entry(result: GaugeResult) -> dict[str, object]:
     entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
-    if result.analysis is None or result.gauge is None:
+    if result.gauge is None:
         return entry | dict.fromkeys(
             ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
         )
-    g = result.gauge
-    return entry | {
-        "mean": float(result.values.mean()),
-        "anova": [
-            {"source": s.name, "df": s.df, "ss": s.ss, "ms": s.ms, "effective_df": s.effective_df}
-            for s in result.analysis.sources
-        ],
-        "components": {
-            name: {"sd": c.sd, "ci95": c.sd95, "variance": c.variance, "raw_variance": c.raw}
-            for name, c in g.components.items()
-        },
-        "negative": g.negative,
-        "grr": {"value": g.grr, "ci95": g.grr95},
-        "ndc": {"value": g.categories, "uncut": g.ndc, "ci95": g.ndc95},
-        "grr_of_tolerance": None
-        if g.tolerance is None
-        else {"value": g.tolerance, "ci95": g.tolerance95},
-        "cars_differ": g.cars_differ,
-    }
+    return entry | {"mean": float(result.values.mean()), **vars(result.gauge)}

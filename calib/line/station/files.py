@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import BrakeCalError
-from calib.base.plain import NBSP
+from calib.base.plain import NBSP, plain
 from calib.base.printable import printable
 from calib.base.program import PROGRAM
 from calib.base.publish import publish, workshop
@@ -27,7 +27,6 @@ from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
 from calib.estimation.validate import to_dict as validation_dict
 from calib.exports.export import ENDINGS
-from calib.line.station.limits_file import action
 from calib.line.station.station import Identity, StationCheck, StationOutcome
 from calib.store.version import Stored
 
@@ -49,14 +48,14 @@ EXPORTS = frozenset(map(export_name, ENDINGS))
 def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
-    Every export, every file that an earlier verdict lists, and the refusal of an earlier run are
-    removed if this run did not make them again: an export must not stay when the car fails now.
-    Other files in ``out`` stay. Raises OSError, see `calib.base.publish.publish`.
+    What an earlier run made, or may have made, is removed if this run did not make it again: an
+    export must not stay when the car fails now. Raises OSError, see `calib.base.publish.publish`.
     """
     return publish(work, out, DOCUMENT, _stale)
 
 
 def _stale(out: Path) -> set[str]:
+    """Every export, every file that an earlier verdict lists, and the refusal of an earlier run."""
     found = {*EXPORTS, REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
@@ -80,7 +79,7 @@ def write_refusal(
         "error": error.to_dict(),
     }
     with workshop(out) as work:
-        write_whole(work / REFUSED, (json.dumps(document, indent=2) + "\n").encode())
+        write_whole(work / REFUSED, to_text(document).encode())
         publish(work, out, REFUSED)
 
 
@@ -93,19 +92,14 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "vehicle": found.table.vehicle.name,
         "table": {"id": stored.id, "digest": stored.digest, "state": stored.state.word},
         "accepted_warnings": found.accepted or None,
-        "golden": found.golden or None,
+        "golden": found.golden.id if found.golden else None,
         **({"golden_cars": found.golden_cars} if found.golden_cars else {}),
         "program": PROGRAM,
         "counts": found.counts(),
         "warnings": [warning_dict(warning) for warning in found.warnings],
         "checks": [_check(check) for check in found.checks],
         "figures": {name: _finite(value) for name, value in found.figures.items()},
-        "logs": [
-            {"log": log.name, "digest": log.digest, "role": role}
-            for role, logs in (("ramp", found.ramps), ("coast", found.coasts))
-            for log in logs
-        ]
-        + [{"log": r.log, "digest": r.digest, "role": r.role} for r in found.results],
+        "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in found.logs],
         "validation": validation_dict(stored, list(found.results)),
         "remarks": list(found.table.remarks),
         "caveats": [warning_dict(warning) for warning in found.caveats],
@@ -124,12 +118,12 @@ def _check(check: StationCheck) -> dict[str, Any]:
     return {
         "scope": check.scope,
         "figure": check.figure,
-        "meaning": check.meaning,
+        "meaning": plain(check.figure).meaning,
         "value": _finite(j.value),
         "fail": [j.low, j.high],
         "warn": [j.warn_low, j.warn_high],
         "verdict": check.verdict,
-        "action": action(check.figure) if bad else None,
+        "action": check.action if bad else None,
     }
 
 
@@ -140,15 +134,9 @@ def _finite(value: float | None) -> float | None:
 def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
     """The document. All times are zero, so that the same car gives the same bytes."""
     n = found.counts()
-    totals = {
-        "tests": str(len(found.checks)),
-        "failures": str(n[FAILED]),
-        "errors": "0",
-        "skipped": str(n[NOT_KNOWN]),
-        "time": "0",
-    }
-    known = {name: total for name, total in totals.items() if name != "skipped"}
-    root = ElementTree.Element("testsuites", known)  # Jenkins allows `skipped` on a suite only
+    totals = {"tests": str(len(found.checks)), "failures": str(n[FAILED]), "errors": "0"}
+    root = ElementTree.Element("testsuites", {**totals, "time": "0"})
+    totals |= {"skipped": str(n[NOT_KNOWN]), "time": "0"}  # Jenkins allows `skipped` here only
     suite = ElementTree.SubElement(root, "testsuite", {"name": "brake-cal station", **totals})
     properties = ElementTree.SubElement(suite, "properties")
     stated = {
@@ -175,12 +163,12 @@ def _case(suite: ElementTree.Element, check: StationCheck) -> None:
     case = ElementTree.SubElement(suite, "testcase", names)
     if check.verdict == FAILED:
         failure = ElementTree.SubElement(case, "failure", {"message": _clean(check.text)})
-        failure.text = action(check.figure)
+        failure.text = check.action
     elif check.verdict == NOT_KNOWN:
         ElementTree.SubElement(case, "skipped", {"message": "the logs cannot give this metric"})
     elif check.verdict == WARNING:
         output = ElementTree.SubElement(case, "system-out")
-        output.text = f"warning: {_clean(check.text)}. {action(check.figure)}"
+        output.text = f"warning: {_clean(check.text)}. {check.action}"
 
 
 def _clean(text: str) -> str:

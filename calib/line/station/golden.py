@@ -16,10 +16,10 @@ import math
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
-from calib.logs.log import Array
-from calib.store.own_errors import (
+from calib.store.mean import (
     COMPLIANCE,
     RATIO,
     own_level,

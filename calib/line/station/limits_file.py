@@ -3,41 +3,60 @@
 Every limit has its reason and a next step, so that the operator knows what to do with the car.
 """
 
-from dataclasses import dataclass
 from math import inf
+from pathlib import Path
+from typing import Any
 
-from calib.base.plain import METRICS, plain
+from calib.base.errors import LimitsError
+from calib.base.plain import METRICS
 from calib.estimation.limits import DEFAULTS, Limit
+from calib.estimation.limits_file import read_limits
+from calib.estimation.metrics import METRICS as OF_STOPS
+from calib.line.station.metrics import METRICS as OF_CAR
+
+_OF_STOPS = {limit.figure: limit for limit in DEFAULTS}
+"""One limit for a stop, whichever command judges it."""
 
 
-@dataclass(frozen=True)
-class _Advice:
-    """Default ``limit``, the ``reason`` for it, and the ``action`` where it is not held."""
-
-    limit: Limit
-    unit: str
-    reason: str
-    action: str
-
-
-def _advice(key: str) -> _Advice:
+def _limit(key: str) -> Limit:
     one = METRICS[key]
-    limit = Limit(key, one.low, one.high, one.warn_low, one.warn_high, one.required)
-    if limit == Limit(key, None, None):  # one limit for a stop, whichever command judges it
-        limit = next(limit for limit in DEFAULTS if limit.figure == key)
-    unit = one.unit if one.unit and one.factor == 1.0 else "1"
-    return _Advice(limit, unit, one.reason, one.action)
+    own = Limit(key, one.low, one.high, one.warn_low, one.warn_high, one.required)
+    return _OF_STOPS[key] if own == Limit(key, None, None) else own
 
 
-_JUDGED = [key for key, one in METRICS.items() if one.judged]
-ADVICE = tuple(_advice(key) for key in sorted(_JUDGED, key=lambda key: METRICS[key].judged))
-"""One row for each metric that is judged by default: first of the car, then of each stop."""
-LIMITS: tuple[Limit, ...] = tuple(row.limit for row in ADVICE)
+_JUDGED = (key for key, one in METRICS.items() if one.judged)
+LIMITS = tuple(map(_limit, sorted(_JUDGED, key=lambda key: METRICS[key].judged)))
+"""Of each metric that is judged by default: first of the car, then of each stop."""
 
 
-def action(figure: str) -> str:
-    """What to do where the metric ``figure`` fails, in one or two sentences."""
-    return plain(figure).action or "Look at the log with brake-cal check and brake-cal plot."
+def limits_of_car(path: Path | None) -> tuple[Limit, ...]:
+    """The limits of a file for a car and its stops; `LIMITS` without one. Raises LimitsError."""
+    return read_limits(path, {*OF_STOPS, *OF_CAR}) if path else LIMITS
+
+
+def limits_of_stops(path: Path | None) -> tuple[Limit, ...]:
+    """The limits of a file for single stops; `DEFAULTS` without one. Raises LimitsError."""
+    if path is None:
+        return DEFAULTS
+    limits = tuple(limit for limit in limits_of_car(path) if limit.figure in OF_STOPS)
+    if not limits:
+        do = "judge the car with `brake-cal station`"
+        raise LimitsError("no limit for a stop", where=path, do=do)
+    return limits
+
+
+def document() -> list[dict[str, Any]]:
+    """The limits with their units, reasons and next steps, as plain data."""
+    rows = [(limit, METRICS[limit.figure]) for limit in LIMITS]
+    return [
+        {
+            "limit": limit,
+            "unit": one.unit if one.unit and one.factor == 1.0 else "1",
+            "reason": one.reason,
+            "action": one.action,
+        }
+        for limit, one in rows
+    ]
 
 
 _EXAMPLE = "torque_error_f = { max = 0.05 }"
@@ -54,7 +73,7 @@ A metric without a line is not judged. `validate` judges the metrics of the stop
 def limits_file() -> str:
     """The text: every metric that is judged by default, then the other ones, as comments."""
     lines = [f"# {line}".rstrip() for line in _HEAD.splitlines()] + ["schema = 1", "", "[limits]"]
-    for limit, one in ((row.limit, METRICS[row.limit.figure]) for row in ADVICE):
+    for limit, one in ((limit, METRICS[limit.figure]) for limit in LIMITS):
         fail, warn = _range(limit.low, limit.high), _range(limit.warn_low, limit.warn_high)
         required = ", required = true" * limit.required
         lines += [

@@ -1,23 +1,23 @@
 """The metrics of a car as a whole; those of each hold-out are in `calib.estimation.metrics`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.plain import bound, meanings
 from calib.car.braking import MOVING
 from calib.car.forces import front_biased_up_to, slip
 from calib.car.vehicle import Vehicle
 from calib.estimation.validate import Validation, agreement
 from calib.line.station.golden import golden_metrics
-from calib.logs.log import Array, Log
+from calib.logs.log import Log
 from calib.run.driving_record import DrivingRecord, driving_record
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
 from calib.run.wheels import axles_of, slips_of
-from calib.store.listing import band_width
 from calib.table.table import MEASURED, Table, TyreCurve
 
 METRICS: dict[str, str] = meanings("car")
@@ -31,41 +31,33 @@ _FEWEST = 8
 """Least number of blocks of 0.2 s for an estimate of the scatter."""
 
 
-@dataclass(frozen=True)
-class Car:
-    """The inputs of a verdict on a car.
+def metrics_of(
+    table: Table, ramps: Sequence[Log], results: Sequence[Validation], golden: Table | None = None
+) -> dict[str, float | None]:
+    """All `METRICS` of a car; None where its logs cannot give one.
 
-    ``ramps`` the logs that the table was fitted on, without coasts; ``stops`` the hold-outs and
-    ``results`` their validations; ``golden`` the table of its model, if there is one.
+    ``ramps`` the logs that ``table`` was fitted on, without coasts; ``results`` of its hold-outs;
+    ``golden`` the table of its model.
     """
-
-    table: Table
-    ramps: Sequence[Log]
-    stops: Sequence[Log]
-    results: Sequence[Validation]
-    golden: Table | None = None
-
-
-def metrics_of(car: Car) -> dict[str, float | None]:
-    """All `METRICS` of a car; None where its logs cannot give one."""
-    table, cal = car.table, car.table.calibration
+    cal = table.calibration
     out: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
-        "band_width": band_width(table),
-        "ramp_eta_zero": _largest([_eta_zero(table.vehicle, log) for log in car.ramps]),
+        "band_width": table.difference.band_width,
+        "ramp_eta_zero": _largest([_eta_zero(table.vehicle, log) for log in ramps]),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
         "front_biased_up_to": _front_biased_up_to(table),
     }
     for axle in "fr":
-        sides = [side_difference(table, log, axle) for log in car.ramps]
+        sides = [side_difference(table, log, axle) for log in ramps]
         out[f"side_difference_{axle}"] = _largest(sides)
-    together = agreement(list(car.results))
+    together = agreement(list(results))
     out["repeatability_f"] = together.spread_f if together else None
     out["repeatability_r"] = together.spread_r if together else None
-    golden = golden_metrics(table, car.golden) if car.golden else {}
-    return {name: (out | golden).get(name) for name in METRICS}
+    if golden:
+        out |= golden_metrics(table, golden)
+    return {name: out.get(name) for name in METRICS}
 
 
 def _eta_zero(vehicle: Vehicle, log: Log) -> float | None:

@@ -4,9 +4,9 @@ ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or 
 """
 
 import math
-import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,22 +16,20 @@ from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.estimation.validate import CALIBRATION, Validation, validate_one
+from calib.estimation.validate import Validation, validate_one
 from calib.fitting.fit import fit
 from calib.line.station.metrics import METRICS as OF_CAR
-from calib.line.station.metrics import Car, metrics_of
+from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
 from calib.run.check import check
 from calib.run.limits import LIMITS
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
+from calib.store.version import Stored
 from calib.table.budget import front_share
 from calib.table.table import Table
 
 _LONGEST = 64
 """Largest number of characters of an identifier."""
-
-_VIN = "[A-HJ-NPR-Z0-9]{17}"
-"""A vehicle identification number, ISO 3779."""
 
 _LEVEL = 0.06
 """Change of the brakes from the ramp to the stops [1] from which it is named: pads with one load
@@ -57,17 +55,7 @@ class Identity:
         >>> Identity(vin="WVWZZZ1JZXW000001").given()
         {'vin': 'WVWZZZ1JZXW000001'}
         """
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {name: value for name, value in values.items() if value is not None}
-
-    def doubt(self) -> str:
-        """What is unusual of the VIN; "" if nothing is. Cars before series have such ones."""
-        if self.vin is None or re.fullmatch(_VIN, self.vin):
-            return ""
-        return (
-            f"vin {self.vin!r} is not of the form of ISO 3779, which has 17 letters and digits "
-            "without I, O and Q; it is taken as it is"
-        )
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
     def flaw(self) -> tuple[str, str] | None:
         """Name of the first identifier that is not valid, and why; None if all are valid."""
@@ -81,26 +69,16 @@ class Identity:
         return None
 
 
-TITLES = {
-    "serial": "Serial number",
-    "vin": "VIN",
-    "station": "Station",
-    "rxswin": "RXSWIN",
-}
+TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
 """Names of the identifiers in a report."""
 
 
 @dataclass(frozen=True)
 class StationCheck:
-    """One metric and its limit: of the hold-out named ``stop``; None for the car."""
+    """One metric and its limit: of the hold-out named ``stop``; None for the car as a whole."""
 
     stop: str | None
     judgement: Judgement
-
-    @property
-    def of_car(self) -> bool:
-        """Whether the check is of the car as a whole."""
-        return self.stop is None
 
     @property
     def scope(self) -> str:
@@ -113,9 +91,9 @@ class StationCheck:
         return self.judgement.figure
 
     @property
-    def meaning(self) -> str:
-        """Meaning of the metric, with its unit."""
-        return plain(self.figure).meaning
+    def verdict(self) -> str:
+        """`passed`, `warning`, `failed` or `not known`."""
+        return self.judgement.verdict
 
     @property
     def text(self) -> str:
@@ -124,39 +102,69 @@ class StationCheck:
         kind, ends = "limit", (j.low, j.high)
         if self.verdict == WARNING:
             kind, ends = "no warning", (j.warn_low, j.warn_high)
-        of = "" if self.of_car else f"stop {self.stop}, "
+        of = "" if self.stop is None else f"stop {self.stop}, "
         return f"{of}{shown.name}: {shown.with_unit(j.value)}; {kind}: {shown.bounds(*ends)}"
 
     @property
-    def verdict(self) -> str:
-        """`passed`, `warning`, `failed` or `not known`."""
-        return self.judgement.verdict
+    def action(self) -> str:
+        """What to do where the limit is not held, in one or two sentences."""
+        look = "Look at the log with brake-cal check and brake-cal plot."
+        return plain(self.figure).action or look
 
 
 @dataclass(frozen=True)
 class StationOutcome:
-    """All results of a car after its run at the station; words are "" where there is nothing.
+    """A car after its run at the station, and the verdict; words are "" where there is nothing.
 
-    ``results`` of the hold-outs in their order; ``caveats`` warnings of `brake-cal check` on a log,
-    which are no verdict on the car; ``golden`` the id of the golden table, the mean of
-    ``golden_cars``, 0 for a table of one; ``accepted`` why warnings are accepted; ``by`` the person
-    who answers for it, else the user of the computer; ``limits`` the file of limits with its
-    digest, else those of the program.
+    ``table`` is fitted on ``ramps`` and ``coasts``; ``results`` of the hold-outs ``stops`` in their
+    order; ``golden`` the table of its model; ``accepted`` why warnings are accepted; ``by`` the
+    person who answers for it, else the user of the computer; ``limits_file`` the file of ``limits``
+    with its digest, else those of the program.
     """
 
     table: Table
-    identity: Identity
-    ramps: tuple[Log, ...]
-    coasts: tuple[Log, ...]
+    ramps: Sequence[Log]
+    coasts: Sequence[Log]
+    stops: Sequence[Log]
     results: tuple[Validation, ...]
-    figures: dict[str, float | None]
-    checks: tuple[StationCheck, ...]
-    caveats: tuple[PlausibilityWarning, ...] = ()
-    golden: str = ""
+    limits: Sequence[Limit]
+    identity: Identity
+    golden: Stored | None = None
     accepted: str = ""
     by: str = ""
-    golden_cars: int = 0
-    limits: str = ""
+    limits_file: str = ""
+
+    @cached_property
+    def figures(self) -> dict[str, float | None]:
+        """The metrics of the car as a whole."""
+        golden = self.golden.table if self.golden else None
+        return metrics_of(self.table, self.ramps, self.results, golden)
+
+    @cached_property
+    def checks(self) -> list[StationCheck]:
+        """Every metric of the car and of its stops that has a limit."""
+        of_car = judge(tuple(x for x in self.limits if x.figure in OF_CAR), self.figures)
+        of_stops = [StationCheck(r.log, j) for r in self.results for j in r.judgements]
+        return [*(StationCheck(None, j) for j in of_car), *of_stops]
+
+    @cached_property
+    def caveats(self) -> list[PlausibilityWarning]:
+        """Warnings of `brake-cal check` on a log, which are no verdict on the car."""
+        logs = (*self.ramps, *self.coasts, *self.stops)
+        return [one for log in logs for one in log_warnings(self.table.vehicle, log)]
+
+    @property
+    def golden_cars(self) -> int:
+        """Number of cars of which the golden table is the mean; 0 for a table of one."""
+        spread = self.golden.table.spread if self.golden else None
+        return spread.cars if spread else 0
+
+    @property
+    def logs(self) -> list[tuple[str, str, str]]:
+        """Role, name and digest of each log."""
+        fitted = [("ramp", log) for log in self.ramps] + [("coast", log) for log in self.coasts]
+        stops = [(r.role, r.log, r.digest) for r in self.results]
+        return [(role, log.name, log.digest) for role, log in fitted] + stops
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -233,52 +241,9 @@ def table_of(
 def validated(
     table: Table, log: Log, limits: Sequence[Limit], mass: float | None = None
 ) -> Validation:
-    """Validate one hold-out, of a car of a stated ``mass`` [kg] or that of the table.
-
-    Raises LogError where the table was fitted on it.
-    """
-    of_stops = tuple(x for x in limits if x.figure in OF_STOPS)
-    result = validate_one(table, log, None, of_stops, mass=mass)
-    if result.role == CALIBRATION:
-        raise LogError(
-            "the table is fitted on this log, which proves nothing as a hold-out",
-            where=log.source,
-            do="give each run once: the ramp first, then stops that are not part of the fit",
-        )
-    return result
-
-
-def outcome(
-    car: Car,
-    coasts: Sequence[Log],
-    limits: Sequence[Limit],
-    identity: Identity,
-    golden: str = "",
-    accepted: str = "",
-    by: str = "",
-    limits_file: str = "",
-) -> StationOutcome:
-    """Judge the car and collect all results; the words are those of `StationOutcome`."""
-    logs = (*car.ramps, *coasts, *car.stops)
-    figures = metrics_of(car)
-    of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)
-    checks = [StationCheck(None, j) for j in of_car]
-    checks += [StationCheck(r.log, j) for r in car.results for j in r.judgements]
-    return StationOutcome(
-        table=car.table,
-        identity=identity,
-        ramps=tuple(car.ramps),
-        coasts=tuple(coasts),
-        results=tuple(car.results),
-        figures=figures,
-        checks=tuple(checks),
-        caveats=tuple(warning for log in logs for warning in log_warnings(car.table.vehicle, log)),
-        golden=golden,
-        accepted=accepted,
-        by=by,
-        limits=limits_file,
-        golden_cars=car.golden.spread.cars if car.golden and car.golden.spread else 0,
-    )
+    """Validate one hold-out, of a car of a stated ``mass`` [kg] or that of the table."""
+    of_stops = tuple(limit for limit in limits if limit.figure in OF_STOPS)
+    return validate_one(table, log, None, of_stops, mass=mass)
 
 
 def log_warnings(vehicle: Vehicle, log: Log) -> Iterator[PlausibilityWarning]:

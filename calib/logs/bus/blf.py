@@ -19,6 +19,7 @@ from calib.base.errors import LogError
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged, need
+from calib.logs.text.encoding import unzipped
 
 _HEADER = struct.Struct("<4sL8xQQL36x")
 _OBJECT = struct.Struct("<4sHHLL")
@@ -34,16 +35,14 @@ _NEXT = 8
 
 
 def open_blf(path: Path, dbc: Databases) -> Recording:
-    """Open a BLF file.
-
-    Raises LogError for a file that is not whole (`check_whole`), if python-can or a DBC is missing,
-    and if no frame is described by the DBC.
+    """Open a BLF file. Raises LogError as `check_whole`, without a DBC, and if it describes no
+    frame.
     """
     where = str(path)
     can = need("can", "can", where)
     known = require_dbc(dbc, "can", where)
     frames, notes = check_whole(path)
-    with can.BLFReader(path) as reader:
+    with unzipped(path) as file, can.BLFReader(file) as reader:
         found = gathered(reader, known, where)
     if len(found.times) != frames:
         raise damaged(where, f"{len(found.times)} of {frames} frames can be read", "all of them")
@@ -53,11 +52,10 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
 def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
     """Compare the sizes in the header and in the containers with what is there.
 
-    Returns the number of frames, and a note if the header counts another number of objects; that
-    number decides only if the header has no size of the unpacked objects. Raises LogError for a
-    file that is not BLF, not finished, damaged or not whole.
+    Returns the number of frames, and a note if the header counts another number of objects. Raises
+    LogError for a file that is not BLF, not finished, damaged or not whole.
     """
-    with path.open("rb") as file:
+    with unzipped(path) as file:
         begin = file.read(_HEADER.size)
         if len(begin) < _HEADER.size or begin[:4] != b"LOGG":
             raise LogError("not a BLF file", where=path, expected="a file that begins with LOGG")
@@ -69,7 +67,7 @@ def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
                 expected="a header with sizes, to compare with what is there",
                 do="open it with the tool that wrote it and save it again",
             )
-        size = path.stat().st_size
+        size = file.seek(0, 2)
         if size < promised:
             share = f"{100 * (1 - size / promised):.0f} % of the file"
             what = f"{size} of {promised} bytes: {promised - size} are missing ({share})"
@@ -95,9 +93,7 @@ def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
 
 @dataclass
 class _Found:
-    """Objects by type; ``unpacked`` bytes of all, ``padding`` that may fill the space after them;
-    ``rest`` is an object that is not complete.
-    """
+    """Objects by type, ``unpacked`` bytes of all, ``padding`` after them, ``rest`` of the last."""
 
     kinds: Counter[int] = field(default_factory=Counter)
     unpacked: int = 0
@@ -106,7 +102,7 @@ class _Found:
 
 
 def _walk(file: BinaryIO, path: Path) -> _Found:
-    """All objects from the position of ``file`` on, also those in containers. Raises LogError."""
+    """All objects from the position of ``file`` on, also those in containers."""
     found = _Found()
     while (head := file.read(_OBJECT.size)).strip(b"\0"):
         whole = len(head) == _OBJECT.size and head[:4] == b"LOBJ"
@@ -117,33 +113,29 @@ def _walk(file: BinaryIO, path: Path) -> _Found:
         file.read(size % 4)
         found.unpacked += _OBJECT.size
         found.padding += len(content) % 4
-        if kind != _CONTAINER:
+        if kind == _CONTAINER:
+            found.unpacked += _CONTENT.size
+            content = _inflated(content, path)
+            found.rest = _count(found.rest + content, found.kinds, path)
+        else:
             found.kinds[kind] += 1
-            found.unpacked += len(content)
-            continue
-        inner = _inflated(content, path)
-        found.unpacked += _CONTENT.size + len(inner)
-        found.rest = _count(found.rest + inner, found.kinds, path)
+        found.unpacked += len(content)
     return found
 
 
 def _inflated(content: bytes, path: Path) -> bytes:
-    """Unpack a container. Raises LogError if it ends early or holds less than it states."""
     if len(content) < _CONTENT.size:
         raise _container(path, "it has no header")
     method, size = _CONTENT.unpack_from(content)
-    packed = content[_CONTENT.size :]
+    packed, whole = content[_CONTENT.size :], True
     if method == _DEFLATE:
         stream = zlib.decompressobj()
         try:
             packed = stream.decompress(packed, _MOST_UNPACKED)
         except zlib.error as cause:
             raise _container(path, str(cause)) from cause
-        if stream.unconsumed_tail:
-            raise _container(path, f"it unpacks to more than {_MOST_UNPACKED} bytes")
-        if not stream.eof:
-            raise _container(path, f"it ends after {len(packed)} of {size} bytes")
-    if len(packed) < size:
+        whole = stream.eof
+    if not whole or len(packed) < size:
         raise _container(path, f"it holds {len(packed)} of {size} bytes")
     return packed
 

@@ -9,6 +9,7 @@ change what is decoded, and are not read.
 """
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -37,8 +38,10 @@ _COMMENT = re.compile(r'^[ \t]*CM_ [^"\n]*"(?:\\.|[^"\\])*"\s*;', re.MULTILINE |
 _BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)
 _MESSAGE = re.compile(r"BO_\s+(\d+)\s+([^\s:]+)\s*:")
 _SIGNAL = re.compile(r'SG_\s+([^\s:]+)[^"\n]*(?:"([^"\n]*)")?')
-_OF_SIGNAL = re.compile(rf"(?:{'|'.join(TOLD)})\s+(\d+)\s+(\S+?)\s*[\s:;]")
-_OF_NAME = re.compile(rf'BA_\s+"(?:{"|".join(LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)')
+_OF_MESSAGE = re.compile(
+    rf"(?:{'|'.join(TOLD)})\s+(\d+)\s|"
+    rf'BA_\s+"(?:{"|".join(LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)'
+)
 _COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join((BUS_NAME, *LONG_NAMES))})"')
 
 
@@ -101,12 +104,8 @@ class _Part:
 def read_by_message(
     cantools: Any, text: str, where: str
 ) -> "tuple[list[Message | Flawed], list[str]]":
-    """The messages of a DBC in its order, and notes on what is wrong in it.
-
-    ``text`` is the whole file, ``where`` its path, for messages. Raises ValueError for more than
-    `MOST` messages.
-    """
-    common, parts, unused = _parts(text)
+    """The messages of a DBC, and notes on what is wrong in it. Raises ValueError for too many."""
+    common, parts = _parts(text)
     if len(parts) > MOST:
         raise ValueError(f"it has {len(parts)} messages, at most {MOST} are read")
     messages = _once([_read(cantools, part, common, where) for part in parts], where)
@@ -114,14 +113,12 @@ def read_by_message(
     unmarked = [part.name for part in parts if part.unmarked]
     notes = {
         "message(s) that cannot be read": flawed,
-        "statement(s) on what the file does not have": unused,
         "identifier(s) past 11 bits, not marked as of 29 bits but read so": unmarked,
     }
     return messages, [_told(what, names) for what, names in notes.items() if names]
 
 
 def _once(messages: "list[Message | Flawed]", where: str) -> "list[Message | Flawed]":
-    """Of messages with one identifier none can be read."""
     found: dict[tuple[int, bool], Message | Flawed] = {}
     for message in messages:
         key = (message.frame_id, message.is_extended_frame)
@@ -152,16 +149,15 @@ def _read(cantools: Any, part: _Part, common: str, where: str) -> "Message | Fla
 
 
 def _in_file(why: str, part: _Part) -> str:
-    """The words of cantools, with the number of the line in the whole file."""
     bare = re.sub(r'^DBC: "(.*?)\.?"$', r"\1", why, flags=re.DOTALL)
     bare = bare.removesuffix(f" in message {part.name}")
     return re.sub(r"(?<=at line )\d+", lambda found: str(int(found[0]) + part.line - 1), bare)
 
 
-def _parts(text: str) -> tuple[str, list[_Part], list[str]]:
-    """What is told of all messages, the messages, and the statements that belong to none."""
+def _parts(text: str) -> tuple[str, list[_Part]]:
+    """What is told of all messages, and the messages."""
     parts: list[_Part] = []
-    later: list[tuple[int, str | None, str]] = []
+    later: dict[int, str] = defaultdict(str)
     common, before = "", ""
     for line, statement in _statements(_COMMENT.sub(lambda c: "\n" * c[0].count("\n"), text)):
         if message := _MESSAGE.match(statement):
@@ -169,30 +165,14 @@ def _parts(text: str) -> tuple[str, list[_Part], list[str]]:
         elif (signal := _SIGNAL.match(statement)) and before in ("BO_", "SG_") and parts:
             parts[-1].text += statement
             parts[-1].signals[signal[1]] = signal[2] or ""
-        elif told := _OF_SIGNAL.match(statement):
-            later.append((int(told[1]), told[2], statement))
-        elif named := _OF_NAME.match(statement):
-            later.append((int(named[1]), None, statement))
+        elif told := _OF_MESSAGE.match(statement):
+            later[int(told[1] or told[2])] += statement
         elif _COMMON.match(statement):
             common += statement
         before = statement.split(maxsplit=1)[0]
-    unused = _give(parts, later)
-    return common, [part for part in parts if part.name != NO_MESSAGE], unused
-
-
-def _give(parts: list[_Part], later: list[tuple[int, str | None, str]]) -> list[str]:
-    """Add to each message what is told of it later; the statements on signals that it lacks."""
-    by_number: dict[int, list[_Part]] = {}
     for part in parts:
-        by_number.setdefault(part.number, []).append(part)
-    unused = []
-    for number, signal, statement in later:
-        owners = [p for p in by_number.get(number, ()) if signal is None or signal in p.signals]
-        for owner in owners:
-            owner.text += statement
-        if not owners:
-            unused.append(" ".join(statement.split()[:3]))
-    return unused
+        part.text += later[part.number]
+    return common, [part for part in parts if part.name != NO_MESSAGE]
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:

@@ -36,10 +36,9 @@ _LONGEST_TEXT = 1_000_000
 
 @dataclass(frozen=True)
 class Dbc:
-    """Messages of one or more files; ``notes`` name the files.
+    """Messages by identifier, on every bus and on one; ``notes`` name their files.
 
-    ``messages`` by identifier on every bus, ``buses`` by bus and identifier; a bus of its own comes
-    first. ``sources`` as in `calib.logs.channel_map.Databases`.
+    ``sources`` as in `calib.logs.channel_map.Databases`.
     """
 
     messages: "dict[Key, Described]"
@@ -54,8 +53,8 @@ class Dbc:
     def find(self, bus: str, key: Key) -> "Described | None":
         """The message that describes frames of an identifier on a bus, or None.
 
-        With ``sources`` an extended identifier with one of these source addresses is found by its
-        parameter group, if the group has one message. An equal identifier comes first.
+        With ``sources`` an extended identifier is found by its parameter group, if that has one
+        message.
         """
         for messages in (self.buses.get(bus, {}), self.messages):
             if key in messages:
@@ -81,7 +80,6 @@ class Dbc:
 
 
 def _by_group(messages: "dict[Key, Described]") -> "dict[int, Described]":
-    """Messages with an extended identifier by parameter group; groups of several are left out."""
     found: dict[int, list[Described]] = {}
     for (identifier, extended), message in messages.items():
         if extended:
@@ -107,11 +105,10 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
 
 
 def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
-    """Read DBC, ARXML, KCD and SYM files.
+    """Read DBC, ARXML, KCD and SYM files; ``extra`` of the package installs cantools.
 
-    ``extra`` is the package extra that installs cantools; ``where`` names the log in messages.
-    Raises LogError if cantools is missing, ChannelMapError for a file that is missing or not valid,
-    that lacks the bus that is asked for, and for an identifier that is described twice.
+    Raises ChannelMapError for a file that is missing or not valid, or lacks the bus, and for an
+    identifier that is described twice.
     """
     cantools: Any = need("cantools", extra, where)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
@@ -132,7 +129,6 @@ def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
 
 
 def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]]":
-    """The bytes of a file, its messages, and its flaws. Raises ChannelMapError if it has none."""
     kind = path.suffix[1:].lower()
     kind = kind if kind in _FORMATS else "dbc"
     name = kind.upper()
@@ -163,10 +159,7 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]
 
 
 def _text(content: bytes) -> str:
-    """The text of a file in UTF-8 or UTF-16 with a byte order mark, in UTF-8, or in Windows-1252.
-
-    Text in Windows-1252 with a sign past ASCII is hardly ever UTF-8 as well.
-    """
+    """In UTF-8, UTF-16, or Windows-1252, which with a sign past ASCII is hardly ever UTF-8, too."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     try:
@@ -176,9 +169,7 @@ def _text(content: bytes) -> str:
 
 
 def _refuse_long_text(text: str, path: Path) -> None:
-    """Raise ChannelMapError for a text in quotes that is too long: cantools takes 300 bytes for
-    each of its characters.
-    """
+    """cantools takes 300 bytes for each character of a text in quotes."""
     quoted = text.replace('\\"', "''").split('"')[1::2]
     longest = max(map(len, quoted), default=0)
     if longest > _LONGEST_TEXT:
@@ -191,7 +182,6 @@ def _refuse_long_text(text: str, path: Path) -> None:
 
 
 def _of_bus(messages: "list[Described]", file: DatabaseFile) -> "list[Described]":
-    """The messages of the bus that is asked for. Raises ChannelMapError if the file lacks it."""
     if file.bus is None:
         return messages
     found = [message for message in messages if message.bus_name == file.bus]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.logs.source import Array
+from calib.base.arrays import Array
 
 if TYPE_CHECKING:
     from can import Message
@@ -49,9 +49,8 @@ Known = Callable[[str, Key], bool]
 class Frames:
     """All frames of one identifier on one bus, in the order of the file.
 
-    ``bus`` is the recorder's name of its channel; ``time`` [s], shape (n,); ``data``
-    shape (n, bytes), zero past the end of a frame; ``length`` bytes of each frame, shape (n,);
-    ``order`` number of each frame in the file, shape (n,), for frames of one time.
+    ``time`` [s] (n,); ``data`` (n, bytes), zero past the ``length`` (n,) of a frame; ``order`` (n,)
+    is the number of each frame in the file.
     """
 
     bus: str
@@ -69,10 +68,7 @@ class Frames:
 
 @dataclass
 class Gathered:
-    """Frames while a file is read: those that are ``known``, and the times of all [s].
-
-    ``seen`` has every bus and identifier, and whether it is known.
-    """
+    """Frames while a file is read: those that are ``known``, and the times of all [s]."""
 
     known: Known
     times: "array[float]" = field(default_factory=lambda: array("d"))
@@ -158,10 +154,7 @@ def _doubles(frames: Frames) -> NDArray[np.bool_]:
 
 
 def joined(frames: Iterable[Frames], same: Callable[[Frames], Hashable]) -> list[Frames]:
-    """Join frames with an equal value of ``same``, in the order of time, then of the file.
-
-    The result has the bus and the identifier of the first.
-    """
+    """Join frames with an equal value of ``same``, in the order of time; named after the first."""
     parts: dict[Hashable, list[Frames]] = {}
     for item in frames:
         parts.setdefault(same(item), []).append(item)

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.logs.bus.by_message import Flawed, FlawedSignal
 from calib.logs.bus.dbc import Dbc, read_databases
 from calib.logs.bus.frames import Frames, Gathered, joined, once, source_of
 from calib.logs.channel_map import Databases
 from calib.logs.clock import running
-from calib.logs.source import CLOCK, Array, ChannelTrace, Column, Recording, damaged
+from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 if TYPE_CHECKING:
     import can
@@ -72,10 +73,7 @@ def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathere
 
 
 def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
-    """Signals of gathered frames, named as in the DBC; time counts from the first frame.
-
-    Raises LogError if no frame is described by the DBC, and as `calib.logs.clock`.
-    """
+    """Signals of gathered frames, named as in the DBC; time counts from the first frame."""
     time, wrapped = running(np.asarray(found.times), where)
     begin = float(time.min())
     frames, doubled = once(found.result(time - begin))
@@ -111,10 +109,10 @@ def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: s
 
 
 def described(frames: list[Frames], dbc: Dbc) -> "tuple[list[Column], list[Place]]":
-    """Every signal that is a number: its column, and its frames, message and signal.
+    """Column, frames, message and signal of every signal that is a number.
 
-    The full name begins with the bus if several buses have the message, and has the source address
-    (``CCVS1@0B``) if frames of several addresses are described by it.
+    The full name begins with the bus, and has the source address (``CCVS1@0B``), where there are
+    several.
     """
     if dbc.sources is not None:  # priority and destination make no other message
         frames = joined(frames, lambda item: _origin(item, dbc))
@@ -137,7 +135,6 @@ def described(frames: list[Frames], dbc: Dbc) -> "tuple[list[Column], list[Place
 
 
 def _origin(frames: Frames, dbc: Dbc) -> tuple[object, ...]:
-    """What frames of one J1939 message from one address have in common."""
     message = dbc.find(frames.bus, frames.key)
     identifier, extended = frames.key
     name = message.name if message else ""
@@ -154,10 +151,9 @@ def trace(
 
 
 def decode(frames: Frames, message: "Message", signal: "Signal") -> ChannelTrace:
-    """Decode one signal from all frames of its message; a state if every value has a name.
+    """One signal from all frames that have it; a state if every value has a name.
 
-    Raw values that are named as invalid are NaN. There are no samples in frames that are too short,
-    nor in those where the multiplexer does not select the signal.
+    Raw values that are named as invalid are NaN.
     """
     chosen = _present(frames, message, signal)
     data = frames.data if chosen.all() else frames.data[chosen]
@@ -197,10 +193,7 @@ def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np
 
 
 def raw(data: NDArray[np.uint8], start: int, length: int, little: bool) -> NDArray[np.uint64]:
-    """Unsigned integers of ``length`` bits, shape (n,), from frames of shape (n, bytes).
-
-    ``start`` counts as in a DBC: bit 8 b + k is bit k of byte b. Raises ValueError where a frame is
-    too short.
+    """Unsigned integers of ``length`` bits, (n,), from frames (n, bytes); ``start`` as in a DBC.
 
     >>> raw(np.array([[0x34, 0x12]], np.uint8), 0, 16, little=True)
     array([4660], dtype=uint64)

@@ -9,6 +9,7 @@ TRC       ;$FILEVERSION=2.1                          none in version 1.0
 python-can (4.6) leaves out a line that it cannot read, and pads a frame that is cut off.
 """
 
+import io
 import logging
 import re
 from collections.abc import Iterable, Iterator
@@ -21,17 +22,14 @@ from calib.logs.bus.frames import Gathered
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged, need
+from calib.logs.text.encoding import unzipped
 
 if TYPE_CHECKING:
     import can
 
 
 class Counted:
-    """The lines of a text log; those that match ``frame`` are counted as they are read.
-
-    ``line`` is the number of lines so far, ``last`` the last that was not empty; ``example`` is a
-    frame in words.
-    """
+    """The lines of a text log; those that match ``frame`` are counted as they are read."""
 
     reader: ClassVar[str]
     frame: ClassVar[re.Pattern[str]]
@@ -105,7 +103,7 @@ class Counted:
 def _opened(path: Path, dbc: Databases, kind: type[Counted], note: str) -> Recording:
     can = need("can", "can", str(path))
     known = require_dbc(dbc, "can", str(path))
-    with path.open(encoding="utf-8", errors="replace") as file:
+    with io.TextIOWrapper(unzipped(path), encoding="utf-8", errors="replace") as file:
         lines = kind(file, path)
         found = lines.gathered(getattr(can, kind.reader)(lines), known)
     has_end = isinstance(lines, _AscLines) and lines.begun
@@ -134,11 +132,8 @@ _END = re.compile(r"end\s+triggerblock", re.IGNORECASE)
 
 
 class _AscLines(Counted):
-    """Lines of an ASC file.
-
-    python-can skips the line after the header if the header has no line on internal events. If the
-    file lacks this line, it is inserted here, so that no frame is lost. A frame of classic CAN has
-    one digit of length: of longer ones python-can drops the bytes past the eighth.
+    """python-can skips the line after the header if that has none on internal events: such a line
+    is inserted, so that no frame is lost.
     """
 
     reader = "ASCReader"
@@ -189,9 +184,8 @@ class _AscLines(Counted):
 def open_asc(path: Path, dbc: Databases) -> Recording:
     """Open an ASC file.
 
-    Raises LogError for a block without its end, a last line or a frame that is cut off, a line that
-    looks like a frame and cannot be read, timestamps relative to the line before, if python-can or
-    a DBC is missing, and if no frame is described by the DBC.
+    Raises LogError for a block without its end, a line or frame that is cut off or cannot be read,
+    and relative timestamps; without a DBC, and if it describes no frame.
     """
     return _opened(path, dbc, _AscLines, f"no trigger block: a file {_CUT}")
 
@@ -209,10 +203,7 @@ _NUMBER = re.compile(r"\s*(\d+)\)?\s")
 
 
 class _TrcLines(Counted):
-    """Lines of a TRC file; those of frames are no status, event or error.
-
-    The number of each message must follow that of the one before.
-    """
+    """The number of each message must follow that of the one before."""
 
     reader = "TRCReader"
     frame = re.compile(
@@ -266,10 +257,6 @@ class _TrcLines(Counted):
 
 
 def open_trc(path: Path, dbc: Databases) -> Recording:
-    """Open a TRC file of one of `_VERSIONS`.
-
-    Raises LogError as `open_asc`, for another version, and for a message number that does not
-    follow the one before.
-    """
+    """Open a TRC file of one of `_VERSIONS`. Raises as `open_asc`, and for a lost message."""
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
     return _opened(path, dbc, _TrcLines, f"PEAK TRC has no footer: a log {_CUT}")

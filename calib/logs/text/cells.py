@@ -17,10 +17,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import is_unit, spelling
-from calib.logs.source import Array, Column
+from calib.logs.source import Column
 
 _ENDINGS = {
     **{u: u for u in ("bar", "mbar", "hPa", "kPa", "MPa", "psi", "kmh", "kph", "mph", "rpm")},
@@ -96,11 +97,7 @@ def _ending(cell: str) -> tuple[str, str] | None:
 
 
 def is_unit_row(cells: Sequence[str]) -> bool:
-    """Whether a row below the names has units: no number and at least one unit.
-
-    >>> is_unit_row(["s", "bar", "1", ""]), is_unit_row(["0.0", "bar"])
-    (True, False)
-    """
+    """Whether a row below the names has units: no number and at least one unit."""
     words = [text for text in map(_bare_unit, cells) if text and text != "1"]
     return not any(map(_NUMERIC.fullmatch, words)) and any(map(is_unit, words))
 
@@ -117,10 +114,7 @@ def _bare_unit(cell: str) -> str:
 
 
 def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -> list[Column]:
-    """Columns with the units of a second header row.
-
-    Raises LogError if the two rows give different units for one column.
-    """
+    """Columns with the units of a second header row. Raises LogError for two units of one."""
     out = []
     for column, cell in zip(columns, cells, strict=True):
         unit = _bare_unit(cell)
@@ -159,9 +153,7 @@ def is_clock(cell: str) -> bool:
 
 
 def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str) -> Array:
-    """Seconds from the first row, shape (n,); NaN for a cell in ``empty``.
-
-    Raises LogError for a cell that is no time of day, and for a clock that repeats its values.
+    """Seconds from the first row, (n,); NaN for a cell in ``empty``. Raises LogError for others.
 
     >>> clock_seconds(["23:59:59.5", "0:00:00.5"], (), "run.csv")
     array([0., 1.])
@@ -206,10 +198,7 @@ def over_midnight(time: Array, period: float = DAY) -> Array:
 
 
 def from_first(time: Array, where: str) -> Array:
-    """``time`` [s], shape (n,), counted from its first value.
-
-    Raises LogError for a clock that is too coarse: more than `_REPEATED` of its rows repeat a time.
-    """
+    """``time`` [s], (n,), counted from its first value. Raises LogError for a clock too coarse."""
     known = time[~np.isnan(time)]
     same = int(np.count_nonzero(np.diff(known) == 0.0))
     if same > _REPEATED * time.size:

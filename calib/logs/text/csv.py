@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.logs.source import Array, Column, ColumnSource, damaged
+from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import (
     clock_seconds,
     column_from_cell,
@@ -23,7 +24,7 @@ from calib.logs.text.dialect import (
     TextFormat,
     dialect_of,
     is_number,
-    layout_of,
+    layouts_of,
     mostly,
     sample_of,
 )
@@ -35,10 +36,9 @@ _FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "
 
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
-    """Open a file of separated text, compressed by gzip or not; ``where`` is its path.
+    """Open separated text, compressed by gzip or not; ``where`` is its path.
 
-    ``text_format`` is that of a channel map. Raises LogError for a file without text, header or
-    rows, for an ambiguous dialect (`calib.logs.text.dialect`), and for a file that is cut off.
+    Raises LogError for a file without header or rows, an ambiguous dialect, or one that is cut off.
     """
     if data.startswith(GZIP):
         data = gunzip(data, where)
@@ -64,12 +64,12 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     if told:
         begin, separator = told.end(), text_format.separator or told[1].decode()
         text_format = replace(text_format, separator=separator)
-    layout = layout_of(data, begin, text_format)
-    start = layout.start
+    layouts = layouts_of(data, begin, text_format)
+    layout, start = layouts[0], layouts[0].start
     if _only_units(data, start, text_format):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     names, note = head_text(b"\n".join((layout.names, layout.units, layout.more)), where)
-    dialect = dialect_of(names.partition("\n")[0], data, start, text_format, where)
+    dialect = dialect_of(layouts, data, text_format, where)
     cells, units, more = (dialect.cells([line])[0] for line in names.split("\n"))
     columns = [column_from_cell(cell) for cell in cells]
     for row in (units, more):
@@ -98,7 +98,6 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
 
 
 def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
-    """Whether no row follows, or a row of units only."""
     rest = data[start : start + 65536].strip() or data[start:].strip()
     if b"\n" in rest:
         return False
@@ -108,7 +107,6 @@ def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
 
 
 def _refuse_frames(columns: Sequence[Column], where: str) -> None:
-    """Raise LogError for a table of bus frames, as programs for a CAN bus save it."""
     names = {column.name.lower() for column in columns}
     if names & _FRAME_ID and names & _FRAME_LENGTH:
         raise LogError(
@@ -121,10 +119,7 @@ def _refuse_frames(columns: Sequence[Column], where: str) -> None:
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table: they begin at ``start`` of the whole ``data``, which a slice would copy.
-
-    ``where`` names the file; ``clocks`` are the columns that hold times of day.
-    """
+    """The rows of a table: from ``start`` of the whole ``data``, which a slice would copy."""
 
     data: bytes
     start: int
@@ -162,21 +157,15 @@ class TextRows:
         return None if ended else "no end of line after the last row, which looks complete"
 
     def _shorter(self, cell: str, before: list[str]) -> bool:
-        """Whether a number is shorter than all before it.
-
-        Compares the number of decimals if it is the same in all of them, else the length. A cut
-        number that is as long as the shortest one before it is not detected.
-        """
+        """By decimals if all others have as many, else by length: not every cut is detected."""
         decimals = [len(c.partition(self.dialect.decimal)[2]) for c in (cell, *before)]
         if len(set(decimals[1:])) == 1:
             return decimals[0] < decimals[1]
         return bool(before) and len(cell) < min(map(len, before))
 
     def read(self, indices: Sequence[int]) -> list[Array]:
-        """Some columns as numbers, times of day as seconds.
-
-        After a failure, a second, slow pass locates the bad cell: raises LogError with its row,
-        counted from 1, and its column.
+        """Some columns as numbers, times of day as seconds. Raises LogError with the row of a bad
+        cell.
         """
         import pyarrow as pa
         import pyarrow.csv as arrow_csv

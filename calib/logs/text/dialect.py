@@ -72,11 +72,7 @@ def is_number(cell: str, decimal: str = ".") -> bool:
 
 
 def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
-    r"""Complete lines from ``start``, the middle and the end of a file; some repeat if it is short.
-
-    >>> sample_of(b"a,b\n1,2", 4, count=1)
-    ['1,2', '1,2']
-    """
+    """Complete lines from ``start``, the middle and the end of a file, some twice if short."""
     half = (start + len(data)) // 2
     head = data[start : start + width].splitlines()[:count]
     middle = data[half : half + width].splitlines()[1 : count + 1]
@@ -85,32 +81,14 @@ def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> li
 
 
 def dialect_of(
-    header: str, data: bytes, start: int, text_format: TextFormat, where: str
+    layouts: "Sequence[Layout]", data: bytes, text_format: TextFormat, where: str
 ) -> Dialect:
-    """The dialect of a table with this ``header`` line; ``start`` is where its first sample begins.
-
-    Raises LogError, with the candidates, if no dialect fits or several do.
-    """
-    rows = sample_of(data, start)
-    separators = [s for s in text_format.separators if _fits(s, header, rows)]
-    if len(separators) != 1:
-        raise _undecided(separators, header, rows, where)
-    (separator,) = separators
-    if text_format.decimal is not None:
-        return Dialect(separator, text_format.decimal)
-    return Dialect(separator, _decimal(separator, rows, data, start, where))
-
-
-def _fits(separator: str, header: str, rows: list[str]) -> bool:
-    """Whether most rows have as many cells as the header, and two columns are mostly numbers."""
-    if separator not in header:
-        return False
-    names, *table = Dialect(separator, ".").cells([header, *rows])
-    # A few rows may be short or damaged: they are reported later, with their number.
-    whole = [row for row in table if len(row) == len(names)]
-    columns = zip(*whole, strict=True)
-    numbers = sum(mostly(_any_number, column) for column in columns)
-    return 2 * len(whole) > len(table) and numbers >= 2
+    """The dialect of a table. Raises LogError, with the candidates, for none or several of them."""
+    if len(layouts) != 1 or not layouts[0].separator:
+        raise _undecided(layouts, where)
+    (layout,) = layouts
+    decimal = text_format.decimal or _decimal(layout.separator, data, layout.start, where)
+    return Dialect(layout.separator, decimal)
 
 
 def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:
@@ -123,9 +101,9 @@ def _any_number(cell: str) -> bool:
     return is_number(cell, ".") or is_number(cell, ",")
 
 
-def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: str) -> str:
-    """The decimal mark. Raises LogError if numbers can be read in two ways."""
-    cells = [cell for row in Dialect(separator, ".").cells(rows) for cell in row]
+def _decimal(separator: str, data: bytes, start: int, where: str) -> str:
+    rows = Dialect(separator, ".").cells(sample_of(data, start))
+    cells = [cell for row in rows for cell in row]
     found = {mark: [c for c in cells if mark in c and is_number(c, mark)] for mark in ".,"}
     marks = [mark for mark, numbers in found.items() if numbers]
     if not marks:
@@ -144,7 +122,8 @@ def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: st
     )
 
 
-def _undecided(separators: list[str], header: str, rows: list[str], where: str) -> LogError:
+def _undecided(layouts: "Sequence[Layout]", where: str) -> LogError:
+    separators = [one.separator for one in layouts if one.separator]
     if separators:
         names = " or ".join(f"{SEPARATORS[s]} ({s!r})" for s in separators)
         return LogError(
@@ -153,14 +132,8 @@ def _undecided(separators: list[str], header: str, rows: list[str], where: str) 
             expected="one separator that fits",
             do='give it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
         )
-    tried = []
-    for separator in filter(header.__contains__, SEPARATORS):
-        above, *table = Dialect(separator, ".").cells([header, *rows])
-        counts = " or ".join(map(str, sorted({len(row) for row in table})[:3]))
-        what = f"{len(above)} names over rows of {counts} cells"
-        tried.append(f"{SEPARATORS[separator]}: {what}")
     return LogError(
-        f"no separator fits this table ({'; '.join(tried) or 'no separator'})",
+        "no separator fits this table",
         where=where,
         expected="a header, and rows of as many numbers, separated by comma, semicolon, tab or bar",
         do="decimal commas need another separator than the comma; see the first lines of the file",
@@ -174,30 +147,29 @@ RUN = 3
 
 
 @dataclass(frozen=True)
-class _Layout:
-    """Lines of the header: ``names``, their ``units`` and ``more`` of them, empty if not there.
-
-    ``start`` is the position of the first sample, ``above`` the number of lines above the header.
-    """
+class Layout:
+    """Lines of the header: ``names``, ``units`` and ``more``, and where the first sample begins."""
 
     names: bytes
     start: int
     units: bytes = b""
     more: bytes = b""
     above: int = 0
+    separator: str = ""
+    numbers: int = 0
 
 
-def layout_of(data: bytes, begin: int, text_format: TextFormat) -> _Layout:
-    """The layout of a table from ``begin`` on.
+def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[Layout]:
+    """The layouts of a table from ``begin`` on: one, if its separator is clear.
 
-    That of the separator that finds the most columns of numbers. Without a run of numbers below a
-    header, the first line is the header.
+    The best finds the most columns of numbers, the others have its header. One without a separator
+    if no header stands over numbers.
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
-    found = [_found(lines, starts, sample, s) for s in text_format.separators]
-    best = max(found, key=lambda pair: pair[0])
-    return best[1] or _Layout(lines[0], starts[1])
+    found = [x for s in text_format.separators if (x := _found(lines, starts, sample, s))]
+    best = max(found, key=lambda x: x.numbers, default=Layout(lines[0], starts[1]))
+    return [best, *(x for x in found if x is not best and x.start == best.start)]
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
@@ -218,17 +190,17 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
 
 def _found(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
-) -> tuple[int, _Layout | None]:
-    """The number of columns with numbers, and the layout; None without a header over them."""
+) -> Layout | None:
+    """The layout with a separator; None without a header over two columns of numbers."""
     dialect = Dialect(separator, ".")
     width, numbers, spare = _columns(dialect.cells(sample))
     if len(numbers) < 2:
-        return 0, None
+        return None
     table = [dialect.cells([line.decode("latin-1")])[0] if line.strip() else [] for line in lines]
     first = _first_row(table, width, numbers)
     block = _block(table, first, (width, width - spare))
     if not block:
-        return 0, None
+        return None
     units = max((i for i in block[1:] if is_unit_row(table[i])), default=None)
     names = block[0] if units is None else block[block.index(units) - 1]
     more = [i for i in block if i > (names if units is None else units)]
@@ -236,20 +208,19 @@ def _found(
     def line(index: int) -> bytes:
         return lines[index] + separator.encode() * (width - len(table[index]))
 
-    return len(numbers), _Layout(
+    return Layout(
         line(names),
         starts[first],
         b"" if units is None else line(units),
         line(more[0]) if more else b"",
         sum(bool(row) for row in table[:names]),
+        separator,
+        len(numbers),
     )
 
 
 def _columns(rows: Sequence[Sequence[str]]) -> tuple[int, list[int], bool]:
-    """The width of most rows, their columns of numbers, and whether the last cell is always empty.
-
-    A separator at the end of each row makes such a cell, over which a header may have none.
-    """
+    """Width of most rows, their columns of numbers, and whether each ends with a separator."""
     ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
     numbers = [i for i, column in enumerate(columns) if mostly(_any_number, column)]

@@ -1,9 +1,12 @@
 """Unpack a log, and convert text to UTF-8: byte order marks, UTF-16, Western encodings."""
 
 import codecs
+import io
 import zlib
+from pathlib import Path
+from typing import BinaryIO
 
-from calib.base.bounded import LOG
+from calib.base.bounded import LOG, bytes_of
 from calib.base.errors import LogError
 from calib.logs.source import damaged
 
@@ -16,8 +19,7 @@ _GZIP_BITS = 31
 def gunzip(data: bytes, where: str) -> bytes:
     """The content of all members of a gzip file.
 
-    Raises LogError for a file that is cut off (with the size of the unpacked part), damaged (wrong
-    length or check sum), not gzip, or larger than a log may be; no more than that is unpacked.
+    Raises LogError for a file that is cut off, damaged, not gzip, or larger than a log may be.
     """
     if not data.startswith(GZIP):
         raise LogError("not gzip", where=where, expected="a gzip file, as its ending says")
@@ -39,9 +41,16 @@ def gunzip(data: bytes, where: str) -> bytes:
     return b"".join(parts)
 
 
+def unzipped(path: Path) -> BinaryIO:
+    """The bytes of a log of a bus, packed or not. Raises LogError as `gunzip`."""
+    if path.suffix.lower() != ".gz":
+        return path.open("rb")
+    return io.BytesIO(gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path)))
+
+
 def too_large(where: str) -> LogError:
     """The error for a log that unpacks to more than a log may have."""
-    return LogError(LOG.excess(what="it unpacks to"), where=where, do=LOG.advice)
+    return LogError(LOG.excess("it unpacks to"), where=where)
 
 
 _MARKS = {
@@ -54,12 +63,11 @@ _HEAD = 4096
 
 
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
-    """Convert the text of a file to UTF-8 without a byte order mark.
+    """Convert the text of a file to UTF-8 without a byte order mark; without one UTF-16 shows in
+    zeros.
 
-    If ``encoding`` is None, UTF-16 is detected by its byte order mark, or if every other byte at
-    the beginning is zero. Other bytes are not changed: `head_text` decodes the header, and numbers
-    are the same in all 8-bit encodings. Raises LogError for bytes that are not text; ``where``
-    names the file.
+    Other bytes are not changed: numbers are the same in all 8-bit encodings. Raises LogError for
+    bytes that are not text.
     """
     for mark, name in _MARKS.items():
         if data.startswith(mark):
@@ -88,11 +96,7 @@ def _unmarked_utf16(head: bytes) -> str | None:
 
 
 def head_text(head: bytes, where: str) -> tuple[str, str | None]:
-    """A header as text, with a note if it is in Windows-1252 and not in UTF-8.
-
-    Windows-1252 includes all printable signs of ISO 8859-1, so ``°`` and ``²`` are correct in both.
-    Raises LogError if neither encoding fits.
-    """
+    """A header as text, with a note if it is in Windows-1252, which has all signs of ISO 8859-1."""
     try:
         return head.decode("utf-8"), None
     except UnicodeDecodeError:

@@ -15,9 +15,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.units import is_unit, spelling
-from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.source import Column, ColumnSource
 from calib.logs.text.cells import column_from_cell, over_midnight
 from calib.logs.text.csv import TextRows
 from calib.logs.text.dialect import Dialect, TextFormat
@@ -37,11 +38,7 @@ _DATA = re.compile(rb"^\[\s*data\s*\][^\r\n]*\r?$", re.MULTILINE | re.IGNORECASE
 
 
 def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> ColumnSource:
-    """Open a VBO file; of ``text_format`` only the encoding is used.
-
-    Raises LogError for missing sections, names that do not fit the columns, no samples, or a last
-    line with too few columns, because the file was cut off.
-    """
+    """Open a VBO file; ``text_format`` may give its encoding. Raises LogError as `open_csv`."""
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a VBO file")
     data = to_utf8(data, where, text_format.encoding if text_format else None)
@@ -84,7 +81,6 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
 
 
 def _single_blanks(body: bytes) -> bytes:
-    """Rows with exactly one blank between cells, and none at their ends."""
     if b"\t" in body or b"  " in body:
         body = re.sub(rb"[ \t]+", b" ", body)
     return body.lstrip(b" ").replace(b" \r\n", b"\n").replace(b" \n", b"\n").replace(b"\n ", b"\n")
@@ -116,9 +112,8 @@ def _standard(name: str) -> bool:
 def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], list[str]]:
     """Units by position in the header, and a note if there is not one for each channel.
 
-    A line belongs to each name that is not standard; or only to those without a unit of their own
-    (``yaw deg/s`` has one); or, if there are fewer lines, to the last names. The first of these
-    that contradicts no unit of a name is taken.
+    Lines belong to all names that are not standard, to those without a unit, or to the last ones:
+    the first of these that contradicts no unit of a name.
     """
     own = [i for i, name in enumerate(header) if not _standard(name)]
     bare = [i for i in own if _own_unit(header[i]) is None]

@@ -10,8 +10,8 @@ from calib.car.effects.combined import caliper_pressure, total_axle_moment
 from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
+from calib.car.own_effects.effect_file import read_own_effect
 from calib.car.own_effects.own_effect import definition, every_effect, with_own
-from calib.car.own_effects.read import read_own_effect
 from tests.support.effect_runs import SEDAN, made_history, made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
 from tests.support.tables import from_content, made_table

@@ -66,11 +66,11 @@ def test_rows_are_those_of_validate_to_the_last_bit(job, run, six):
 
 def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, six):
     first = run(six, "logs/*.csv", "logs/car_00000.csv", "logs/missing.csv")
-    assert (first.counts.total(), first.pace.done, first.pace.total) == (7, 7, 7)
+    assert (first.counts.total(), first.done, first.total) == (7, 7, 7)
     files = (first.results, Path("out", NAME))
     before = [file.read_bytes() for file in files]
     again = run(six, "logs/missing.csv")
-    assert (again.pace.fresh, again.counts) == (1, first.counts)
+    assert (again.fresh, again.counts) == (1, first.counts)
     assert [file.read_bytes() for file in files] == before
 
     Path("logs/car_00002.csv").write_bytes(Path("logs/car_00000.csv").read_bytes())
@@ -79,7 +79,7 @@ def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, 
     os.mkfifo("logs/missing.csv")
     done = run(six, "logs/missing.csv")
     rows = {row["log"]: row for row in rows_of(done)}
-    assert done.pace.fresh == 3
+    assert done.fresh == 3
     assert rows["logs/car_00002.csv"]["status"] == rows["logs/new.csv"]["status"] == "passed"
     assert "logs/car_00005.csv" not in rows
     assert rows["logs/missing.csv"]["digest"] is None
@@ -94,7 +94,7 @@ def test_other_settings_are_refused_and_begin_anew_when_asked(run, fitted, six):
     assert Path("out/results.parquet").read_bytes() == before
     done = run(six, job=strict, fresh=True)
     assert done.counts == {"error": 2, "failed": 4}
-    assert done.pace.fresh == 6
+    assert done.fresh == 6
 
 
 def test_a_log_that_kills_its_worker_is_a_row_and_is_tried_again(run, six):
@@ -104,7 +104,7 @@ def test_a_log_that_kills_its_worker_is_a_row_and_is_tried_again(run, six):
     bad = rows.pop(3)
     assert (bad["status"], bad["digest"]) == ("error", None)
     again = run(six)
-    assert again.pace.fresh == 1
+    assert again.fresh == 1
     assert again.counts == {"error": 2, "passed": 4}
     whole = rows_of(again)
     del whole[3]
@@ -116,10 +116,10 @@ def test_a_log_for_which_memory_is_short_is_tried_again(run, six, monkeypatch):
         raise MemoryError
 
     with monkeypatch.context() as patched:
-        patched.setattr("calib.line.fleet.work.log_of", short)
+        patched.setattr("calib.line.fleet.work.read_log", short)
         assert run("logs/car_00000.csv").counts == {"error": 1}
     again = run("logs/car_00000.csv")
-    assert (again.pace.fresh, again.counts) == (1, {"passed": 1})
+    assert (again.fresh, again.counts) == (1, {"passed": 1})
 
 
 def test_few_logs_are_under_way_at_a_time(job, fleet, tmp_path):
@@ -197,8 +197,8 @@ def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
 def test_a_killed_worker_costs_no_row(job, fleet, undisturbed, tmp_path):
     pool, killed = Pool(2), []
 
-    def report(pace):
-        if pace.done >= 8 and not killed:
+    def report(batch):
+        if batch.done >= 8 and not killed:
             killed.append(active_children()[0].pid)
             os.kill(killed[0], signal.SIGKILL)
 
@@ -234,7 +234,7 @@ from calib.line.fleet.workers import Pool
 
 if __name__ == "__main__":
     job, logs, out = pickle.loads(sys.stdin.buffer.read())
-    run_batch(job, [logs], Path(out), Pool(1), lambda pace: print(pace.done, flush=True))
+    run_batch(job, [logs], Path(out), Pool(1), lambda batch: print(batch.done, flush=True))
 """
 
 
@@ -260,5 +260,5 @@ def test_kill_9_in_the_middle_and_again(fitted, fleet, undisturbed, tmp_path):
     assert psutil.wait_procs(workers, timeout=20)[1] == [], "workers outlive their parent"
 
     again = run_batch(validating(fitted), [str(fleet)], out, Here())
-    assert again.pace.fresh < 24
+    assert again.fresh < 24
     assert again.results.read_bytes() == undisturbed

@@ -37,10 +37,6 @@ def test_named_is_the_rule_of_benjamini_and_hochberg(p):
 FLEETS = 25
 
 
-def normal(rng, m, n):
-    return rng.normal(size=(m, n))
-
-
 def long_tails(rng, m, n):
     """Student's t with 4 degrees of freedom."""
     return rng.standard_t(4, size=(m, n)) / np.sqrt(2.0)
@@ -78,17 +74,16 @@ MOST = binom.ppf(0.999, FLEETS, 0.08)
 
 @pytest.mark.parametrize(
     ("draw", "metrics", "cars"),
-    [(normal, 2, 12), (long_tails, 1, 60), (skewed, 1, 60), (shrunk, 1, 60), (repeated, 3, 60)],
+    [(long_tails, 1, 60), (skewed, 1, 60), (shrunk, 1, 60), (repeated, 3, 60)],
 )
 def test_a_page_of_good_cars_seldom_names_a_car_or_a_drift(draw, metrics, cars):
     assert wrong(draw, metrics, cars) <= MOST
 
 
-@pytest.mark.parametrize("cars", [12, 60])
-def test_beyond_its_edges_a_car_is_named_and_not_far_within_them(cars):
+def test_beyond_its_edges_a_car_is_named_and_not_far_within_them():
     rng = np.random.default_rng(3)
     seen = []
-    for _ in range(20):
+    for cars in (12, 60) * 6:
         x = rng.normal(size=cars)
         median, (_, high) = np.median(x), spread(x).edges
         moved = [median + share * (high - median) for share in (0.5, 1.3)]
@@ -106,7 +101,7 @@ def test_a_car_that_is_six_sigma_off_is_named_once_with_all_its_reasons():
     found = judge(x)
     assert np.flatnonzero(found.named.any(axis=0)).tolist() == [17]
     assert np.flatnonzero(found.named[:, 17]).tolist() == [0, 1]
-    assert found.together < 4.8  # of five metrics two say the same
+    assert effective(x) < 4.8  # of five metrics two say the same
 
 
 def test_metrics_that_follow_each_other_count_as_one():

@@ -28,15 +28,17 @@ def test_the_drift_is_found_where_it_is_and_only_there(found):
 
 def test_the_outlier_is_named(found):
     worst = found.outliers[0]
-    assert (worst.log, worst.metric, worst.value) == (
+    assert (worst.log, worst.figure, worst.value) == (
         f"line/car{OUTLIER + 1}.csv", "pad_friction_f", 0.55)  # fmt: skip
     assert len(found.outliers) <= 2
 
 
 def test_statuses_shares_and_errors(found):
     assert found.status == {"passed": 397, "error": 3}
-    shares = {s.metric.name: dict(s.counts) for s in found.shares}
-    assert shares == {"usable": {"yes": 300, "no": 100}, "verdict": {"no_gap": 266, "named": 134}}
+    assert found.classes == {
+        "usable": {"yes": 300, "no": 100},
+        "verdict": {"no_gap": 266, "named": 134},
+    }
     (failure,) = found.failures
     assert re.fullmatch(r"line/car\d+\.csv: <b>ends</b> at [\d.]+ s", failure.message)
     assert failure.count == 3
@@ -89,16 +91,3 @@ def test_errors_of_one_kind_meet():
         ("no channel p_mc in run4", 1),
     ]
     assert kind_of("omega_fl3 reads -2.5e-3 rad/s", "x.csv") == "omega_fl3 reads # rad/s"
-
-
-@pytest.mark.parametrize(
-    ("error", "log", "kind"),
-    [
-        ("/d/s.csv: ends at 3.2 s", "a/s.csv", "LOG: ends at # s"),
-        ("5.csv: ends at 5 s", "5.csv", "LOG: ends at # s"),
-        ("no channel p_mc in 'd/run.csv'", "d/run.csv", "no channel p_mc in 'LOG'"),
-        ("run of run.csv, rerun, runs, run-in", "d/run.csv", "LOG of LOG, rerun, runs, run-in"),
-    ],
-)
-def test_only_whole_names_of_the_log_are_left_out(error, log, kind):
-    assert kind_of(error, log) == kind

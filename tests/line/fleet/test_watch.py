@@ -16,6 +16,8 @@ from calib.line.fleet.journal import NAME
 from calib.line.fleet.watch import Settled, watch
 from tests.support.fleet_logs import Here, validating
 
+RESULTS = Path("out/results.parquet")
+
 
 class Bench(Event):
     """Ends the watch after the last of ``acts``; does one of them between two looks."""
@@ -39,14 +41,14 @@ def idle():
 
 @pytest.fixture
 def seen(fitted, tmp_path, monkeypatch):
-    """Watch ``in`` while a bench acts; return rows told, names done, trouble, and how it ended."""
+    """Watch ``in`` while a bench acts; return rows told, names done, trouble and counts."""
     monkeypatch.chdir(tmp_path)
     Path("in").mkdir()
 
     def run(*acts, settle=2.0):
         bench, told, trouble = Bench(*acts), [], []
         executor = Here()
-        ended = watch(
+        counts = watch(
             validating(fitted),
             Path("in"),
             Path("out"),
@@ -57,7 +59,7 @@ def seen(fitted, tmp_path, monkeypatch):
             settle=settle,
             clock=lambda: bench.time,
         )
-        return told, executor.done, trouble, ended
+        return told, executor.done, trouble, counts
 
     return run
 
@@ -71,37 +73,37 @@ def dropped(name, data):
 
 def test_rows_are_those_of_a_batch(seen, six, fitted, monkeypatch):
     acts = [dropped(path.name, path.read_bytes()) for path in sorted(Path(six).iterdir())]
-    told, done, _, ended = seen(*acts, *[idle] * 5)
+    told, done, _, counts = seen(*acts, *[idle] * 5)
     assert len(told) == len(done) == 6
     monkeypatch.chdir("in")
     batch = run_batch(validating(fitted), ["*.csv"], Path("../batch"), Here())
-    assert ended.counts == batch.counts
+    assert counts == batch.counts
     monkeypatch.chdir("..")
-    assert pq.read_table(ended.results).equals(pq.read_table("batch/results.parquet"))
+    assert pq.read_table(RESULTS).equals(pq.read_table("batch/results.parquet"))
 
 
 def test_a_row_that_a_crash_took_away_is_made_again(seen, six):
     data = Path(six, "car_00000.csv").read_bytes()
-    _, _, _, whole = seen(dropped("a.csv", data), idle, idle, idle)
-    results = whole.results.read_bytes()
+    seen(dropped("a.csv", data), idle, idle, idle)
+    results = RESULTS.read_bytes()
     told, done, _, _ = seen(*[idle] * 4)
     assert (told, done) == ([], ["a.csv"])  # read again after a stop, and its row is there
     journal = sqlite3.connect(Path("out", NAME))
     journal.execute("DELETE FROM rows")
     journal.commit()
     journal.close()
-    told, _, _, again = seen(*[idle] * 4)
+    told, *_ = seen(*[idle] * 4)
     assert [row.log for row in told] == ["a.csv"]
-    assert again.results.read_bytes() == results
+    assert RESULTS.read_bytes() == results
 
 
 def test_a_log_that_changes_is_done_again_and_one_taken_away_keeps_its_row(seen, six):
     first, other = (Path(six, f"car_0000{i}.csv").read_bytes() for i in (0, 2))
     changes = [dropped("a.csv", first), *[idle] * 4, dropped("a.csv", other), *[idle] * 4]
-    told, _, _, ended = seen(*changes, Path("in/a.csv").unlink, idle)
+    told, *_ = seen(*changes, Path("in/a.csv").unlink, idle)
     assert [row.log for row in told] == ["a.csv", "a.csv"]
     assert told[0].digest != told[1].digest
-    (row,) = pq.read_table(ended.results).to_pylist()
+    (row,) = pq.read_table(RESULTS).to_pylist()
     assert row["digest"] == told[1].digest
 
 

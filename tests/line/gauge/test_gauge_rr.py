@@ -59,7 +59,7 @@ def drawn(rng, car, station, sd):
 
 
 def test_the_published_table():
-    found = {source.name: source for source in anova(*aiag()).sources}
+    found = {one.source: one for one in anova(*aiag()).sources}
     published = {  # degrees of freedom, sum of squares, mean square
         CAR: (9, 88.3619, 9.81799),
         STATION: (2, 3.1673, 1.58363),
@@ -77,7 +77,7 @@ def test_one_way_with_unequal_numbers_by_hand():
     car = np.array([0, 1, 1, 2, 2, 2])
     y = np.array([4.0, 1.0, 3.0, 7.0, 8.0, 9.0])
     found = anova(y, car, np.zeros(6, dtype=int))
-    assert found.sources[0].expected[0] == pytest.approx(11.0 / 6.0)
+    assert found.expected_mean_squares[0, 0] == pytest.approx(11.0 / 6.0)
     within = 2.0 + 2.0
     between = 4.0**2 + 2 * 2.0**2 + 3 * 8.0**2 - 6 * (32.0 / 6.0) ** 2
     assert found.variances[REPEATABILITY] == pytest.approx(within / 3.0)
@@ -143,29 +143,29 @@ def test_the_published_study():
     assert sd[REPRODUCIBILITY] == pytest.approx(0.226838, abs=2e-6)
     assert sd[GAUGE] == pytest.approx(0.302373, abs=2e-6)
     assert sd[CAR] == pytest.approx(1.042327, abs=2e-6)
-    assert found.grr == pytest.approx(0.279, abs=5e-4)
-    assert found.ndc == pytest.approx(4.861, abs=1e-3)
-    assert found.categories == 4
+    assert found.grr.value == pytest.approx(0.279, abs=5e-4)
+    assert found.ndc.uncut == pytest.approx(4.861, abs=1e-3)
+    assert found.ndc.value == 4
 
 
 def test_the_tolerance_is_compared_with_six_standard_deviations():
     # AIAG MSA, 4th ed.: 6 GRR/(USL - LSL), GRR 0.302373 as published
     design = anova(*aiag(), terms=(CAR, STATION, REPEATABILITY))
     found = gauge_rr(design, tolerance=8.0)
-    assert found.tolerance == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
-    low, high = found.tolerance95
-    assert low < found.tolerance < high
+    assert found.grr_of_tolerance.value == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
+    low, high = found.grr_of_tolerance.ci95
+    assert low < found.grr_of_tolerance.value < high
     assert found.cars_differ
-    assert gauge_rr(design).tolerance is None
+    assert gauge_rr(design).grr_of_tolerance is None
 
 
 def test_a_negative_variance_is_nought_and_told():
     found = gauge_rr(anova(*aiag()))
     both = found.components[INTERACTION]
     # (0.01994 - 0.04598)/3
-    assert both.raw == pytest.approx(-0.00868, abs=1e-5)
+    assert both.raw_variance == pytest.approx(-0.00868, abs=1e-5)
     assert both.variance == 0.0
-    assert both.low == 0.0
+    assert both.ci95[0] == 0.0
     assert found.negative == (INTERACTION,)
     parts = [found.components[name].variance for name in (REPEATABILITY, STATION, CAR)]
     assert found.components[TOTAL].variance == pytest.approx(sum(parts))
@@ -173,8 +173,8 @@ def test_a_negative_variance_is_nought_and_told():
 
 def test_the_interval_of_the_repeatability_is_the_exact_one():
     found = gauge_rr(anova(*aiag())).components[REPEATABILITY]
-    exact = 2.7589 / chi2.ppf([0.975, 0.025], 60)
-    assert (found.low, found.high) == pytest.approx(tuple(exact), rel=0.02)
+    exact = np.sqrt(2.7589 / chi2.ppf([0.975, 0.025], 60))
+    assert found.ci95 == pytest.approx(tuple(exact), rel=0.01)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -190,8 +190,11 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         found = gauge_rr(anova(y, car[keep], station[keep]))
         c = found.components
         held += [
-            c[CAR].low <= sd[0] ** 2 <= c[CAR].high,
-            c[REPEATABILITY].low <= sd[3] ** 2 <= c[REPEATABILITY].high,
-            found.grr95[0] <= grr <= found.grr95[1],
+            low <= truth <= high
+            for truth, (low, high) in (
+                (sd[0], c[CAR].ci95),
+                (sd[3], c[REPEATABILITY].ci95),
+                (grr, found.grr.ci95),
+            )
         ]
     assert np.all(held / 200 > 0.90)

@@ -1,16 +1,7 @@
-from pathlib import Path
-
 import pytest
 
 from calib.base.errors import InputError
-from calib.line.gauge.plan import (
-    Place,
-    certain_layout,
-    chosen,
-    on_road,
-    places_from_folders,
-    read_plan,
-)
+from calib.line.gauge.plan import Place, read_plan
 
 
 def plan(folder, text):
@@ -53,56 +44,14 @@ def test_a_bad_plan_is_refused(tmp_path, text):
 
 def test_named_logs_are_looked_up_in_the_plan(tmp_path):
     path = plan(tmp_path, "log,car\na.csv,1\nb.csv,2\n")
-    places = read_plan(path)
-    assert chosen(places, [], path) == places
-    assert chosen(places, [tmp_path / "x/../b.csv"], path) == places[1:]
+    assert read_plan(path, [tmp_path / "x/../b.csv"]) == read_plan(path)[1:]
     with pytest.raises(InputError):
-        chosen(places, [tmp_path / "c.csv"], path)
+        read_plan(path, [tmp_path / "c.csv"])
 
 
-def test_ramps_of_one_road_are_chosen(tmp_path):
+def test_ramps_of_two_roads_are_no_repeats(tmp_path):
     path = plan(tmp_path, "log,car,road\na.csv,1,wet\nb.csv,1,dry\nc.csv,2,wet\n")
-    places = read_plan(path)
-    assert [place.log.name for place in on_road(places, "wet", path)] == ["a.csv", "c.csv"]
-    one = on_road(places, "dry", path)
-    assert on_road(one, None, path) == one
-    without = read_plan(plan(tmp_path, "log,car\na.csv,1\nb.csv,2\n"))
-    assert on_road(without, None, path) == without
-    for given, road in ((places, None), (places, "damp"), (without, "wet")):
-        with pytest.raises(InputError):
-            on_road(given, road, path)
-
-
-def test_folders_name_car_and_station():
-    log = Path("/d/a/b/x.csv")
-    assert places_from_folders([log], "car/station") == (Place(log, "a", "b"),)
-    assert places_from_folders([log], "station/car") == (Place(log, "b", "a"),)
-    assert places_from_folders([log], "car") == (Place(log, "b", ""),)
-    for short, layout in (("/x.csv", "car"), ("/a/x.csv", "car/station")):
-        with pytest.raises(InputError):
-            places_from_folders([Path(short)], layout)
-
-
-def test_a_link_names_the_folders_it_lies_in(tmp_path):
-    (tmp_path / "pool").mkdir()
-    log = tmp_path / "a" / "x" / "1.csv"
-    log.parent.mkdir(parents=True)
-    (tmp_path / "pool" / "ax.csv").touch()
-    log.symlink_to(tmp_path / "pool" / "ax.csv")
-    assert places_from_folders([log], "car/station") == (Place(log, "a", "x"),)
-    (turned,) = places_from_folders([log.parent / ".." / "y" / "1.csv"], "car/station")
-    assert turned.station == "y"
-
-
-def test_a_layout_is_taken_only_where_it_is_certain():
-    full = [Path(f"/d/{car}/{station}/1.csv") for car in "ab" for station in "xy"]
-    assert certain_layout(full) == "car/station"
-    for logs in (
-        full[:2],
-        [full[0], full[3]],
-        [Path("/x.csv")],
-        [Path("/d/a/1.csv"), Path("/d/b/1.csv")],
-        [Path("/x/1.csv"), Path("/a/x/1.csv"), Path("/b/x/1.csv")],
-    ):
-        with pytest.raises(InputError):
-            certain_layout(logs)
+    with pytest.raises(InputError):
+        read_plan(path)
+    wet = [tmp_path / "a.csv", tmp_path / "c.csv"]
+    assert [place.log for place in read_plan(path, wet)] == wet

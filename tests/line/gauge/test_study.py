@@ -64,7 +64,7 @@ def test_a_good_gauge_and_what_does_not_scatter():
 
 
 def of_pads(made):
-    return tuple(replace(r, metrics={"pad_scale": r.metrics["x"]}) for r in made)
+    return tuple(replace(r, figures={"pad_scale": r.figures["x"]}) for r in made)
 
 
 def test_cars_that_do_not_differ_show_nothing_of_a_gauge():

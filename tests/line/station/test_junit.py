@@ -73,6 +73,6 @@ def test_names_and_identifiers_survive(found, kept):
 
 
 def test_what_xml_cannot_hold_is_replaced(found, kept):
-    checks = (replace(found.checks[0], stop="a\x01b\ud800"),)
-    suite = ElementTree.fromstring(junit_xml(replace(found, checks=checks), kept))[0]
-    assert suite.find("testcase").get("classname") == "a\ufffdb\ufffd"
+    odd = replace(found.results[0], log="a\x01b\ud800")
+    suite = ElementTree.fromstring(junit_xml(replace(found, results=(odd,)), kept))[0]
+    assert suite.findall("testcase")[-1].get("classname") == "a\ufffdb\ufffd"

@@ -2,7 +2,7 @@
 
 from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.line.station.limits_file import ADVICE, LIMITS, limits_file
+from calib.line.station.limits_file import LIMITS, document, limits_file
 from calib.line.station.metrics import METRICS as OF_CAR
 
 
@@ -14,10 +14,11 @@ def test_it_reads_back_as_the_defaults(tmp_path):
 
 def test_every_limit_has_its_meaning_and_reason_above_it():
     lines = limits_file().splitlines()
-    for row in ADVICE:
-        i = next(i for i, line in enumerate(lines) if line.startswith(f"{row.limit.figure} = "))
-        assert lines[i - 1] == f"# why: {row.reason}"
-        assert {**OF_STOPS, **OF_CAR}[row.limit.figure] in lines[i - 2]
+    for row in document():
+        figure = row["limit"].figure
+        i = next(i for i, line in enumerate(lines) if line.startswith(f"{figure} = "))
+        assert lines[i - 1] == f"# why: {row['reason']}"
+        assert {**OF_STOPS, **OF_CAR}[figure] in lines[i - 2]
 
 
 def test_every_figure_stands_in_it():

@@ -1,0 +1,292 @@
+"""Read an effect of the user's own: a Python file with ``EFFECT``, as the catalogue has them.
+
+The file is executed, with all that this process may do. See `brake-cal manual vehicle_file`. A hook
+that raises, or whose result has another shape or is not finite, raises one ModelError that names
+file and line: when it is loaded, on a made run, and wherever else it goes wrong.
+"""
+
+import sys
+import traceback
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import redirect_stdout
+from dataclasses import fields, replace
+from functools import wraps
+from hashlib import sha256
+from inspect import unwrap
+from pathlib import Path
+from types import ModuleType
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, StringConstraints, model_validator
+
+from calib.base.bounded import EFFECT, bytes_of
+from calib.base.errors import ModelError
+from calib.base.names import WHEELS, G
+from calib.base.record import OneOf, Section, validated
+from calib.base.record_errors import wrong
+from calib.base.units import QUANTITIES
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.effect import Effect
+from calib.car.forces import axle_loads
+from calib.car.history import Motion, constant_speed
+from calib.car.own_effects.own_effect import OwnEffect
+from calib.car.vehicle import Axle, Vehicle
+
+_Name = Annotated[str, StringConstraints(pattern="^[a-z][a-z0-9_]*$")]
+_Sentence = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
+_Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class _ParameterSection(Section, from_attributes=True):
+    """A `Parameter` of the user."""
+
+    name: _Name
+    unit: Annotated[str, OneOf(tuple(QUANTITIES))]
+    low: _Number
+    high: _Number
+    typical: _Number
+    spread: _Number
+    default: _Number | None
+    share: bool
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> Self:
+        given = self.typical if self.default is None else self.default
+        inside = all(self.low <= value <= self.high for value in (self.typical, given))
+        if not (inside and 0.0 < self.spread < self.high - self.low):
+            expected = "low <= typical, default <= high and 0 < spread < high - low"
+            raise wrong(f"{self.name} from {self.low:g} to {self.high:g}", expected)
+        return self
+
+
+class _CardSection(Section, from_attributes=True):
+    """A `Card` of the user."""
+
+    name: _Name
+    cause: _Sentence
+    equation: _Sentence
+    source: _Sentence
+    looks_like: _Sentence
+    parameters: Annotated[tuple[_ParameterSection, ...], Field(min_length=1)]
+    neutral: _Number
+
+    @model_validator(mode="after")
+    def _is_an_effect(self) -> Self:
+        strength = self.parameters[0]
+        if self.name in CATALOGUE:
+            raise wrong(f"the catalogue has an effect {self.name!r}", "another name")
+        if len({p.name for p in self.parameters}) < len(self.parameters):
+            raise wrong("two parameters of one name", "other names")
+        if not strength.low <= self.neutral <= strength.high or strength.typical == self.neutral:
+            expected = f"a strength of {strength.name} that is not its typical one"
+            raise wrong(f"neutral {self.neutral:g}", expected)
+        return self
+
+
+def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
+    """Read a file for each effect, see `read_own_effect`."""
+    return tuple(read_own_effect(path) for path in paths)
+
+
+def read_own_effect(path: Path) -> OwnEffect:
+    """Execute a Python file, and return its ``EFFECT`` with hooks that are checked.
+
+    Raises ModelError, with its line where it has one, for a file that is missing or not Python,
+    raises, has no ``EFFECT`` or a card that is not complete; for a name of the catalogue; for a
+    hook that raises, returns another shape or what is not finite, or does something at nothing.
+    """
+    source = bytes_of(path, EFFECT, ModelError, "a Python file")
+    effect = getattr(_executed(source, str(path)), "EFFECT", None)
+    if not isinstance(effect, Effect):
+        raise ModelError(
+            f"EFFECT is {effect!r}",
+            where=path,
+            expected="EFFECT = Effect(card=Card(...), ...) at the top level",
+            do="see `brake-cal manual vehicle_file`",
+        )
+    validated(effect.card, _CardSection, path, ModelError)
+    if not hooks_of(effect) or not all(map(callable, hooks_of(effect).values())):
+        raise ModelError("a hook is no function", where=path, expected="one hook of Effect or more")
+    guarded = checked(effect, str(path))
+    _try(guarded, str(path))
+    return OwnEffect(file=path.name, sha256=sha256(source).hexdigest(), effect=guarded)
+
+
+def _executed(source: bytes, path: str) -> ModuleType:
+    """The module of a file. What it prints goes to stderr: stdout is that of the command."""
+    module = ModuleType("own_effect")
+    vars(module)["__file__"] = path
+    try:
+        code = compile(source, path, "exec", dont_inherit=True)
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as cause:
+        place = _at(path, getattr(cause, "lineno", None))
+        raise ModelError(f"not Python: {getattr(cause, 'msg', cause)}", where=place) from cause
+    try:
+        with redirect_stdout(sys.stderr):
+            exec(code, vars(module))
+    except (Exception, SystemExit) as cause:
+        raise _raised(cause, path) from cause
+    return module
+
+
+def _raised(cause: BaseException, path: str, what: str = "") -> ModelError:
+    """The error for an exception in a file of the user, at the line of the file where it rose."""
+    lines = [f.lineno for f in traceback.extract_tb(cause.__traceback__) if f.filename == path]
+    text = f"{what}{type(cause).__name__}: {cause}".strip(": ")
+    return ModelError(text, where=_at(path, lines[-1] if lines else None))
+
+
+def _at(path: str, line: int | Callable[..., Any] | None) -> str:
+    """A line of a file, or that where a function begins."""
+    if callable(line):
+        line = getattr(getattr(unwrap(line), "__code__", None), "co_firstlineno", None)
+    return path if line is None else f"{path}:{line}"
+
+
+def _try(effect: Effect, path: str) -> None:
+    """Call every hook at its typical parameters, and at nothing."""
+    strength, neutral = effect.card.parameters[0].name, float(effect.card.neutral)
+    typical = {p.name: float(p.typical) for p in effect.card.parameters}
+    for name, hook in hooks_of(effect).items():
+        hook(*trial(name, typical))
+        if changes(name, hook, {**typical, strength: neutral}):
+            raise ModelError(
+                f"{name} still does something at {strength} = {neutral:g}, the neutral strength",
+                where=_at(path, hook),
+                expected="no effect there, for any value of other parameters",
+            )
+
+
+def hooks_of(effect: Effect) -> dict[str, Callable[..., Any]]:
+    """The hooks that an effect has, by name."""
+    own = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name != "card"}
+    return {name: hook for name, hook in own.items() if hook is not None}
+
+
+def _on_wheels(like: Any) -> dict[str, Any]:
+    return {w: np.ones(np.shape(like)) for w in WHEELS}
+
+
+_NOTHING: dict[str, Callable[..., Any]] = {
+    "pressure": lambda own, history, p_f, p_r: (p_f, p_r),
+    "friction": lambda own, history, p_f, p_r: (np.ones_like(p_f), np.ones_like(p_r)),
+    "wheels": lambda own, history: _on_wheels(history.v),
+    "axle_moment": lambda car, own, motion: (np.zeros_like(motion.v), np.zeros_like(motion.v)),
+    "inertia": lambda own: (0.0, 0.0),
+    "radius": lambda own: (1.0, 1.0),
+    "load_shift": lambda car, own, history: np.zeros_like(history.v),
+    "body_force": lambda car, own, motion: np.zeros_like(motion.v),
+    "wheel_speed": lambda car, own, motion: _on_wheels(motion.v),
+    "mass": lambda own: 1.0,
+    "accelerometer": lambda car, own, history, a_x: a_x,
+    "accelerometer_lag": lambda own: (0.0, 0.0),
+    "speed_delay": lambda own: 0.0,
+    "wheel_speed_delay": lambda own: 0.0,
+}
+"""Each hook where it changes nothing: what a hook returns has the form of this."""
+
+
+def checked(effect: Effect, path: str) -> Effect:
+    """The effect with hooks that raise ModelError where they go wrong; ``path`` of its file."""
+    hooks = hooks_of(effect)
+    guarded: dict[str, Any] = {name: _checked(name, hooks[name], path) for name in hooks}
+    return replace(effect, **guarded)
+
+
+def _checked(name: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
+    @wraps(hook)
+    def call(*given: Any) -> Any:
+        try:
+            with np.errstate(all="ignore"):
+                result = hook(*given)
+        except Exception as cause:
+            raise _raised(cause, path, f"{name} raises ") from cause
+        nothing = _NOTHING[name](*given)
+        try:
+            return _like(nothing, result)
+        except (TypeError, ValueError) as cause:
+            raise ModelError(
+                f"{name} returns {cause}",
+                where=_at(path, hook),
+                expected=f"finite numbers in the form of {_form(nothing)}",
+            ) from None
+
+    return call
+
+
+def _like(nothing: Any, result: Any) -> Any:
+    """A result in the form of ``nothing``. Raises TypeError or ValueError saying what it is."""
+    if isinstance(nothing, dict):
+        if not isinstance(result, Mapping) or not set(result) <= set(nothing):
+            raise TypeError(_form(result))
+        return {w: _like(nothing[w], value) for w, value in result.items()}
+    if isinstance(nothing, tuple):
+        if not isinstance(result, tuple | list) or len(result) != len(nothing):
+            raise TypeError(_form(result))
+        return tuple(map(_like, nothing, result))
+    array = np.asarray(result)
+    if array.dtype.kind not in "fiub" or array.shape != np.shape(nothing):
+        raise TypeError(_form(result))
+    if not np.all(np.isfinite(array)):
+        raise ValueError("values that are not finite")
+    return array.astype(np.float64) if array.shape else float(array)
+
+
+def _form(value: Any) -> str:
+    if isinstance(value, tuple | list):
+        return f"({', '.join(map(_form, value))})"
+    if isinstance(value, Mapping):
+        return f"a dict of {', '.join(map(str, value))}"
+    return f"shape {np.shape(value)}" if isinstance(value, np.ndarray) else repr(value)
+
+
+def changes(name: str, hook: Callable[..., Any], parameters: Mapping[str, float]) -> bool:
+    """Whether a hook with these parameters changes the link on which it acts, in the trial run."""
+    given = trial(name, parameters)
+    nothing, result = _NOTHING[name](*given), hook(*given)
+    if isinstance(result, Mapping):
+        nothing, result = [nothing[w] for w in result], [*result.values()]
+    return not np.allclose(nothing, result, rtol=1e-9, atol=1e-9)
+
+
+_CAR = Vehicle(
+    *("trial", 1744.0, 1.1556, 1.6494, 0.615, 1.55),
+    front=Axle(0.322, 1.2, 28.84e-4, 0.1309, 2, 0.38),
+    rear=Axle(0.322, 1.1, 11.34e-4, 0.124, 2, 0.38),
+)
+"""Tables I and II of the paper."""
+
+
+def trial(hook: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
+    """What a hook is called with: braking from 30 m/s to a stand, released at 3 s; read-only."""
+    time = np.linspace(0.0, 3.99, 400)
+    v = 30.0 - 7.5 * time
+    angle = np.cumsum(v) * 0.01 / _CAR.front.rolling_radius
+    held = np.clip(time - 0.5, 0.0, 1.0) - np.clip(4.0 * (time - 3.0), 0.0, 1.0)
+    pressed = 40e5 * held + 1e3 * np.sin(50.0 * time)  # noise: below zero at first
+    discs = {"f": 150.0 + 60.0 * time, "r": 90.0 + 30.0 * time}
+    history = replace(
+        constant_speed(time, pressed, 30.0, discs, "trial"),
+        v=v,
+        z=0.018e-5 * pressed,
+        angle_f=angle,
+        angle_r=angle,
+        energy_f=60e3 * time,
+        energy_r=20e3 * time,
+    )
+    motion = Motion(history.v, *axle_loads(_CAR, history.z), history)
+    rear, a_x = 0.8 * history.p_mc, -G * history.z
+    for array in (rear, a_x, *vars(motion).values(), *vars(history).values()):
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+    own = dict(parameters)
+    if hook in ("pressure", "friction"):
+        return own, history, history.p_mc, rear
+    if hook in ("axle_moment", "body_force", "wheel_speed"):
+        return _CAR, own, motion
+    if hook == "accelerometer":
+        return _CAR, own, history, a_x
+    if hook == "load_shift":
+        return _CAR, own, history
+    return (own, history) if hook == "wheels" else (own,)
