@@ -53,18 +53,10 @@ def test_a_copy_of_a_calibration_log_is_no_hold_out(late):
     )
 
 
-@pytest.mark.parametrize("where", ["all", "hold-out"])
-def test_swapped_axles_are_refused_by_name(late, where):
-    logs, held = list(late.calibration), list(late.holdout)
-    if where == "hold-out":
-        held[0] = swapped(held[0])
-        wrong = held[0].source
-    else:
-        logs = [swapped(log) if where in ("all", log.name) else log for log in logs]
-        held = [swapped(log) for log in held] if where == "all" else held
-        wrong = named(late, "ramp").source
-    said = refused(late, logs, held)
-    assert wrong in said.split(":")[0]
+def test_swapped_axles_are_refused_by_name(late):
+    held = [swapped(log) for log in late.holdout]
+    said = refused(late, list(late.calibration), held)
+    assert held[0].source in said.split(":")[0]
     assert "are the axles swapped?" in said
 
 

@@ -21,6 +21,7 @@ def bare():
     return draw("none", 11, only=FOUR)
 
 
+@pytest.mark.slow
 def test_wrong_radii_are_found_and_no_effect_is_named_for_them(bare):
     factor = 0.999
     fixed = decide(based(replace(bare, vehicle=bare.vehicle.with_radii(factor))))
