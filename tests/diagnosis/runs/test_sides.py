@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.runs.sides import LARGEST, with_even_sides
+from tests.support.explained import diagnosed
 from tests.support.hidden.cases import draw
 
 FEW = ("coast", "ramp", "hot")
@@ -39,3 +40,11 @@ def test_more_than_tyres_make_is_left_in():
     for log, even in zip(logs, with_even_sides(logs)[0], strict=True):
         assert np.array_equal(even["omega_rl"], log["omega_rl"])
     assert with_even_sides(logs, LARGEST)[1]["r"] == pytest.approx(-0.003, abs=2e-4)
+
+
+@pytest.mark.slow
+def test_a_wheel_whose_brake_drags_is_no_new_tyre():
+    few = ("coast", "ramp", "step_high", "hot_stop")
+    found = diagnosed(draw("outside", 3, names=("seized_wheel",), only=few))
+    assert found.verdict == "unknown"
+    assert found.sides["r"] == 0.0
