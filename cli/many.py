@@ -238,7 +238,7 @@ def fleet(
     *,
     order: str | None = option("Column that orders the logs, else names.", "COLUMN"),
     figure: list[str] = option("Only this metric; repeatable.", "NAME"),
-    out: Path | None = option("Write report.html, fleet.json, PNGs here.", "DIR", writes="folder"),
+    out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
 

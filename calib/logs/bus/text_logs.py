@@ -100,17 +100,15 @@ class Counted:
             raise damaged(self.path, f"{what}: {self.last.strip()[:60]!r}", "an end of line")
 
 
-def _opened(path: Path, dbc: Databases, kind: type[Counted], note: str) -> Recording:
+def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
     can = need("can", "can", str(path))
     known = require_dbc(dbc, "can", str(path))
     with io.TextIOWrapper(unzipped(path), encoding="utf-8", errors="replace") as file:
         lines = kind(file, path)
         found = lines.gathered(getattr(can, kind.reader)(lines), known)
     has_end = isinstance(lines, _AscLines) and lines.begun
+    note = "the log has no footer: one that was cut at the end of a line looks like a complete one"
     return recording(found, known, () if has_end else (note,), str(path))
-
-
-_CUT = "cut at the end of a line looks like a complete one"
 
 
 class _CandumpLines(Counted):
@@ -121,7 +119,7 @@ class _CandumpLines(Counted):
 
 def open_candump(path: Path, dbc: Databases) -> Recording:
     """Open a log of candump. Raises LogError as `open_asc`; the format has no count and no end."""
-    return _opened(path, dbc, _CandumpLines, f"candump writes no footer: a log {_CUT}")
+    return _opened(path, dbc, _CandumpLines)
 
 
 _HEADER = re.compile(r"\s*(date|base|//)", re.IGNORECASE)
@@ -187,7 +185,7 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
     Raises LogError for a block without its end, a line or frame that is cut off or cannot be read,
     and relative timestamps; without a DBC, and if it describes no frame.
     """
-    return _opened(path, dbc, _AscLines, f"no trigger block: a file {_CUT}")
+    return _opened(path, dbc, _AscLines)
 
 
 _VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
@@ -259,4 +257,4 @@ class _TrcLines(Counted):
 def open_trc(path: Path, dbc: Databases) -> Recording:
     """Open a TRC file of one of `_VERSIONS`. Raises as `open_asc`, and for a lost message."""
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
-    return _opened(path, dbc, _TrcLines, f"PEAK TRC has no footer: a log {_CUT}")
+    return _opened(path, dbc, _TrcLines)
