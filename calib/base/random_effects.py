@@ -5,11 +5,9 @@
 ``between`` by restricted maximum likelihood (REML), which is hardly biased with few things
 (Viechtbauer 2005, doi:10.3102/10769986030003261; Veroniki et al. 2016, doi:10.1002/jrsm.1164).
 The error of the mean is that of Hartung and Knapp (2001, doi:10.1002/sim.791): from the scatter
-itself, with Student's t of k - 1 degrees of freedom. A normal interval with an estimated
-``between``, as DerSimonian and Laird have it, is far too narrow for few things; this one is exact
-where all v_i are equal. Things that agree by chance would make it too narrow: it is never narrower
-than the normal interval (Wiksten, Ruecker and Schwarzer 2016, doi:10.1002/sim.6879; Jackson et al.
-2017, doi:10.1002/sim.7411).
+itself, with Student's t of k - 1 degrees of freedom, exact where all v_i are equal. Things that
+agree by chance would make it too narrow: it is never narrower than the normal interval (Jackson et
+al. 2017, doi:10.1002/sim.7411).
 
 Not true where the errors e_i of the things are correlated: what they share is no part of v_i, and
 has to be added to the error of the mean.
