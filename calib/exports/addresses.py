@@ -45,14 +45,10 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
 
 def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
     """The global, defined symbol of each object."""
-    if elf["e_type"] == "ET_REL":
-        what = "is an object file, whose addresses are not fixed yet"
-        raise ProgramError(what, where=path, expected="the linked program")
     tables = list(elf.iter_sections("SHT_SYMTAB"))
-    if not tables:
-        expected = "the program as the linker wrote it"
-        do = "take the file from before `strip`"
-        raise ProgramError("has no symbol table", where=path, expected=expected, do=do)
+    if not tables or elf["e_type"] == "ET_REL":
+        expected = "the linked program as the linker wrote it, before `strip`"
+        raise ProgramError("has no symbols at fixed addresses", where=path, expected=expected)
     wanted = [one.label for one in data.objects]
     found = {
         symbol.name: symbol
@@ -65,9 +61,8 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
     }
     missing = [name for name in wanted if name not in found]
     if missing:
-        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
         raise ProgramError(
-            f"has no symbol {missing[0]}{more}",
+            f"has no symbol {', '.join(missing[:3])}",
             where=path,
             expected="every object of the C header",
             do=f"define {data.prefix.upper()}_DEFINE before the header in one source file, and "
@@ -78,34 +73,27 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
 
 def _check_same(path: Path, data: Dataset, one: Object, elf: Any, symbol: Any) -> None:
     values = one.values if one.fixed is None else one.fixed.raw.astype(f"i{one.fixed.bits // 8}")
-    if symbol["st_size"] != values.nbytes:
-        raise ProgramError(
-            f"{one.label} has {symbol['st_size']} bytes",
-            where=path,
-            expected=f"{values.nbytes}",
-            do="give the --points and --fixed-point of the C header that the program has",
-        )
     kind = values.dtype.newbyteorder("<" if elf.little_endian else ">")
-    if _held(path, elf, symbol) not in (None, values.astype(kind).tobytes()):
+    size, held = symbol["st_size"], _held(path, elf, symbol)
+    if size != values.nbytes or held not in (None, values.astype(kind).tobytes()):
         raise ProgramError(
-            f"holds other numbers in {one.label}",
+            f"holds other numbers in {one.label}, {size} bytes",
             where=path,
-            expected=f"those of {data.id}",
-            do="export the version that the program holds, or build the program again",
+            expected=f"those of {data.id}, {values.nbytes} bytes",
+            do="export the version that the program holds, with --points and --fixed-point of its "
+            "C header, or build the program again",
         )
-    address = symbol["st_value"]
-    if address > _LARGEST_ADDRESS:
-        expected = "addresses of 32 bits, as A2L has"
-        raise ProgramError(f"{one.label} is at 0x{address:X}", where=path, expected=expected)
+    if symbol["st_value"] > _LARGEST_ADDRESS:
+        what = f"{one.label} is at 0x{symbol['st_value']:X}"
+        raise ProgramError(what, where=path, expected="addresses of 32 bits, as A2L has")
 
 
 def _held(path: Path, elf: Any, symbol: Any) -> bytes | None:
     """The bytes of an object; None where the file does not hold them."""
-    size, home = symbol["st_size"], symbol["st_shndx"]
-    if not isinstance(home, int):
+    if not isinstance(symbol["st_shndx"], int):
         return None
-    section = elf.get_section(home)
-    begin = symbol["st_value"] - section["sh_addr"]
+    section = elf.get_section(symbol["st_shndx"])
+    begin, size = symbol["st_value"] - section["sh_addr"], symbol["st_size"]
     if not 0 <= begin <= section["sh_size"] - size:
         raise ProgramError("is damaged: a symbol lies outside its section", where=path)
     if section["sh_type"] != "SHT_PROGBITS":

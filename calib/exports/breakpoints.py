@@ -1,16 +1,10 @@
 """Which rows of a table to keep so that linear interpolation between them is most exact.
 
-    y |      .-x          kept rows x, dropped rows .
-      |   x-.             the line between two kept rows replaces those dropped between them;
-      | .                 the table itself is linear between its rows, so that the largest gap
-      |x                  is at a dropped row and is computed exactly
-      +---------- x
-
-Breakpoints are rows of the table: they keep their count, their band and (18). The placement is the
-global optimum, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc. 64,
-1969): the smallest maximum error, and among equal ones the smallest sum of squares.
-
-The time grows with the cube of the rows: meant for tables of some hundred rows.
+Breakpoints are rows of the table: they keep their count, their band and (18). The table is linear
+between its rows, so that the largest gap is at a dropped row and is computed exactly. The placement
+is the global optimum, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc.
+64, 1969): the smallest maximum error, and among equal ones the smallest sum of squares. The time
+grows with the cube of the rows: meant for some hundred.
 """
 
 from dataclasses import dataclass
@@ -25,10 +19,7 @@ FEWEST = 2
 
 @dataclass(frozen=True)
 class Misfit:
-    """Error of curves interpolated between breakpoints: largest error ``worst`` at ``at``, ``rms``.
-
-    Both in the unit of the curves; the rms is over the axis, of the curve with the largest rms.
-    """
+    """Largest error ``worst`` between breakpoints, ``at`` its place, and the largest ``rms``."""
 
     worst: float
     at: float
@@ -36,13 +27,9 @@ class Misfit:
 
 
 def place(x: Array, curves: Array, points: int) -> Index:
-    """Rows to keep, both ends among them: ``points``, or fewer where more increase the error.
+    """Rows of ``x`` (n,) to keep, both ends among them, for ``curves`` (k, n) in one unit.
 
-    Parameters
-    ----------
-    x : axis, strictly increasing, (n,).
-    curves : the curves over it, (k, n), in one unit.
-    points : 2 or more; all rows are kept where the axis has no more.
+    ``points`` of 2 or more, or fewer where more increase the error.
     """
     n = len(x)
     if points >= n:

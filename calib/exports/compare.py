@@ -3,12 +3,11 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.errors import DamagedTable, ExchangeError, TableNotFound
+from calib.base.errors import ExchangeError, TableNotFound
 from calib.exports.dataset import Content, build, prefix
 from calib.exports.read import Returned
 from calib.store.folders import names_in
@@ -82,9 +81,8 @@ _EDITED = "the numbers do not agree with its checksum"
 def parent(found: Returned, store: Store) -> Stored | None:
     """The version that the file names, None where the store does not have it.
 
-    Without a head the labels name it: they begin with the name of the table, as `prefix` has it.
-    Raises DamagedTable where that version is damaged, ExchangeError where the names of several
-    tables begin labels alike.
+    Without a head the labels name it. Raises DamagedTable where that version is damaged,
+    ExchangeError where the names of several tables begin labels alike.
     """
     name, _, version = found.table.partition("@")
     if "table" not in found.facts:
@@ -112,8 +110,8 @@ class Difference(NamedTuple):
 def difference(found: Returned, stored: Stored | None) -> Difference:
     """Contradictions in a file: to the table of the store, or to its own checksum without one.
 
-    Numbers that a tool has rounded agree, see `_best_rounding`. A file on fewer breakpoints
-    agrees when each of its rows is a row of the table. Raises ExchangeError where there is neither.
+    Numbers that a tool has rounded agree, and fewer breakpoints that are rows of the table. Raises
+    ExchangeError where there is neither table nor checksum.
     """
     edited = [_EDITED] if found.unchanged is False else []
     if stored is None and found.unchanged is None:
@@ -138,19 +136,18 @@ def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
     """Every number of the labels that both have, with that of the nearest row of the table."""
     for name in sorted(found.scalars.keys() & whole.scalars.keys()):
         yield Pair(name, found.scalars[name], whole.scalars[name])
-    for name in sorted(found.axes.keys() & whole.axes.keys()):
-        yield from _rows(name, found.axes[name], whole.axes[name])
+    axes, rows = (
+        one.axes | {f"{name}, axis": x for name, (x, _) in one.curves.items()}
+        for one in (found, whole)
+    )
+    for name in sorted(axes.keys() & rows.keys()):
+        near = _nearest(axes[name], rows[name])
+        yield from (Pair(name, x, row) for x, row in zip(axes[name], near, strict=True))
     for name in sorted(found.curves.keys() & whole.curves.keys()):
-        (x, y), (rows, values) = found.curves[name], whole.curves[name]
-        yield from _rows(f"{name}, axis", x, rows)
-        table = dict(zip(rows, values, strict=True))
-        for at, value, row in zip(x, y, _nearest(x, rows), strict=True):
+        x, y = found.curves[name]
+        table = dict(zip(*whole.curves[name], strict=True))
+        for at, value, row in zip(x, y, _nearest(x, [*table]), strict=True):
             yield Pair(f"{name} at {at!r}", value, table[row])
-
-
-def _rows(name: str, found: Sequence[float], rows: Sequence[float]) -> Iterator[Pair]:
-    for x, row in zip(found, _nearest(found, rows), strict=True):
-        yield Pair(name, x, row)
 
 
 def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
@@ -181,11 +178,3 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
 
 def _labels(content: Content) -> set[str]:
     return {*content.axes, *content.curves, *content.scalars}
-
-
-def refuse(path: Path, wrong: list[str]) -> DamagedTable:
-    """The error for a file that contradicts its checksum or its table."""
-    more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
-    return DamagedTable(
-        f"{wrong[0]}{more}", where=path, do="it was edited or damaged: export the table again"
-    )

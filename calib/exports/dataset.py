@@ -87,17 +87,14 @@ _NONE_GIVEN = (
 
 @dataclass(frozen=True)
 class Addresses:
-    """Address of each object by label, and the byte order; all are 0 where no file was given.
-
-    ``remarks`` say what was assumed, in sentences.
-    """
+    """Address of each object by label, and the byte order; ``remarks`` on what was assumed."""
 
     by_label: dict[str, int] = field(default_factory=dict)
     big_endian: bool = False
     remarks: tuple[str, ...] = (_NONE_GIVEN,)
 
     def of(self, name: str) -> int:
-        """Address of an object."""
+        """Address of an object; 0 where no program was given."""
         return self.by_label.get(name, 0)
 
 
@@ -136,8 +133,7 @@ class Object:
 class Axis(Object):
     """Breakpoints, strictly increasing; ``shared`` by several curves, or the own axis of one.
 
-    ``rows`` number of rows of the table; ``misfit`` of the curves interpolated between the
-    breakpoints; ``origin`` of the fixed point.
+    ``rows`` of the table; ``misfit`` between the breakpoints; ``origin`` of the fixed point.
     """
 
     shared: bool
@@ -207,6 +203,10 @@ class Content:
     curves: dict[str, tuple[Numbers, Numbers]]
     scalars: dict[str, float]
 
+    def __len__(self) -> int:
+        """Number of the objects."""
+        return len(self.axes) + len(self.curves) + len(self.scalars)
+
     @property
     def checksum(self) -> str:
         """SHA-256 over labels and numbers with all their bits [hex]."""
@@ -224,7 +224,7 @@ def _hex(values: Numbers) -> str:
 class Dataset:
     """The exported data of ``stored``, in integers of ``bits`` or in double.
 
-    ``date`` of the export as ISO 8601, for CDF: a table has none. ``addresses`` for A2L.
+    ``date`` of the export, for CDF: a table has none. ``addresses`` for A2L.
     """
 
     stored: Stored
@@ -263,7 +263,6 @@ class Dataset:
     def facts(self) -> dict[str, str]:
         """Facts that every file states, by key."""
         stored, table, content = self.stored, self.stored.table, self.content()
-        objects = len(content.axes) + len(content.curves) + len(content.scalars)
         parents = ", ".join(parent.id for parent in table.provenance.parents)
         return {
             "table": stored.id,
@@ -278,7 +277,7 @@ class Dataset:
             "validation": self.quality.words,
             "state": self.quality.state,
             "release": ("" if stored.state.released else _NOT) + stored.state.why,
-            "objects": str(objects),
+            "objects": str(len(content)),
             "checksum": content.checksum,
         }
 
@@ -292,8 +291,8 @@ def build(
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
-    Raises ExchangeError if the table has fewer rows than ``points``, for a width that C does not
-    have, and where a rounded axis is not strictly increasing.
+    Raises ExchangeError for more points than rows, a width that C does not have, and a rounded axis
+    that does not increase.
     """
     table, first = stored.table, prefix(stored.name)
     p, d, g = table.paper, table.difference, table.tyre
@@ -305,9 +304,8 @@ def build(
     ]
     gap: list[_Row] = [("D", "D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag)]
     tyre: list[_Row] = [("g", force, g.force, g.lower, g.upper, g.count, g.flag)]
-    if np.array_equal(p.eta, d.eta):
-        over_eta = [("eta", p.eta, [*paper, *gap])]
-    else:
+    over_eta = [("eta", p.eta, [*paper, *gap])]
+    if not np.array_equal(p.eta, d.eta):
         over_eta = [("eta", p.eta, paper), ("eta_D", d.eta, gap)]
     group = partial(_group, first, points, bits)
     groups = [group((name, ratio, x, True, 1.0), over) for name, x, over in over_eta]

@@ -23,19 +23,11 @@ ADDRESSED = tuple(name for name, form in FORMATS.items() if form.addressed)
 
 
 def format_named(written: str) -> str:
-    """The format of that name. Raises ExchangeError for an unknown one.
-
-    >>> format_named("DCM"), format_named("c_header"), format_named("inca")
-    ('dcm', 'c-header', 'inca-csv')
-    """
-    name = written.lower().replace("_", "-").lstrip(".")
-    for known, form in FORMATS.items():
-        if name in (known, *form.names):
-            return known
-    near = did_you_mean(name, ENDINGS)
-    raise ExchangeError(
-        f"unknown format {written!r}; {f'{near} ' if near else ''}known: {', '.join(ENDINGS)}"
-    )
+    """The format of that name in upper or lower case. Raises ExchangeError for an unknown one."""
+    if written.lower() in FORMATS:
+        return written.lower()
+    do = did_you_mean(written.lower(), ENDINGS)
+    raise ExchangeError(f"unknown format {written!r}", expected=", ".join(ENDINGS), do=do)
 
 
 def format_of(name: str) -> str:
@@ -69,11 +61,6 @@ class Exported:
         return self.data.addresses.remarks if self.form in ADDRESSED else ()
 
     @property
-    def sha256(self) -> str:
-        """SHA-256 of the file [hex]."""
-        return hashlib.sha256(self.content).hexdigest()
-
-    @property
     def rounded(self) -> list[dict[str, Any]]:
         """Each object of a fixed point: its step, and the errors of rounding and of reading."""
         return [
@@ -85,23 +72,24 @@ class Exported:
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON document of an export."""
-        data, rounded = self.data, self.rounded
+        data = self.data
         axes = [
             {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
             | {"curves": [one.label for one in data.curves if one.axis.label == axis.label]}
             | {"worst": axis.misfit.worst, "worst_at": axis.misfit.at, "rms": axis.misfit.rms}
             for axis in data.axes
         ]
+        fixed = {"bits": data.bits, "objects": self.rounded}
         return {
             **data.facts(),
             "version": data.stored.version,
             "format": self.form,
             "out": self.path,
             "bytes": len(self.content),
-            "sha256": self.sha256,
+            "sha256": hashlib.sha256(self.content).hexdigest(),
             "axes": axes,
             "remarks": list(self.remarks),
-            "fixed_point": {"bits": data.bits, "objects": rounded} if rounded else None,
+            "fixed_point": fixed if self.rounded else None,
         }
 
 
@@ -147,7 +135,13 @@ def export(
     ('dcm', 'sedan-sim@1', [16, 16])
     """
     if not (stored.state.released or unreleased):
-        raise _not_released(stored)
+        raise StoreError(
+            f"is {stored.state.words}",
+            where=stored.id,
+            expected="a released version",
+            do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "
+            "...`, or hand it out as it is with --unreleased: the file then says so",
+        )
     path = Path(path)
     form = format_of(path.name) if form is None else format_named(form)
     if bits is not None and form not in FIXED_POINT:
@@ -160,13 +154,3 @@ def export(
     content = FORMATS[form].write(data)
     write_whole(path, content)
     return Exported(path, form, data, content)
-
-
-def _not_released(stored: Stored) -> StoreError:
-    return StoreError(
-        f"is {stored.state.words}",
-        where=stored.id,
-        expected="a released version",
-        do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence ...`, "
-        "or hand it out as it is with --unreleased: the file then says so",
-    )

@@ -21,10 +21,7 @@ FINEST = 52
 
 @dataclass(frozen=True)
 class Fixed:
-    """Integers ``raw`` (n,) of ``bits``; ``error`` is the largest rounding error.
-
-    ``origin`` and ``error`` are in the unit of the values.
-    """
+    """Integers ``raw`` (n,) of ``bits``; ``error`` the largest rounding error, as the values."""
 
     raw: Index
     bits: int
@@ -68,11 +65,9 @@ def _finest(largest: float, most: int) -> int:
 def fixed_axis(label: str, values: Array, bits: int, origin: float) -> Fixed:
     """Axis as integers that still increase strictly. Raises ExchangeError when they do not."""
     found = to_fixed(values, bits, origin)
-    together = np.flatnonzero(np.diff(found.raw) <= 0)
-    if together.size:
-        at = float(values[together[0]])
+    if np.any(np.diff(found.raw) <= 0):
         raise ExchangeError(
-            f"in {bits} bits the breakpoints at {at:.8g} and above it become equal",
+            f"in {bits} bits some breakpoints become equal",
             where=label,
             expected="an axis that increases strictly",
             do="take fewer points or more bits",

@@ -68,10 +68,9 @@ def _returned(
             expected="an export of one table, or that file as another tool has saved it",
         )
     first = firsts[0]
-    found = len(content.axes) + len(content.curves) + len(content.scalars)
-    if facts.get("objects", str(found)) != str(found):
+    if facts.get("objects", str(len(content))) != str(len(content)):
         raise ExchangeError(
-            f"holds {found} objects and states {facts['objects']}: cut off, or joined",
+            f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined",
             where=path,
             do="export the table again",
         )

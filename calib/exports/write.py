@@ -281,15 +281,13 @@ def _write_a2l(data: Dataset) -> bytes:
 
 @dataclass(frozen=True)
 class _Format:
-    """``ending`` of the file name; ``write`` makes the whole file, ``names`` it has besides.
+    """``ending`` of the file name; ``write`` makes the whole file.
 
     ``fixed``: can be in fixed point; ``addressed``: holds addresses of the ECU's memory.
-    ``write`` raises ExchangeError where the format cannot hold the data.
     """
 
     ending: str
     write: Callable[[Dataset], bytes]
-    names: tuple[str, ...] = ()
     fixed: bool = False
     addressed: bool = False
 
@@ -299,9 +297,9 @@ FORMATS = {
     "csv": _Format("csv", _write_csv),
     "parquet": _Format("parquet", _write_parquet),
     "dcm": _Format("dcm", partial(_filled, "dcm", _quoted)),
-    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x))), ("cdf",)),
-    "a2l": _Format("a2l", _write_a2l, ("asap2",), fixed=True, addressed=True),
-    "c-header": _Format("h", partial(_filled, "h", _ascii), ("c", "h"), fixed=True),
-    "inca-csv": _Format("inca.csv", _write_inca_csv, ("inca",)),
+    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x)))),
+    "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
+    "c-header": _Format("h", partial(_filled, "h", _ascii), fixed=True),
+    "inca-csv": _Format("inca.csv", _write_inca_csv),
 }
 """A new one is a template and a line here."""

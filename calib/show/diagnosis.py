@@ -8,7 +8,6 @@ from dataclasses import asdict
 from calib.base.names import AXLE_NAMES
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnose import Diagnosis, Named
-from calib.diagnosis.explanation.offsets import GRADE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
@@ -37,8 +36,7 @@ _DRIVERS = {
     SLIP: "the slip, as brake control does",
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
-STATE = "Logs with other pads or on another road: a state of a log, no effect of the car."
-_OF_LOGS = "What each log has of its own; what all have in common is in it."
+_STATES = "States of logs and tyres, which are no effects of the car, and were taken out."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
@@ -62,7 +60,6 @@ def facts(found: Diagnosis, title: str) -> Facts:
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
             for name, one in found.model_after.effects.own.items()
         ),
-        ("Left and right", _sides(found)),
         ("Noise", source if (source := found.noise.source) != "unbraked parts" else ""),
     )
     return Facts(
@@ -72,7 +69,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
         word=word,
         numbers=[*numbers, ("hold-out logs", str(len(found.measured)))],
         rows=[row for row in rows if row[1]],
-        tables=[_groups(found), _of_logs(found), _unseen(found)],
+        tables=[_states(found), _unseen(found)],
         warnings=found.warnings,
         parts=[_effect(effect, found) for effect in found.effects],
     )
@@ -203,46 +200,26 @@ def unexplained(found: Diagnosis) -> str:
     return "; ".join(told)
 
 
-def _sides(found: Diagnosis) -> str:
-    """Where left and right wheel speeds were made even; empty where they nearly were."""
-    told = [
-        f"{100.0 * abs(off):.2f} % on the {AXLE_NAMES[axle]} axle, the "
-        f"{'left' if off > 0.0 else 'right'} one slower"
+def _states(found: Diagnosis) -> Table:
+    """What is of a log or of its tyres: groups and pads against the first, heat, slope or zero."""
+    grounds = [(listed(group.logs), group.ground) for group in found.groups[1:]]
+    rows = [
+        (f"{spaced(name)} [%]", log, f"{100.0 * (x - 1.0):+.1f}")
+        for log, ground in (*grounds, *found.own_pads.items())
+        for name, x in asdict(ground).items()
+    ]
+    for log, heats in found.start_heats.items():
+        for axle, heat in zip(AXLE_NAMES.values(), heats, strict=True):
+            rows.append((f"{axle} discs at first [degC]", log, f"{heat:.0f}"))
+    if (of := found.offsets) is not None:
+        head = f"{spaced(of.effect)} [{of.unit}]"
+        rows += [(head, log, f"{x:+.3f}") for log, x in of.values.items()]
+    rows += [
+        ("left wheel slower than right [%]", f"{AXLE_NAMES[axle]} axle", f"{100.0 * off:+.2f}")
         for axle, off in found.sides.items()
         if abs(off) > GATES.sides_told
     ]
-    unlike = "; ".join(told)
-    return f"while nothing brakes, the wheels differ by {unlike}; made even" if told else ""
-
-
-def _groups(found: Diagnosis) -> Table:
-    """By how much pads and road of each group of logs differ from those of the first."""
-    rows = []
-    for group in found.groups[1:]:
-        changes = asdict(group.ground).items()
-        told = ", ".join(f"{spaced(name)} {100.0 * (x - 1.0):+.0f} %" for name, x in changes)
-        rows.append((listed(group.logs), told))
-    return Table(("logs", "pads and road"), rows, STATE)
-
-
-def _of_logs(found: Diagnosis) -> Table:
-    """What each log has of its own: pads and tyres, heat of the discs, a slope or a zero of a_x."""
-    columns: dict[str, dict[str, str]] = {}
-    for log, own in (found.own_pads or {}).items():
-        for name, x in asdict(own).items():
-            columns.setdefault(f"{spaced(name)} [%]", {})[log] = f"{100.0 * (x - 1.0):+.1f}"
-    for log, heats in (found.start_heats or {}).items():
-        for axle, heat in zip(AXLE_NAMES.values(), heats, strict=True):
-            columns.setdefault(f"{axle} discs at first [degC]", {})[log] = f"{heat:.0f}"
-    if found.offsets is not None:
-        slope = found.offsets.effect == GRADE
-        head = "slope, uphill [%]" if slope else "zero of a_x [m/s^2]"
-        factor, digits = (100.0, 1) if slope else (1.0, 2)
-        values = found.offsets.values.items()
-        columns[head] = {log: f"{factor * x:+.{digits}f}" for log, x in values}
-    logs = dict.fromkeys(log for column in columns.values() for log in column)
-    rows = [(log, *(column.get(log, "") for column in columns.values())) for log in logs]
-    return Table(("log", *columns), rows, _OF_LOGS)
+    return Table(("state", "of", "value"), rows, _STATES)
 
 
 def _unseen(found: Diagnosis) -> Table:

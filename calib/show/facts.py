@@ -38,17 +38,15 @@ class Table:
 
     @property
     def numeric(self) -> tuple[bool, ...]:
-        """Whether each column but the first holds numbers, by the first signs of its cells.
+        """Whether each column but the first holds numbers, by the begins of its cells.
 
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
         """
-        columns = ([row[i][:2] for row in self.rows if row[i]] for i in range(1, len(self.heads)))
-        return False, *(
-            any(x.lstrip("+-").isdigit() for x in begins)
-            and all(x[0].isdigit() or x[0] in "+-" for x in begins)
-            for begins in columns
+        columns = (
+            {row[i].lstrip("+-")[:1] for row in self.rows} for i in range(1, len(self.heads))
         )
+        return False, *("".join(begins).isdigit() for begins in columns)
 
 
 @dataclass(frozen=True)

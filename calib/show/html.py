@@ -1,13 +1,12 @@
 """Facts as one HTML file: style and pictures are inside, there are no scripts, all is escaped."""
 
 import base64
-import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from calib.base.plain import METRICS
+from calib.base.plain import plain
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
 from calib.show.sheet import render
@@ -43,14 +42,8 @@ def page_of(facts: Facts, again: int = 0) -> str:
 
     It loads itself again after ``again`` [s], 0: never.
     """
-    number = itertools.count(1)
     text = _template().render(
-        facts=facts,
-        again=again,
-        generator=_GENERATOR,
-        sources=_sources,
-        warned=_warned,
-        key=lambda: f"zoom-{next(number)}",
+        facts=facts, again=again, generator=_GENERATOR, sources=_sources, warned=_warned
     )
     return text.lstrip()
 
@@ -79,13 +72,10 @@ def _inside(image: bytes) -> str:
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:
     """What and where, measured and expected, likely causes, what to do."""
-    rows = []
-    for w in warnings:
-        name, amount, expected = w.code.replace("_", " "), w.amount, w.bounds
-        if known := METRICS.get(w.code):
-            name, amount = known.name, known.with_unit(w.measured)
-            expected = known.bounds(*w.expected)
-        causes = ", or ".join(w.causes)
-        rows.append((f"{w.log}: {name}", f"{amount}; expected {expected}", causes, w.do))
+    rows = [
+        (f"{w.log}: {plain(w.code).name.replace('_', ' ')}", f"{w.amount}; expected {w.bounds}",
+         ", or ".join(w.causes), w.do)
+        for w in warnings
+    ]  # fmt: skip
     heads = ("warning", "measured", "likely", "what to do")
     return Table(heads, rows, _AGAINST, ["warning"] * len(rows))

@@ -53,7 +53,7 @@ def facts(
 ) -> Facts:
     """What is in a log; ``drawn`` its picture as PNG, for a page."""
     time = log.time
-    rows = [_event_cells(event) for event in events]
+    rows = [(one.kind, f"{one.start:.2f} s", f"{one.end - one.start:.2f} s") for one in events]
     heads = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
     return Facts(
         title=f"Log {log.name}",
@@ -64,7 +64,7 @@ def facts(
         ],
         tables=[
             Table(heads, [_cells(column) for column in columns], "What is in each column."),
-            Table(("event", "time", "length"), rows, "Events in order of time."),
+            Table(("event", "from", "for"), rows, "Events in order of time."),
         ],
         notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
         pictures=[Picture(_RAW, drawn)] if drawn else [],
@@ -83,12 +83,6 @@ def _cells(column: Inventory) -> tuple[str, ...]:
         str(column.samples),
         gaps,
     )
-
-
-def _event_cells(event: RunEvent) -> tuple[str, str, str]:
-    if event.kind == BITES:
-        return event.kind, f"{event.start:.2f} s", ""
-    return event.kind, f"{event.start:.2f} to {event.end:.2f} s", f"{event.end - event.start:.2f} s"
 
 
 def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:

@@ -45,12 +45,7 @@ def number(value: float, step: float) -> str:
     """A value rounded to the second digit of ``step``, such as the half width of its interval."""
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
-    if step <= 0.0:
-        return f"{value:.4g}"
-    first = math.floor(math.log10(step))
-    if first < -4 and abs(value) < 1e-2:
-        digits = max(0, math.floor(math.log10(max(abs(value), step))) - first + 1)
-        return f"{value:.{digits}e}"
+    first = math.floor(math.log10(step or 1e-3 * abs(value) or 1.0))
     return f"{value:z.{max(0, 1 - first)}f}"
 
 

@@ -86,7 +86,7 @@ class Panel:
     texts : words, each beside a point of the axes.
     xlim, ylim : ends of the axes. Without ``ylim`` measured lines set it, by their means and zero,
         ``where`` it is true (n,).
-    xticks, yticks : words at 0, 1, 2 ... instead of numbers.
+    xticks : words at 0, 1, 2 ... instead of numbers.
     columns : entries in a row of the legend.
     """
 
@@ -101,7 +101,6 @@ class Panel:
     ylim: tuple[float, float] | None = None
     where: Mask | None = None
     xticks: Sequence[str] = ()
-    yticks: Sequence[str] = ()
     columns: int = 3
 
     def fill(self, ax: Axes) -> float:
@@ -117,9 +116,8 @@ class Panel:
         for limit, set_to in ((self.xlim, ax.set_xlim), (self._height(means), ax.set_ylim)):
             if limit is not None:
                 set_to(*limit)
-        for words, set_ticks in ((self.xticks, ax.set_xticks), (self.yticks, ax.set_yticks)):
-            if words:
-                set_ticks(range(len(words)), words)
+        if self.xticks:
+            ax.set_xticks(range(len(self.xticks)), self.xticks)
         if not ax.get_legend_handles_labels()[1]:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)

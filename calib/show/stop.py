@@ -14,7 +14,6 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import truth_of
 from calib.estimation.plan import calibrated
 from calib.estimation.validate import Validation
-from calib.logs.clock import step_of
 from calib.logs.log import Log
 from calib.run.filters import runs
 from calib.show.facts import Picture
@@ -26,7 +25,6 @@ from calib.show.style import (
     DASH_DOT,
     DOTTED,
     FRONT,
-    IDENTIFIED,
     LAW,
     LEVEL,
     MEAN,
@@ -61,8 +59,6 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
 _AXLES = (("f", "front", FRONT), ("r", "rear", REAR))
-_LEAST = 0.02
-"""Share of the log from which a reason for not being valid is drawn."""
 _EVERY = 5
 """Samples between two points of a line on a page: 25 ms at 200 Hz."""
 
@@ -100,15 +96,21 @@ def of_validation(
     panels = (
         over("wheel-speeds", "Wheel speeds", y="wheel speed [rad/s]", lines=wheels, columns=5),
         *_panels(e.columns(), e.valid, means, over, more),
-        _validity(e),
     )
     kind = "stop" if truth_of(log, car, e) is None else "simulation"
+    lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
+    refused = {why: lasts for why, lasts in lost.items() if lasts >= 0.05}
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
     notes = (
         f"Estimator with table {name}, digest {table.digest[:16]}.",
         *e.notes,
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         _SHADED,
+        *(
+            f"Not valid for {lasts:.1f}\u00a0s: {why}."
+            for why, lasts in refused.items()
+            if lasts >= 0.05
+        ),
         *([_MARKED] if marks else ()),
     )
     told = "; ".join([word(result), *broken(result), _in_words(means)])
@@ -239,21 +241,3 @@ def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[L
         found[f"pad-{name}"] = held
         found["axle-torques"] += torques
     return found
-
-
-def _validity(e: Estimate) -> Panel:
-    """When the estimate is valid, and each reason why it is not, as bars over time."""
-    reasons = {"the brakes are released": ~e.braked, **e.refused}
-    rows = {"valid": e.valid, **{why: x for why, x in reasons.items() if np.mean(x) >= _LEAST}}
-    lines, texts = [], []
-    for place, (why, mask) in enumerate(rows.items()):
-        colour = (NOMINAL if place else IDENTIFIED)["color"]
-        bar: Stroke = {"color": colour, "linewidth": 6.0, "solid_capstyle": "butt"}
-        lines.append(Line(e.time, np.where(mask, float(place), np.nan), bar))
-        lasts = step_of(e.time) * np.count_nonzero(mask)
-        texts.append((f"{why}: {lasts:.1f} s", e.time[0], float(place)))
-    title, ends = "Where the estimate is valid, and why not", (e.time[0], e.time[-1])
-    height, blank = (len(rows) - 0.2, -0.5), (" ",) * len(rows)
-    return Panel(
-        "validity", title, _TIME, "", lines, texts=texts, xlim=ends, ylim=height, yticks=blank
-    )

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import plain, signed_percent
+from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
@@ -57,35 +57,29 @@ def report(stored: Stored, results: Sequence[Validation], origin: PageOrigin) ->
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
-    """How many logs are within the limits, and what comes next."""
-    passed, of = sum(result.passed for result in results), len(results)
-    if passed == of:
-        counts = "the log is" if of == 1 else f"all {of} logs are"
-        return f"{counts} within the limits; {_next(stored, results)}"
-    head = f"{passed} of {of} logs {'is' if passed == 1 else 'are'} within the limits"
-    if any(result.role == CALIBRATION for result in results):
-        return f"{head}; next: validate again without the logs of the fit"
-    failed = ", ".join(result.log for result in results if not result.passed)
-    return f"{head}, not {failed}; next: look at it with brake-cal check and brake-cal plot"
-
-
-def _next(stored: Stored, results: list[Validation]) -> str:
-    """What comes next where all logs are within the limits: a release where nothing is against it.
+    """How many logs are within the limits, and what comes next.
 
     Stops with other pads than the ramp's prove nothing of its table.
     """
+    failed, of = [result.log for result in results if not result.passed], len(results)
     together = agreement(results)
-    if together is not None and together.differ:
-        return (
-            "next: find out why the pads differ between the stops of one road, and validate again; "
-            f"they do not speak for a release of {stored.id}"
+    if any(result.role == CALIBRATION for result in results):
+        then = "next: validate again without the logs of the fit"
+    elif failed:
+        then = f"not {', '.join(failed)}; next: look at it with brake-cal check and brake-cal plot"
+    elif together is not None and together.differ:
+        then = (
+            "next: find out why the pads differ between the stops of one road, and validate again"
         )
-    if stored.state.word != DRAFT:
-        return f"{stored.id} is {stored.state.word}"
-    release = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
-    warned = any(result.all_warnings for result in results)
-    look = "look at the warnings; where they do not speak against the table, " if warned else ""
-    return f"next: {look}{release}, with the DIR of --out"
+    elif stored.state.word != DRAFT:
+        then = f"{stored.id} is {stored.state.word}"
+    else:
+        then = (
+            f"next: brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
+        )
+        if any(result.all_warnings for result in results):
+            then += ", where no warning speaks against the table"
+    return f"{of - len(failed)} of {counted(of, 'log')} within the limits; {then}"
 
 
 def _by_stop(stored: Stored, results: list[Validation]) -> Table:
@@ -104,7 +98,7 @@ def _by_stop(stored: Stored, results: list[Validation]) -> Table:
         rows.append((r.log, *cells, word(r)))
     errors = ("error, front", "error, rear")[: len(truth)]
     heads = ("stop", "front pads", "change", "rear pads", "change", "valid", *errors, "verdict")
-    return Table(heads, rows, _BY_STOP, [_verdict(r) for r in results])
+    return Table(heads, rows, _BY_STOP, [PASSED if r.passed else FAILED for r in results])
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
@@ -133,10 +127,6 @@ def _limiting(results: list[Validation]) -> list[Row]:
     ]
 
 
-def _verdict(r: Validation) -> str:
-    return PASSED if r.passed else FAILED
-
-
 def on_the_way(r: Validation) -> list[str]:
     """Notes of the estimator, and what happened that the brakes did not do: surfaces, bumps."""
     split = r.estimate.split
@@ -163,7 +153,7 @@ def _stop(r: Validation) -> Facts:
     rest = Table(("metric", "value", "key"), others, f"Metrics of {name} without a limit.")
     return Facts(
         f"{name}: {word(r)}",
-        verdict=_verdict(r),
+        verdict=PASSED if r.passed else FAILED,
         tables=[table],
         notes=unknown,
         pictures=[pads_over_time(r)],

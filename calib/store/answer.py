@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
 from calib.table.budget import pads_budget
-from calib.table.table import Table
 
 
 @dataclass(frozen=True)
@@ -27,14 +26,22 @@ class Answer:
 
 def answer(stored: Stored) -> Answer:
     """The answer for a version of a store."""
-    table, state = stored.table, stored.state
+    paper, state, q = stored.table.paper, stored.state, stored.table.quality
+    peak, end, real = (
+        q.get(key) for key in ("eta_peak_deceleration", "deceleration_max", "eta_peak_is_real")
+    )
+    if peak is not None and real:
+        ends = f"eta has its peak at {peak:.2f} g"
+    else:
+        ends = "the ramp ends" if end is None else f"the ramp ends at {end:.2f} g"
+    two = "two decelerations have one eta, and " if real else ""
     return Answer(
         usable=state.released,
         may=("yes: " if state.released else "no: ") + state.words,
-        decelerations=table.paper.usable,
-        eta=table.paper.usable_eta,
-        ends=_ends(table),
-        limit=_limit(table),
+        decelerations=paper.usable,
+        eta=paper.usable_eta,
+        ends=ends,
+        limit=f"{ends}: beyond it {two}an ECU uses the end value",
         next=_next(stored),
     )
 
@@ -63,20 +70,6 @@ def verdict(stored: Stored) -> str:
         f"usable {_USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
         f"{front} front and {rear} rear, limited by {' and '.join(parts)}"
     )
-
-
-def _ends(table: Table) -> str:
-    """What ends the range, in a few words."""
-    q = table.quality
-    peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
-    if peak is not None and q.get("eta_peak_is_real"):
-        return f"eta has its peak at {peak:.2f} g"
-    return "the ramp ends" if end is None else f"the ramp ends at {end:.2f} g"
-
-
-def _limit(table: Table) -> str:
-    two = "two decelerations have one eta, and " if table.quality.get("eta_peak_is_real") else ""
-    return f"{_ends(table)}: beyond it {two}an ECU uses the end value"
 
 
 def _next(stored: Stored) -> str:

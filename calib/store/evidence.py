@@ -31,10 +31,7 @@ UNPROVED = Quality(CALIBRATED, "none given with this export")
 
 
 def read_quality(path: Path, stored: Stored) -> Quality:
-    """Quality of a version from the summary.json of `validate --out`.
-
-    Raises ExchangeError when it is no such file or is of another table.
-    """
+    """Quality of a version from the summary.json of `validate --out`. Raises ExchangeError."""
     return _quality(_read(path), path, stored)
 
 
@@ -72,8 +69,7 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
             do="take the summary.json of `brake-cal validate --out`",
         ) from error
     if summary.table != stored.id or summary.digest not in (None, stored.digest):
-        of = f"the validation of {summary.table}"
-        raise _other(of, summary.digest or "unknown", path, stored)
+        raise _other(summary.table, summary.digest or "unknown", path, stored)
     held = [log for log in summary.logs if log.role == "hold-out"]
     if not held:
         return Quality(CALIBRATED, "only on logs that the table was fitted on: proves nothing")
@@ -93,13 +89,13 @@ def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
     if document.get("schema") != 1 or verdict not in ("passed", "warning", "failed"):
         return None
     if digest != stored.digest:
-        raise _other(f"of {id_}", digest, path, stored)
+        raise _other(id_, digest, path, stored)
     return str(verdict)
 
 
-def _other(of: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
+def _other(id_: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
     return ExchangeError(
-        f"is {of}, digest {digest[:12]}",
+        f"is of {id_}, digest {digest[:12]}",
         where=path,
         expected=f"one of {stored.id}, digest {stored.digest[:12]}",
         do="validate this version",

@@ -46,11 +46,10 @@ _START = "0" * 64
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of the journal.
+    """One line of the journal; ``number`` from 1, ``at`` ISO 8601 in UTC, ``state`` afterwards.
 
-    ``number`` from 1; ``at`` ISO 8601 in UTC; ``state`` of the version afterwards; ``digest`` of
-    its content and ``record`` the SHA-256 of its record file; ``inputs`` digest of what it was
-    fitted from, of an entry that adds a version; ``key`` that signed.
+    ``digest`` of its content, ``record`` SHA-256 of its record file; ``inputs`` digest of what a
+    new version was fitted from; ``key`` that signed.
     """
 
     number: int
@@ -161,7 +160,7 @@ def read_journal(folder: Path) -> Journal:
     """The journal of a store; an empty one where there is none.
 
     It may be longer than its head says, by lines whose writer was stopped before it wrote the head.
-    Raises DamagedTable that names the first line that is wrong, OSError where it cannot be read.
+    Raises DamagedTable that names the first line that is wrong, OSError.
     """
     # The head first: a writer may add a line between the two.
     head = _bytes(folder / HEAD)
@@ -235,16 +234,15 @@ def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str
         return "does not follow the line before: a line was changed, lost or put in"
     if entry.event not in (*FIRST, CHANGED, SIGNED) or entry.state not in STATES:
         return f"{entry.event} {entry.state}: no such event"
-    if entry.event in FIRST:
-        return f"{entry.id} is stored a second time" if before else ""
-    if before is None:
-        return f"{entry.id} was never stored"
-    if (entry.digest, entry.record) != (before.digest, before.record):
+    if before is None or entry.event in FIRST:
+        fits = before is None and entry.event in FIRST
+    elif (entry.digest, entry.record) != (before.digest, before.record):
         return f"{entry.id} is another table than the one that was stored"
-    if entry.event == SIGNED:
-        return "" if entry.state == before.state else "a signature does not change the state"
-    allowed = entry.state in CHANGES[before.state]
-    return "" if allowed else f"{entry.id} cannot become {entry.state} from {before.state}"
+    else:
+        same = entry.state == before.state
+        fits = same if entry.event == SIGNED else entry.state in CHANGES[before.state]
+    was = before.state if before else "never stored"
+    return "" if fits else f"{entry.id} was {was} before {entry.event} {entry.state}"
 
 
 def _check_head(entries: list[Entry], head: bytes | None, where: Path) -> None:

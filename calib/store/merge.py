@@ -45,16 +45,20 @@ _SHARED = (
 
 
 def merge(parents: Sequence[Stored], name: str) -> Table:
-    """The mean table of ``parents``, named ``name``.
+    """The mean table of ``parents``, named ``name``; their order does not matter.
 
     Its bands and sigmas are those of one more car of the model; how the cars differ, and how well
-    the mean is known, is in its `FleetScatter`. The order of the parents does not matter.
+    the mean is known, is in its `FleetScatter`.
 
     Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
-    twice, different vehicles, means or tables corrected by hand, a range of eta that is far too
-    short.
+    twice, different vehicles, means or tables corrected by hand, a range of eta far too short.
     """
-    if flaws := [*_names(parents, name), *_each(parents), *_pairs(parents)]:
+    flaws = [*_each(parents), *_pairs(parents)]
+    if len(parents) < 2:
+        flaws = [f"a mean needs two cars or more, {len(parents)} was given"]
+    if name in {p.name for p in parents}:
+        flaws.append(f"the mean cannot be named {name!r}, as a car: take another name")
+    if flaws:
         raise RevisionError("; ".join(flaws))
     parents = sorted(parents, key=lambda p: (p.name, p.version, p.digest))
     tables = [p.table for p in parents]
@@ -85,14 +89,15 @@ def _effects(tables: Sequence[Table], weights: Array) -> Effects:
     values: dict[str, dict[str, float]] = {}
     sigma: dict[str, dict[str, float]] = {}
     for effect, named in tables[0].effect_values.items():
+        values[effect], sigma[effect] = {}, {}
         for parameter in named:
             all_ = [t.effect_values[effect][parameter] for t in tables]
             x = np.array([[v.value] for v in all_])
             found = random_effects(x, np.zeros_like(x), weights)
             shared = weights @ np.array([v.sigma**2 for v in all_])
-            values.setdefault(effect, {})[parameter] = float(found.mean[0])
+            values[effect][parameter] = float(found.mean[0])
             of_cars = float(inflated(found)[0])
-            sigma.setdefault(effect, {})[parameter] = float(np.hypot(of_cars, np.sqrt(shared)))
+            sigma[effect][parameter] = float(np.hypot(of_cars, np.sqrt(shared)))
     return Effects(values, sigma=sigma)
 
 
@@ -103,11 +108,11 @@ def _noise(tables: Sequence[Table]) -> dict[str, float]:
 
 
 def _quality(tables: Sequence[Table]) -> dict[str, float]:
-    known = [n for n in tables[0].quality if all(n in t.quality for t in tables)]
     out = {"cars": float(len(tables))}
-    for name in known:
-        of = np.array([t.quality[name] for t in tables])
-        out[name] = float(of.min() if name in _LEAST else of.sum() if name in _SUM else of.mean())
+    for name in tables[0].quality:
+        if all(name in t.quality for t in tables):
+            how = np.min if name in _LEAST else np.sum if name in _SUM else np.mean
+            out[name] = float(how([t.quality[name] for t in tables]))
     return out
 
 
@@ -149,37 +154,25 @@ def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _names(parents: Sequence[Stored], name: str) -> Iterator[str]:
-    if len(parents) < 2:
-        yield f"a mean needs two cars or more, {len(parents)} was given"
-    if name in {p.name for p in parents}:
-        yield (
-            f"the mean cannot be named {name!r}: it would be the next version of a car's table; "
-            "take another name, such as golden"
-        )
-
-
 def _each(parents: Sequence[Stored]) -> Iterator[str]:
-    ranges = [float(p.table.difference.eta[-1]) - 1.0 for p in parents]
-    for parent, reach in zip(parents, ranges, strict=True):
+    longest = max((float(p.table.difference.eta[-1]) - 1.0 for p in parents), default=0.0)
+    for parent in parents:
+        reach = float(parent.table.difference.eta[-1]) - 1.0
         if not (parent.state.usable and parent.state.known):
             yield f"{parent.id} is {parent.state.words}; leave it out"
         if parent.table.spread is not None:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
         if parent.table.by_hand:
             yield f"{parent.id} was corrected by hand and is no measurement; merge its parent"
-        if reach < _LEAST_RANGE * max(ranges):
+        if reach < _LEAST_RANGE * longest:
             yield (
                 f"{parent.id} ends at eta {1.0 + reach:.5f}, less than half of the range of the "
-                f"longest, {1.0 + max(ranges):.5f}; leave it out"
+                f"longest, {1.0 + longest:.5f}; leave it out"
             )
 
 
 def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
     for a, b in combinations(parents, 2):
-        if a.digest == b.digest:
-            yield f"{a.id} was given twice" if a.id == b.id else f"{a.id} and {b.id} are the same"
-            continue
         for mark in _CAR_MARKS:
             if _identity(a, mark) and _identity(a, mark) == _identity(b, mark):
                 yield (
@@ -200,8 +193,6 @@ def _identity(stored: Stored, mark: str) -> str:
 
 def _differ(a: Table, b: Table) -> list[str]:
     """What differs of the vehicles but the name and what is open about the car."""
-    if a.vehicle == b.vehicle:
-        return []
     found = changes(a, b)
     of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in found.get(part, ())]
     return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *NOT_OF_THE_CAR)]

@@ -91,8 +91,7 @@ def read_public_key(source: Path | str) -> PublicKey:
 def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
     """Read a secret key file; ``password`` is called only if the file asks for one.
 
-    Raises KeyFileError if it is none or takes too much memory, and for a wrong password. No message
-    shows the key or the password.
+    Raises KeyFileError, also for a wrong password. No message shows the key or the password.
     """
     kind, content = _library().SecretKey, _content(path)
     with _refused(KeyFileError, path, "a secret key of minisign"):
@@ -107,8 +106,7 @@ def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
 def generate(secret: Path, public: Path, password: str) -> PublicKey:
     """Make a key pair and write it as minisign does; an empty password means none.
 
-    Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file,
-    if one exists already or cannot be written.
+    Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file.
     """
     pair = _library().KeyPair.generate()
     key, made = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())

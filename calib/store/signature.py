@@ -4,10 +4,9 @@
     tables/sedan/v0001.KEYID.minisig   of another one
 
 A signature is minisign's, of the record file, which holds the SHA-256 of every curve file. Its
-trusted comment is a `Statement`: table, version, digest, state, and the head of the journal. So it
-holds of a version whose state has been that one ever since, in a store whose journal contains that
-head. Whether a line with the event `signed` stands in the journal does not matter: minisign writes
-none.
+trusted comment is a `Statement`: it holds of a version whose state has been that one ever since, in
+a store whose journal contains that head. Whether a line with the event `signed` stands in the
+journal does not matter: minisign writes none.
 """
 
 import hashlib
@@ -62,11 +61,7 @@ def parse_statement(line: str, where: object = None) -> Statement:
     """
     found = _STATEMENT.fullmatch(line)
     if not found:
-        raise SignatureRefused(
-            "its trusted comment is not that of a table",
-            where=where,
-            expected=Statement(*["..."] * 5).line,  # type: ignore[arg-type]
-        )
+        raise SignatureRefused("its trusted comment is not that of a table", where=where)
     table, version, *rest = found.groups()
     return Statement(table, int(version), *rest)
 
@@ -104,19 +99,18 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     the key. The file comes first: it says nothing that is not so, entered or not; if it is not
     entered, it is put back as it was.
 
-    Raises TableNotFound when there is no such version, DamagedTable when it is damaged; StoreError
-    when the store cannot be written; SignatureRefused when its journal does not contain what the
-    key signed, or is older than what this user has seen with the key.
+    Raises TableNotFound, DamagedTable; StoreError when the store cannot be written;
+    SignatureRefused as `require_signed` for what is wrong with the journal.
     """
-    memory = recall()
-    memory.check(store.folder, store.now().journal, key.public.key_id)
+    memory, public = recall(), key.public
+    memory.check(store.folder, store.now().journal, public.key_id)
     with store.changing(reference) as (now, stored):
-        _check_anchors(now, key.public)
+        _check_anchors(now, public)
         state, head = stored.state.word, now.journal.head
         statement = Statement(stored.name, stored.version, state, stored.digest, head)
         if read_journal(store.folder) != now.journal:
             write_journal(store.folder, now.journal)  # with the versions older than it
-        path = _path(stored, key.public)
+        path = _path(stored, public)
         before = path.read_bytes() if path.exists() else None
         write_whole(path, key.sign(_record(stored), statement.line))
 
@@ -124,10 +118,9 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
             path.unlink() if before is None else write_whole(path, before)
 
         of = (stored.name, stored.version, SIGNED, StateDecision(state, by=by))
-        journal = now.journal.added(*of, key=key.public.key_id)
-        enter(store.folder, journal, put_back)
-    note = _keep(store.now(), key.public, memory)
-    return _Signed(stored, path, key.public.key_id, statement, note)
+        enter(store.folder, now.journal.added(*of, key=public.key_id), put_back)
+    note = _keep(store.now(), public, memory)
+    return _Signed(stored, path, public.key_id, statement, note)
 
 
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
@@ -175,17 +168,17 @@ def key_ids(stored: Stored) -> tuple[str, ...]:
     return tuple(one.key_id for _, one in _signatures(stored.path.parent, stored.version))
 
 
-def _signatures(home: Path, version: int) -> Iterator[tuple[Path, Signature]]:
-    """The signature files of a version that can be read."""
+def _signatures(
+    home: Path, version: int, key: PublicKey | None = None
+) -> Iterator[tuple[Path, Signature]]:
+    """The signature files of a version, of a key or of all, that can be read."""
     for path in signature_files(home, version):
         try:
-            yield path, read_signature(path)
+            found = read_signature(path)
         except SignatureRefused:
             continue
-
-
-def _of_key(home: Path, version: int, public: PublicKey) -> list[tuple[Path, Signature]]:
-    return [(p, s) for p, s in _signatures(home, version) if s.number == public.number]
+        if key is None or key.number == found.number:
+            yield path, found
 
 
 def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
@@ -195,17 +188,15 @@ def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bo
     """
     history = now.journal.of(name).get(version, ())
     told = any(entry.event == SIGNED and entry.key == public.key_id for entry in history)
-    return told or bool(_of_key(now.folder / name, version, public))
+    return told or any(_signatures(now.folder / name, version, public))
 
 
 def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
-    stored = entry.stored
-    if not stored:
-        return entry  # which says why
-    if not entry.state.released and not _was_signed(now, entry.name, entry.version, public):
+    wanted = entry.state.released or _was_signed(now, entry.name, entry.version, public)
+    if entry.stored is None or not wanted:
         return entry
     try:
-        return replace(entry, signed=_held(now, stored, public).statement.state)
+        return replace(entry, signed=_held(now, entry.stored, public).statement.state)
     except SignatureRefused as error:
         flaw = error.what if error.where == entry.id else f"{error.where}: {error.what}"
         return replace(entry, violations=(*entry.violations, flaw))
@@ -216,16 +207,17 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
 
     Raises SignatureRefused when there is none, or it is of another version, state or store.
     """
-    refused = None
-    for path, signature in _of_key(stored.path.parent, stored.version, public):
+    home, refused = stored.path.parent, None
+    for path, signature in _signatures(home, stored.version, public):
         try:
-            statement = _checked(now, stored, public, path, signature)
-            return _Signed(stored, path, public.key_id, statement)
+            return _Signed(
+                stored, path, public.key_id, _checked(now, stored, public, path, signature)
+            )
         except SignatureRefused as error:
             refused = refused or error
     if refused:
         raise refused
-    for path in signature_files(stored.path.parent, stored.version):
+    for path in signature_files(home, stored.version):
         read_signature(path)  # one that cannot be read may be the one that is looked for
     others = ", ".join(key_ids(stored))
     raise SignatureRefused(
@@ -240,6 +232,7 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
 def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
 ) -> Statement:
+    """The statement of a signature, after it was verified and compared with version and journal."""
     # what it says it is of comes first: that tells more than that it does not hold here
     said = parse_statement(signature.trusted_comment, path)
     if (said.table, said.version, said.digest) != (stored.name, stored.version, stored.digest):
@@ -249,7 +242,21 @@ def _checked(
             expected=f"{stored.id}, digest {stored.digest[:12]}",
         )
     verify(public, _record(stored), signature, path)
-    _check_state(now, stored, said.state, _line(now, said, path))
+    line = _line(now, said, path)
+    history = now.journal.of(stored.name)[stored.version]
+    then = [entry.state for entry in history if entry.number <= line]
+    since = [entry for entry in history if entry.number > line]
+    if then[-1:] != [said.state]:
+        was = then[-1] if then else "not stored"
+        raise SignatureRefused(f"signed as {said.state}, it was {was} then", where=stored.id)
+    if any(entry.state != said.state for entry in since):
+        states = pairwise([said.state, *(entry.state for entry in since)])
+        new = " and ".join(state for before, state in states if state != before)
+        raise SignatureRefused(
+            f"signed as {said.state}, {new} since (by {since[-1].by}, {since[-1].at[:10]})",
+            where=stored.id,
+            do=f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`",
+        )
     return said
 
 
@@ -272,8 +279,7 @@ def _check_anchors(now: Snapshot, public: PublicKey) -> None:
 
 def _line(now: Snapshot, statement: Statement, path: Path) -> int:
     """Number of the line of the journal that a signature covers as its head."""
-    lines = (e.number for e in now.journal.entries if e.hash == statement.head)
-    number = next(lines, 0)
+    number = next((e.number for e in now.journal.entries if e.hash == statement.head), 0)
     if not number:
         raise SignatureRefused(
             "covers a line that the journal does not contain: the journal was set back, or is "
@@ -286,31 +292,13 @@ def _line(now: Snapshot, statement: Statement, path: Path) -> int:
     return number
 
 
-def _check_state(now: Snapshot, stored: Stored, signed: str, line: int) -> None:
-    """The version had the state that was signed, and has had no other one since."""
-    history = now.journal.of(stored.name)[stored.version]
-    was = [entry.state for entry in history if entry.number <= line]
-    since = [entry for entry in history if entry.number > line]
-    if was[-1:] != [signed]:
-        then = was[-1] if was else "not stored"
-        raise SignatureRefused(f"signed as {signed}, it was {then} then", where=stored.id)
-    if any(entry.state != signed for entry in since):
-        states = [signed, *(entry.state for entry in since)]
-        new = " and ".join(state for before, state in pairwise(states) if state != before)
-        raise SignatureRefused(
-            f"signed as {signed}, {new} since (by {since[-1].by}, {since[-1].at[:10]})",
-            where=stored.id,
-            do=f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`",
-        )
-
-
 def _path(stored: Stored, public: PublicKey) -> Path:
     """The file of a key's signature: its own, else the simple name, else one with its number."""
     home = stored.path.parent
-    mine = [path for path, _ in _of_key(home, stored.version, public)]
     simple = home / f"{folder_of(stored.version)}{SIGNATURE}"
     named = simple.with_name(f"{simple.stem}.{public.key_id}{SIGNATURE}")
-    return mine[0] if mine else named if simple.exists() else simple
+    mine = next((path for path, _ in _signatures(home, stored.version, public)), None)
+    return mine or (named if simple.exists() else simple)
 
 
 def _record(stored: Stored) -> bytes:

@@ -5,10 +5,10 @@ Every read is a comparison of three: the digests in a version, its place, and th
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 
 from calib.base.errors import DamagedTable, StoreError, TableNotFound
+from calib.base.toml import did_you_mean
 from calib.store.folders import (
     checked_name,
     names_in,
@@ -74,13 +74,12 @@ class Snapshot:
         known = self.names
         if checked_name(name) in known or versions_in(self.folder / name):
             return name
-        near = get_close_matches(name, known, n=1)
         is_file = "a file of that name is here: give the table first, then the logs"
         raise TableNotFound(
             f"no table {name!r}",
             where=self.folder,
             expected="one of " + ", ".join(known) if known else "a table: the store is empty",
-            do=f"did you mean {near[0]!r}?" if near else is_file * Path(name).is_file(),
+            do=did_you_mean(name, known) or is_file * Path(name).is_file(),
         )
 
     def versions(self, name: str) -> Sequence[int]:
@@ -96,10 +95,7 @@ class Snapshot:
         return 1 + max([*self.journal.of(name), *numbers(self.folder / name)], default=0)
 
     def find(self, reference: str, released: bool = False) -> Stored:
-        """Read the version that a reference means; a bare name as in `calib.store.store`.
-
-        Raises TableNotFound, StoreError where no version of the name may be meant, DamagedTable.
-        """
+        """Read the version that a reference means; a bare name as in `Store.load`."""
         path = path_of(reference)
         if path is not None:
             return self._at(path)
@@ -111,14 +107,10 @@ class Snapshot:
         if fit:
             return self.load(name, max(fit))
         there = ", ".join(f"{name}@{version} {state.word}" for version, state in states.items())
-        if released:
-            raise StoreError(
-                f"{name} has no released version; there is {there}",
-                do=f"release one: `brake-cal tables release {name}@N --reason ...`",
-            )
+        release = f"release one: `brake-cal tables release {name}@N --reason ...`"
         raise StoreError(
-            f"no version of {name} may be used; there is {there}",
-            do=f"name the one that you mean, such as {name}@{max(states)}",
+            f"{name} has no {'released' if released else 'usable'} version; there is {there}",
+            do=release if released else f"name the one that you mean, such as {name}@{max(states)}",
         )
 
     def numbered(self, reference: str) -> tuple[str, int]:
@@ -208,7 +200,6 @@ class Snapshot:
     def _at(self, path: Path) -> Stored:
         """The version in a directory, with its state if that is its place in this store."""
         stored = read_version(path)
-        at_home = placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve()
-        if at_home:
+        if placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve():
             return self.load(stored.name, stored.version)
         return replace(stored, state=OUTSIDE) if stored.journaled else stored

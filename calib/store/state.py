@@ -34,11 +34,10 @@ class Evidence:
 
 @dataclass(frozen=True)
 class StateDecision:
-    """What is said of a version, and by whom.
+    """What is said of a version, and by whom; ``by`` "" for the user of the computer.
 
-    ``verdict`` of the evidence: passed, warning or failed, "" without one; ``by`` "" for the user
-    of the computer. ``automatic``: of a program, which releases nothing that was rejected and
-    changes nothing that was withdrawn.
+    ``verdict`` of the evidence: passed, warning or failed. ``automatic``: of a program, which
+    releases nothing that was rejected and changes nothing that was withdrawn.
     """
 
     state: str = DRAFT
@@ -53,9 +52,8 @@ class StateDecision:
 class VersionState:
     """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
 
-    ``stored_at``: when the version was stored; ``seen``: SHA-256 of every file that a state of the
-    version ever rested on; ``known`` False for a version outside of the store that made it. What no
-    journal knows is "".
+    ``stored_at``: when it was stored; ``seen``: SHA-256 of every file that a state of it ever
+    rested on; ``known`` False outside of its store. What no journal knows is "".
     """
 
     word: str = DRAFT
@@ -98,10 +96,7 @@ OUTSIDE = VersionState(reason="outside of its store, whose journal knows its sta
 
 
 def is_new(version: str, now: VersionState, decision: StateDecision | None) -> bool:
-    """Whether a decision says anything new of a version.
-
-    Raises StoreError where its state may not follow.
-    """
+    """Whether a decision says anything new. Raises StoreError where its state may not follow."""
     if decision is None or decision.state == DRAFT:
         return False
     new = decision.state

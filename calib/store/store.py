@@ -72,9 +72,8 @@ class Store:
     def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
-        ``decision`` gives its state; without one a new version is a draft, and one that was there
-        keeps its state. Raises StoreError, and changes nothing, when the name is not valid, the
-        table is not sound, its state may not follow, or the store cannot be written.
+        Without a ``decision`` a new version is a draft. Raises StoreError, and stores nothing, when
+        the table is not sound, its state may not follow, or the store cannot be written.
         """
         _require_storable(table)
         with self._writing() as now:
@@ -104,10 +103,7 @@ class Store:
             return self._judged(stored, decision, now)
 
     def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
-        """Withdraw a version whose folder is gone, so that `verify` no longer counts it as missing.
-
-        Returns False, and does nothing, where the folder is there. Raises as `judge`.
-        """
+        """Withdraw a version whose folder is gone; False, and nothing done, where it is there."""
         name, version = self.now().numbered(reference)
         if place(self.folder / name, version):
             return False
@@ -120,8 +116,7 @@ class Store:
         """Read and verify a table, to look at it or to judge it.
 
         ``name`` is its newest version that is neither rejected nor withdrawn, ``name@version`` that
-        version whatever its state, or a path to a version. Raises TableNotFound, DamagedTable;
-        StoreError when no version of the name may be meant.
+        version, or a path to a version. Raises TableNotFound, DamagedTable, StoreError.
         """
         return self._find(reference, released=False)
 
@@ -130,22 +125,19 @@ class Store:
         return self._find(reference, released=True)
 
     def journal(self, name: str | None = None) -> Journal:
-        """The journal of the whole store, with the versions that are older than it.
-
-        Raises TableNotFound when there is no store, or no table ``name``; DamagedTable.
-        """
+        """The journal, with the versions older than it. Raises TableNotFound, DamagedTable."""
         with self._reading() as now:
             if name is not None:
                 now.known(name)
             return _with_older(now).journal if now.names else now.journal
 
     def now(self) -> Snapshot:
-        """The store as it is at this moment. Raises as `journal`."""
+        """The store as it is at this moment. Raises DamagedTable."""
         with self._reading() as now:
             return now
 
     def list(self) -> tuple[StoreEntry, ...]:
-        """Every version in the store, by name and version. Raises as `journal`."""
+        """Every version in the store, by name and version. Raises TableNotFound, DamagedTable."""
         with self._reading() as now:
             return tuple(now.entry(name, v) for name in now.names for v in now.versions(name))
 
@@ -153,7 +145,6 @@ class Store:
         """Compare versions with digests, invariants and journal, of one table or of all.
 
         One entry per version that is or ever was, and one for each that the journal does not know.
-        Raises as `journal`.
         """
         with self._reading() as now:
             names = {*now.names, *names_in(self.folder)} if name is None else {now.known(name)}

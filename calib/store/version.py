@@ -85,8 +85,7 @@ def write_version(table: Table, version: int, path: Path) -> None:
 def read_version(path: Path, promised: str | None = None) -> Stored:
     """Read one version and compare it with its digests.
 
-    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable naming the part
-    that differs, StoreError when it cannot be read at all.
+    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable, StoreError.
     """
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
@@ -107,17 +106,16 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     journaled = file.states is not None
     if data != _content(record, file.digest, file.version, file.files, journaled):
         raise _damaged(path, f"{RECORD}: its keys or its spelling do not agree with the record")
-    name, version = table.name, file.version
-    if promised not in (None, f"{name}@{version}"):
-        raise _damaged(path, f"{RECORD}: holds {name}@{version} in the place of {promised}")
-    return Stored(table, name, version, file.digest, path, _sha256(data), journaled)
+    stored = Stored(table, table.name, file.version, file.digest, path, _sha256(data), journaled)
+    if promised not in (None, stored.id):
+        raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
+    return stored
 
 
 def curve_bytes(columns: dict[str, Array]) -> bytes:
     """A Parquet file of named ``columns``, each (n,) and dimensionless, in the given order.
 
-    Without compression and dictionary, in one row group: so any reader can read it, and the same
-    columns give the same bytes under one version of the Parquet library.
+    Without compression and in one row group: the same columns give the same bytes.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq

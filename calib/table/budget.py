@@ -90,10 +90,7 @@ def advice_lines(axles: Iterable[AxleBudget]) -> list[str]:
 
 
 def summary(front: AxleBudget, rear: AxleBudget) -> dict[str, object]:
-    """Both axles for a JSON file: the parts as standard deviations, relative [1], and the advice.
-
-    The squares of the parts of an axle add up to the variance of the logarithm of its pad friction.
-    """
+    """Both axles for a JSON file: the parts as relative standard deviations [1], and the advice."""
     axles = {"front": front, "rear": rear}
     largest = {name: {"part": x.largest, "do": _ADVICE[x.largest]} for name, x in axles.items()}
     return {**{name: axle.relative for name, axle in axles.items()}, "largest": largest}
@@ -130,10 +127,7 @@ def axle_budgets(
 
 
 def level_of(table: Table) -> Parts:
-    """Variance of the logarithm of the pad level of the ramps [1] by part.
-
-    It is that of the sum of forces: the ratio of the pads has no part in it.
-    """
+    """Variance of the logarithm of the pad level of the ramps [1] by part."""
     if table.budget is not None:
         return table.budget.level
     cal = table.calibration

@@ -8,10 +8,12 @@ program from the same logs, vehicle and settings, and no number differs by more 
 import hashlib
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
@@ -35,12 +37,10 @@ EQUAL, WITHIN, DIFFERENT = "equal", "equal within bands", "different"
 
 @dataclass(frozen=True)
 class CurveGap:
-    """Distance of one curve of ``b`` from the same of ``a`` where both are defined.
+    """Distance of one curve of ``b`` from that of ``a`` on their common axis, eta or slip [1].
 
-    ``curve`` D, f1, f2 or g; ``start``, ``end`` of the common axis, eta or slip [1]; ``largest``
-    the b - a of largest magnitude [1], at the axis value ``at``; ``rms`` over the common axis [1];
-    ``in_bands`` largest magnitude of b - a over the combined 95 % half-width [1], infinite where
-    neither has a band.
+    ``largest`` the b - a of largest magnitude, ``at`` its place; ``rms`` over the axis;
+    ``in_bands`` largest magnitude over the combined 95 % half-width, infinite without a band.
     """
 
     curve: str
@@ -63,11 +63,7 @@ class _RecordChange:
 
 @dataclass(frozen=True)
 class ValueGap:
-    """A fitted value of ``a`` and ``b`` [1].
-
-    ``in_bands`` their distance over the combined 95 % half-width [1]; infinite for two that
-    differ and have no band.
-    """
+    """A fitted value of ``a`` and ``b`` [1], and their distance as in `CurveGap`."""
 
     name: str
     a: float
@@ -77,10 +73,9 @@ class ValueGap:
 
 @dataclass(frozen=True)
 class Difference:
-    """``curves`` one gap per curve with a common axis; ``apart`` the curves without one.
+    """``curves`` with a common axis, the names of those ``apart`` without one; ``values`` the pads.
 
-    ``values`` the pads of both; ``changes`` by section of the record: vehicle, calibration,
-    quality, provenance and so on; without the sections that are equal.
+    ``changes`` by section of the record: vehicle, quality, provenance and so on, if not equal.
     """
 
     curves: tuple[CurveGap, ...]
@@ -182,13 +177,9 @@ def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:
 
 
 def _record(table: Table) -> dict[str, Any]:
-    """The record without what has one number for each row: the spread of D, fingerprints of logs.
-
-    A log is told from another one by its digest.
-    """
+    """The record without one number for each row: the spread of D, fingerprints of logs."""
     record, _ = table.content()
-    if "spread" in record:
-        del record["spread"]["D"]
+    record.get("spread", {}).pop("D", None)
     for log in record["provenance"]["logs"]:
         log.pop("fingerprint", None)
     return record
@@ -211,49 +202,40 @@ def _flat(value: object, path: str = "") -> dict[str, str]:
 
 
 def inputs(record: dict[str, Any]) -> str:
-    """SHA-256 over everything in a record that was given to the fit, and over the program."""
-    given = {name: record.get(name) for name in ("name", "vehicle", "by_hand")}
+    """SHA-256 over everything in a record that was given to the fit, and over the program.
+
+    The numbers of a log's fingerprint follow from the log.
+    """
     origin = record["provenance"]
-    given["provenance"] = {**origin, "logs": [_given(log) for log in origin["logs"]]}
+    logs = [{**log, "fingerprint": "fingerprint" in log} for log in origin["logs"]]
+    given = {name: record.get(name) for name in ("name", "vehicle", "by_hand")}
+    given["provenance"] = {**origin, "logs": logs}
     return hashlib.sha256(canonical_json(given)).hexdigest()
-
-
-def _given(log: dict[str, Any]) -> dict[str, Any]:
-    """A log of a record without the numbers of its fingerprint, which follow from the log."""
-    return {**log, "fingerprint": "fingerprint" in log}
 
 
 def same(a: Table, b: Table) -> bool:
     """Whether two tables have equal inputs, and numbers equal within `TOLERANCE`."""
     (first, ours), (second, theirs) = a.content(), b.content()
-    return inputs(first) == inputs(second) and _close(
-        [{name: first[name] for name in _RESULTS}, ours],
-        [{name: second[name] for name in _RESULTS}, theirs],
+    if inputs(first) != inputs(second):
+        return False
+    left, right = (
+        dict(_leaves({**{name: record[name] for name in _RESULTS}, **curves}))
+        for record, curves in ((first, ours), (second, theirs))
     )
+    return left.keys() == right.keys() and all(_near(left[key], right[key]) for key in left)
 
 
-def _close(a: Any, b: Any) -> bool:
-    """Compare dicts, lists and arrays part by part, and lists of numbers by their largest."""
-    if isinstance(a, dict) and isinstance(b, dict) and a.keys() == b.keys() == _VALUE:
-        return _close([*a.values()], [*b.values()])
-    if isinstance(a, dict):
-        return isinstance(b, dict) and a.keys() == b.keys() and all(_close(a[k], b[k]) for k in a)
-    first, second = _numbers(a), _numbers(b)
-    if first is not None and second is not None:
-        if first.shape != second.shape:
-            return False
-        scale = max(np.max(np.abs(x), initial=0.0) for x in (first, second))
-        return bool(np.all(np.abs(first - second) <= TOLERANCE * scale))
-    if isinstance(a, list):
-        return isinstance(b, list) and len(a) == len(b) and all(map(_close, a, b))
-    return bool(a == b)
+def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
+    """Numbers, lists and columns by dotted key; a fitted value is one of them."""
+    if isinstance(value, dict) and value.keys() != _VALUE:
+        for key, part in value.items():
+            yield from _leaves(part, f"{path}.{key}")
+    else:
+        yield path, np.asarray([*value.values()] if isinstance(value, dict) else value)
 
 
-def _numbers(value: Any) -> Array | None:
-    """A number, or lists of numbers of one shape, as an array; None for anything else."""
-    if isinstance(value, str | dict | bool) or value is None:
-        return None
-    try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        return None
+def _near(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    if a.shape != b.shape or a.dtype.kind not in "fi":
+        return bool(np.array_equal(a, b))
+    scale = max(np.max(np.abs(x), initial=0.0) for x in (a, b))
+    return bool(np.all(np.abs(a - b) <= TOLERANCE * scale))

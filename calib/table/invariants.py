@@ -4,7 +4,6 @@ Each check takes a table and yields its violations in words; `violations` runs t
 the table alone: only hold-outs can show whether the fit is good.
 """
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,20 +11,10 @@ import numpy as np
 from calib.base.digest import canonical_json
 from calib.base.errors import not_finite
 from calib.car.forces import axle_loads
-from calib.table.table import (
-    BY_HAND,
-    CURVES,
-    EXTRAPOLATED,
-    INTERPOLATED,
-    MEASURED,
-    Array,
-    Table,
-)
+from calib.table.table import CURVES, Array, Table
 
 _TOLERANCE = 1e-9
 """Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
-
-_FLAGS = (MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND)
 
 
 def violations(table: Table) -> tuple[str, ...]:
@@ -33,7 +22,7 @@ def violations(table: Table) -> tuple[str, ...]:
     shapes = tuple(_shapes(table))
     if shapes:  # the next checks need columns of equal length
         return shapes
-    checks = (_finite, _axes, _flags, _zero, _constraint, _covariance, _parents, _spread)
+    checks = (_finite, _axes, _zero, _constraint, _covariance)
     return tuple(flaw for check in checks for flaw in check(table))
 
 
@@ -84,14 +73,6 @@ def _axes(table: Table) -> Iterator[str]:
             yield f"{name}: outside its own 95 % band"
 
 
-def _flags(table: Table) -> Iterator[str]:
-    for curve, columns in _columns(table):
-        if not np.all(np.isin(columns["flag"], _FLAGS)):
-            yield f"{curve}.flag: a value that is no flag"
-        if not np.all(columns["count"] >= 0.0):
-            yield f"{curve}.count: negative"
-
-
 def _zero(table: Table) -> Iterator[str]:
     eta, D = table.difference.eta, table.difference.D
     if not eta[0] <= 1.0 <= eta[-1]:
@@ -132,25 +113,3 @@ def _covariance(table: Table) -> Iterator[str]:
         if np.min(np.linalg.eigvalsh(unit)) < -1e-9:
             yield f"posterior.{name}: not positive semidefinite"
             return
-
-
-def _parents(table: Table) -> Iterator[str]:
-    origin = table.provenance
-    digests = [(log.name, log.digest) for log in origin.logs]
-    digests += [(parent.id, parent.digest) for parent in origin.parents]
-    for name, digest in digests:
-        if not re.fullmatch(r"[0-9a-f]{64}", digest):
-            yield f"provenance: the digest of {name} is not a SHA-256"
-
-
-def _spread(table: Table) -> Iterator[str]:
-    spread = table.spread
-    if spread is None:
-        return
-    if spread.cars < 2:
-        yield f"spread: of {spread.cars} cars, which have none"
-    if len(spread.D) != table.difference.eta.size:
-        yield f"spread: {len(spread.D)} rows of D, the table has {table.difference.eta.size}"
-    scalars = (spread.pad_level, spread.pad_ratio, spread.stiffness)
-    if any(min(s.between, s.of_mean) < 0.0 for s in (*spread.D, *scalars)):
-        yield "spread: a negative standard deviation"

@@ -42,8 +42,7 @@ MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND = 0.0, 1.0, 2.0, 3.0
 class DifferenceCurve:
     """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
 
-    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` MEASURED,
-    INTERPOLATED, EXTRAPOLATED or BY_HAND.
+    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` as above.
     """
 
     eta: Array
@@ -145,10 +144,9 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Pads from the ramps [1], against the vehicle file.
+    """Pads from the ramps [1]: ``pad_scale`` common factor on those of the vehicle file.
 
-    ``pad_scale`` common factor, from the sum of forces; ``pad_log_ratio`` ln of (mu_f/mu_r) over
-    its nominal value; ``pad_friction_f``, ``pad_friction_r``.
+    ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value.
     """
 
     pad_scale: Value
@@ -159,11 +157,10 @@ class Calibration:
 
 @dataclass(frozen=True)
 class TyrePosterior:
-    """Posterior of tyre and pads from the ramps, as a Gaussian over named parameters.
+    """Posterior of tyre and pads, a Gaussian over ``names`` of `RampParameters`: (k,), (k, k).
 
-    ``names`` those of `calib.model.parameters.RampParameters`; ``mean`` (k,), ``covariance``
-    (k, k). ``scatter`` (k, k) is the part of it by which real pads, tyres and radii are less alike
-    than the mean takes them: no ramp can tell, and a stop that seems to tells of its own road.
+    ``scatter`` (k, k) is the part of it by which real pads, tyres and radii are less alike than the
+    mean takes them: no ramp can tell, and a stop that seems to tells of its own road.
     """
 
     names: tuple[str, ...]
@@ -188,10 +185,9 @@ class TyrePosterior:
 
 @dataclass(frozen=True)
 class LogReference:
-    """A log of the fit; ``digest`` SHA-256 of its bytes.
+    """A log of the fit; ``digest`` SHA-256 of its bytes; ``notes`` of its reader.
 
-    ``notes`` of its reader: what was resampled or decoded, and how. ``fingerprint`` tells a copy of
-    the run from another run.
+    ``fingerprint`` tells a copy of the run from another run.
     """
 
     name: str
@@ -201,10 +197,7 @@ class LogReference:
     fingerprint: Fingerprint | None = None
 
     def is_run_of(self, log: Log) -> bool:
-        """Whether ``log`` holds this run, also if it was cut, thinned, rounded or resampled.
-
-        Without a fingerprint only an equal file is known.
-        """
+        """Whether ``log`` holds this run, also if it was cut, thinned, rounded or resampled."""
         return log.digest == self.digest or (
             self.fingerprint is not None and same_as(self.fingerprint, log)
         )
@@ -220,10 +213,7 @@ class TableReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a table comes from; ``identity`` of the car: serial number, VIN and the like.
-
-    ``parents`` versions that it was merged from.
-    """
+    """Where a table comes from: ``identity`` of the car, ``parents`` that it was merged from."""
 
     logs: tuple[LogReference, ...]
     settings: dict[str, float]
@@ -238,11 +228,7 @@ class Provenance:
 
 @dataclass(frozen=True)
 class SetByHand:
-    """``key`` that a person set from ``old`` to ``new``, the ``reason``, and ``by`` whom.
-
-    A key is `pad_friction_f`, `D[1.0025]`: a pad, or a curve in the row of an eta. Only tables of
-    former programs have any.
-    """
+    """What a person set in a table of a former program: a pad, or a curve in the row of an eta."""
 
     key: str
     old: float
@@ -259,10 +245,8 @@ class SetByHand:
 class TableBudget:
     """What the pads and the tyre of a table rest on, by part, see `calib.table.budget`.
 
-    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]: their squares
-    add up to that of its sigma over its value. An estimate goes on from what follows: ``level``
-    variance of the logarithm of the pad level of the ramps [1]; ``posterior`` a share of the
-    covariance of the table's posterior, each positive semidefinite: their sum is that covariance.
+    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]; ``level``
+    variance of that of the pad level; ``posterior`` shares (k, k) that add up to its covariance.
     """
 
     front: dict[str, float]
@@ -275,8 +259,7 @@ class TableBudget:
 class Scatter:
     """``between`` standard deviation between cars; ``of_mean`` standard error of their mean.
 
-    ``of_mean`` holds what differs from car to car and from run to run, not what all of them share:
-    vehicle file, track, method. It goes with Student's t of `FleetScatter.freedom`.
+    ``of_mean`` holds what differs from car to car and from run to run, not what all of them share.
     """
 
     between: float
@@ -287,8 +270,8 @@ class Scatter:
 class FleetScatter:
     """Scatter of ``cars`` cars: of D [1] at the rows of the table's D, and of logarithms [1].
 
-    ``pad_level`` of the brake force of both axles per pressure; ``pad_ratio`` of the pads, front
-    over rear; ``stiffness`` slip stiffness of the tyres.
+    ``pad_level`` of the brake force of both axles per pressure; ``pad_ratio`` front over rear;
+    ``stiffness`` slip stiffness of the tyres.
     """
 
     cars: int
@@ -307,11 +290,9 @@ class FleetScatter:
 class Table:
     """A fitted table, without version: the store gives it one.
 
-    ``effects`` holds drag and rolling resistance with their sigma; other known effects, empirical
-    terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
-    [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words;
-    ``warnings`` what speaks against it; ``budget`` what the pads rest on; ``spread`` how the cars
-    of a mean table differ; ``by_hand`` what a person set.
+    ``effects`` holds drag and rolling resistance with their sigma; other known effects are in the
+    vehicle; ``noise`` long-run noise density of each sensor [unit * s^0.5]; ``quality`` metrics of
+    the fit; ``budget`` what the pads rest on; ``spread`` how the cars of a mean table differ.
     """
 
     name: str
@@ -334,14 +315,12 @@ class Table:
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
         logs = ", ".join(f"{log.name} ({log.role})" for log in self.provenance.logs)
-        return "\n".join(
-            (
-                f"Table {self.name}, {self.provenance.program}",
-                f"  f1, f2  {eta.size} rows, eta - 1 up to {100.0 * (eta[-1] - 1.0):.3f} %, "
-                f"z {low:.2f} to {high:.2f} g",
-                f"  pads    front {pads.pad_friction_f}, rear {pads.pad_friction_r} (95 %)",
-                f"  logs    {logs}",
-            )
+        return (
+            f"Table {self.name}, {self.provenance.program}\n"
+            f"  f1, f2  {eta.size} rows, eta - 1 up to {100.0 * (eta[-1] - 1.0):.3f} %, "
+            f"z {low:.2f} to {high:.2f} g\n"
+            f"  pads    front {pads.pad_friction_f}, rear {pads.pad_friction_r} (95 %)\n"
+            f"  logs    {logs}"
         )
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:

@@ -89,19 +89,6 @@ def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
             assert np.abs(np.array(found[name]) - values).max() <= step / 2 + 1e-15
 
 
-def test_labels_are_those_of_dcm_and_the_axes_that_a_curve_does_not_share(real):
-    data = build(real)
-    dcm = FORMATS["dcm"].write(data).decode()
-    kinds = "STUETZSTELLENVERTEILUNG|GRUPPENKENNLINIE|KENNLINIE|FESTWERT"
-    named = set(re.findall(rf"^(?:{kinds}) (\w+)", dcm, re.MULTILINE))
-    module = read_a2l(FORMATS["a2l"].write(data)).one("MODULE")
-    own = {a.label for a in data.axes if not a.shared}
-    assert objects(module).keys() == named | own
-    function = module.one("FUNCTION")
-    assert set(function.one("DEF_CHARACTERISTIC").given) == named | own
-    assert f"FKT {function.given[0]} " in dcm
-
-
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
     data = build(real, 8, bits=bits)
@@ -119,14 +106,6 @@ def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
         least, most = map(float, block.after("EXTENDED_LIMITS", 2))
         low, high = found[block.given[0]][3]
         assert least <= low <= high <= most
-
-
-def test_units_formats_and_names_of_conversions(stored):
-    module = read_a2l(FORMATS["a2l"].write(build(stored))).one("MODULE")
-    methods = module.named("COMPU_METHOD")
-    assert methods["sedan_mass_cm"].given[2:] == ["IDENTICAL", '"%10.4"', '"kg"']
-    assert methods["sedan_f1_cm"].given[4] == '"1"'
-    assert all(len(name) <= 31 for name in methods)
 
 
 def test_addresses_and_the_order_of_bytes_are_those_of_the_program(stored):

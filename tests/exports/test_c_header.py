@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.effects.effects import Effects
-from calib.exports.dataset import LONGEST, build
+from calib.exports.dataset import build
 from calib.exports.write import FORMATS
 from tests.support.tables import made_table
 
@@ -74,17 +73,3 @@ def test_a_name_full_of_traps_compiles(stored, tmp_path):
     data = build(replace(stored, name=name, table=made_table(name=name)))
     body = f'for (const char *c = {data.prefix}_id; *c != 0; c++) {{ printf("%02x", *c & 0xff); }}'
     assert bytes.fromhex(printed(tmp_path, data, body)).decode() == f"{name}@1"
-
-
-def test_names_differ_within_31_characters(stored):
-    """As C99 and MISRA C:2012 (5.1) want it of external names, for long names of effects too."""
-    parameters = {"pad_pressure_dependence": {"exponent": 0.1, "excess": 1.0}}
-    sigma = {"pad_pressure_dependence": {"exponent": 0.01, "excess": 0.1}}
-    name = "a vehicle with a very long name"
-    table = replace(made_table(name=name), effects=Effects(parameters, sigma=sigma))
-    text = (
-        FORMATS["c-header"].write(build(replace(stored, name=name, table=table), bits=16)).decode()
-    )
-    labels = re.findall(r"extern const \w+ (\w+)", text)
-    assert len(labels) > 20
-    assert len({label[:LONGEST] for label in labels}) == len(labels)

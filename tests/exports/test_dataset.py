@@ -28,11 +28,6 @@ def test_any_name_gives_identifiers(name, part):
     assert len(printable(name).splitlines()) <= 1
 
 
-@pytest.mark.parametrize("pair", [("Müller", "Muller"), ("車", "车"), ("x" * 40, "x" * 41)])
-def test_what_is_lost_shows_in_the_label(pair):
-    assert prefix(pair[0]) != prefix(pair[1])
-
-
 def test_ends_are_clamped_as_the_look_up_does(stored):
     """What every file says of the ends is what `calib.estimation.lookup` does."""
     z, eta = np.full(2, 0.1), np.array([0.9, 1.1])
@@ -100,8 +95,3 @@ def test_the_reading_error_is_found_on_a_grid_too(real):
         rounded = np.interp(grid, axis.fixed.values, curve.fixed.values)
         gap = np.abs(rounded - np.interp(grid, axis.values, curve.values)).max()
         assert 0.9 * worst <= gap <= worst * (1 + 1e-9)
-
-
-def test_other_widths_are_refused(stored):
-    with pytest.raises(ExchangeError, match="12 bits"):
-        build(stored, bits=12)

@@ -11,7 +11,7 @@ def test_the_ending_names_the_format(stored, tmp_path, form):
     written = export(stored, str(tmp_path / f"car.{ENDINGS[form]}".upper()))
     content = written.path.read_bytes()
     assert (written.form, written.content) == (form, content)
-    assert written.sha256 == hashlib.sha256(content).hexdigest()
+    assert written.to_dict()["sha256"] == hashlib.sha256(content).hexdigest()
     assert export(stored, tmp_path / "car.txt", form.upper()).form == form
 
 

@@ -175,10 +175,6 @@ def test_the_head_says_which_table_it_is_and_what_holds_at_the_ends(stored, form
         assert part in text
 
 
-def test_json_has_the_record_of_the_table(stored):
-    assert json.loads(FORMATS["json"].write(build(stored)))["record"] == stored.table.content()[0]
-
-
 def test_rows_have_their_bands_counts_and_flags(stored):
     frame, paper = frame_of(build(stored)), stored.table.paper
     part = frame[frame["label"] == "sedan_f2"]
@@ -215,11 +211,6 @@ def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, 
     frame = eval(line, {module: library})
     units = dict(zip(frame["label"], frame["unit"], strict=True))
     assert (units["sedan_f1"], units["sedan_mass"]) == ("-", "kg")
-
-
-def test_facts_of_a_parquet_file_are_metadata(stored):
-    facts = {k.decode(): v.decode() for k, v in parquet_of(build(stored)).schema.metadata.items()}
-    assert facts == build(stored).facts()
 
 
 def test_an_axis_of_its_own_for_D_where_the_rows_differ(stored, tmp_path):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from calib.base.warning import PlausibilityWarning
-from calib.car.effects.catalogue import effect_named
+from calib.car.effects.catalogue import CATALOGUE
 from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.proof.prove import SearchStep, Withdrawn
 from calib.diagnosis.search.offsets import LogOffsets
@@ -68,7 +68,7 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
     assert [text for _, text in told.numbers] == ["8.2", "1.5", "87.5 %", "1"]
     (effect,) = told.parts
     assert effect.title == "Aerodynamic drag"
-    assert dict(effect.rows)["Cause"] == effect_named("aerodynamic_drag").card.cause
+    assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     gap = tables(named)
     assert gap["Gap by"][0] == (MARKUP, "8.25", "1.50", "")
     assert gap["Gap by"][1][1:] == ("0.50", "0.50", "0.0625 m/s^2")
@@ -98,10 +98,12 @@ def test_what_is_left_says_where_the_replays_show_it(named, left, where):
 def test_slopes_and_pads_of_single_logs_are_told(named):
     slopes = LogOffsets("road_grade", "grade", "1", {"north": 0.012, "south": -0.012})
     pads = {"north": Ground(1.02, 0.99, 1.0, 1.0), "south": Ground()}
-    table = tables(replace(named, offsets=slopes, own_pads=pads))["What each"]
-    assert table[0] == ("north", "+2.0", "-1.0", "+0.0", "+0.0", "+1.2")
-    zeros = LogOffsets("accelerometer_bias", "bias", "m/s^2", {"monday": 0.08})
-    assert tables(replace(named, offsets=zeros))["What each"] == [("monday", "+0.08")]
+    told = replace(named, offsets=slopes, own_pads=pads, sides={"f": 0.003})
+    rows = tables(told)["States of"]
+    assert [value for _, of, value in rows if of == "north"] == [
+        "+2.0", "-1.0", "+0.0", "+0.0", "+0.012"
+    ]  # fmt: skip
+    assert rows[-1] == ("left wheel slower than right [%]", "front axle", "+0.30")
 
 
 def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
@@ -134,8 +136,8 @@ def test_explanations_that_fit_alike_have_the_drive_for_each_pair(named):
 
 def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
     unseen = (
-        ShowingDrive(effect_named("road_grade").card, "coast", 48.0),
-        ShowingDrive(effect_named("residual_torque").card, "stop", 0.0),
+        ShowingDrive(CATALOGUE["road_grade"].card, "coast", 48.0),
+        ShowingDrive(CATALOGUE["residual_torque"].card, "stop", 0.0),
     )
     found = replace(named, not_resolved=tuple(drive.effect for drive in unseen), drives=unseen)
     first, last = tables(found)["What these"]

@@ -25,7 +25,6 @@ def test_panels_in_the_order_of_the_paper(drawn):
         "pad-front",
         "pad-rear",
         "axle-torques",
-        "validity",
     )
 
 
@@ -51,7 +50,7 @@ def test_pad_friction_with_interval_nominal_and_rivals(drawn, stopped):
 def test_every_panel_over_time_marks_the_change_of_surface(drawn, stopped):
     (time,) = stopped.estimate.split.changes
     assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
-    for one in drawn.panels[:-1]:
+    for one in drawn.panels:
         assert [(mark.start, mark.end) for mark in one.marks].count((time, time)) == 1
 
 
@@ -78,7 +77,7 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
     nowhere = np.zeros(stopped.estimate.time.size, bool)
     none = replace(stopped, estimate=replace(stopped.estimate, valid=nowhere))
-    assert len(stop.of_validation(sedan, "sedan@1", transition, none).overview().axes) == 8
+    assert len(stop.of_validation(sedan, "sedan@1", transition, none).overview().axes) == 7
 
 
 def test_a_simulation_shows_its_truth_beside_the_nominal_pads(simulated):

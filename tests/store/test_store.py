@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-import calib.store.version
 from calib.base.errors import ExchangeError, StoreError, TableNotFound
 from calib.store.evidence import read_evidence
 from calib.store.state import StateDecision
@@ -93,20 +92,6 @@ def test_a_store_that_is_a_file_is_refused(tmp_path):
     (tmp_path / "tables").write_text("")
     with pytest.raises(StoreError):
         Store(tmp_path / "tables").save(made_table())
-
-
-def test_a_save_that_is_interrupted_leaves_nothing(store, monkeypatch):
-    def interrupt(*arguments):
-        raise KeyboardInterrupt
-
-    for made in (made_table(), made_table(28.0)):
-        before = sorted(store.folder.rglob("*"))
-        with monkeypatch.context() as patch:
-            patch.setattr(calib.store.version, "sync", interrupt)
-            with pytest.raises(KeyboardInterrupt):
-                store.save(made)
-        assert sorted(store.folder.rglob("*")) == before
-        store.save(made)
 
 
 # Loading

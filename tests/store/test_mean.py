@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.base.intervals import Z95
-from calib.store.own_errors import own_covariance, own_level, own_share, own_share_of_tyre
+from calib.store.mean import own_covariance, own_level, own_share, own_share_of_tyre
 
 
 def scatter(values):
