@@ -78,12 +78,8 @@ def _returned(
     return Returned(form, facts, units, content, first, table)
 
 
-_AXIS, _GROUP, _LINE, _VALUE = (
-    "STUETZSTELLENVERTEILUNG",
-    "GRUPPENKENNLINIE",
-    "KENNLINIE",
-    "FESTWERT",
-)
+_AXIS, _VALUE = "STUETZSTELLENVERTEILUNG", "FESTWERT"
+_GROUP, _LINE = "GRUPPENKENNLINIE", "KENNLINIE"
 _FORMAT, _FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
 _X, _Y = "ST/X", "WERT"
 _ARRAYS = {_AXIS: (_X,), _GROUP: (_X, _Y), _LINE: (_X, _Y), _VALUE: (_Y,), _FUNCTIONS: ()}
