@@ -53,31 +53,24 @@ class FileKind:
     def excess(self, what: str = "it has") -> str:
         """Words for a file that is too large, and what to do if it is meant."""
         most = f"{self.most / _MEGA:g} MB"
-        return f"{what} more than {most}; if it is meant, set {self.variable} to the MB that may be"
+        return f"{what} more than {most}; if it is meant, set {self.variable} to more MB"
 
 
+# Text and Parquet, as unpacked: an hour of 13 channels at 200 Hz has 100 MB of text.
 LOG = FileKind("log", 120)
-"""Text and Parquet, as unpacked: an hour of 13 channels at 200 Hz has 100 MB of text."""
+# MDF and bus logs; loggers begin a new file at 512 MB or before.
 RECORDING = FileKind("recording", 600)
-"""MDF and bus logs; loggers begin a new file at 512 MB or before."""
 DBC = FileKind("dbc", 8)
 TOML = FileKind("toml", 1)
 PLAN = FileKind("plan", 16)
 EFFECT = FileKind("effect", 1)
-CALIBRATION = FileKind("calibration", 16)
-"""DCM and CDF that come back."""
-PROGRAM = FileKind("program", 512)
-"""ELF; one without debug information is a hundredth of it."""
-VALIDATION = FileKind("validation", 16)
-"""JSON that `validate` and `station` wrote."""
-RESULT = FileKind("result", 120)
-"""Parquet that `validate` wrote."""
-TABLE = FileKind("table", 16)
-"""Each file of a version in a store, and what was seen of stores."""
-JOURNAL = FileKind("journal", 64)
-"""Some 100,000 lines."""
-KEY = FileKind("key", 0.016384)
-"""Keys and signatures: no file of minisign is longer."""
+CALIBRATION = FileKind("calibration", 16)  # DCM and CDF that come back
+VALIDATION = FileKind("validation", 16)  # JSON that `validate` and `station` wrote
+RESULT = FileKind("result", 120)  # Parquet that `validate` wrote
+PROGRAM = FileKind("program", 512)  # ELF; one without debug information is a hundredth of it
+TABLE = FileKind("table", 16)  # each file of a version in a store, and what was seen of stores
+JOURNAL = FileKind("journal", 64)  # some 100,000 lines
+KEY = FileKind("key", 0.016384)  # keys and signatures: no file of minisign is longer
 
 
 def open_bounded(path: Path, kind: FileKind) -> BufferedReader:

@@ -1,11 +1,11 @@
-"""The list of quantities: each once, with symbol, unit and sign.
+"""The list of quantities: each once, with its unit, its symbol in the paper and its sign.
 
 Everything inside the program is SI; bar, km/h, rpm and cm^2 occur only in input and output. Forces,
 torques and slips are positive magnitudes when they brake. ``a_x`` keeps the sign of ISO 8855:
 forward positive, so that braking is negative; ``z = -a_x/g`` is positive when braking.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 G = 9.80665
 """Standard gravity [m/s^2], ISO 80000-3."""
@@ -15,56 +15,28 @@ AXLE_NAMES = {"f": "front", "r": "rear"}
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
-@dataclass(frozen=True)
-class _Quantity:
-    """One logged quantity: canonical ``name``, ``symbol`` in the paper, ``meaning`` with the sign.
-
-    ``unit`` of the canonical log file; ``si`` inside the program; ``required`` of every log.
-    """
+class _Quantity(NamedTuple):
+    """One logged quantity: its name, unit in the canonical log file and inside the program."""
 
     name: str
-    symbol: str
     unit: str
     si: str
-    meaning: str
     required: bool = False
 
 
-def _per_wheel(
-    name: str, symbol: str, unit: str, si: str, meaning: str, required: bool = False
-) -> list[_Quantity]:
-    return [
-        _Quantity(f"{name}_{w}", f"{symbol}_{w}", unit, si, f"{meaning}, {w}", required)
-        for w in WHEELS
-    ]
-
-
-CHANNELS: dict[str, _Quantity] = {
-    q.name: q
-    for q in [
-        _Quantity("time", "t", "s", "s", "time, increasing", True),
-        _Quantity("p_mc", "P_mc", "bar", "Pa", "master-cylinder pressure", True),
-        _Quantity(
-            "a_x", "a_x", "m/s^2", "m/s^2", "acceleration at the c.g., forward positive", True
-        ),
-        *_per_wheel("omega", "omega", "rad/s", "rad/s", "wheel speed", True),
-        _Quantity("v", "V", "m/s", "m/s", "reference speed over ground"),
-        *_per_wheel("p", "P", "bar", "Pa", "wheel pressure"),
-        _Quantity("T_disc_f", "T_f", "degC", "degC", "front disc temperature"),
-        _Quantity("T_disc_r", "T_r", "degC", "degC", "rear disc temperature"),
-        _Quantity("steering", "delta", "rad", "rad", "steering-wheel angle, left positive"),
-        *[
-            _Quantity(
-                f"T_drive_{axle}",
-                f"T_d{axle}",
-                "N*m",
-                "N*m",
-                f"torque of engine or motor at both {side} wheels together, negative slows",
-            )
-            for axle, side in zip(AXLES, ("front", "rear"), strict=True)
-        ],
-    ]
-}
+_QUANTITIES = (
+    _Quantity("time", "s", "s", required=True),  # t, increasing
+    _Quantity("p_mc", "bar", "Pa", required=True),  # P_mc, of the master cylinder
+    _Quantity("a_x", "m/s^2", "m/s^2", required=True),  # at the c.g., forward positive
+    *(_Quantity(f"omega_{w}", "rad/s", "rad/s", required=True) for w in WHEELS),
+    _Quantity("v", "m/s", "m/s"),  # V, over ground
+    *(_Quantity(f"p_{w}", "bar", "Pa") for w in WHEELS),  # P, at the wheel
+    *(_Quantity(f"T_disc_{axle}", "degC", "degC") for axle in AXLES),
+    _Quantity("steering", "rad", "rad"),  # delta, of the steering wheel, left positive
+    # T_d, of engine or motor at both wheels of an axle together, negative where it slows
+    *(_Quantity(f"T_drive_{axle}", "N*m", "N*m") for axle in AXLES),
+)
+CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 """The canonical channels, in the order in which a log is written."""
 
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing.context import BaseContext
 from typing import Protocol, TypeVar
 
 from calib.base.errors import BatchError
@@ -51,12 +50,14 @@ def one_blas_thread() -> Iterator[None]:
 def workers(count: int, *preload: str) -> ProcessPoolExecutor:
     """``count`` processes, each with one thread for linear algebra.
 
-    They are forked from a server that has imported the modules ``preload``, or spawned on systems
-    that cannot fork. They ignore interrupts, which the parent handles, and end with the parent.
+    They are forked from a server that has imported the modules ``preload``. They ignore interrupts,
+    which the parent handles, and end with the parent.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    return ProcessPoolExecutor(count, _context(preload), initializer=_start)
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(list(preload))
+    return ProcessPoolExecutor(count, context, initializer=_start)
 
 
 @contextmanager
@@ -95,14 +96,6 @@ def end(pool: ProcessPoolExecutor) -> None:
     for process in list((pool._processes or {}).values()):
         process.terminate()
     pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _context(preload: tuple[str, ...]) -> BaseContext:
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(list(preload))
-    return context
 
 
 def _start() -> None:

@@ -44,10 +44,15 @@ def workshop(out: Path) -> Iterator[Path]:
     left is settled first. If ``out`` did not exist before and stays empty, it is deleted too.
     Raises OSError at once if ``out`` cannot be written.
     """
-    made = not out.exists()
+    made, work = not out.exists(), out / f"{_WORK}{secrets.token_hex(8)}"
     out.mkdir(parents=True, exist_ok=True)
     try:
-        with _work_folder(out) as work:
+        with ExitStack() as owned:
+            with _alone(out):
+                _settle(out)
+                owned.enter_context(locked(_lock_of(work)))
+                owned.callback(_delete, work)
+                work.mkdir()
             yield work
     finally:
         if made:
@@ -108,25 +113,6 @@ def _alone(out: Path) -> Iterator[None]:
             yield
         finally:
             (out / _LOCK).unlink(missing_ok=True)
-
-
-@contextmanager
-def _work_folder(out: Path) -> Iterator[Path]:
-    """A new work folder, locked as long as this process has it."""
-    work = out / f"{_WORK}{secrets.token_hex(8)}"
-    with ExitStack() as owned:
-        with _alone(out):
-            _settle(out)
-            owned.enter_context(locked(_lock_of(work)))
-            try:
-                work.mkdir()
-            except BaseException:
-                _lock_of(work).unlink()
-                raise
-        try:
-            yield work
-        finally:
-            _delete(work)
 
 
 def _settle(out: Path) -> bool:

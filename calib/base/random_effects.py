@@ -5,11 +5,9 @@
 ``between`` by restricted maximum likelihood (REML), which is hardly biased with few things
 (Viechtbauer 2005, doi:10.3102/10769986030003261; Veroniki et al. 2016, doi:10.1002/jrsm.1164).
 The error of the mean is that of Hartung and Knapp (2001, doi:10.1002/sim.791): from the scatter
-itself, with Student's t of k - 1 degrees of freedom. A normal interval with an estimated
-``between``, as DerSimonian and Laird have it, is far too narrow for few things; this one is exact
-where all v_i are equal. Things that agree by chance would make it too narrow: it is never narrower
-than the normal interval (Wiksten, Ruecker and Schwarzer 2016, doi:10.1002/sim.6879; Jackson et al.
-2017, doi:10.1002/sim.7411).
+itself, with Student's t of k - 1 degrees of freedom, exact where all v_i are equal. Things that
+agree by chance would make it too narrow: it is never narrower than the normal interval (Jackson et
+al. 2017, doi:10.1002/sim.7411).
 
 Not true where the errors e_i of the things are correlated: what they share is no part of v_i, and
 has to be added to the error of the mean.
@@ -74,27 +72,21 @@ def random_effects(values: Array, variances: Array, weights: Array | None = None
     ([2.0], [1.5], 1)
     """
     x, v = np.asarray(values, float), np.asarray(variances, float)
-    k = x.shape[0]
-    if k < 2:
+    freedom = x.shape[0] - 1
+    if freedom < 1:
         raise ValueError("one thing alone has no scatter")
     between = between_variance(x, v)
-    best = _weights(v, between, _scale(x, v))
+    variance = between + v
+    best = 1.0 / np.maximum(variance, _SETTLED * _scale(x, v))
+    best = np.asarray(best / best.sum(axis=0))
     w = best if weights is None else np.broadcast_to(weights[:, None] / weights.sum(), x.shape)
     mean = (w * x).sum(axis=0)
-    variance = between + v
-    sigma = np.sqrt(_scatter(x, variance, best) * (w**2 * variance).sum(axis=0))
-    return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, k - 1)
-
-
-def _scatter(x: Array, variance: Array, best: Array) -> Array:
-    """Scatter of the things over what their ``variance`` expects (n,), that of Hartung and Knapp.
-
-    ``best`` weights of the mean. At least so much that Student's interval is the normal one.
-    """
-    freedom = x.shape[0] - 1
     square = (x - (best * x).sum(axis=0)) ** 2
     seen = np.divide(square, variance, out=np.zeros_like(x), where=variance > 0.0).sum(axis=0)
-    return np.asarray(np.maximum(seen / freedom, (Z95 / quantile95(freedom)) ** 2))
+    # Hartung and Knapp; at least so much that Student's interval is the normal one
+    scatter = np.maximum(seen / freedom, (Z95 / quantile95(freedom)) ** 2)
+    sigma = np.sqrt(scatter * (w**2 * variance).sum(axis=0))
+    return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, freedom)
 
 
 def between_variance(values: Array, variances: Array) -> Array:
@@ -144,8 +136,3 @@ def _scale(x: Array, v: Array) -> Array:
     """A variance of the size of the whole, never zero."""
     whole = x.var(axis=0) + v.mean(axis=0)
     return np.where(whole > 0.0, whole, 1.0)
-
-
-def _weights(v: Array, between: Array, scale: Array) -> Array:
-    w = 1.0 / np.maximum(between + v, _SETTLED * scale)
-    return np.asarray(w / w.sum(axis=0))

@@ -5,7 +5,6 @@ an error for a mass, ``Hz`` is revolutions per second for a wheel speed, and ``N
 length. A unit that is not in the table raises `UnknownUnit`.
 """
 
-import difflib
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -107,25 +106,15 @@ def unit_of(unit: str, si: str) -> Unit:
 
     Raises `UnknownUnit` naming the unit, the quantity wanted and its known units.
     """
-    if si not in QUANTITIES:
-        raise UnknownUnit(f"no table for the SI unit {si!r}; known: {', '.join(QUANTITIES)}")
     quantity, table = QUANTITIES[si]
     written = spelling(unit)
     if written in table:
         return table[written]
-    raise UnknownUnit(_refusal(unit, written, quantity, table))
-
-
-def _refusal(unit: str, written: str, quantity: str, table: dict[str, Unit]) -> str:
     owners = [other for other, units in QUANTITIES.values() if written in units]
-    by_lower = {name.lower(): name for name in table}
-    close = [by_lower[c] for c in difflib.get_close_matches(written.lower(), by_lower, n=1)]
+    what = f"unknown unit {unit!r} for {quantity}"
     if owners:
-        head = f"unit {unit!r} is a unit of {owners[0]}, not of {quantity}"
-    else:
-        head = f"unknown unit {unit!r} for {quantity}"
-    hint = f" (did you mean {close[0]!r}?)" if close else ""
-    return f"{head}{hint}; known: {', '.join(table)}"
+        what = f"unit {unit!r} is a unit of {owners[0]}, not of {quantity}"
+    raise UnknownUnit(f"{what}; known: {', '.join(table)}")
 
 
 def behind(unit: str) -> str:

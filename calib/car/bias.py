@@ -37,6 +37,18 @@ def front_share(vehicle: Vehicle) -> float:
     return front / (front + rear)
 
 
+def front_biased_up_to(vehicle: Vehicle) -> float:
+    """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
+
+    From (2), (9) and the I curve: the front share of the tyre force equals that of the load. With
+    a rear brake it is below the z of rear-wheel lift; infinite without a rear brake; zero when the
+    car is rear-biased at every z.
+    """
+    share = front_share(vehicle)
+    z = (share * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
+    return math.inf if share == 1.0 else max(z, 0.0)
+
+
 def ideal_front_share(vehicle: Vehicle, z: Array) -> Array:
     """Share of the front axle [1] (n,) at which both use the same friction at z [1], (6)."""
     return np.asarray(axle_loads(vehicle, z)[0] / vehicle.weight)

@@ -16,12 +16,13 @@ from calib.base.warning import to_dict
 from calib.car.bias import (
     force_per_pressure,
     friction_used,
+    front_biased_up_to,
     front_share,
     ideal_front_share,
     locks_at,
     pressure_per_g,
 )
-from calib.car.forces import axle_loads, front_biased_up_to
+from calib.car.forces import axle_loads
 from calib.car.plausible import plausible
 from calib.car.vehicle import Axle, Vehicle
 
@@ -162,18 +163,13 @@ def _axle(axle: Axle, rest: float, half: float) -> _AxleFacts:
 def _distribution(vehicle: Vehicle) -> tuple[_Braking, ...]:
     z = np.array(_DECELERATIONS)
     pressure = z * pressure_per_g(vehicle)
-    used_f, used_r = friction_used(vehicle, z)
-    force_f, force_r = force_per_pressure(vehicle)
-    columns = (
-        z,
-        pressure / _BAR,
-        np.full_like(z, front_share(vehicle)),
-        ideal_front_share(vehicle, z),
-        used_f,
-        used_r,
-        force_f * vehicle.front.rolling_radius * pressure,
-        force_r * vehicle.rear.rolling_radius * pressure,
+    share, axles = np.full_like(z, front_share(vehicle)), (vehicle.front, vehicle.rear)
+    torques = (
+        force * axle.rolling_radius * pressure
+        for force, axle in zip(force_per_pressure(vehicle), axles, strict=True)
     )
+    shares = (share, ideal_front_share(vehicle, z), *friction_used(vehicle, z))
+    columns = (z, pressure / _BAR, *shares, *torques)
     rows = zip(*(column.tolist() for column in columns), strict=True)
     return tuple(_Braking(*row[:4], *map(_finite, row[4:6]), *row[6:]) for row in rows)
 

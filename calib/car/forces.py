@@ -54,15 +54,6 @@ def tyre_force(
     return (axle.wheel_inertia * spin_rate + torque + drag_moment) / axle.rolling_radius  # (1)
 
 
-def spin_rate(axle: Axle, torque: Array, force: Array) -> Array:
-    """d omega/dt [rad/s^2] of one wheel under ``torque`` [N m] and tyre ``force`` [N], (1).
-
-    With the torque of (3) and the force F F_z of the axle's normalised force and half its load,
-    (6) or (7), it is (4), and (13) or (14).
-    """
-    return (axle.rolling_radius * force - torque) / axle.wheel_inertia  # (1), (4), (13), (14)
-
-
 def braking_sum(vehicle: Vehicle, z: Array, body_force: Array | float = 0.0) -> Array:
     """Sum of all tyre forces [N] at z [1], (5) and (17), less the ``body_force`` [N]."""
     return vehicle.weight * z - body_force  # (5), (17)
@@ -84,22 +75,6 @@ def paper_curves(vehicle: Vehicle, z: Array, D: Array) -> tuple[Array, Array]:
     F_zf, F_zr = axle_loads(vehicle, z)
     F_z = F_zf + F_zr
     return D * F_zr / F_z, -D * F_zf / F_z  # (18): f1 = -(F_zr/F_zf) f2
-
-
-def front_biased_up_to(vehicle: Vehicle) -> float:
-    """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
-
-    From (2), (9) and the I curve: the front share of the tyre force equals that of the load. With
-    a rear brake it is below the z of rear-wheel lift; infinite without a rear brake; zero when the
-    car is rear-biased at every z.
-    """
-    force = {
-        side: axle.torque_gain * axle.pad_friction / axle.rolling_radius
-        for side, axle in (("f", vehicle.front), ("r", vehicle.rear))
-    }
-    share = force["f"] / (force["f"] + force["r"])
-    z = (share * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
-    return float("inf") if force["r"] == 0.0 else max(z, 0.0)
 
 
 def slip(axle: Axle, omega: Array, v: Array) -> Array:

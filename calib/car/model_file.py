@@ -176,26 +176,26 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     """
     document = load_toml(Path(path), ModelError)
     own = _own(document, vehicle.effects, path)
-    schema = _schema(Effects(own=own)) if own else ModelFile
+    schema: type[ModelFile] = ModelFile
+    if own:
+        effects: Any = _effects_section(every_effect(Effects(own=own))) | None
+        schema = create_model("ModelFile", __base__=ModelFile, effects=(effects, None))
     file = validated(document, schema, path, ModelError)
     base = default_model(vehicle)
-    named: Any = file.effects
-    terms = tuple(
-        EmpiricalTerm(term.place, term.driver, tuple(term.knots), tuple(term.values))
-        for term in file.empirical
-    )
-    return Model(
-        vehicle=vehicle,
-        pad_friction_f=base.pad_friction_f if file.pads.front is None else file.pads.front,
-        pad_friction_r=base.pad_friction_r if file.pads.rear is None else file.pads.rear,
+    named, terms = base.effects.parameters, base.effects.terms
+    if file.effects is not None:
+        named = {name: dict(effect) for name, effect in file.effects.entries()}
+    if file.empirical:
+        terms = tuple(
+            EmpiricalTerm(term.place, term.driver, tuple(term.knots), tuple(term.values))
+            for term in file.empirical
+        )
+    return replace(
+        base,
+        pad_friction_f=file.pads.front or base.pad_friction_f,
+        pad_friction_r=file.pads.rear or base.pad_friction_r,
         tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
-        effects=Effects(
-            base.effects.parameters
-            if named is None
-            else {name: dict(effect) for name, effect in named.entries()},
-            terms or base.effects.terms,
-            own=own,
-        ),
+        effects=Effects(named, terms, own=own),
         surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
     )
 
@@ -206,12 +206,6 @@ def _own(document: Mapping[str, Any], known: Effects, path: Path) -> dict[str, D
     named = {name: DefinedIn(one.file, one.sha256) for name, one in written.items()}
     files = {n: one for n, one in known.own.items() if isinstance(one, OwnEffect)}
     return {n: given(n, one, path) for n, one in completed(named, files, path).items()}
-
-
-def _schema(effects: Effects) -> type[ModelFile]:
-    """The schema of a model that may have these own effects."""
-    named: Any = _effects_section(every_effect(effects)) | None
-    return create_model("ModelFile", __base__=ModelFile, effects=(named, None))
 
 
 def write_model(model: Model, path: Path) -> None:
@@ -235,11 +229,7 @@ def write_model(model: Model, path: Path) -> None:
         },
         "own_effects": {name: asdict(one) for name, one in effects.defined_in.items()},
         "surfaces": [
-            {
-                "start": written_quantity(s.start, s.unit),
-                "stiffness": s.stiffness,
-                "peak": s.peak,
-            }
+            {"start": written_quantity(s.start, s.unit), "stiffness": s.stiffness, "peak": s.peak}
             for s in model.surfaces
         ],
         "empirical": [

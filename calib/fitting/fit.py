@@ -8,7 +8,7 @@ from dataclasses import asdict
 import numpy as np
 
 from calib.base.errors import LogError
-from calib.car.forces import front_biased_up_to
+from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
 from calib.car.vehicle import Vehicle
 from calib.fitting import curves

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calib.car.forces import front_biased_up_to
+from calib.car.bias import front_biased_up_to
 from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified
 from calib.fitting.path import Peak

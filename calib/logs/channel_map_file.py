@@ -1,28 +1,4 @@
-"""A channel map as a TOML file.
-
-schema = 1
-dbc = "chassis.dbc"           # optional: describes the frames of a bus (DBC, ARXML, KCD or SYM);
-                              # relative to this file; or a list, or one for each bus of the log:
-                              # dbc = {1 = "chassis.dbc", 2 = ["drive.arxml", "brakes.kcd"]};
-                              # one bus of a file that has several, by its name in the file:
-                              # dbc = {1 = {file = "car.kcd", bus = "Chassis"}}
-j1939 = "any"                 # optional: find J1939 frames by their parameter group, from any
-                              # source address, or from these: j1939 = [0x0B, 0x21]
-ignore = ["p_rl"]             # optional: columns that have the name of a channel and are not used
-
-[channels.p_mc]
-source = "Brake pressure"     # the column's name in the log
-unit = "kPa"                  # optional: overrides the header's
-sign = 1                      # optional: -1 reverses the sign of the channel
-scale = 1.0                   # optional: value = sign * (scale * written + offset), in `unit`
-offset = 0.0
-method = "linear"             # optional, for logs with several sample rates; or "hold"
-
-[text]                        # optional: format of a text table, if it is ambiguous
-separator = ";"
-decimal = ","
-encoding = "latin-1"
-"""
+"""A channel map as a TOML file: `brake-cal manual logs` shows each key."""
 
 import codecs
 from dataclasses import replace

@@ -21,7 +21,7 @@ from calib.logs.channel_map import Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
 from calib.logs.resample import at_times, on_one_clock
-from calib.logs.source import ChannelTrace, ColumnSource, Recording
+from calib.logs.source import ChannelTrace, ColumnSource, Recording, each_of
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
 from calib.logs.text.vbo import open_vbo
@@ -137,14 +137,12 @@ def as_table(
     The clock is that of the columns that are ``taken`` as channels, by index, or of all; then
     counts are held. Reading a column that the recording refuses raises its LogError.
     """
-    traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
-    for index in range(1, len(opened.columns)):
-        try:
-            traces[index] = opened.read([index])[0]
-        except LogError as error:
-            refused[index] = error
-    wanted = {}
-    for i, trace in traces.items():
+    refused, wanted = dict[int, LogError](), dict[int, ChannelTrace]()
+    every = range(1, len(opened.columns))
+    for i, trace in zip(every, each_of(opened.read, every), strict=True):
+        if isinstance(trace, LogError):
+            refused[i] = trace
+            continue
         state = trace.state or (taken is not None and _counts(opened, i, trace))
         other = replace(trace, name=opened.columns[i].full_name, state=state)
         wanted[i] = taken[i].named(trace) if taken and i in taken else other

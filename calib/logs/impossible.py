@@ -107,9 +107,17 @@ def without_impossible(
             marked.append(Marked(name, count, float(time[first]), float(values[name][first])))
             values[name] = np.where(mask, np.nan, values[name])
     filled, _, bridged = fill_rows({one.channel: values[one.channel] for one in marked}, time)
+    within = (time > time[0] + ENDS) & (time < time[-1] - ENDS)  # what ends may lack: `verify`
     for one in marked:
-        if CHANNELS[one.channel].required:
-            _refuse_many(one, found[one.channel], time, filled[one.channel], where)
+        many = np.count_nonzero(found[one.channel] & within) > max(_FEW * time.size, 1.0)
+        if many and CHANNELS[one.channel].required:
+            raise LogError(
+                f"{one}, beside values that are far away: {one.count} of {time.size} samples are "
+                "such that no car drives them",
+                where=f"{where}: {one.channel}",
+                expected="values that a car can have one after the other",
+                do="decode the error value of the signal as no value, or cut the log there",
+            )
     return values | filled, tuple(marked), tuple(bridged)
 
 
@@ -170,17 +178,3 @@ def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
     for begin, end in pairwise(edges[1:-1]):
         mask[begin:end] = time[end] - time[begin - 1] <= BRIDGE
     return mask
-
-
-def _refuse_many(one: Marked, mask: Mask, time: Array, values: Array, where: str) -> None:
-    inside = np.logical_or.accumulate(~mask) & np.logical_or.accumulate(~mask[::-1])[::-1] & mask
-    inside |= mask & (time > time[0] + ENDS) & (time < time[-1] - ENDS)
-    if np.count_nonzero(inside) <= max(_FEW * time.size, 1.0) and np.isfinite(values[inside]).all():
-        return
-    raise LogError(
-        f"{one}, beside values that are far away: {one.count} of {values.size} samples are "
-        "such that no car drives them",
-        where=f"{where}: {one.channel}",
-        expected="values that a car can have one after the other",
-        do="decode the error value of the signal as no value, or cut the log there",
-    )

@@ -50,8 +50,7 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
-        _check_layout(mdf, where)
-        _require_counted(mdf, checked.counts, where)
+        _check_groups(mdf, checked.counts, where)
         return _recording(mdf, dbc, [checked.note] if checked.note else [], where)
     except BaseException:
         mdf.close()
@@ -84,10 +83,14 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     return Recording((CLOCK, *columns, *more), read, (*database.notes, *notes), mdf.close)
 
 
-def _check_layout(mdf: Any, where: str) -> None:
-    """Raise LogError for a channel outside its record: asammdf reads there without looking."""
+def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
+    """Raise LogError for a channel outside its record, where asammdf reads without looking, and if
+    it found fewer records of an unfinished file than were counted.
+    """
     for group in mdf.groups:
         record = group.channel_group
+        if record.cycles_nr < (counted := counts.get(record.address, 0)):
+            raise _too_few("records", record.cycles_nr, counted, where)
         size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
         for channel in group.channels:
             if str(mdf.version) < "4":
@@ -97,13 +100,6 @@ def _check_layout(mdf: Any, where: str) -> None:
             if 8 * byte + bit + channel.bit_count > 8 * size:
                 what = f"the channel at byte {channel.address} lies outside its records"
                 raise damaged(where, what, f"bits within {size} bytes")
-
-
-def _require_counted(mdf: Any, counts: dict[int, int], where: str) -> None:
-    for group in mdf.groups:
-        found, counted = group.channel_group.cycles_nr, counts.get(group.channel_group.address, 0)
-        if found < counted:
-            raise _too_few("records", found, counted, where)
 
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:

@@ -5,9 +5,12 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from types import ModuleType
+from typing import TypeVar
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -57,16 +60,23 @@ class ColumnSource:
 
     def each(self) -> list[Array | LogError]:
         """Every column, or the error of one that holds no numbers."""
-        every = range(len(self.columns))
-        with suppress(LogError):
-            return [*self.read(every)]
-        return [self._one(index) for index in every]
+        return each_of(self.read, range(len(self.columns)))
 
-    def _one(self, index: int) -> Array | LogError:
-        try:
-            return self.read([index])[0]
-        except LogError as error:
-            return error
+
+def each_of(
+    read: Callable[[Sequence[int]], Sequence[T]], indices: Sequence[int]
+) -> list[T | LogError]:
+    """What ``read`` gives for each index, or its error."""
+    with suppress(LogError):
+        return [*read(indices)]
+    return [_one(read, index) for index in indices]
+
+
+def _one(read: Callable[[Sequence[int]], Sequence[T]], index: int) -> T | LogError:
+    try:
+        return read([index])[0]
+    except LogError as error:
+        return error
 
 
 CLOCK = Column("time", "s")

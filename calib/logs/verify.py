@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
@@ -75,7 +74,16 @@ def complete_channels(
                 )
             notes.append(f"{name} is empty and was left out")
         elif name in CHANNELS and CHANNELS[name].required:
-            raise _holes(name, values, bad, channels["time"], where)
+            first = int(bad[0])
+            kind = "no value" if np.isnan(values[first]) else "an infinite value"
+            raise LogError(
+                f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1} at "
+                f"{channels['time'][first]:.3f} s",
+                where=f"{where}: {name}",
+                expected="a finite value in every row",
+                do="export all channels on one clock, or cut the log before the gap: a gap is "
+                f"bridged {ONLY}",
+            )
         else:
             notes.append(
                 f"{name} has no value in {bad.size} of {values.size} rows, "
@@ -97,19 +105,6 @@ def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
                 expected="a value that can be measured",
                 do="the file is damaged or the unit is wrong: export it again",
             )
-
-
-def _holes(name: str, values: Array, bad: NDArray[np.intp], time: Array, where: str) -> LogError:
-    first = int(bad[0])
-    kind = "no value" if np.isnan(values[first]) else "an infinite value"
-    when = f" at {time[first]:.3f} s" if np.isfinite(time[first]) else ""
-    return LogError(
-        f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1}{when}",
-        where=f"{where}: {name}",
-        expected="a finite value in every row",
-        do=f"export all channels on one clock, or cut the log before the gap: a gap is bridged "
-        f"{ONLY}",
-    )
 
 
 def check_clock(time: Array, where: str) -> None:

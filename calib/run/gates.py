@@ -6,8 +6,8 @@ import numpy as np
 
 from calib.base.arrays import Mask
 from calib.base.errors import LogError
+from calib.car.bias import front_biased_up_to
 from calib.car.braking import BITE
-from calib.car.forces import front_biased_up_to
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals, rolling_radii

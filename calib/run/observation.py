@@ -129,7 +129,7 @@ def observe(log: Log, *, full: bool = True) -> Observation:
         wheels_held=wheels_held(log),
         v_of_wheels=full and "v" in log and made_of_wheels(log),
         axles=axles_of(log, driving, slips),
-        slipping=slipping(slips, driving, events),
+        slipping=slipping(slips, driving),
         wheels=wheel_parts(log, driving),
     )
 

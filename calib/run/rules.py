@@ -35,9 +35,8 @@ def problems(seen: Observation, purpose: str) -> list[str]:
 def _unusable(seen: Observation) -> Iterator[str]:
     """For every purpose."""
     for name in seen.missing:
-        yield f"{name} is missing: record it" + (
-            ", in bar, at the master cylinder" if name == "p_mc" else ""
-        )
+        where = ", in bar, at the master cylinder" if name == "p_mc" else ""
+        yield f"{name} is missing: record it{where}"
     if not LIMITS.rates[0] <= seen.clock.rate <= LIMITS.rates[1]:
         yield f"the clock runs at {seen.clock.rate:.4g} Hz: record at 40 Hz to 1 kHz, best 200 Hz"
     if set(seen.missing) - {"p_mc"}:
@@ -47,17 +46,12 @@ def _unusable(seen: Observation) -> Iterator[str]:
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_OMEGAS):
             times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
-            yield (
-                f"{sensor.channel} does not change from {times} while others do: repair the sensor "
-                "and drive again"
-            )
-    for sensor in seen.sensors:
+            what = f"{sensor.channel} does not change from {times} while others do"
+            yield f"{what}: repair the sensor and drive again"
         highest = max(sensor.high, -sensor.low)
         if highest > _GREATEST.get(sensor.channel.split("_")[0], math.inf):
-            yield (
-                f"{sensor.channel} reaches {highest:.4g}; no road car does: repair the sensor, or "
-                "correct its unit in the channel map"
-            )
+            what = f"{sensor.channel} reaches {highest:.4g}; no road car does"
+            yield f"{what}: repair the sensor, or correct its unit in the channel map"
     for rule in (_wrong_a_x, _wrong_v, _wrong_pressure, _foreign_pressure):
         yield from rule(seen)
     crossed = crossed_side(seen.wheels, seen.alone)
@@ -70,15 +64,11 @@ def _wrong_a_x(seen: Observation) -> Iterator[str]:
     if slope is None:
         return
     if slope < 0:
-        yield (
-            "a_x is positive while the wheels slow down: reverse its sign in a channel "
-            "map (sign = -1); forward is positive"
-        )
-    if not LIMITS.wheel_radius[0] <= abs(slope) <= LIMITS.wheel_radius[1]:
-        yield (
-            f"a_x and the wheel speeds fit together as if the wheels had a radius of "
-            f"{abs(slope):.3g} m: check the unit of both (g or m/s^2, rad/s or rpm)"
-        )
+        what = "a_x is positive while the wheels slow down"
+        yield f"{what}: reverse its sign in a channel map (sign = -1); forward is positive"
+    if not _between(abs(slope), LIMITS.wheel_radius):
+        what = f"a_x and the wheel speeds make wheels of a radius of {abs(slope):.3g} m"
+        yield f"{what}: check the unit of both (g or m/s^2, rad/s or rpm)"
 
 
 def _wrong_v(seen: Observation) -> Iterator[str]:
@@ -92,10 +82,9 @@ def _wrong_v(seen: Observation) -> Iterator[str]:
         return
     low, high = LIMITS.tyre_radius
     against = f", and a_x one of {by_a_x:.3g} m" if known else ""
-    yield (
-        f"v and the wheel speeds make a rolling radius of {radius:.3g} m{against}; tyres have "
-        f"{low:g} to {high:g} m: {_right_unit(radius / (by_a_x if known else NOMINAL_RADIUS))}"
-    )
+    what = f"v and the wheel speeds make a rolling radius of {radius:.3g} m{against}"
+    do = _right_unit(radius / (by_a_x if known else NOMINAL_RADIUS))
+    yield f"{what}; tyres have {low:g} to {high:g} m: {do}"
 
 
 def _right_unit(factor: float) -> str:
@@ -114,20 +103,17 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
     sensor = seen.sensor("p_mc")
     if sensor is None:
         return
+    low, high = sensor.low / 1e5, sensor.high / 1e5
     if sensor.high > LIMITS.pressure:
-        yield f"p_mc reaches {sensor.high / 1e5:.0f} bar: check its unit"
+        yield f"p_mc reaches {high:.0f} bar: check its unit"
     if sensor.low < -3e5:
-        yield f"p_mc falls to {sensor.low / 1e5:.1f} bar: check its zero and its sign"
+        yield f"p_mc falls to {low:.1f} bar: check its zero and its sign"
     if sensor.low > LIMITS.never_free:
-        yield (
-            f"p_mc never falls below {sensor.low / 1e5:.1f} bar: check its zero with the pedal "
-            "released"
-        )
+        yield f"p_mc never falls below {low:.1f} bar: check its zero with the pedal released"
     if seen.z > 2.5 * BITE_Z and sensor.high < LIMITS.softest * seen.z:
-        yield (
-            f"p_mc takes {sensor.high / seen.z / 1e5:.1f} bar for each g, and no car less than "
-            f"{LIMITS.softest / 1e5:g}: check its unit (bar or MPa) and its scale"
-        )
+        what = f"p_mc takes {high / seen.z:.1f} bar for each g"
+        least = f"no car less than {LIMITS.softest / 1e5:g}"
+        yield f"{what}, and {least}: check its unit (bar or MPa) and its scale"
 
 
 def _foreign_pressure(seen: Observation) -> Iterator[str]:
@@ -146,61 +132,38 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
         yield "no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition"
         return
     yield from _short_lead_in(seen, LIMITS.lead_in_fit, "ramp")
-    ramp = _ramp_of(seen)
-    if ramp is None:
-        yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z), _least_span(seen))
+    span = LIMITS.one_axle_z if seen.alone else LIMITS.ramp_z
+    good = [e for e in seen.events if e.braking >= LIMITS.ramp_time and e.rise >= LIMITS.ramp_rise]
+    ramp = max(good, key=lambda e: e.rise_z, default=None)
+    if ramp is None or ramp.rise_z < span:
+        yield _no_ramp(max(seen.events, key=lambda e: e.rise_z), span)
         ramp = max(seen.events, key=lambda e: e.braking)
     yield from _disturbed(seen, ramp)
     if seen.wheels_held > LIMITS.wheels_held_fit:
-        yield (
-            f"the wheel speeds keep a value for {seen.wheels_held:.2f} s, and may for "
-            f"{LIMITS.wheels_held_fit:g} s: log them as often as the bus sends them, at 100 Hz or "
-            "more"
-        )
+        held = f"{seen.wheels_held:.2f} s, and may for {LIMITS.wheels_held_fit:g} s"
+        yield f"the wheel speeds keep a value for {held}: log them at 100 Hz or more"
     yield from _blurred_eta(seen)
 
 
 def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[str]:
     if seen.lead_in < least:
-        yield (
-            f"{seen.lead_in:.2f} s of steady rolling at the start: "
-            f"roll for a second before the {braking}, with no engine or motor that brakes"
-        )
+        do = f"roll for a second before the {braking}, with no engine or motor that brakes"
+        yield f"{seen.lead_in:.2f} s of steady rolling at the start: {do}"
 
 
-def _ramp_of(seen: Observation) -> BrakeEvent | None:
-    """The ramp with the widest range, or None if no braking rises steadily, long and far enough."""
-    good = [e for e in seen.events if e.braking >= LIMITS.ramp_time and e.rise >= LIMITS.ramp_rise]
-    best = max(good, key=lambda e: e.rise_z, default=None)
-    return best if best is not None and best.rise_z >= _least_span(seen) else None
-
-
-def _least_span(seen: Observation) -> float:
-    return LIMITS.one_axle_z if seen.alone else LIMITS.ramp_z
-
-
-def _no_ramp(event: BrakeEvent, span: float) -> Iterator[str]:
+def _no_ramp(event: BrakeEvent, span: float) -> str:
+    """Why the widest rise is no ramp: it must rise steadily, for long enough, by ``span`` [g]."""
     if event.rise < LIMITS.ramp_rise:
-        yield (
-            f"the brake is applied within {event.rise:.1f} s: press slowly, over 3 to 8 s, "
-            "so that every level is covered"
-        )
-    elif event.braking < LIMITS.ramp_time:
-        yield (
-            f"{event.braking:.1f} s of braking above 3 m/s: brake for {LIMITS.ramp_time:g} s or "
-            "more, from a higher speed"
-        )
-    elif event.z_high - event.z_low > span + 0.1:
-        yield (
-            f"the braking reaches {event.z_high:.2f} g, but not in one rise: the longest one spans "
-            f"{event.rise_z:.2f} g in {event.rise:.1f} s; press steadily, and do not let the pedal "
-            "go in between"
-        )
-    else:
-        yield (
-            f"the ramp spans {event.rise_z:.2f} g: brake up to {span + 0.1:.2f} g or more, "
-            "without ABS"
-        )
+        do = "press slowly, over 3 to 8 s, so that every level is covered"
+        return f"the brake is applied within {event.rise:.1f} s: {do}"
+    if event.braking < LIMITS.ramp_time:
+        do = f"brake for {LIMITS.ramp_time:g} s or more, from a higher speed"
+        return f"{event.braking:.1f} s of braking above 3 m/s: {do}"
+    if event.z_high - event.z_low > span + 0.1:
+        longest = f"the longest one spans {event.rise_z:.2f} g in {event.rise:.1f} s"
+        what = f"the braking reaches {event.z_high:.2f} g, but not in one rise: {longest}"
+        return f"{what}; press steadily, and do not let the pedal go in between"
+    return f"the ramp spans {event.rise_z:.2f} g: brake up to {span + 0.1:.2f} g, without ABS"
 
 
 def _blurred_eta(seen: Observation) -> Iterator[str]:
@@ -208,18 +171,15 @@ def _blurred_eta(seen: Observation) -> Iterator[str]:
     most = seen.axles.eta_most if seen.axles else None
     if most is None or most.half < 0.5 * abs(most.value):
         return
-    change, known = f"{100 * abs(most.value):.3f} %", f"{100 * most.half:.3f} %"
+    what = f"eta changes by {100 * abs(most.value):.3f} % under braking, +- {100 * most.half:.3f} %"
     if max(abs(most.value), most.half) < LIMITS.eta_alike:
         yield (
-            f"eta changes by {change} under braking, +- {known}: both axles slip alike, and "
-            "nothing tells front from rear; look for wheel speeds in the wrong columns; else the "
-            "brakes are so near to the ideal balance that this car can have no table"
+            f"{what}: both axles slip alike, and nothing tells front from rear; look for wheel "
+            "speeds in the wrong columns; else the brakes are so near to the ideal balance that "
+            "this car can have no table"
         )
     else:
-        yield (
-            f"eta changes by {change} under braking, +- {known}, which must be half of it: log the "
-            "wheel speeds finer and faster, or coast longer"
-        )
+        yield f"{what}; half of it will do: log the wheel speeds finer and faster, or coast longer"
 
 
 def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
@@ -229,10 +189,10 @@ def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
         yield f"ABS works from {when:.2f} s on: end the ramp earlier, or use a road with more grip"
     if slips and slips.locked:
         yield f"wheel {', '.join(slips.locked)} locks: end the ramp earlier"
-    for name in ("p_mc", "a_x", *_OMEGAS):
-        sensor = seen.sensor(name)
-        if sensor and sensor.saturated:
-            yield f"{name} is at the end of its range for {sensor.saturated:.2f} s: widen the range"
+    for sensor in seen.sensors:
+        if sensor.saturated and sensor.channel in ("p_mc", "a_x", *_OMEGAS):
+            what = f"{sensor.channel} is at the end of its range for {sensor.saturated:.2f} s"
+            yield f"{what}: widen the range"
     for when, length in seen.clock.gaps:
         if length > LIMITS.hole and ramp.start <= when <= ramp.end:
             yield f"{length:.2f} s are missing from {when:.2f} s on, within the ramp: drive again"
@@ -254,21 +214,15 @@ def _not_for_coast(seen: Observation) -> Iterator[str]:
     if seen.events:
         yield "the brake is applied: a coast log has no braking"
     elif seen.coasting < LIMITS.coasting:
-        yield _too_short(seen)
-
-
-def _too_short(seen: Observation) -> str:
-    return f"only {seen.coasting:.1f} s of coasting: coast for {LIMITS.coasting:g} s or more"
+        yield f"only {seen.coasting:.1f} s of coasting: coast for {LIMITS.coasting:g} s or more"
 
 
 def _without_speed(seen: Observation) -> Iterator[str]:
+    why = "wheel speeds alone cannot tell slip from speed"
     if "v" not in seen.present:
-        yield "no reference speed v: log it, wheel speeds alone cannot tell slip from speed"
+        yield f"no reference speed v: log it, {why}"
     if seen.v_of_wheels:
-        yield (
-            "v is made of the wheel speeds: log the speed over ground of another sensor, wheel "
-            "speeds alone cannot tell slip from speed"
-        )
+        yield f"v is made of the wheel speeds: log the speed over ground of another sensor, {why}"
 
 
 def _not_for_diagnose(seen: Observation) -> Iterator[str]:
@@ -276,8 +230,8 @@ def _not_for_diagnose(seen: Observation) -> Iterator[str]:
     if seen.events:
         yield from _not_for_validate(seen)
         yield from _short_lead_in(seen, LIMITS.lead_in_diagnose, "stop")
-    elif seen.coasting < LIMITS.coasting:
-        yield f"no braking, and {_too_short(seen)}, or drive a stop"
+    else:
+        yield from (f"no braking, and {short}, or drive a stop" for short in _not_for_coast(seen))
 
 
 _RULES = {
@@ -297,19 +251,15 @@ def uses(seen: Observation) -> Iterator[str]:
     zero = axles.front_rear
     if zero is not None:
         enough = "fine" if zero.half <= LIMITS.table_zero else "too coarse"
-        yield (
-            f"the zero of eta to {100 * zero.half:.3f} % ({enough} for a table), if the car rolled "
-            "without its engine"
-        )
+        sharp = f"to {100 * zero.half:.3f} % ({enough} for a table)"
+        yield f"the zero of eta {sharp}, if the car rolled without its engine"
     if axles.slope is not None and axles.slope > 0:
         yield f"sign and size of a_x: with the wheels it makes a radius of {axles.slope:.2f} m"
     logged = [name for name in ("T_drive_f", "T_drive_r") if name in seen.present]
     if logged:
         yield f"brake forces less the torque of engine or motor: {', '.join(logged)}"
     if seen.alone:
-        yield (
-            f"the {AXLE_NAMES[seen.alone]} tyres' stiffness, and the pads' ratio, in a fit "
-            "together with a ramp of both axles: the other axle has no pressure"
-        )
+        what = f"the {AXLE_NAMES[seen.alone]} tyres' stiffness, and the pads' ratio"
+        yield f"{what}, in a fit with a ramp of both axles: the other axle has no pressure"
     if seen.events and "p_mc" in seen.missing:
         yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"

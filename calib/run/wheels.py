@@ -22,14 +22,14 @@ from calib.base.arrays import Array, Mask
 from calib.base.names import WHEELS, G
 from calib.car.braking import MOVING
 from calib.logs.log import Log
-from calib.run.driving_record import NOMINAL_RADIUS, BrakeEvent, DrivingRecord
+from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord
 from calib.run.filters import block_mean, centred_mean, runs, without_single
 from calib.run.limits import LIMITS
 
 
 @dataclass(frozen=True)
 class IntervalEstimate:
-    """An estimate with its 95 % interval: value +- half."""
+    """A value with the half width of its 95 % interval."""
 
     value: float
     half: float
@@ -101,7 +101,7 @@ def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Ax
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
-    braking = driving.braked & (driving.wheel_z < HIGH) & (driving.speed > 5.0)
+    braking = driving.braked & (driving.wheel_z < _HIGH) & (driving.speed > 5.0)
     braked = mismatch(front, rear, braking & (driving.wheel_z > 0.2), driving.step)
     if braked is not None and zero is not None:
         half = float(np.hypot(braked.half, zero.half))
@@ -113,7 +113,7 @@ def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Ax
         radius=rolling_radius(log, driving),
         slope=_against_wheels(driving, _all_roll(slips, driving)),
         eta_braked=braked if zero is not None else None,
-        eta_most=_most(front, rear, free, braking & (driving.wheel_z > LOW), driving.step),
+        eta_most=_most(front, rear, free, braking & (driving.wheel_z > _LOW), driving.step),
     )
 
 
@@ -166,10 +166,10 @@ def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
 
     A locked wheel says nothing of the speed, and one on its way to it slows faster than the car.
     """
-    deep = np.zeros(driving.time.size, bool)
-    for slip in slips.values():
-        free = float(np.median(slip[driving.unbraked])) if driving.unbraked.any() else 0.0
-        deep |= slip - free > LIMITS.deep
+    slip = np.array(list(slips.values()))
+    free = driving.unbraked
+    zero = np.median(slip[:, free], axis=1, keepdims=True) if free.any() else 0.0
+    deep = np.any(slip - zero > LIMITS.deep, axis=0)
     width = max(1, round(2.0 * LIMITS.near_lock / driving.step)) | 1
     return np.asarray(centred_mean(deep.astype(float), width) == 0.0)
 
@@ -182,18 +182,9 @@ class Slipping:
     locked: tuple[str, ...]
 
 
-def slipping(
-    slips: Mapping[str, Array], driving: DrivingRecord, events: tuple[BrakeEvent, ...]
-) -> Slipping:
-    """Find ABS cycles and locked wheels within the brake events.
-
-    ``slips`` are relative to the reference speed; without one, to the fastest wheel. Then it is not
-    detected when all four wheels slip at the same time.
-    """
-    inside = np.zeros(driving.time.size, bool)
-    for event in events:
-        inside[event.first : event.last + 1] = True
-    inside &= driving.moving
+def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
+    """Find ABS cycles and locked wheels; without ``v`` not where all four slip at the same time."""
+    inside = driving.braked & driving.moving
     cycles, locked = [], []
     for wheel, slip in slips.items():
         for start, end in runs(inside & (slip > LIMITS.deep_back)):
@@ -214,22 +205,17 @@ def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     width = max(1, round(0.03 / driving.step)) | 1
     omega = {w: centred_mean(without_single(log[f"omega_{w}"]), width) for w in WHEELS}
     free = driving.unbraked
+    v, scale = np.max(list(omega.values()), axis=0), dict.fromkeys(WHEELS, 1.0)
     if "v" in log and free.any():
         v = centred_mean(log["v"], width)
-        turning = {w: np.maximum(omega[w][free], 1e-6) for w in WHEELS}
-        scale = {w: float(np.median(v[free] / turning[w])) for w in WHEELS}
-    else:
-        v = np.max(list(omega.values()), axis=0)
-        scale = dict.fromkeys(WHEELS, 1.0)
+        scale = {w: float(np.median(v[free] / np.maximum(omega[w][free], 1e-6))) for w in WHEELS}
     floor = np.maximum(v, 1e-6)
     return {w: 1.0 - scale[w] * omega[w] / floor for w in WHEELS}
 
 
-_PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
-"""E, L and X, each over fl, fr, rl, rr."""
+_PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0  # E, L, X over wheels
 
-LOW, HIGH = 0.1, 0.5
-"""Range of deceleration [1] in which the wheels are compared."""
+_LOW, _HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [1]
 
 CORRECT = "compare the columns with the car, and correct them with a channel map"
 """What to do about columns that have changed places."""
@@ -265,7 +251,7 @@ class Crossed(NamedTuple):
 
 def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
     """Compare the wheels; None with fewer than three blocks of 0.2 s that roll, or that brake."""
-    braking = driving.braked & (driving.wheel_z > LOW) & (driving.wheel_z < HIGH)
+    braking = driving.braked & (driving.wheel_z > _LOW) & (driving.wheel_z < _HIGH)
     braking &= driving.speed > 5.0
     wheels = np.array([log[f"omega_{w}"] for w in WHEELS])
     means = [_means(wheels, mask, driving.step) for mask in (driving.unbraked, braking)]

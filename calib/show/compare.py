@@ -11,7 +11,7 @@ from calib.show.table import ETA
 from calib.table.compare import diff
 from calib.table.table import Table
 
-Curve = tuple[Array, Array, Array, Array]
+_Curve = tuple[Array, Array, Array, Array]
 """Axis [%], value, and the ends of the 95 % band."""
 
 _STYLES: tuple[Stroke, Stroke] = (
@@ -70,7 +70,7 @@ def sheet(a: Table, b: Table, name_a: str, name_b: str) -> Sheet:
     )
 
 
-def _curves(table: Table) -> dict[str, Curve]:
+def _curves(table: Table) -> dict[str, _Curve]:
     d, p, g = table.difference, table.paper, table.tyre
     eta = 100.0 * (p.eta - 1.0)
     return {
@@ -81,7 +81,7 @@ def _curves(table: Table) -> dict[str, Curve]:
     }
 
 
-def gap(a: Curve, b: Curve) -> tuple[Array, Array, Array]:
+def gap(a: _Curve, b: _Curve) -> tuple[Array, Array, Array]:
     """Axis, b - a and the half-width of its 95 % band, at the rows of both on their common range.
 
     Linear between rows, as in a look-up. Empty when the ranges do not overlap.

@@ -36,7 +36,7 @@ _DRIVERS = {
     SLIP: "the slip, as brake control does",
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
-STATE = "States of logs and tyres, which are no effects of the car, and were taken out."
+_STATES = "States of logs and tyres, which are no effects of the car, and were taken out."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
@@ -219,7 +219,7 @@ def _states(found: Diagnosis) -> Table:
         for axle, off in found.sides.items()
         if abs(off) > GATES.sides_told
     ]
-    return Table(("state", "of", "value"), rows, STATE)
+    return Table(("state", "of", "value"), rows, _STATES)
 
 
 def _unseen(found: Diagnosis) -> Table:

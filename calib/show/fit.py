@@ -51,15 +51,9 @@ def facts(stored: Stored, mass: MassUsed) -> Facts:
 def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrigin) -> Facts:
     """The facts with pictures and origin; ``ramps`` are the logs with braking of the fit."""
     panels = sheet(stored.table, stored.id, tuple(measure(stored.table, log) for log in ramps))
-    of_ramps = [n for n in panels.names if n.startswith("forces")]
-    pictures = [
-        Picture(_CURVES, panels, ("f1-f2", "difference")),
-        Picture("The tyre curve, and the torques.", panels, ("tyre", "torque-distribution")),
-        *([Picture("The ramps of the fit.", panels, of_ramps)] if of_ramps else []),
-    ]
     logs = [(log.role, log.name, log.digest) for log in stored.table.provenance.logs]
     parts = [origin(given, stored, logs)]
-    return replace(facts(stored, mass), pictures=pictures, parts=parts)
+    return replace(facts(stored, mass), pictures=[Picture(_CURVES, panels)], parts=parts)
 
 
 def _figures(stored: Stored) -> Table:

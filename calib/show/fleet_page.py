@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.base.plain import METRICS, NBSP, plain
+from calib.base.plain import NBSP, plain
 from calib.line.fleet.document import headline
 from calib.line.fleet.summary import Look, Outlier, Summary, in_words
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
@@ -27,11 +27,11 @@ _MARKS = (
 def facts(found: Summary, title: str = "") -> Facts:
     """A fleet, the logs that stand apart first."""
     looks = [look for look in found.looks if look.spread.count]
-    apart = [(car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in found.apart]
+    apart = [(car.log, "; ".join(_reason(found, o) for o in car.reasons)) for car in found.apart]
     more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
     classes = [
-        (plain(key).name, ", ".join(f"{_class(text)}: {n}" for text, n in counts.items()))
+        (plain(key).name, ", ".join(f"{text}: {n}" for text, n in counts.items()))
         for key, counts in found.classes.items()
     ]
     return Facts(
@@ -72,7 +72,7 @@ def _metric(found: Summary, look: Look) -> Facts:
     return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
 
-def reason(found: Summary, o: Outlier) -> str:
+def _reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
     look = next(look for look in found.looks if look.metric.name == o.figure)
     shown = _shown(look)
@@ -82,19 +82,14 @@ def reason(found: Summary, o: Outlier) -> str:
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
-def _class(text: str) -> str:
-    """A value of a text column; keys of metrics in it in plain names."""
-    keys = [key.strip() for key in text.split(",")]
-    return "; ".join(plain(key).name if key in METRICS else key for key in keys)
-
-
 def _shown(look: Look) -> Callable[[float], str]:
     """The function that writes a value of a metric with its unit."""
     one = plain(look.metric.name, look.metric.unit)
     if one.step:
         return one.with_unit
-    unit, scatter = f"{NBSP}{one.unit}" if one.unit else "", look.spread.quantiles
-    return lambda value: number(value, 0.1 * (scatter[3] - scatter[0])) + unit
+    unit, quantiles = f"{NBSP}{one.unit}" if one.unit else "", look.spread.quantiles
+    step = 0.1 * one.factor * (quantiles[3] - quantiles[0])
+    return lambda value: number(one.factor * value, step) + unit
 
 
 def _kind(found: Summary) -> str:

@@ -36,7 +36,7 @@ from calib.show.sheet import Line, Panel
 from calib.show.style import FRONT, MEAN, NOMINAL, REAR, Array, Mask, Stroke
 from calib.table.table import Table
 
-GROUP = 5
+_GROUP = 5
 """Blocks per point: a mean over 0.25 s reduces the noise of eta enough to show the curve."""
 
 
@@ -134,10 +134,10 @@ def _slips(
 
 
 def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:
-    """Braked blocks as means of `GROUP` consecutive ones; an incomplete group is left out."""
+    """Braked blocks as means of `_GROUP` consecutive ones; an incomplete group is left out."""
     kept = np.array([x, y])[:, ramp.braked]
-    count = kept.shape[1] // GROUP
-    at = kept[:, : count * GROUP].reshape(2, count, GROUP).mean(axis=2)
+    count = kept.shape[1] // _GROUP
+    at = kept[:, : count * _GROUP].reshape(2, count, _GROUP).mean(axis=2)
     marker = "^" if stroke is REAR else "o"
     look = {"linestyle": "", "mfc": "white", "ms": 3.4, "mew": 0.8, "zorder": 3}
     return Line(at[0], at[1], {"color": stroke["color"], "marker": marker, **look}, label)

@@ -66,7 +66,7 @@ def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
         numbers=[("cars", str(len(runs))), *((w, str(n)) for w, n in counts.items() if n)],
         tables=[_runs(worst_first(runs[:_LAST]), "The last cars, failed and refused ones on top.")],
         notes=[f"This page {this}; {other} is the other one."],
-        pictures=[line for key in TRENDS if (line := trend(runs, key)) is not None],
+        pictures=[line for key in TRENDS if (line := _trend(runs, key)) is not None],
         parts=[Facts("Earlier cars", tables=[_runs(runs[_LAST:])], folded=True)],
     )
 
@@ -77,7 +77,7 @@ def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
     return sorted(runs, key=lambda run: ranks.index(_KINDS.get(run.verdict, FAILED)))
 
 
-def trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
+def _trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
     """The trend of a metric over the last runs; None with fewer than two values."""
     trends = [run.trend or {} for run in reversed(runs[:_DRAWN])]
     known = [value for one in trends if (value := one.get(key)) is not None]

@@ -98,14 +98,19 @@ def of_validation(
         *_panels(e.columns(), e.valid, means, over, more),
     )
     kind = "stop" if truth_of(log, car, e) is None else "simulation"
-    refused = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
+    lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
+    refused = {why: lasts for why, lasts in lost.items() if lasts >= 0.05}
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
     notes = (
         f"Estimator with table {name}, digest {table.digest[:16]}.",
         *e.notes,
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         _SHADED,
-        *(f"Not valid for {lasts:.1f}\u00a0s: {why}." for why, lasts in refused.items() if lasts),
+        *(
+            f"Not valid for {lasts:.1f}\u00a0s: {why}."
+            for why, lasts in refused.items()
+            if lasts >= 0.05
+        ),
         *([_MARKED] if marks else ()),
     )
     told = "; ".join([word(result), *broken(result), _in_words(means)])

@@ -8,6 +8,7 @@ from calib.base.arrays import Array
 from calib.base.names import WHEELS
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
+from calib.logs.gaps import ONLY, fill_rows
 from calib.run.limits import LIMITS
 from calib.suggest.columns import (
     ColumnClock,
@@ -18,7 +19,6 @@ from calib.suggest.columns import (
     rim_mapping,
     rising,
     together,
-    without_gaps,
 )
 from calib.suggest.words import TIME, loose_corner, words
 
@@ -92,12 +92,16 @@ def _take_clock(search: Search, item: Series) -> None:
 
 def bridge(search: Search, clock: ColumnClock) -> None:
     """Bridge the short gaps of columns; leave those with longer ones."""
+    time = clock.time
     for item in search.gapped:
-        filled = without_gaps(item, clock.time)
-        if isinstance(filled, str):
-            search.left[item.name] = filled
+        filled, _, _ = fill_rows({item.name: item.values}, time)
+        values, rate = filled[item.name], 1.0 / step_of(time[~np.isnan(item.values)])
+        missing = np.flatnonzero(np.isnan(values))
+        if missing.size:
+            first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
+            search.left[item.name] = f"no value in {first}; gaps are bridged {ONLY}"
         else:
-            search.series.append(filled)
+            search.series.append(replace(item, values=values, rate=item.rate or rate))
     search.series = [replace(s, rate=s.rate or 1.0 / clock.step) for s in search.series]
 
 
@@ -164,13 +168,14 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     mean = np.mean([x.values for x in chosen], axis=0)
     unit, si = chosen[0].column.unit, chosen[0].si
     names = [item.name for item in chosen]
+    why = do = ""
     if si is None:
+        why = "the file gives no unit"
         do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
-        _doubt_wheels(search, names, "the file gives no unit", do)
-        return mean, False
-    if si == "m/s" and search.radius is None:
+    elif si == "m/s" and search.radius is None:
         why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
         do = "give the radius with which the car computes them: --radius 0.31"
+    if why:
         _doubt_wheels(search, names, why, do)
         return mean, False
     if not _wheels_told(search):

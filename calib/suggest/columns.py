@@ -15,8 +15,6 @@ from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
-from calib.logs.clock import step_of
-from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.source import Column, ColumnSource, address_of
 from calib.run.filters import centred_mean, runs
 
@@ -74,17 +72,6 @@ def _series(name: str, column: Column, values: Array) -> Series:
     except UnknownUnit:
         return Series(name, column, values, "?")
     return Series(name, column, to_si(values, column.unit, si), si)
-
-
-def without_gaps(series: Series, time: Array) -> Series | str:
-    """The column with its short gaps bridged, or why it cannot be used; ``time`` [s], (n,)."""
-    filled, _, _ = fill_rows({series.name: series.values}, time)
-    values, known = filled[series.name], time[~np.isnan(series.values)]
-    missing = np.flatnonzero(np.isnan(values))
-    if missing.size:
-        first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
-        return f"no value in {first}; gaps are bridged {ONLY}"
-    return replace(series, values=values, rate=series.rate or 1.0 / step_of(known))
 
 
 def rising(time: Array) -> NDArray[np.bool_]:

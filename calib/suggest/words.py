@@ -48,57 +48,47 @@ class Words(NamedTuple):
     unwanted: frozenset[str] = frozenset()
 
 
-_NO_BRAKE = _words(
+def _of(wanted: str, unwanted: str = "") -> Words:
+    return Words(_words(wanted), _words(unwanted))
+
+
+_NO_BRAKE = (
     "tire tyre reifen oil oel öl fuel boost booster manifold rail baro ambient vacuum intake "
     "turbo clutch air park parking hand"
 )
-BRAKE = Words(_words("brake brk pbk brakes bremse brems bremsdruck bremskraft"), _NO_BRAKE)
-MASTER = Words(
-    _words(
-        "mc tmc master mastercylinder hz thz hbz hauptbremszylinder hauptzylinder vordruck pmc "
-        "phz pthz phbz mcp"
-    ),
+BRAKE = _of("brake brk pbk brakes bremse brems bremsdruck bremskraft", _NO_BRAKE)
+MASTER = _of(
+    "mc tmc master mastercylinder hz thz hbz hauptbremszylinder hauptzylinder vordruck pmc phz "
+    "pthz phbz mcp",
     _NO_BRAKE,
 )
-LONG = Words(
-    _words(
-        "decel deceleration verzoegerung verzögerung x ax long lon lgt longitudinal laengs längs "
-        "longacc forward"
-    ),
-    _words(
-        "y z ay az lat lateral quer querbeschl vert vertical pedal latacc yaw roll pitch gier "
-        "wank nick"
-    ),
+LONG = _of(
+    "decel deceleration verzoegerung verzögerung x ax long lon lgt longitudinal laengs längs "
+    "longacc forward",
+    "y z ay az lat lateral quer querbeschl vert vertical pedal latacc yaw roll pitch gier wank "
+    "nick",
 )
-SPEED = Words(
-    _words(
-        "v vx speed spd velocity vel vehicle veh car ego gps gnss ground geschwindigkeit geschw "
-        "fahrzeug fzg kfz vveh vfzg vehspd"
-    ),
-    _words(
-        "engine wheel rad motor wind fan turbine vertical vert target set lateral lat limit "
-        "cruise vy vz quer soll wunsch ziel sollgeschw wunschgeschw zielgeschw radgeschw "
-        "drehzahl tempomat whl"
-    ),
+SPEED = _of(
+    "v vx speed spd velocity vel vehicle veh car ego gps gnss ground geschwindigkeit geschw "
+    "fahrzeug fzg kfz vveh vfzg vehspd",
+    "engine wheel rad motor wind fan turbine vertical vert target set lateral lat limit cruise "
+    "vy vz quer soll wunsch ziel sollgeschw wunschgeschw zielgeschw radgeschw drehzahl tempomat "
+    "whl",
 )
-STEERING = Words(
-    _words("steering steer swa strg lenk lenkwinkel lenkrad lws delta"),
-    _words("yaw heading slip pitch roll rate road rear"),
+STEERING = _of(
+    "steering steer swa strg lenk lenkwinkel lenkrad lws delta",
+    "yaw heading slip pitch roll rate road rear",
 )
-DRIVE = Words(
-    _words(
-        "drive drv motor mot engine eng emotor antrieb antriebsmoment regen rekuperation powertrain"
-    ),
+DRIVE = _of(
+    "drive drv motor mot engine eng emotor antrieb antriebsmoment regen rekuperation powertrain"
 )
-TORQUE = Words(
-    _words("torque trq tq moment mom drehmoment radmoment"),
-    _words(
-        "brake brk brakes bremse bremsmoment steering steer lenk yaw target set setpoint soll "
-        "request req requested max min limit lim available avail driver fahrer hand"
-    ),
+TORQUE = _of(
+    "torque trq tq moment mom drehmoment radmoment",
+    "brake brk brakes bremse bremsmoment steering steer lenk yaw target set setpoint soll "
+    "request req requested max min limit lim available avail driver fahrer hand",
 )
 """Not another torque, nor one that is only asked for or possible."""
-DISC = Words(_words("disc disk rotor scheibe bremsscheibe"))
+DISC = _of("disc disk rotor scheibe bremsscheibe")
 _WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 from scipy.optimize import minimize_scalar
 from scipy.stats import norm, t
 
@@ -47,7 +46,7 @@ def restricted_likelihood(between, x, v):
     return 0.5 * (np.linalg.slogdet(S)[1] + y @ np.linalg.solve(S, y))
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_reml_is_the_maximum_of_the_restricted_likelihood(seed):
     rng = np.random.default_rng(seed)
     k = int(rng.integers(2, 9))
@@ -73,10 +72,6 @@ def test_two_things_with_equal_errors_are_a_closed_form(apart, v, at):
     assert found.half_width[0] == pytest.approx(expected, rel=1e-6)
 
 
-VALUES = arrays(float, (4, 2), elements=st.floats(-5.0, 5.0))
-VARIANCES = arrays(float, (4, 2), elements=st.floats(0.01, 5.0))
-
-
 def test_one_thing_has_no_scatter():
     with pytest.raises(ValueError, match="one thing alone"):
         random_effects(np.ones((1, 1)), np.ones((1, 1)))
@@ -99,8 +94,8 @@ def test_with_weights_that_are_not_the_best_the_interval_is_not_too_narrow(first
     assert 0.94 < np.mean(np.abs(found.mean) <= found.half_width) < most
 
 
-@pytest.mark.parametrize("k", [2, 3, 5, 10])
-@pytest.mark.parametrize("between", [0.0, 1.0, 3.0])
+@pytest.mark.parametrize("k", [2, 5])
+@pytest.mark.parametrize("between", [0.0, 3.0])
 def test_the_interval_of_the_mean_holds_it_and_one_more_is_within_its_sigma(k, between):
     """2000 fleets: 95 % within 1.5 %, or more; never above it by being infinitely wide."""
     rng = np.random.default_rng([k, int(between)])

@@ -90,7 +90,7 @@ def test_spellings_mean_the_same(variant, plain, si):
         ("Nm", "m", ("'Nm'", "length", "torque")),
         ("bar", "m/s", ("pressure", "speed")),
         ("furlong", "m", ("'furlong'", "length", "known: m, cm")),
-        ("Kpa", "Pa", ("did you mean 'kPa'",)),
+        ("Kpa", "Pa", ("unknown unit 'Kpa'", "kPa")),
         ("", "Pa", ("unknown unit ''", "pressure")),
         ("1/s", "rad/s", ("unknown unit",)),  # a radian or a revolution per second?
         ("mPa", "Pa", ("unknown unit 'mPa'",)),  # a millipascal is no megapascal

@@ -37,10 +37,6 @@ def test_a_bound_that_is_not_there_is_null(expected, words, ends):
     assert set(document) == {"code", "log", "measured", "expected", "causes", "do"}
 
 
-def test_a_metric_has_no_unit():
-    assert "interval_f is -2, expected" in str(made("interval_f"))
-
-
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
 def test_a_number_that_is_not_finite_is_an_error_with_its_name(wrong):
     for numbers in ((wrong, (0.0, 1.0)), (0.0, (0.0, wrong))):

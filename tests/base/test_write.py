@@ -7,14 +7,6 @@ import pytest
 from calib.base.write import write_whole
 
 
-def test_replaces_the_old_file(tmp_path):
-    path = tmp_path / "a.bin"
-    write_whole(path, b"old")
-    write_whole(path, b"new")
-    assert path.read_bytes() == b"new"
-    assert [p.name for p in tmp_path.iterdir()] == ["a.bin"]
-
-
 def test_is_as_readable_as_any_new_file(tmp_path):
     write_whole(tmp_path / "a", b"")
     (tmp_path / "b").write_bytes(b"")

@@ -8,13 +8,13 @@ import pytest
 from calib.base.names import G
 from calib.car.bias import (
     friction_used,
+    front_biased_up_to,
     front_share,
     ideal_front_share,
     lock_efficiency,
     locks_at,
     pressure_per_g,
 )
-from calib.car.forces import front_biased_up_to
 from tests.support.tables import VEHICLE
 
 MU = 0.8

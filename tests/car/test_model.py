@@ -110,15 +110,10 @@ def test_written_and_read_back_it_is_the_same(tmp_path_factory, x, parts):
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("[pads]", "[pad]", "did you mean 'pads'"),
-        ("aerodynamic_drag", "aero_drag", "did you mean 'aerodynamic_drag'"),
         ("drag_area", "drag_aera", "did you mean 'drag_area'"),
         ('drag_area = "6600 cm^2"', "", "'drag_area' is missing"),
-        ("6600 cm^2", "0.66", "no unit"),
         ("6600 cm^2", "-1 m^2", "drag_area: -1 m^2 is not believable; expected 0 to 12 m^2"),
-        ("front = 0.30", "front = 30", "pads.front: 30 is not believable; expected 0.02 to 1"),
         ("shape = 1.5", "shape = 2.5", "tyre.shape: 2.5 is not believable"),
-        ("60 m", "60 kg", "neither a distance nor a time"),
     ],
 )
 def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
@@ -151,13 +146,6 @@ def test_all_errors_of_a_file_come_in_one_message(tmp_path):
     ]
     assert lines[4].endswith("did you mean 'speed'?")
     assert lines[5].endswith("key 'knots' is missing; expected a value for 'knots'")
-
-
-def test_effects_come_in_the_order_of_the_file(tmp_path):
-    names = ["rolling_resistance", "aerodynamic_drag", "accelerometer_bias"]
-    keys = ["coefficient = 0.01", 'drag_area = "1 m^2"', 'bias = "0.1 m/s^2"']
-    parts = [f"[effects.{name}]\n{key}" for name, key in zip(names, keys, strict=True)]
-    assert list(read(tmp_path, "\n".join(["schema = 1", *parts])).effects.parameters) == names
 
 
 # The road ----------------------------------------------------------------------------------------

@@ -84,31 +84,17 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
     ("old", "new", "words"),
     [
         ('mass = "1744 kg"', 'mass = "-1744 kg"', ("chassis.mass", "-1744", "300 to 60000 kg")),
-        ('mass = "1744 kg"', "", ("chassis", "'mass' is missing")),
-        ('mass = "1744 kg"', "mass = 1744", ("chassis.mass", "no unit", "1744 kg")),
-        ('mass = "1744 kg"', 'mass = "1744 g"', ("'g'", "mass")),
-        ('mass = "1744 kg"', 'mass = "1e999 kg"', ("chassis.mass", "not finite")),
         ('"0.615 m"', '"2.9 m"', ("cg_height", "wheelbase")),
         ("pad_friction = 0.38", "pad_friction = 3.8", ("front.pad_friction", "0.05 to 1")),
         ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces: 2.5", "whole")),
         ('"130.9 mm"', '"330.9 mm"', ("front", "fits into the wheel")),
         ('name = "sedan-2up"', 'name = "a/b"', ("'a/b'", "name")),
-        ('name = "sedan-2up"', "name = 5", ("name: 5", "text")),
-        ("[chassis]", "[chassis", ("not TOML",)),
         ("[chassis]", "[effects]\ndrag = 1\n[chassis]", ("drag", "[effects.drag]")),
     ],
 )
 def test_slips_are_named(tmp_path, old, new, words):
     message = refused(write(tmp_path, (old, new)))
     assert [word for word in words if word not in message] == []
-
-
-def test_no_file_and_no_text(tmp_path):
-    assert "no such file" in refused(tmp_path / "none.toml")
-    assert "a directory" in refused(tmp_path)
-    binary = tmp_path / "car.toml"
-    binary.write_bytes(b"\xff\xfe\x00")
-    assert "not TOML" in refused(binary)
 
 
 inside = {name: st.floats(key.least, key.most) for name, key in {**CHASSIS, **AXLE}.items()}

@@ -38,7 +38,7 @@ def test_output_over_regressor_is_the_departure_of_the_pad(zeta, pressure, F, mo
     """A wheel that turns by (13) with mu_n + zeta; (23), (24) give the zeta back."""
     load = np.asarray(5000.0)
     torque = forces.brake_torque(AXLE, AXLE.pad_friction + zeta, pressure)
-    spin = forces.spin_rate(AXLE, torque + moment, F * load)
+    spin = (AXLE.rolling_radius * F * load - torque - moment) / AXLE.wheel_inertia
     y = adaptive.measured_output(AXLE, np.asarray(F), load, spin, np.asarray(pressure), moment)
     assert y / adaptive.regressor(AXLE, pressure) == pytest.approx(zeta, abs=1e-8)
 

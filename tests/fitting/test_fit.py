@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.car import forces
+from calib.car.bias import front_biased_up_to
 from calib.car.effects.effects import Effects
 from calib.car.magic_formula import MagicFormula
 from calib.car.model import default_model
@@ -277,7 +277,7 @@ def test_swapped_axles(run):
 def test_a_rear_biased_car_is_refused_for_what_it_is():
     """It has eta below one, as its vehicle file says; no curve over eta can hold that."""
     odd = replace(CAR, rear=replace(CAR.rear, piston_area=2.5 * CAR.rear.piston_area))
-    assert forces.front_biased_up_to(odd) == 0.0
+    assert front_biased_up_to(odd) == 0.0
     log = noisy(ramp(replace(IDEAL, vehicle=odd), slope=2.5e5), 0)
     b = blocks(signals(log, odd))
     rise, error = eta_rise(b, b.z > 0.1)

@@ -129,12 +129,3 @@ def test_j1939_source_addresses(tmp_path):
         text = in_map('dbc = "a.dbc"', f"j1939 = {written}")
         assert read_map(tmp_path, text).databases.sources == sources
     assert read_map(tmp_path, MAP).databases.sources is None
-
-
-def test_a_map_tells_how_the_text_is_written(tmp_path):
-    path = tmp_path / "run.csv"
-    rows = [";".join([str(i + 1), *["1,234"] * 6]) for i in range(60)]
-    omegas = ";".join(f"omega_{wheel} [rpm]" for wheel in ("fl", "fr", "rl", "rr"))
-    path.write_text("\n".join([f"time [s];p_mc [bar];a_x [g];{omegas}", *rows, ""]))
-    log = read_log(path, write_map(tmp_path, in_map("text.decimal = ','")))
-    assert log["p_mc"][0] == pytest.approx(1.234e5)

@@ -2,7 +2,6 @@
 
 import gzip
 import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -106,14 +105,8 @@ def folder(bus):
     return bus
 
 
-@pytest.fixture
-def temporary(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    return tmp_path
-
-
 @pytest.mark.parametrize("ending", ["blf", "asc", "log", "trc"])
-def test_the_channels_are_those_of_the_plain_log(folder, temporary, ending):
+def test_the_channels_are_those_of_the_plain_log(folder, ending):
     path = folder / f"run.{ending}.gz"
     log, plain = (read_log(p, folder / "map.toml") for p in (path, folder / f"whole.{ending}"))
     assert (log.name, log.source) == ("run", str(path))
@@ -121,15 +114,12 @@ def test_the_channels_are_those_of_the_plain_log(folder, temporary, ending):
     assert log.notes == plain.notes
     for name in plain.channels:
         np.testing.assert_array_equal(log[name], plain[name])
-    assert list(temporary.iterdir()) == []
 
 
 @pytest.mark.parametrize("ending", ["blf", "trc"])
-def test_a_plain_log_that_was_cut_before_it_was_packed(folder, temporary, ending):
+def test_a_plain_log_that_was_cut_before_it_was_packed(folder, ending):
     path = folder / f"cut.{ending}.gz"
-    message = refusal(read_log, path, folder / "map.toml", kind=LogError, names=path.name)
-    assert str(temporary) not in message
-    assert list(temporary.iterdir()) == []
+    refusal(read_log, path, folder / "map.toml", kind=LogError, names=path.name)
 
 
 def test_a_packed_log_that_was_cut(folder):

@@ -12,7 +12,7 @@ from calib.base.names import G
 from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.mdf import open_mdf
 from calib.logs.read import read_log
-from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
+from tests.support.recordings import write_bus, write_dbc, write_map
 
 TIME = np.arange(200) * 0.01
 REQUIRED = ("p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr")
@@ -147,15 +147,3 @@ def test_frames_without_a_dbc_are_left_and_that_is_said(tmp_path):
         mdf.save(tmp_path / "both.mf4")
     log = read_log(tmp_path / "both.mf4")
     assert any("DBC" in note for note in log.notes)
-
-
-@pytest.mark.parametrize("name", ["run.mf4", "run.mdf", "bus.mf4"])
-def test_no_file_is_left_beside_one_that_was_read_or_refused(tmp_path, name):
-    chart = write_dbc(tmp_path) if "bus" in name else write_map(tmp_path)
-    path = tmp_path / name
-    write_bus(path) if "bus" in name else write_mdf(path, "3.30" if ".mdf" in name else "4.10")
-    before = sorted(tmp_path.iterdir())
-    read_log(path, chart)
-    with pytest.raises(LogError):
-        read_log(path, None)
-    assert sorted(tmp_path.iterdir()) == before

@@ -64,16 +64,6 @@ def test_truth_and_foreign_columns_are_kept_apart(tmp_path):
     assert log.ignored == ("true_hue", "x")
 
 
-def test_all_samples_are_read():
-    files = sorted(p for p in SAMPLES.glob("*/*") if p.suffix in {".csv", ".parquet"})
-    files = [p for p in files if p.parent.name != "real"]
-    assert len(files) == 14
-    for path in files:
-        log = read_log(path)
-        assert log.sample_time == pytest.approx(0.005)
-        assert log["p_mc"].max() < 200e5
-
-
 def test_what_is_no_log(tmp_path):
     refused(tmp_path / "none.csv")
     refused(tmp_path)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.base.errors import LogError, ModelError
+from calib.base.errors import LogError
 from calib.base.names import WHEELS
 from calib.car.effects.effects import Effects
 from calib.car.magic_formula import MagicFormula
@@ -122,10 +122,6 @@ def test_first_speed_is_that_of_v(driven):
     assert np.mean(found) == pytest.approx(30.0, abs=5.0 * sd / np.sqrt(50))
 
 
-def test_without_v_it_is_that_of_the_wheels(driven):
-    assert first_speed(without(driven, "v"), SEDAN) == pytest.approx(30.0, rel=1e-3)
-
-
 def test_a_log_without_speed_is_refused(driven):
     bare = without(driven, "v", *(f"omega_{w}" for w in WHEELS))
     with pytest.raises(LogError, match="no speed"):
@@ -159,8 +155,3 @@ def test_a_ripple_follows_the_angle_of_the_wheels_that_is_given(driven):
     even = SEDAN.front.pad_friction * SEDAN.front.torque_gain * again["p_mc"]
     assert again.truth["true_Tb_fl"] == pytest.approx(even * (1.0 + 0.1 * np.sin(angle[:n] + 0.4)))
     assert again.truth["true_Tb_fr"] == pytest.approx(even)
-
-
-def test_an_angle_of_an_unknown_axle_is_refused(driven):
-    with pytest.raises(ModelError, match="unknown input"):
-        replay(MODEL, driven, wheel_angle={"x": driven.time})

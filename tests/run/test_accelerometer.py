@@ -115,10 +115,10 @@ def test_a_block_depends_on_earlier_ones_only():
 
 
 def test_the_sigma_is_that_of_the_errors():
-    """200 runs with scales, biases, grades and drags as the priors have them."""
+    """120 runs with scales, biases, grades and drags as the priors have them."""
     rng = np.random.default_rng(5)
     inside = []
-    for seed in range(200):
+    for seed in range(120):
         hidden = {
             "scale": rng.normal(0.0, 0.02),
             "bias": rng.normal(0.0, 0.03) * (rng.random() < 0.15),
@@ -133,8 +133,7 @@ def test_the_sigma_is_that_of_the_errors():
     assert 0.9 < np.mean(inside) < 0.995
 
 
-@pytest.mark.parametrize("size", [-0.04, 0.03])
-@pytest.mark.parametrize("turns", [0.6, 0.8])
+@pytest.mark.parametrize(("size", "turns"), [(-0.04, 0.6), (0.03, 0.8)])
 def test_a_slope_that_changes_is_felt_by_the_tyres_and_is_no_scale(size, turns):
     b, felt = run(grade=size * np.sin(turns * TIME))
     sensor = judged(b)
@@ -150,7 +149,7 @@ def test_a_steady_slope_and_a_wrong_sensor_are_no_slope_that_changes():
         assert judged(run(**hidden)[0]).wanders[-1] < 0.3
 
 
-@pytest.mark.parametrize("scale", [0.22, 0.5, -0.3])
+@pytest.mark.parametrize("scale", [0.22, -0.3])
 def test_a_scale_that_no_sensor_has_is_another_cause(scale):
     sensor = judged(run(scale=scale)[0])
     other = sensor.other_scale[-1]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from calib.base.errors import LogError
 from calib.run.axle_signals import signals, without_runout
 from tests.support.made_runs import changed, made_run, stop
-from tests.support.reference_car import CAR, REAL, noisy, ramp
+from tests.support.reference_car import CAR, REAL, noisy
 from tests.support.reference_car import stop as plant_stop
 from tests.support.tables import VEHICLE
 
@@ -58,23 +58,12 @@ def test_lead_in_ends_just_before_the_brake(start, rate):
     assert np.all(s.lead_in[s.time <= last])
 
 
-@pytest.mark.parametrize("slope", [2e5, 6e5, 20e5])
-@pytest.mark.parametrize("zero", [0.0, 0.8e5])
+@pytest.mark.parametrize(("slope", "zero"), [(2e5, 0.8e5), (20e5, 0.0)])
 def test_lead_in_ends_where_a_slow_pedal_begins_to_rise(slope, zero):
     """At 2 bar/s it takes 0.75 s to the pressure that counts as braking."""
     run = made_run(lambda t: slope * np.maximum(t - 2.0, 0.0))
     s = signals(changed(run, p_mc=run["p_mc"] + zero), VEHICLE)
     assert 1.7 < s.time[s.lead_in][-1] <= 2.0
-
-
-def test_no_lead_in_after_the_brake_is_released():
-    s = signals(made_run(stop(start=2.0, end=4.0)), VEHICLE)
-    assert not np.any(s.lead_in[s.time > 2.0])
-
-
-def test_all_of_a_coast_is_lead_in_while_the_car_moves():
-    s = signals(made_run(lambda t: 0.0 * t), VEHICLE)
-    assert np.all(s.lead_in)
 
 
 def test_a_driven_or_slow_car_gives_no_zero():
@@ -108,7 +97,7 @@ def test_a_lead_in_of_noise_is_kept():
     assert np.mean(s.lead_in[rolling]) > 0.98
 
 
-@pytest.mark.parametrize("felt", [0.0, -0.5, -1.0])
+@pytest.mark.parametrize("felt", [0.0, -1.0])
 def test_a_car_under_power_is_no_lead_in(felt):
     """Until 0.45 s before the bite the front wheels drive, by a slip of 0.3 %."""
     run = made_run(stop(start=3.0), noise=1.0)
@@ -153,9 +142,8 @@ def test_a_good_ring_is_left_alone(seed, bite):
     np.testing.assert_array_equal(without_runout(read, DT), read)
 
 
-@pytest.mark.parametrize("made", [ramp, plant_stop])
-def test_wheels_of_the_plant_are_left_alone(made):
-    log = noisy(made(REAL), 3)
+def test_wheels_of_the_plant_are_left_alone():
+    log = noisy(plant_stop(REAL), 3)
     expected = 0.5 * (log["omega_fl"] + log["omega_fr"])
     np.testing.assert_array_equal(signals(log, CAR).omega_f, expected)
 

@@ -7,7 +7,7 @@ import pytest
 
 from calib.base.names import WHEELS
 from calib.run import wheels
-from calib.run.driving_record import brake_events, driving_record
+from calib.run.driving_record import driving_record
 from calib.run.observation import observe
 from calib.run.rules import PURPOSES, problems
 from calib.run.wheels import crossed_diagonal, crossed_side, mismatch, wheel_parts
@@ -24,7 +24,7 @@ def axles_of(log):
 
 def slip_of(log):
     driving = driving_record(log)
-    return wheels.slipping(wheels.slips_of(log, driving), driving, brake_events(driving))
+    return wheels.slipping(wheels.slips_of(log, driving), driving)
 
 
 def parts_of(log):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from calib.base.warning import PlausibilityWarning
-from calib.car.effects.catalogue import effect_named
+from calib.car.effects.catalogue import CATALOGUE
 from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.proof.prove import SearchStep, Withdrawn
 from calib.diagnosis.search.offsets import LogOffsets
@@ -68,7 +68,7 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
     assert [text for _, text in told.numbers] == ["8.2", "1.5", "87.5 %", "1"]
     (effect,) = told.parts
     assert effect.title == "Aerodynamic drag"
-    assert dict(effect.rows)["Cause"] == effect_named("aerodynamic_drag").card.cause
+    assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     gap = tables(named)
     assert gap["Gap by"][0] == (MARKUP, "8.25", "1.50", "")
     assert gap["Gap by"][1][1:] == ("0.50", "0.50", "0.0625 m/s^2")
@@ -136,8 +136,8 @@ def test_explanations_that_fit_alike_have_the_drive_for_each_pair(named):
 
 def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
     unseen = (
-        ShowingDrive(effect_named("road_grade").card, "coast", 48.0),
-        ShowingDrive(effect_named("residual_torque").card, "stop", 0.0),
+        ShowingDrive(CATALOGUE["road_grade"].card, "coast", 48.0),
+        ShowingDrive(CATALOGUE["residual_torque"].card, "stop", 0.0),
     )
     found = replace(named, not_resolved=tuple(drive.effect for drive in unseen), drives=unseen)
     first, last = tables(found)["What these"]

@@ -4,7 +4,6 @@ A new effect needs its place in `EFFECTS` of the file of its link, in the order 
 that link act, its card in `cards.csv` and its parameters in `parameters.csv`.
 """
 
-from calib.base.errors import ModelError
 from calib.car.effects import body, caliper, line, pads, sensors, wheels
 from calib.car.effects.effect import CARDS, Effect
 
@@ -23,14 +22,3 @@ CALIPER = tuple(effect.card.name for effect in caliper.EFFECTS)
 
 SENSOR = tuple(name for name, effect in _CHAIN.items() if effect.accelerometer is not None)
 """Effects on the accelerometer: those on the sensed acceleration first, then on the reading."""
-
-
-def effect_named(name: str) -> Effect:
-    """Return the effect of that name. Raises ModelError naming the known ones."""
-    if name not in CATALOGUE:
-        raise ModelError(
-            f"unknown effect {name!r}",
-            expected=f"one of {', '.join(CATALOGUE)}",
-            do="see calib/car/effects; give --effect FILE.py for one of your own",
-        )
-    return CATALOGUE[name]

@@ -3,6 +3,8 @@
 So a model with a term can be simulated, and a term can be removed from a log. See `EmpiricalTerm`.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from calib.base.arrays import Array
@@ -41,16 +43,16 @@ DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
 are used, since the front discs take most of the heat."""
 
 
+_UNKNOWN = (
+    *("not known", "piecewise linear over its driver"),
+    *("the runs it was fitted to", "what was left of them"),
+)
+"""Cause, equation, source and looks of every term."""
+
+
 def effect_of(term: EmpiricalTerm) -> Effect:
     """The term as an effect without parameters."""
-    card = Card(
-        name=f"empirical_{term.place}_over_{term.driver}",
-        cause="not known",
-        equation="piecewise linear over its driver",
-        source="the runs it was fitted to",
-        looks_like="what was left of them",
-        parameters=(),
-    )
+    card = Card(f"empirical_{term.place}_over_{term.driver}", *_UNKNOWN, parameters=())
 
     def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
         front, rear = np.ones_like(p_f), np.ones_like(p_r)
@@ -100,23 +102,24 @@ def driver_along(history: RunHistory, driver: str, axle: str) -> Array:
 
     Raises ModelError where that temperature is not known.
     """
-    if driver == "pressure":
-        return history.p_mc
-    if driver == "speed":
-        return history.v
-    if driver == "temperature":
-        return _temperature(history, axle)
-    if driver == "deceleration":
-        return history.z
-    if driver == "constant":
-        return np.zeros_like(history.v)
-    if driver == "elapsed":
-        return np.asarray(history.time - history.time[0])
+    return _temperature(history, axle) if driver == "temperature" else _ALONG[driver](history)
+
+
+def _since_free(history: RunHistory) -> Array:
+    """Time since the pads were free last [s], or since the start."""
     braked = history.p_mc > BITE
-    last_free = np.maximum.accumulate(np.where(braked, -np.inf, history.time))
-    return np.where(
-        np.isfinite(last_free), history.time - last_free, history.time - history.time[0]
-    )
+    free = np.maximum.accumulate(np.where(braked, history.time[0], history.time))
+    return np.asarray(history.time - free)
+
+
+_ALONG: dict[str, Callable[[RunHistory], Array]] = {
+    "pressure": lambda history: history.p_mc,
+    "speed": lambda history: history.v,
+    "time": _since_free,
+    "deceleration": lambda history: history.z,
+    "elapsed": lambda history: np.asarray(history.time - history.time[0]),
+    "constant": lambda history: np.zeros_like(history.v),
+}
 
 
 def _temperature(history: RunHistory, axle: str) -> Array:

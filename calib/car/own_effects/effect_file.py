@@ -12,7 +12,7 @@ from contextlib import redirect_stdout
 from dataclasses import fields, replace
 from functools import wraps
 from hashlib import sha256
-from inspect import unwrap
+from inspect import signature, unwrap
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated, Any, Self
@@ -184,7 +184,7 @@ _NOTHING: dict[str, Callable[..., Any]] = {
     "speed_delay": lambda own: 0.0,
     "wheel_speed_delay": lambda own: 0.0,
 }
-"""Each hook where it changes nothing: what a hook returns has the form of this."""
+"""Each hook where it changes nothing: what it is called with, and the form of what it returns."""
 
 
 def checked(effect: Effect, path: str) -> Effect:
@@ -280,13 +280,6 @@ def trial(hook: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
     for array in (rear, a_x, *vars(motion).values(), *vars(history).values()):
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
-    own = dict(parameters)
-    if hook in ("pressure", "friction"):
-        return own, history, history.p_mc, rear
-    if hook in ("axle_moment", "body_force", "wheel_speed"):
-        return _CAR, own, motion
-    if hook == "accelerometer":
-        return _CAR, own, history, a_x
-    if hook == "load_shift":
-        return _CAR, own, history
-    return (own, history) if hook == "wheels" else (own,)
+    made = {"car": _CAR, "own": dict(parameters), "history": history, "motion": motion}
+    made |= {"p_f": history.p_mc, "p_r": rear, "a_x": a_x}
+    return tuple(made[name] for name in signature(_NOTHING[hook]).parameters)

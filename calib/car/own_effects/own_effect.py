@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from calib.base.errors import ModelError
-from calib.car.effects.catalogue import CATALOGUE, effect_named
+from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effect import Effect
 from calib.car.effects.effects import DefinedIn, Effects
 from calib.car.vehicle import Vehicle
@@ -31,8 +31,15 @@ def definition(effects: Effects, name: str) -> Effect:
 
     Raises ModelError for an unknown name, and for an own effect whose file was not given.
     """
-    own = effects.own.get(name)
-    return effect_named(name) if own is None else given(name, own).effect
+    if name in effects.own:
+        return given(name, effects.own[name]).effect
+    if name not in CATALOGUE:
+        raise ModelError(
+            f"unknown effect {name!r}",
+            expected=f"one of {', '.join(CATALOGUE)}",
+            do="see calib/car/effects; give --effect FILE.py for one of your own",
+        )
+    return CATALOGUE[name]
 
 
 def every_effect(effects: Effects) -> dict[str, Effect]:

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.plain import bound, meanings
+from calib.car.bias import front_biased_up_to
 from calib.car.braking import MOVING
-from calib.car.forces import front_biased_up_to, slip
+from calib.car.forces import slip
 from calib.car.vehicle import Vehicle
 from calib.estimation.validate import Validation, agreement
 from calib.line.station.golden import golden_metrics

@@ -119,7 +119,7 @@ def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
         for message in _of_bus(found, file):
             key = (message.frame_id, message.is_extended_frame)
             if key in messages:
-                raise _described_twice(message, messages[key], found, file.path)
+                raise _described_twice(message, messages[key], file.path)
             messages[key] = message
         name = file.path.name + (f", bus {file.bus}" if file.bus else "")
         digest = hashlib.sha256(content).hexdigest()
@@ -147,14 +147,9 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]
             f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
         ) from cause
     if all(isinstance(message, Flawed) for message in messages):
-        why = [f"{m.name}: {m.why}" for m in messages[:1] if isinstance(m, Flawed)]
-        raise ChannelMapError(
-            f"not a valid {name}: none of its messages can be read; {why[0]}"
-            if why
-            else "the file has no messages",
-            where=path,
-            expected="the messages of a bus",
-        )
+        why = [f", as {m.name}: {m.why}" for m in messages[:1] if isinstance(m, Flawed)]
+        what = f"not a valid {name}: no message that can be read{''.join(why)}"
+        raise ChannelMapError(what, where=path, expected="the messages of a bus")
     return content, messages, flaws
 
 
@@ -195,18 +190,12 @@ def _of_bus(messages: "list[Described]", file: DatabaseFile) -> "list[Described]
     return found
 
 
-def _described_twice(
-    one: "Described", other: "Described", own: "list[Described]", path: Path
-) -> ChannelMapError:
-    """The error for an identifier that two messages have; ``own`` are those of the file of one."""
-    several = other in own and one.bus_name != other.bus_name
-    names = [f"{m.name} (bus {m.bus_name})" if several else m.name for m in (one, other)]
+def _described_twice(one: "Described", other: "Described", path: Path) -> ChannelMapError:
+    names = [f"{m.name} (bus {m.bus_name})" if m.bus_name else m.name for m in (one, other)]
     entry = f'{{file = "{path.name}", bus = "{one.bus_name}"}}'
     return ChannelMapError(
         f"{names[0]} has the identifier {one.frame_id:#x} of {names[1]}",
         where=path,
         expected="one description of each frame",
-        do=f"name a bus of the file for each bus of the log: dbc = {{1 = {entry}}}"
-        if several
-        else "name the DBC of one bus only",
+        do=f"name the DBC of one bus, or one bus for each of the log, as in dbc = {{1 = {entry}}}",
     )

@@ -33,7 +33,6 @@ class Counted:
 
     reader: ClassVar[str]
     frame: ClassVar[re.Pattern[str]]
-    example: ClassVar[str] = "a frame"
 
     def __init__(self, file: TextIO, path: Path):
         self.file, self.path = file, path
@@ -63,22 +62,17 @@ class Counted:
 
     def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
         """The frames that python-can reads. Raises LogError if it does not read all."""
-        where = str(self.path)
         try:
-            found = gathered(self._whole(messages), dbc, where)
-        except LogError as error:
+            found = gathered(self._whole(messages), dbc, str(self.path), self._here)
+        except LogError:
             if self.frames:
                 self._require_line_end()
-            if error.__cause__ is None:
-                raise
-            what = f"not readable after frame {self._before()}: line {self.line} is"
-            shown = f"{what} {self.last.strip()[:60]!r}"
-            raise damaged(where, shown, self.example) from error.__cause__
+            raise
         self._require_line_end()
         self.require_end(found)
         if len(found.times) != self.frames:
             read = f"{len(found.times)} of {self.frames} lines that look like frames can be read"
-            raise damaged(where, f"{read}: others are missing or damaged", "all of them")
+            raise damaged(self.path, f"{read}: others are missing or damaged", "all of them")
         return found
 
     def require_end(self, found: Gathered) -> None:
@@ -91,37 +85,34 @@ class Counted:
                 raise damaged(self.path, f"a frame at {message.timestamp:.6f} s has {has}")
             yield message
 
-    def _before(self) -> int:
-        return self.frames - bool(self.frame.match(self.last))
+    def _here(self) -> str:
+        return f", line {self.line} is {self.last.strip()[:60]!r}"
 
     def _require_line_end(self) -> None:
         if self.last and not self.is_whole(self.last):
-            what = f"cut off within the last line, after {self._before()} whole frames"
-            raise damaged(self.path, f"{what}: {self.last.strip()[:60]!r}", "an end of line")
+            what = f"cut off within the last line of {self.frames} frames{self._here()}"
+            raise damaged(self.path, what, "an end of line")
 
 
-def _opened(path: Path, dbc: Databases, kind: type[Counted], note: str) -> Recording:
+def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
     can = need("can", "can", str(path))
     known = require_dbc(dbc, "can", str(path))
     with io.TextIOWrapper(unzipped(path), encoding="utf-8", errors="replace") as file:
         lines = kind(file, path)
         found = lines.gathered(getattr(can, kind.reader)(lines), known)
     has_end = isinstance(lines, _AscLines) and lines.begun
+    note = "the log has no footer: one that was cut at the end of a line looks like a complete one"
     return recording(found, known, () if has_end else (note,), str(path))
-
-
-_CUT = "cut at the end of a line looks like a complete one"
 
 
 class _CandumpLines(Counted):
     reader = "CanutilsLogReader"
     frame = re.compile(r"\s*\(\d+\.\d+\)\s")
-    example = "a frame of `candump -L`, such as '(1436509052.249713) can0 044#2A366C2BBA'"
 
 
 def open_candump(path: Path, dbc: Databases) -> Recording:
     """Open a log of candump. Raises LogError as `open_asc`; the format has no count and no end."""
-    return _opened(path, dbc, _CandumpLines, f"candump writes no footer: a log {_CUT}")
+    return _opened(path, dbc, _CandumpLines)
 
 
 _HEADER = re.compile(r"\s*(date|base|//)", re.IGNORECASE)
@@ -187,7 +178,7 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
     Raises LogError for a block without its end, a line or frame that is cut off or cannot be read,
     and relative timestamps; without a DBC, and if it describes no frame.
     """
-    return _opened(path, dbc, _AscLines, f"no trigger block: a file {_CUT}")
+    return _opened(path, dbc, _AscLines)
 
 
 _VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
@@ -259,4 +250,4 @@ class _TrcLines(Counted):
 def open_trc(path: Path, dbc: Databases) -> Recording:
     """Open a TRC file of one of `_VERSIONS`. Raises as `open_asc`, and for a lost message."""
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
-    return _opened(path, dbc, _TrcLines, f"PEAK TRC has no footer: a log {_CUT}")
+    return _opened(path, dbc, _TrcLines)

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.combined import chosen, total_axle_moment, total_body_force
 from calib.car.effects.effect import acts_on_brakes, acts_on_wheels, slows
@@ -19,11 +18,6 @@ ROLLING = {"rolling_resistance": {"coefficient": 0.01}}
 SIGMA = {"aerodynamic_drag": {"drag_area": 0.02}}
 FADE = EmpiricalTerm("brakes", "temperature", (20.0, 300.0), (0.0, -0.1))
 PULL = EmpiricalTerm("body", "constant", (0.0,), (0.01,))
-
-
-def test_an_unknown_effect_is_refused():
-    with pytest.raises(ModelError, match="'fad'"):
-        total_body_force(VEHICLE, Effects({"fad": {}}), MOTION)
 
 
 @given(st.floats(0.0, 2.0), st.floats(0.0, 0.05), st.floats(-0.1, 0.1))

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.effects.catalogue import effect_named
+from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
@@ -34,7 +34,7 @@ def cold():
 def changed(vehicle, at, name, run) -> float:
     """Rms of v that an effect of usual size changes in a manoeuvre, driven open loop [m/s]."""
     model = model_of(vehicle, at)
-    with_it = replace(model, effects=Effects({name: effect_named(name).card.usual}))
+    with_it = replace(model, effects=Effects({name: CATALOGUE[name].card.usual}))
     heat = {} if run.temperature_f is None else {"f": run.temperature_f, "r": run.temperature_r}
     one, other = (
         simulate(m, run.time, run.p_mc, float(run.v[0]), temperature=heat) for m in (model, with_it)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.car.effects.catalogue import effect_named
+from calib.car.effects.catalogue import CATALOGUE
 from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.document import text_of, to_dict
@@ -38,7 +38,7 @@ def test_confusion_and_drives_are_told_with_units(named):
         (Explanation(("road_grade",), 1.0), Explanation(("mass_error",), 1.25)),
         (Pair(0, 1, 3.0, "coast", 48.0),),
     )
-    unseen = (ShowingDrive(effect_named("aerodynamic_drag").card, "coast", 48.0),)
+    unseen = (ShowingDrive(CATALOGUE["aerodynamic_drag"].card, "coast", 48.0),)
     told = to_dict(replace(named, confusion=alike, drives=unseen))
     assert told["confusion"]["explanations"][1] == {
         "effects": ["mass_error"], "innovation": 1.25, "behind": 0.25
