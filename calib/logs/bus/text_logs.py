@@ -90,7 +90,8 @@ class Counted:
 
     def _require_line_end(self) -> None:
         if self.last and not self.is_whole(self.last):
-            what = f"cut off within the last line of {self.frames} frames{self._here()}"
+            whole = self.frames - bool(self.frame.match(self.last))
+            what = f"cut off within the last line, after {whole} whole frames{self._here()}"
             raise damaged(self.path, what, "an end of line")
 
 
