@@ -10,7 +10,7 @@ file is read; warnings, the result and the page of --report are printed and writ
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
@@ -24,7 +24,6 @@ from cli.options import option
 from cli.outputs import check_file, write_file
 
 if TYPE_CHECKING:
-    from calib.base.errors import BrakeCalError
     from calib.show.facts import Facts
 
 FAILED, UNREADABLE, DAMAGED = 1, 3, 4
@@ -41,14 +40,12 @@ class Answer:
     facts : for people; the warnings of `Facts` go to stderr, with --json too.
     exit_code : 0 if it passed.
     page : makes the page of --report.
-    error : raised after all is printed.
     """
 
     document: dict[str, Any]
     facts: "Facts | str" = ""
     exit_code: int = 0
     page: Callable[[], str] | None = None
-    error: "BrakeCalError | None" = None
 
 
 def _ask(context: typer.Context, asked: typer.CallbackParam, given: bool) -> None:
@@ -73,12 +70,17 @@ Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.htm
 def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any]], Any]:
     """Declare a command by its function, see above.
 
-    Its parameters are arguments, keyword-only ones are options: a switch, a list or what may be
-    None need not be given. Where ``json`` is one of them it prints its results itself.
+    Its parameters are arguments, keyword-only ones are options, of a dataclass each of its fields:
+    a switch, a list or what may be None need not be given. With ``json`` among them it prints its
+    results itself.
     """
 
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
-        own = {p.name: _parameter(p) for p in signature(body).parameters.values()}
+        declared = signature(body).parameters.values()
+        groups: dict[str, Any] = {
+            p.name: p.annotation for p in declared if is_dataclass(p.annotation)
+        }
+        own = {p.name: _parameter(p) for one in declared for p in _parts(one)}
         more: dict[str, Any] = {"report": Report} if report else {}
         more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in own else {"json": Json})
         every = [*own.values(), *(_added(name, hint) for name, hint in more.items())]
@@ -97,11 +99,12 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
             for name, info in writes.items():
                 if given[name] is not None and info.writes != "folder":
                     check_file(given[name], info.writes, _flag_of(name, info))
-            answer = body(**{name: _made(name, infos[name], given[name]) for name in own})
+            made = {name: _made(name, infos[name], given[name]) for name in own}
+            for name, kind in groups.items():
+                made[name] = kind(**{f.name: made.pop(f.name) for f in fields(kind)})
+            answer = body(**made)
             if "json" not in own:
                 _tell(answer, given["json"], given.get("report"))
-            if answer.error is not None:
-                raise answer.error
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 
@@ -159,6 +162,16 @@ def example(*lines: str) -> str:
     return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
 
 
+def _parts(given: Parameter) -> list[Parameter]:
+    """A parameter, or the fields of a dataclass in its place: options that commands share."""
+    if not is_dataclass(given.annotation):
+        return [given]
+    return [
+        Parameter(f.name, Parameter.KEYWORD_ONLY, annotation=f.type)
+        for f in fields(given.annotation)
+    ]
+
+
 def _parameter(given: Parameter) -> Parameter:
     """A parameter as typer reads it; what is typed may be another type than what the body gets."""
     kind, info = given.annotation, given.default
@@ -184,7 +197,7 @@ def _files(value: Any) -> list[Path]:
 
 
 def _made(name: str, info: Any, value: Any) -> Any:
-    """What a value becomes; a refusal that names no option is of this one."""
+    """What a value becomes; a refusal or a ValueError that names no option is of this one."""
     make = getattr(info, "make", None)
     if make is None or (value is None and not info.always):
         return value
@@ -193,6 +206,8 @@ def _made(name: str, info: Any, value: Any) -> Any:
     except typer.BadParameter as error:
         error.param_hint = error.param_hint or _flag_of(name, info)
         raise
+    except ValueError as error:
+        raise misuse(str(error), _flag_of(name, info)) from None
 
 
 def _flag_of(name: str, info: Any) -> str:

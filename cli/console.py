@@ -66,12 +66,6 @@ def say(message: str) -> None:
         _console(sys.stderr).print(message, soft_wrap=True)
 
 
-def detail(message: str) -> None:
-    """Print on stderr what only -v asks for."""
-    if this_run().verbose:
-        say(message)
-
-
 def complain(message: str, word: str = "error:", style: str = "bold red") -> None:
     """Print ``error: message`` on stderr."""
     to = _console(sys.stderr)

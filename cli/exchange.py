@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from cli.command import Answer, command
+from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
-from cli.options import Required, SignedBy, Table, Tables, argument, option, table_versions
+from cli.options import Table, Tables, argument, option, table_versions
 from cli.outputs import refuse_foreign, writing
-from cli.sign import check_signed, key_of
+from cli.sign import Signed
 
 
 @command(
@@ -28,8 +28,7 @@ def export(
     elf: Path | None = option("Linked program (ELF), for addresses of an a2l.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     unreleased: bool = option("Also a version that is not released; the file then says so."),
-    require_signed: Required,
-    key: SignedBy,
+    signed: Signed,
     store: Tables,
 ) -> Answer:
     """Write a table for a calibration tool or an ECU.
@@ -41,9 +40,8 @@ def export(
     from calib.exports.export import export as write
     from calib.store.evidence import UNPROVED, read_quality
 
-    public = key_of(require_signed, key)
     stored = store.load(table) if unreleased else store.released(table)
-    check_signed(table, stored, public)
+    signed.check(table, stored)
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED
@@ -67,16 +65,15 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     Exit code 3 if it is cut off, damaged or names no table, 4 if it does not agree with the table.
     Another tool may have saved it: labels are compared, and numbers that were rounded agree.
     """
-    from calib.exports.compare import difference, parent, refuse
+    from calib.exports.compare import difference, parent
     from calib.exports.read import read_back
     from calib.show.store import returned, returned_document
 
     found = read_back(file)
     stored = parent(found, store)
     told = difference(found, stored)
-    error = refuse(file, told.wrong) if told.wrong else None
     document = returned_document(found, stored, told)
-    return Answer(document, returned(found, stored, told), error=error)
+    return Answer(document, returned(found, stored, told), DAMAGED * bool(told.wrong))
 
 
 def _name(name: str) -> str:

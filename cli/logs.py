@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cli.console import Step, detail
+from cli.console import Step, say, this_run
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
@@ -75,10 +75,11 @@ def _known(path: Path) -> tuple[Path, bytes | None]:
 
 def tell(log: "Log") -> None:
     """Say with -v what was read."""
-    detail(
-        f"read {log.source}: {log.time.size} samples, {log.time[-1] - log.time[0]:.2f} s, "
-        f"{', '.join(log.channels)}; SHA-256 {log.digest[:12]}"
-    )
+    if this_run().verbose:
+        say(
+            f"read {log.source}: {log.time.size} samples, {log.time[-1] - log.time[0]:.2f} s, "
+            f"{', '.join(log.channels)}; SHA-256 {log.digest[:12]}"
+        )
 
 
 def _stdin() -> bytes:

@@ -4,6 +4,7 @@ import json as json_module
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,7 +17,7 @@ from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.diagnose import stoppable
-from cli.options import argument, option, require_known, table_names
+from cli.options import argument, option, table_names
 from cli.outputs import check_folder, write_folder, writing
 
 if TYPE_CHECKING:
@@ -28,16 +29,11 @@ if TYPE_CHECKING:
 
 def _is(command: Command) -> Callable[[typer.Context], bool]:
     """Whether the job is ``command``; an argument is read before options that are not given."""
-    return lambda context: context.params.get("command") is command
-
-
-def _command(written: str) -> Command:
-    require_known(written, [str(one) for one in Command])
-    return Command(written)
+    return lambda context: context.params.get("command") == command
 
 
 JobCommand = Annotated[
-    Command, typer.Argument(parser=_command, metavar="COMMAND", help="What to do with each log.")
+    Command, typer.Argument(metavar="COMMAND", help="fit, validate, check or diagnose each log.")
 ]
 JobTable = Annotated[
     str | None, option("validate: name, name@version or path.", "TABLE", autocompletion=table_names)
@@ -53,6 +49,50 @@ Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", w
 Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
 
 
+@dataclass(frozen=True)
+class Inputs:
+    """What batch and watch take for all logs."""
+
+    out: Out
+    workers: options.Workers
+    table: JobTable
+    store: options.Tables
+    vehicle: JobCar
+    limits: JobLimits
+    channel_map: options.Map
+    fresh: Fresh
+
+    def job(self, command: Command) -> "Job":
+        """The job for each log. Refuses missing inputs and those that are not used."""
+        from calib.estimation.limits import DEFAULTS
+        from calib.estimation.validate import require_same_vehicle
+        from calib.line.fleet.results import NAME
+        from calib.line.fleet.work import Job
+
+        validates, fits = command is Command.VALIDATE, command is Command.FIT
+        for name, value, taken, needed in (
+            ("--table", self.table, validates, "validate needs a table" * validates),
+            ("--limits", self.limits, validates, ""),
+            ("--vehicle", self.vehicle, fits or validates, options.NO_VEHICLE * fits),
+        ):
+            if value is None and needed:
+                raise misuse(needed, name)
+            if value is not None and not taken:
+                raise misuse(f"{command.value} takes none", name)
+        check_folder(self.out, (NAME,))
+        stored = self.store.load(self.table) if self.table else None
+        if stored is not None:
+            say(f"{stored.id} is {stored.state.words}")
+            require_same_vehicle(stored.table, self.vehicle, this_run().file("vehicle"))
+        return Job(
+            command=command,
+            table=stored.table if stored else None,
+            vehicle=self.vehicle,
+            limits=(self.limits or DEFAULTS) if validates else (),
+            channel_map=self.channel_map,
+        )
+
+
 @command(
     "brake-cal batch check sample_logs/sedan --out checked",
     "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
@@ -61,15 +101,8 @@ def batch(
     command: JobCommand,
     logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
     *,
-    out: Out,
-    workers: options.Workers,
+    given: Inputs,
     scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
-    table: JobTable,
-    store: options.Tables,
-    vehicle: JobCar,
-    limits: JobLimits,
-    channel_map: options.Map,
-    fresh: Fresh,
 ) -> Answer:
     """Run one command on many logs, one row per log.
 
@@ -82,21 +115,18 @@ def batch(
     from calib.line.fleet.batch import run_batch
     from calib.line.fleet.workers import Cluster, Pool
 
-    if workers is not None and scheduler is not None:
+    if given.workers is not None and scheduler is not None:
         raise misuse("the scheduler has its own workers", "--workers")
-    job = _job(command, out, table, store, vehicle, limits, channel_map)
+    job, out = given.job(command), given.out
     with stoppable("stopped; the same command continues where it was"):
-        executor = Cluster(scheduler) if scheduler else Pool(workers or cores())
+        executor = Cluster(scheduler) if scheduler else Pool(given.workers or cores())
         say(f"{command.value} on {counted(executor.workers, 'worker')}")
         try:
             with progress() as step, writing(out):
                 done = run_batch(
-                    job,
-                    logs,
-                    out,
-                    executor,
+                    *(job, logs, out, executor),
                     lambda b: step(f"{b.done} of {b.total} logs", b.done, b.total),
-                    fresh,
+                    given.fresh,
                 )
         finally:
             executor.close()
@@ -114,14 +144,7 @@ def watch(
     command: JobCommand,
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
-    out: Out,
-    workers: options.Workers,
-    table: JobTable,
-    store: options.Tables,
-    vehicle: JobCar,
-    limits: JobLimits,
-    channel_map: options.Map,
-    fresh: Fresh,
+    given: Inputs,
     every: float = option("Seconds between scans.", "S", built_in=1.0, min=0.05),
     settle: float = option(
         "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
@@ -141,67 +164,23 @@ def watch(
 
     if command is Command.DIAGNOSE:
         raise misuse("diagnose takes folders: use `brake-cal batch`")
-    job = _job(command, out, table, store, vehicle, limits, channel_map)
+    job, out = given.job(command), given.out
 
     def tell(row: "Row") -> None:
         as_json = json_module.dumps(row.to_dict(command), allow_nan=False) if json else ""
         emit_line(as_json or row.line(command))
 
-    pool = Pool(workers or cores())
+    pool = Pool(given.workers or cores())
     try:
         with writing(out), _stopped() as stop:
             say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-            scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": fresh}
+            scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": given.fresh}
             done = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
     finally:
         pool.close()
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.items()))
     say(f"{counts}; {out / NAME}" if done else "no log came")
     return Answer({})
-
-
-def _job(
-    command: Command,
-    out: Path,
-    table: str | None,
-    store: options.Tables,
-    vehicle: JobCar,
-    limits: JobLimits,
-    channel_map: options.Map,
-) -> "Job":
-    """The inputs for all logs. Refuses missing inputs and those that are not used."""
-    from calib.estimation.limits import DEFAULTS
-    from calib.estimation.validate import require_same_vehicle
-    from calib.line.fleet.results import NAME
-    from calib.line.fleet.work import Job
-
-    validates, fits = command is Command.VALIDATE, command is Command.FIT
-    for name, value, taken, needed in (
-        ("--table", table, validates, "validate needs a table" if validates else ""),
-        ("--limits", limits, validates, ""),
-        (
-            "--vehicle",
-            vehicle,
-            fits or validates,
-            f"fit needs a vehicle; {options.NO_VEHICLE}" * fits,
-        ),
-    ):
-        if value is None and needed:
-            raise misuse(needed, name)
-        if value is not None and not taken:
-            raise misuse(f"{command.value} takes none", name)
-    check_folder(out, (NAME,))
-    stored = store.load(table) if table else None
-    if stored is not None:
-        say(f"{stored.id} is {stored.state.words}")
-        require_same_vehicle(stored.table, vehicle, this_run().file("vehicle"))
-    return Job(
-        command=command,
-        table=stored.table if stored else None,
-        vehicle=vehicle,
-        limits=(limits or DEFAULTS) if validates else (),
-        channel_map=channel_map,
-    )
 
 
 @contextmanager
@@ -276,6 +255,6 @@ def _index(folder: Path) -> Answer:
     from calib.show.station_index import write_index
 
     with writing(folder, "DIR"):
-        number = len(write_index(folder))
+        number = write_index(folder)
     files = [folder / INDEX, folder / LIVE]
     return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")

@@ -217,12 +217,8 @@ def _mass(written: str) -> float:
 
 
 def day(written: str) -> str:
-    """A day as it was written; refuses what is none."""
-    try:
-        date.fromisoformat(written)
-    except ValueError:
-        raise misuse(f"{written!r} is not a date such as 2025-03-31") from None
-    return written
+    """A day as 2025-03-31. Raises ValueError for what is none."""
+    return date.fromisoformat(written).isoformat()
 
 
 def words(written: str) -> str:

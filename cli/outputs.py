@@ -75,14 +75,10 @@ def check_folder(out: Path | None, names: Iterable[str]) -> None:
     _refuse_parent(out, OUT)
     _refuse_inputs([out / name for name in names], OUT)
     try:
-        settled = settle(out)
+        settle(out)
         refuse_obstacles(out, names)
-    except IsADirectoryError as error:
-        raise misuse(f"cannot write {error.filename}: it is a directory", OUT) from error
     except OSError as error:
-        raise _unwritable(out, error, OUT) from error
-    if settled:
-        say(f"settled what a run that was killed had left in {out}")
+        raise _unwritable(Path(error.filename or out), error, OUT) from error
 
 
 def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) -> None:

@@ -72,18 +72,10 @@ def _read(
     from calib.logs.read import FORMATS, REQUIRED
     from calib.show.choose import PlotInput
     from calib.show.result import is_result, read_result
-    from calib.store.folders import RECORD
 
     files = [Path(w) for w in what]
     results = [p for p in files if is_result(p)]
-    logs = [
-        p
-        for p in files
-        if p not in results
-        and p.name != RECORD
-        and not p.is_dir()
-        and (is_stdin(p) or ending_of(p) in FORMATS or p.is_file())
-    ]
+    logs = [p for p in files if p not in results and (is_stdin(p) or ending_of(p) in FORMATS)]
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     if len(names) > 2 or (len(names) == 2 and logs):
         raise misuse("give one table with its logs, or two tables without logs", "TABLE")

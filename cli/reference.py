@@ -58,14 +58,13 @@ def schema(
     from calib.help.documents import FILES, documents, schema_of
     from calib.show.facts import Facts
 
-    files = {name: about for name, (about, _) in FILES.items()}
     written = {name: one.title.replace("`", "") for name, one in documents().items()}
     if name is not None:
         emit_json(schema_of(name))
     elif json:
-        emit_json({"schema": 1, "files": files, "documents": written})
+        emit_json({"schema": 1, "files": FILES, "documents": written})
     else:
-        emit(Facts(rows=[*files.items(), *written.items()]))
+        emit(Facts(rows=[*FILES.items(), *written.items()]))
     return Answer({})
 
 
@@ -94,16 +93,14 @@ def settings() -> Answer:
     if found.file is None:
         searched = f"no {NAME} in {', '.join(map(str, found.searched))}"
         say(searched if found.searched else f"no settings file: {VARIABLE} is empty")
+    unset = {"store": (STORE, "built-in"), "require_signed": (False, "built-in"),
+             "by": (user(), "environment")}  # fmt: skip
     rows: list[tuple[str, object, str]] = []
     for field in fields(found.settings):
-        key, value = KEYS.get(field.name, field.name), getattr(found.settings, field.name)
-        if value is not None:
-            rows.append((key, value, f"file:{found.file}"))
-        elif field.name == "by":
-            rows.append((key, user(), "environment"))
-        else:
-            built_in = {"store": STORE, "require_signed": False}.get(field.name)
-            rows.append((key, built_in, "built-in"))
+        value, source = getattr(found.settings, field.name), f"file:{found.file}"
+        if value is None:
+            value, source = unset.get(field.name, (None, "built-in"))
+        rows.append((KEYS.get(field.name, field.name), value, source))
     document = {
         "file": found.file,
         "searched": found.searched,

@@ -1,19 +1,11 @@
 """`brake-cal repeatability`: how good a gauge the calibration is, from repeated ramps of cars."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress
-from cli.logs import read
 from cli.options import Map, argument, option
 from cli.outputs import check_folder, write_folder
-
-if TYPE_CHECKING:
-    from calib.car.vehicle import Vehicle
-    from calib.line.gauge.plan import Place
-    from calib.line.gauge.study import GaugeReading
-    from calib.table.table import LogReference
 
 DOCUMENT, PICTURE = "repeatability.json", "repeatability.png"
 
@@ -48,52 +40,24 @@ def repeatability(
     up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
     is then given of that too.
     """
-    from calib.line.gauge.plan import read_plan
+    from calib.base.plain import counted
+    from calib.line.gauge.plan import read_plan, readings
     from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict
     from calib.show.repeatability import facts, sheet
     from calib.show.sheet import render
 
     check_folder(out, (DOCUMENT, PICTURE))
     held = read_gauge_limits(limits)
-    places = read_plan(plan, logs or [])
-    readings = _readings(places, vehicle, channel_map, eta / 100.0, quantity or list(METRICS))
-    found = study(readings, held, eta / 100.0)
+    places, reference = read_plan(plan, logs or [], vehicle), eta / 100.0
+    if any(place.vehicle is None for place in places):
+        raise misuse("needed: not every log has one in the plan", "--vehicle")
+    with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
+        found = study(
+            readings(places, channel_map, reference, quantity or METRICS, step), held, reference
+        )
     document = to_dict(found)
     if out is not None:
         written = json_text({"schema": 1, **document}).encode()
         picture = render(sheet(found).overview(), ".png")
         write_folder(out, [(DOCUMENT, written), (PICTURE, picture)], DOCUMENT)
     return Answer(document, facts(found), FAILED * (not found.passed))
-
-
-def _readings(
-    places: "tuple[Place, ...]",
-    vehicle: Path | None,
-    mapping: Map,
-    reference: float,
-    names: list[str],
-) -> "tuple[GaugeReading, ...]":
-    from calib.base.plain import counted
-    from calib.car.vehicle_file import read_vehicle
-    from calib.fitting.fit import fit
-    from calib.line.gauge.study import GaugeReading, metrics_of, refuse_repeated
-
-    files = {place.vehicle or vehicle for place in places}
-    if None in files:
-        raise misuse("needed: not every log has one in the plan", "--vehicle")
-    cars: dict[Path | None, Vehicle] = {f: read_vehicle(f) for f in files if f is not None}
-    readings: list[GaugeReading] = []
-    parents: list[LogReference] = []
-    with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
-        for place in places:
-            log = read(place.log, mapping)
-            refuse_repeated(log, parents)
-            table = fit(cars[place.vehicle or vehicle], [log])
-            parents += table.provenance.logs
-            found = metrics_of(table, log, reference)
-            kept = {name: found[name] for name in names}
-            readings.append(
-                GaugeReading(str(place.log), place.car, place.station, kept, log.digest)
-            )
-            step()
-    return tuple(readings)

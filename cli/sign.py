@@ -1,13 +1,14 @@
 """`brake-cal tables sign`, and what other commands ask of signatures by --require-signed."""
 
 import sys
+from dataclasses import dataclass
 from getpass import getpass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
 from cli.console import misuse, say
-from cli.options import By, Tables, argument, option, table_versions
+from cli.options import By, Required, SignedBy, Tables, argument, option, table_versions
 
 if TYPE_CHECKING:
     from calib.store.minisign import PublicKey
@@ -93,27 +94,34 @@ def _typed(prompt: str) -> str:
         raise misuse("no password was typed") from None
 
 
-def key_of(required: bool, key: str | None) -> "PublicKey | None":
-    """The key that must have signed; None where no signature is asked for."""
-    from calib.store.minisign import read_public_key
+@dataclass(frozen=True)
+class Signed:
+    """What a command asks of the signature of a table."""
 
-    if key and not required:
-        raise misuse("only with --require-signed", "--key")
-    if required and not key:
-        where = "needs --key PUBLIC, or public under [keys] of brake-cal.toml"
-        raise misuse(where, "--require-signed")
-    return read_public_key(key) if key else None
+    require_signed: Required
+    key: SignedBy
 
+    @property
+    def public(self) -> "PublicKey | None":
+        """The key that must have signed; None where no signature is asked for."""
+        from calib.store.minisign import read_public_key
 
-def check_signed(table: str, stored: "Stored", public: "PublicKey | None") -> None:
-    """Raise SignatureRefused unless a signature of the key holds; None asks for none.
+        if self.key and not self.require_signed:
+            raise misuse("only with --require-signed", "--key")
+        if self.require_signed and not self.key:
+            where = "needs --key PUBLIC, or public under [keys] of brake-cal.toml"
+            raise misuse(where, "--require-signed")
+        return read_public_key(self.key) if self.key else None
 
-    ``table`` is what was typed: a bare name means the newest version that may be used.
-    """
-    from calib.store.signature import require_signed
+    def check(self, table: str, stored: "Stored") -> None:
+        """Raise SignatureRefused unless a signature of the key holds, if one is asked for.
 
-    if public is not None:
-        found = require_signed(stored, public, newest=table == stored.name)
-        say(f"{stored.id} is signed as {found.statement.state} by key {public.key_id}")
-        if found.note:
-            say(found.note)
+        ``table`` is what was typed: a bare name means the newest version that may be used.
+        """
+        from calib.store.signature import require_signed
+
+        if public := self.public:
+            found = require_signed(stored, public, newest=table == stored.name)
+            say(f"{stored.id} is signed as {found.statement.state} by key {public.key_id}")
+            if found.note:
+                say(found.note)

@@ -12,12 +12,11 @@ from cli.fit import tell_kin
 from cli.logs import read
 from cli.options import argument, day, logs_by_name, option, table_names, words
 from cli.outputs import check_folder, stems_of, write_file, writing
-from cli.sign import check_signed, key_of
+from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
     from calib.line.station.station import Identity
-    from calib.store.version import Stored
 
 
 @command(
@@ -59,8 +58,7 @@ def station(
     date: str | None = option("Date of the report and in a cdfx.", "YYYY-MM-DD", make=day),
     store: options.Tables,
     channel_map: options.Map,
-    require_signed: options.Required,
-    key: options.SignedBy,
+    signed: Signed,
 ) -> Answer:
     """Fit, validate and judge one car at the end of the line.
 
@@ -74,6 +72,7 @@ def station(
     from calib.base.publish import workshop
     from calib.estimation.validate import require_same_vehicle
     from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
+    from calib.line.station.golden import golden_table
     from calib.line.station.station import Identity, StationOutcome, table_of, validated
     from calib.run.gates import refuse_copies
     from calib.show.station_page import facts, store_and_write
@@ -82,8 +81,7 @@ def station(
     identity = Identity(serial, vin, name, rxswin)
     if flaw := identity.flaw():
         raise misuse(flaw[1], f"--{flaw[0]}")
-    public = key_of(require_signed, key)
-    if public and export:
+    if signed.public and export:
         say("no exports: what is stored now is not signed; sign it, then `brake-cal tables export`")
         export = []
     stems = stems_of(holdouts, "HOLDOUT")
@@ -92,9 +90,11 @@ def station(
     results = [f"{stem}.parquet" for stem in stems]
     check_folder(out, [*FIXED, REFUSED, *map(export_name, export), *results])
     with _telling_refusals(out, identity, [*ramps, *coast, *holdouts]):
-        reference = _golden(store, golden) if golden else None
+        reference = golden_table(store, golden) if golden else None
         if golden and reference:
-            check_signed(golden, reference, public)
+            if not reference.state.released:
+                say(f"{reference.id} is {reference.state.words}")
+            signed.check(golden, reference)
             require_same_vehicle(reference.table, vehicle, this_run().file("vehicle"))
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:
@@ -125,22 +125,6 @@ def station(
     if found.passed and not stored.state.released:
         say("a person decides: `brake-cal tables release` with this station.json as --evidence")
     return Answer(document, facts(found, stored), FAILED * (not found.passed))
-
-
-def _golden(store: options.Tables, reference: str) -> "Stored":
-    """The table by which others are measured: released, or a draft that is named by its version."""
-    from calib.base.errors import StoreError
-
-    found = store.released(reference)
-    if not found.state.released:
-        say(f"{found.id} is {found.state.words}")
-    if not (found.state.usable and found.state.known):
-        raise StoreError(
-            f"is {found.state.words}; no car is measured by it",
-            where=found.id,
-            expected="a released version",
-        )
-    return found
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from cli.fit import origin
 from cli.logs import named, read
 from cli.options import logs, option
 from cli.outputs import check_folder, stems_of, writing
-from cli.sign import check_signed, key_of
+from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.estimation.validate import Validation
@@ -34,8 +34,7 @@ def validate(
     limits: options.StopLimits,
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: options.Map,
-    require_signed: options.Required,
-    key: options.SignedBy,
+    signed: Signed,
 ) -> Answer:
     """Run the estimator with a table on other logs, and judge it.
 
@@ -58,9 +57,8 @@ def validate(
     names = named(logs)
     if out is not None:
         check_folder(out, [*(f"{stem}.parquet" for stem in stems_of(names, "LOG")), SUMMARY])
-    public = key_of(require_signed, key)
     stored = store.load(table)
-    check_signed(table, stored, public)
+    signed.check(table, stored)
     require_same_vehicle(stored.table, vehicle, this_run().file("vehicle"), mass)
     car = with_own(stored.table.vehicle, effect)
     car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's

@@ -3,12 +3,11 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.errors import DamagedTable, ExchangeError, TableNotFound
+from calib.base.errors import ExchangeError, TableNotFound
 from calib.exports.dataset import Content, build, prefix
 from calib.exports.read import Returned
 from calib.store.folders import names_in
@@ -179,11 +178,3 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
 
 def _labels(content: Content) -> set[str]:
     return {*content.axes, *content.curves, *content.scalars}
-
-
-def refuse(path: Path, wrong: list[str]) -> DamagedTable:
-    """The error for a file that contradicts its checksum or its table."""
-    more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
-    return DamagedTable(
-        f"{wrong[0]}{more}", where=path, do="it was edited or damaged: export the table again"
-    )

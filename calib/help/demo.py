@@ -54,15 +54,15 @@ _STUDIES = {
     "sedan": _Study(
         "ramp_wet_asphalt.csv ramp_wet_asphalt_repeat.csv coast.csv",
         "dry_asphalt_stop.csv transition_dry_to_basalt.csv basalt_wet_pads.csv "
-        "wet_tile_wet_pads.csv",
+        "wet_tile_wet_pads.csv"
     ),
     "simulation_study": _Study("ramp_noisy.parquet", "stop_noisy.parquet",
                                "vehicle_wrong_pads.toml"),
     "third_party": _Study(
         "cal_ramp.parquet",
         "hold1_const_mu30.parquet hold2_steps_muf25_mur33.parquet hold3_const_fade35_22.parquet "
-        "hold4_driver_mu28.parquet",
-    ),
+        "hold4_driver_mu28.parquet"
+    )
 }  # fmt: skip
 _BEFORE = {"sedan": "ramp_wet_asphalt.csv"}
 """A ramp from which alone a car gets an earlier version."""
@@ -170,10 +170,7 @@ def _stop(result: Validation, car: Vehicle) -> _Row:
     def share(front: Array, rear: Array) -> float:
         total = sum(
             2.0 * mu[e.valid] * axle.torque_gain * p[e.valid] / axle.rolling_radius
-            for mu, axle, p in (
-                (front, car.front, e.pressure_f),
-                (rear, car.rear, e.pressure_r),
-            )
+            for mu, axle, p in ((front, car.front, e.pressure_f), (rear, car.rear, e.pressure_r))
         )
         return float(np.mean(total / (car.weight * e.z[e.valid])))
 

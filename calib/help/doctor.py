@@ -3,8 +3,6 @@
 import os
 import platform
 import re
-import shutil
-import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import suppress
@@ -34,9 +32,6 @@ _EXTRAS = {
     "dist": "batch on a Dask scheduler",
 }
 """Extras that change what the program does, with what each gives; others are for work on it."""
-
-_LEAST_MEMORY = 1.0
-"""Memory [GB] below which a large log may not be read: a reader takes up to 1 GB."""
 
 
 def environment() -> dict[str, str]:
@@ -129,7 +124,7 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
     settings, usual = _settings()
     found = (*_packages(), *_machine(), *_store(store or usual or STORE), *_samples())
-    return (*found, settings, *_terminal())
+    return (*found, settings)
 
 
 def _settings() -> tuple[_Finding, Path | None]:
@@ -142,14 +137,6 @@ def _settings() -> tuple[_Finding, Path | None]:
         return _Finding("settings", WRONG, str(error), "mend the file"), None
     what = str(project.file) if project.file else "no brake-cal.toml: the usual values"
     return _Finding("settings", FINE, what), project.settings.store
-
-
-def _terminal() -> Iterator[_Finding]:
-    width, kind = shutil.get_terminal_size().columns, "terminal" if sys.stdout.isatty() else "pipe"
-    encoding = sys.stdout.encoding or "unknown"
-    plain = encoding.lower().replace("-", "") == "utf8"
-    do = "" if plain else "set PYTHONUTF8=1 for names with other letters"
-    yield _Finding("output", FINE if plain else NOTE, f"{kind}, {width} columns, {encoding}", do)
 
 
 def _packages() -> Iterator[_Finding]:
@@ -167,10 +154,6 @@ def _packages() -> Iterator[_Finding]:
 
 def _machine() -> Iterator[_Finding]:
     yield _Finding("cores", FINE, f"{cores()} for this process")
-    with suppress(AttributeError, ValueError, OSError):  # the system does not tell
-        free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
-        enough = free >= _LEAST_MEMORY
-        yield _judged("memory", enough, f"{free:.1f} GB free", "large logs need up to 1 GB")
     folder = tempfile.gettempdir()
     do = "name another one by the variable TMPDIR"
     yield _judged("temporary files", os.access(folder, os.W_OK), folder, do, WRONG)

@@ -85,41 +85,29 @@ def documents() -> dict[str, Document]:
 
 
 FILES = {
-    "vehicle": (
-        "vehicle.toml: masses, lengths and brakes of a car",
-        "calib.car.vehicle_file:VehicleFile",
-    ),
-    "model": (
-        "model.toml: pads, tyre, effects and roads of a simulation",
-        "calib.car.model_file:ModelFile",
-    ),
-    "limits": ("limits.toml: the allowed range of each metric", ""),
-    "channel-map": (
-        "map.toml: which column of a foreign log is which channel",
-        "calib.logs.channel_map_file:ChannelMapFile",
-    ),
-    "settings": (
-        "brake-cal.toml: what options say that are not given",
-        "calib.base.settings_file:SettingsFile",
-    ),
-    "table": (
-        "record.json: a stored table without its curves",
-        "calib.store.record_file:RecordFile",
-    ),
-    "summary": (
-        "summary.json of a validation, as far as an export reads it",
-        "calib.store.record_file:SummaryFile",
-    ),
-    "vehicle-facts": (
-        "what `vehicle show --json` prints of a vehicle file",
-        "calib.car.facts_file:VehicleFactsFile",
-    ),
-    "error": (
-        "what a command with --json prints where it ends with an error",
-        "calib.base.record:ErrorFile",
-    ),
+    "vehicle": "vehicle.toml: masses, lengths and brakes of a car",
+    "model": "model.toml: pads, tyre, effects and roads of a simulation",
+    "limits": "limits.toml: the allowed range of each metric",
+    "channel-map": "map.toml: which column of a foreign log is which channel",
+    "settings": "brake-cal.toml: what options say that are not given",
+    "table": "record.json: a stored table without its curves",
+    "summary": "summary.json of a validation, as far as an export reads it",
+    "vehicle-facts": "what `vehicle show --json` prints of a vehicle file",
+    "error": "what a command with --json prints where it ends with an error",
 }
-"""Kinds of files: their content, and where their class stands."""
+"""Kinds of files, and their content."""
+
+_CLASSES = {
+    "vehicle": "car.vehicle_file:VehicleFile",
+    "model": "car.model_file:ModelFile",
+    "channel-map": "logs.channel_map_file:ChannelMapFile",
+    "settings": "base.settings_file:SettingsFile",
+    "table": "store.record_file:RecordFile",
+    "summary": "store.record_file:SummaryFile",
+    "vehicle-facts": "car.facts_file:VehicleFactsFile",
+    "error": "base.record:ErrorFile",
+}
+"""Where the class of each kind stands; that of limits is made of the metrics."""
 
 
 def section(name: str) -> "type[Section]":
@@ -131,8 +119,8 @@ def section(name: str) -> "type[Section]":
 
     if name == "limits":
         return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
-    module, _, kind = FILES[name][1].partition(":")
-    found: type[Section] = getattr(import_module(module), kind)
+    module, _, kind = _CLASSES[name].partition(":")
+    found: type[Section] = getattr(import_module(f"calib.{module}"), kind)
     return found
 
 

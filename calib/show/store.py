@@ -254,13 +254,15 @@ def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:
         for name, y in arrays.items()
     ]
     cells += [(n, "", f"{value:.6g}", "", units[n]) for n, value in content.scalars.items()]
-    if stored is None:
+    if told.wrong:
+        headline = f"{found.table} does not agree: edited or damaged; export the table again"
+    elif stored is None:
         headline = f"unchanged since it was written; {found.table} is not in this store"
     else:
         how = f"as rounded {told.rounded}" if told.rounded else "to the last bit"
         headline = f"agrees with {stored.id} {how}"
     return Facts(
-        headline="" if told.wrong else headline,
+        headline=headline,
         tables=[Table(("object", "points", "from", "to", "unit"), cells)],
         rows=[("table", found.table), *found.facts.items()],
         notes=[f"differs: {what}" for what in told.wrong],

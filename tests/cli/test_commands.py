@@ -84,6 +84,7 @@ def test_a_file_that_is_missing_ends_with_3_and_leaves_nothing(
         pytest.skip("it reads no file")
     opts = {o: p.required for p in COMMANDS[path].params for o in p.opts}
     more = ["--vehicle", "none.toml"] * ("--vehicle" in opts)
+    more += ["--plan", "none.csv"] * ("--plan" in opts)
     more += ["--out", "out.csv"] * opts.get("--out", False)
     ran = brake_cal(*path, *files, *more, "--json")
     assert ran.code == 3, ran.err

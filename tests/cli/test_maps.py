@@ -62,34 +62,12 @@ def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
     assert pressure["high"] == pytest.approx(16.67e5, rel=1e-3)
 
 
-def test_json_is_one_document(brake_cal, foreign):
-    ran = brake_cal("map", foreign, "--json")
-    document = json.loads(ran.out)
-    assert ran.code == 3
-    assert document["certain"] is False
-    assert document["doubts"][0]["candidates"] == ["Brake pressure"]
-    assert document["toml"] is None
-
-
 @pytest.mark.parametrize(
-    ("arguments", "code", "says"),
-    [
-        (("--take", "p_mc"), 2, "is not CHANNEL=NAME"),
-        (("--take", "p_cm=x"), 3, "there is no channel 'p_cm'"),
-        (("--out", "/dev/null/map.toml"), 2, "cannot write"),
-        (("--radius", "31"), 2, "--radius"),
-    ],
+    ("arguments", "code"),
+    [(("--take", "p_mc"), 2), (("--take", "p_cm=x"), 3), (("--radius", "31"), 2)],
 )
-def test_slips(brake_cal, foreign, arguments, code, says):
-    ran = brake_cal("map", foreign, *arguments)
-    assert (ran.code, ran.result) == (code, "")
-    assert says in ran.err
-
-
-def test_the_log_is_not_overwritten(brake_cal, foreign):
-    before = foreign.read_bytes()
-    assert brake_cal("map", foreign, "--out", foreign).code == 2
-    assert foreign.read_bytes() == before
+def test_slips(brake_cal, foreign, arguments, code):
+    assert brake_cal("map", foreign, *arguments).code == code
 
 
 def test_a_log_without_any_channel_gets_no_map(brake_cal, tmp_path):

@@ -83,13 +83,6 @@ def test_its_card_is_printed_and_listed(brake_cal, here):
     assert brake_cal("effects", "air_brake_flap").code == 2
 
 
-def test_the_option_may_be_repeated(brake_cal, here):
-    Path("mine.py").write_text(retarder())
-    ran = brake_cal("effects", "--effect", FLAP, "--effect", "mine.py")
-    names = [line.split()[0] for line in ran.out.splitlines()]
-    assert names[-2:] == ["air_brake_flap", "rear_retarder"]
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -111,10 +104,3 @@ def test_a_wrong_file_is_one_line_and_bad_input(brake_cal, here, text, said):
         assert ran.err.startswith(f"error: {said}")
         assert len(ran.err.splitlines()) == 1
     assert {path.name for path in here.iterdir()} == {"sample_logs", "mine.py"}
-
-
-@pytest.mark.parametrize("command", ["diagnose", "simulate", "fit", "validate", "effects"])
-def test_help_says_that_the_file_is_executed(brake_cal, command):
-    text = " ".join(brake_cal(command, "--help").out.split())
-    assert "--effect FILE.py" in text
-    assert "executed as Python" in text

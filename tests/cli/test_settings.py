@@ -8,7 +8,6 @@ import pytest
 
 from calib.base.settings import NAME, VARIABLE
 from calib.store.store import Store
-from tests.support.tables import made_table
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, COAST, STOP = (
@@ -109,14 +108,6 @@ def test_an_option_wins(project, brake_cal, tmp_path):
     assert "settings" not in ran.err  # none was used
     assert (tmp_path / "mine").is_dir()
     assert not (tmp_path / "shelf").exists()
-
-
-def test_an_option_wins_that_says_the_built_in_value(project, brake_cal, tmp_path):
-    project('store = "shelf"\n')
-    Store("tables").save(made_table())
-    ran = brake_cal("tables", "list", "--store", "tables", "--json")
-    assert len(json.loads(ran.out)["tables"]) == 1
-    assert ran.err == ""
 
 
 @pytest.mark.parametrize(

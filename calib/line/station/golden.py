@@ -17,6 +17,7 @@ import math
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import StoreError
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
 from calib.store.mean import (
@@ -27,11 +28,28 @@ from calib.store.mean import (
     own_variance,
     stiffness,
 )
+from calib.store.store import Store
+from calib.store.version import Stored
 from calib.table.budget import pad_levels
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5
 """Share of the golden table's range of eta that must be common for a distance to mean anything."""
+
+
+def golden_table(store: Store, reference: str) -> Stored:
+    """The table by which others are measured: released, or a draft that is named by its version.
+
+    Raises StoreError for another one.
+    """
+    found = store.released(reference)
+    if not (found.state.usable and found.state.known):
+        raise StoreError(
+            f"is {found.state.words}; no car is measured by it",
+            where=found.id,
+            expected="a released version",
+        )
+    return found
 
 
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
