@@ -255,6 +255,6 @@ def _index(folder: Path) -> Answer:
     from calib.show.station_index import write_index
 
     with writing(folder, "DIR"):
-        number = len(write_index(folder))
+        number = write_index(folder)
     files = [folder / INDEX, folder / LIVE]
     return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")

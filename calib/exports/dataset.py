@@ -98,10 +98,6 @@ class Addresses:
         return self.by_label.get(name, 0)
 
 
-NOWHERE = Addresses()
-"""No program was given."""
-
-
 @dataclass(frozen=True)
 class Object:
     """What has a label: ``values`` (n,) in ``unit``; ``fixed`` the same in fixed point, or None."""
@@ -235,7 +231,7 @@ class Dataset:
     quality: Quality
     bits: int | None
     date: str
-    addresses: Addresses = NOWHERE
+    addresses: Addresses = Addresses()
 
     @property
     def id(self) -> str:

@@ -18,28 +18,18 @@ from calib.store.version import Stored
 ENDINGS = {name: form.ending for name, form in FORMATS.items()}
 """Ending of the file name by format."""
 
-FIXED_POINT = tuple(name for name, form in FORMATS.items() if form.fixed)
-ADDRESSED = tuple(name for name, form in FORMATS.items() if form.addressed)
 
-
-def format_named(written: str) -> str:
-    """The format of that name in upper or lower case. Raises ExchangeError for an unknown one."""
-    if written.lower() in FORMATS:
+def _form_of(path: Path, written: str | None) -> str:
+    """The format that was named, in upper or lower case, else that of the ending of the file."""
+    if written is not None and written.lower() in FORMATS:
         return written.lower()
-    do = did_you_mean(written.lower(), ENDINGS)
-    raise ExchangeError(f"unknown format {written!r}", expected=", ".join(ENDINGS), do=do)
-
-
-def format_of(name: str) -> str:
-    """The format of a file by its ending. Raises ExchangeError where the ending names none.
-
-    >>> format_of("car.inca.csv"), format_of("car.csv"), format_of("CAR.H")
-    ('inca-csv', 'csv', 'c-header')
-    """
-    fits = [form for form, ending in ENDINGS.items() if name.lower().endswith(f".{ending}")]
+    if written is not None:
+        do = did_you_mean(written.lower(), ENDINGS)
+        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(ENDINGS), do=do)
+    fits = [form for form in ENDINGS if path.name.lower().endswith(f".{ENDINGS[form]}")]
     if not fits:
         endings = ", ".join(f".{ending}" for ending in ENDINGS.values())
-        raise ExchangeError("its ending names no format", where=name, expected=f"one of {endings}")
+        raise ExchangeError("its ending names no format", where=path, expected=f"one of {endings}")
     return max(fits, key=lambda form: len(ENDINGS[form]))
 
 
@@ -58,7 +48,7 @@ class Exported:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What the file assumes of the ECU's memory, in sentences."""
-        return self.data.addresses.remarks if self.form in ADDRESSED else ()
+        return self.data.addresses.remarks if FORMATS[self.form].addressed else ()
 
     @property
     def rounded(self) -> list[dict[str, Any]]:
@@ -143,11 +133,11 @@ def export(
             "...`, or hand it out as it is with --unreleased: the file then says so",
         )
     path = Path(path)
-    form = format_of(path.name) if form is None else format_named(form)
-    if bits is not None and form not in FIXED_POINT:
-        raise ExchangeError(f"{form} has no fixed point", expected=", ".join(FIXED_POINT))
-    if elf is not None and form not in ADDRESSED:
-        raise ExchangeError(f"{form} has no addresses", expected=", ".join(ADDRESSED))
+    form = _form_of(path, form)
+    for given, has, what in ((bits, "fixed", "fixed point"), (elf, "addressed", "addresses")):
+        if given is not None and not getattr(FORMATS[form], has):
+            fit = [name for name, one in FORMATS.items() if getattr(one, has)]
+            raise ExchangeError(f"{form} has no {what}", expected=", ".join(fit))
     data = build(stored, points, quality, bits, date or datetime.now(UTC).date().isoformat())
     if elf is not None:
         data = replace(data, addresses=find_addresses(Path(elf), data))

@@ -1,7 +1,6 @@
 """Numbers as integers with a binary scaling: value = origin + raw * 2^-shift.
 
-The scaling is the finest whose integers fit the width, so that the rounding error is at most half a
-step, 2^-(shift + 1).
+The scaling is the finest that fits the width: the rounding error is at most 2^-(shift + 1).
 """
 
 import math

@@ -78,10 +78,11 @@ def _returned(
     return Returned(form, facts, units, content, first, table)
 
 
-AXIS, GROUP, LINE, VALUE = "STUETZSTELLENVERTEILUNG", "GRUPPENKENNLINIE", "KENNLINIE", "FESTWERT"
-FORMAT, FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
-X, Y = "ST/X", "WERT"
-_ARRAYS = {AXIS: (X,), GROUP: (X, Y), LINE: (X, Y), VALUE: (Y,), FUNCTIONS: ()}
+_AXIS, _VALUE = "STUETZSTELLENVERTEILUNG", "FESTWERT"
+_GROUP, _LINE = "GRUPPENKENNLINIE", "KENNLINIE"
+_FORMAT, _FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
+_X, _Y = "ST/X", "WERT"
+_ARRAYS = {_AXIS: (_X,), _GROUP: (_X, _Y), _LINE: (_X, _Y), _VALUE: (_Y,), _FUNCTIONS: ()}
 """Arrays that an object of each kind must have."""
 
 _TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
@@ -100,26 +101,26 @@ class _Block:
 
 def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Content]:
     lines = [line.strip() for line in text.splitlines()]
-    begin = next((i for i, line in enumerate(lines) if line.split() == [FORMAT, "2.0"]), None)
+    begin = next((i for i, line in enumerate(lines) if line.split() == [_FORMAT, "2.0"]), None)
     if begin is None:
-        raise _bad(path, f"no line {FORMAT} 2.0", "DCM 2.0, or CDF, which is XML")
+        raise _bad(path, f"no line {_FORMAT} 2.0", "DCM 2.0, or CDF, which is XML")
     head = (line.removeprefix("* ").partition(": ") for line in lines[:begin] if line[:2] == "* ")
     facts = {key: value for key, colon, value in head if colon}
     *parts, rest = re.split(r"^END$", "\n".join(lines[begin + 1 :]), flags=re.MULTILINE)
     if _words(rest):
         raise _bad(path, f"{' '.join(_words(rest)[0])} has no END", "the whole object")
     blocks = [_block(path, part) for part in parts]
-    blocks = [b for b in blocks if b.kind != FUNCTIONS]
+    blocks = [b for b in blocks if b.kind != _FUNCTIONS]
     units = _once(path, ((b.name, b.unit) for b in blocks))
-    axes = {b.name: b.numbers[X] for b in blocks if b.kind == AXIS}
-    curves = [b for b in blocks if b.kind in (GROUP, LINE)]
+    axes = {b.name: b.numbers[_X] for b in blocks if b.kind == _AXIS}
+    curves = [b for b in blocks if b.kind in (_GROUP, _LINE)]
     for b in curves:
-        if b.kind == GROUP and axes.get(b.over) != b.numbers[X]:
+        if b.kind == _GROUP and axes.get(b.over) != b.numbers[_X]:
             what = f"{b.name} is over {b.over or 'no axis'}, which is missing or differs"
-            raise _bad(path, what, f"the axis it repeats, as {AXIS}")
-    pairs = {b.name: (b.numbers[X], b.numbers[Y]) for b in curves}
+            raise _bad(path, what, f"the axis it repeats, as {_AXIS}")
+    pairs = {b.name: (b.numbers[_X], b.numbers[_Y]) for b in curves}
     return facts, units, Content(
-        axes, pairs, {b.name: b.numbers[Y][0] for b in blocks if b.kind == VALUE}
+        axes, pairs, {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}
     )  # fmt: skip
 
 
@@ -132,7 +133,7 @@ def _block(path: Path, part: str) -> _Block:
     """The object in front of an END: its first line, its texts, and all its numbers."""
     first, *lines = _words(part) or [[""]]
     kind, name = first[0], first[1] if len(first) > 1 else ""
-    if kind not in _ARRAYS or (not name and kind != FUNCTIONS):
+    if kind not in _ARRAYS or (not name and kind != _FUNCTIONS):
         raise _bad(path, f"{' '.join(first)!r} begins no object", f"one of {', '.join(_ARRAYS)}")
     where, unit = f"{path}: {name}", ""
     arrays: dict[str, list[str]] = {word: [] for word in _ARRAYS[kind]}
@@ -141,10 +142,10 @@ def _block(path: Path, part: str) -> _Block:
             arrays[word] += [number.replace(",", ".") for number in rest]
         elif word not in _TEXTS:
             raise _bad(where, f"{word!r} within {kind}", ", ".join((*arrays, *_TEXTS)))
-        elif word == ("EINHEIT_X" if kind == AXIS else "EINHEIT_W"):
+        elif word == ("EINHEIT_X" if kind == _AXIS else "EINHEIT_W"):
             unit = " ".join(rest).strip('"')
     numbers = {word: _floats(where, texts) for word, texts in arrays.items()}
-    size = "1" if kind == VALUE else first[-1]
+    size = "1" if kind == _VALUE else first[-1]
     for word, found in numbers.items():
         if str(len(found)) != size:
             raise _bad(where, f"{len(found)} of {size} numbers {word}", "as many as it says")
@@ -174,14 +175,14 @@ def _bad(where: object, what: str, expected: str) -> ExchangeError:
     return ExchangeError(what, where=where, expected=expected)
 
 
-TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
+_TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
 
 
 def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], Content]:
     root = _root(path, text)
-    tree = root.find(TREE)
+    tree = root.find(_TREE)
     if root.tag != "MSRSW" or root.findtext("CATEGORY") != "CDF20" or tree is None:
-        raise _bad(path, f"no CDF 2.0: its root is {root.tag}", f"MSRSW, CDF20, {TREE}")
+        raise _bad(path, f"no CDF 2.0: its root is {root.tag}", f"MSRSW, CDF20, {_TREE}")
     sds = root.findall("SDGS/SDG[@GID='brake-cal']/SD")
     facts = {sd.get("GID", ""): sd.text or "" for sd in sds}
     objects = [(one.findtext("SHORT-NAME", ""), one) for one in tree.findall("SW-INSTANCE")]

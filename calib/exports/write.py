@@ -30,7 +30,7 @@ import numpy as np
 from calib.base.errors import ExchangeError
 from calib.exports.dataset import UNIT, Axis, Curve, Dataset, Object, Scalar, label
 
-FUNCTION = "brake_torque"
+_FUNCTION = "brake_torque"
 """Name of the function that the objects belong to."""
 
 _BARE = "-"
@@ -148,7 +148,7 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     written = made.get_template(f"{name}.j2").render(
         data=data,
         facts=list(data.facts().items()),
-        function=f"{data.prefix}_{FUNCTION}",
+        function=f"{data.prefix}_{_FUNCTION}",
         version=stored.version,
         digest=stored.digest,
         program=stored.table.provenance.program,

@@ -75,8 +75,9 @@ def complete_channels(
             notes.append(f"{name} is empty and was left out")
         elif name in CHANNELS and CHANNELS[name].required:
             first = int(bad[0])
+            kind = "no value" if np.isnan(values[first]) else "an infinite value"
             raise LogError(
-                f"no value in {bad.size} of {values.size} rows, first in row {first + 1} at "
+                f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1} at "
                 f"{channels['time'][first]:.3f} s",
                 where=f"{where}: {name}",
                 expected="a finite value in every row",

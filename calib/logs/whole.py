@@ -80,28 +80,20 @@ def read_whole(
         if isinstance(opened.source, Recording):
             recorded_clock(assigned, channel_map)
         source = opened.table(taken)
-    every = dict(enumerate(source.each()))
-    values = {i: x for i, x in every.items() if not isinstance(x, LogError)}
-    notes = [
-        f"{source.columns[i].full_name} was left out: {error.what}"
-        for i, error in every.items()
-        if isinstance(error, LogError)
-    ]
-    if channel_map:  # under their own names they would be channels
-        for index in [i for i in values if source.columns[i].name in channel_map.ignore]:
-            del values[index]
-            notes.append(f"{source.columns[index].full_name} was left out: the map ignores it")
-    columns: list[WholeColumn] = []
+    # under its own name an ignored column would be a channel
+    ignore = channel_map.ignore if channel_map else ()
+    columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in taken.values()}
-    for index in sorted(values):
-        item, column, rate = taken.get(index), source.columns[index], source.rates.get(index)
-        if item is not None:
-            written = item.mapping.written(values[index])
-            found = WholeColumn(item.channel, item.unit, written, rate)
-        else:
-            found = WholeColumn(_unused(column, names), column.unit, values[index], rate)
-        names.add(found.name)
-        columns.append(found)
+    for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
+        if isinstance(values, LogError) or column.name in ignore:
+            why = values.what if isinstance(values, LogError) else "the map ignores it"
+            notes.append(f"{column.full_name} was left out: {why}")
+            continue
+        name, unit = _unused(column, names), column.unit
+        if (item := taken.get(index)) is not None:
+            name, unit, values = item.channel, item.unit, item.mapping.written(values)
+        names.add(name)
+        columns.append(WholeColumn(name, unit, values, source.rates.get(index)))
     if not columns:
         raise LogError("no column holds numbers", where=path, expected="a log")
     return WholeLog(

@@ -13,8 +13,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
 
-LEAD_IN = 1.5
-"""Unbraked time at the start [s]."""
+LEAD_IN = 1.5  # unbraked time at the start [s]
 
 RISE = 400e5
 """Rise of the pressure in a step [Pa/s], as a real master cylinder limits it; a driver in an

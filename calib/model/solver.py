@@ -28,11 +28,8 @@ from calib.car.model import tyres_along
 TOLERANCE = 1e-9
 """Largest change of v (relative to the first speed) and of slip in the last iteration."""
 
-ITERATIONS = 60
-"""Each iteration gains one to two digits; 30 s of coasting need about twelve."""
-
-_LEAST_LOAD = 0.01
-"""Share of the weight [1] below which an axle counts as lifted."""
+ITERATIONS = 60  # each gains one to two digits; 30 s of coasting need about twelve
+_LEAST_LOAD = 0.01  # share of the weight below which an axle counts as lifted [1]
 
 
 @dataclass(frozen=True)

@@ -50,17 +50,10 @@ _OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
 of 110 Hz taken for 100 is 10 % off. One log in 3000; a scale that is sharp is then another cause
 from 9 % on, 4.6 sigma of a sensor."""
 
-_LAG = 0.02
-"""How far v and a_x may be out of step [s]."""
-
-_GREATEST = 1.5
-"""Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
-
-_SECOND = 1.0
-"""Time over which a_x and v are compared [s]: the noise of v then counts for 0.002 g."""
-
-_STEP = 4
-"""Blocks from one judgement to the next: 0.2 s."""
+_LAG = 0.02  # how far v and a_x may be out of step [s]
+_GREATEST = 1.5  # deceleration that no road car reaches [1]: the block holds a glitch of a_x
+_SECOND = 1.0  # time over which a_x and v are compared [s]: the noise of v is then 0.002 g
+_STEP = 4  # blocks from one judgement to the next: 0.2 s
 
 _CASES = np.array(list(product((False, True), repeat=4)))
 """Whether bias, grade, drag and a grade that walks are there (16, 4): those that walk by turns."""

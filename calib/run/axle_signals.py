@@ -116,8 +116,7 @@ HELD = 0.06
 """Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
 is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
 
-_SLOWING = 1.0
-"""Deceleration [m/s^2] at which a v that is as fine as the wheel speeds changes."""
+_SLOWING = 1.0  # deceleration at which a v as fine as the wheel speeds changes [m/s^2]
 
 
 def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
@@ -173,12 +172,8 @@ def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) 
 _DISTURBED = 4.0
 """Distance of eta from its median at the end of the lead-in, in its usual scatter, that no noise
 has: an axle is driven until the foot leaves the gas, or a wheel runs over something."""
-
-FINEST = 1e-5
-"""Scatter of eta [1] that always counts as usual: simulated logs may have none."""
-
-_LEAST = 0.5
-"""Shortest lead-in [s] that shows the usual scatter, and end of one that shows the usual eta."""
+FINEST = 1e-5  # scatter of eta that always counts as usual [1]: simulated logs may have none
+_LEAST = 0.5  # shortest lead-in that shows the usual scatter, and end of one with the usual eta [s]
 
 
 def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:

@@ -55,15 +55,12 @@ class Findings:
 
     Attributes
     ----------
-    log, source, digest : name, path and SHA-256 of the log.
-    truth, ignored : its truth channels; columns that are not used.
+    log, source, digest, truth, ignored, notes, bridged : as the `Log` has them.
     seen : observations on clock, sensors and driving [SI].
-    notes : what was changed while reading.
     warnings : problems that do not make the log unusable.
     verdicts : one for each purpose.
     taken : source column of each channel.
     uses : quantities that can be determined from the log, also if it is not usable.
-    bridged : gaps of single channels that were bridged while reading.
     """
 
     log: str
@@ -92,9 +89,8 @@ class Findings:
 def check(log: Log, copies: Iterable[str] = ()) -> Findings:
     """Check a log and judge it for each purpose.
 
-    Channels may be missing (``require=()`` of `read_log`). It judges the driving and the sensors,
-    not whether the vehicle file fits the car. ``copies`` name pressures that were computed from
-    another column: they make the log unusable.
+    Channels may be missing (``require=()`` of `read_log`). ``copies`` name pressures that were
+    computed from another column: they make the log unusable.
 
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))

@@ -24,8 +24,7 @@ from calib.logs.source import ColumnSource
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
-_HELD = 1.5
-"""Samples for which a channel keeps its values, from which it is held between them."""
+_HELD = 1.5  # samples for which a channel keeps its values, from which it is held
 
 
 def made_of_wheels(log: Log) -> bool:

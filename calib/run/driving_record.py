@@ -23,22 +23,17 @@ from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean, runs
 from calib.run.limits import LIMITS
 
-BITE_Z = 0.08
-"""Deceleration [g] that counts as braking if no pressure is logged: above drag and engine."""
-STEADY = 0.15
-"""Largest deceleration of a car that rolls [g]."""
+BITE_Z = 0.08  # deceleration that is braking if no pressure is logged [g]: above drag and engine
+STEADY = 0.15  # largest deceleration of a car that rolls [g]
 _DRIVEN = 0.05
 """Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
 and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
 shows."""
 _SHORTEST, _PAUSE = 0.3, 0.2  # shortest brake event, and release that ends one [s]
 _STROKE = 0.25  # interval in which a rise is judged [s]: over pedal tremble, below a ramp
-SETTLE = 0.1
-"""Time left out between lead-in and first event [s]: pressure rises before it reaches ``BITE``."""
-SMOOTH = 0.1
-"""Width of the centred mean that reduces the noise [s]."""
-NOMINAL_RADIUS = 0.32
-"""Rolling radius [m] of a usual wheel, for an approximate speed if ``v`` is not logged."""
+SETTLE = 0.1  # left out between lead-in and first event [s]: pressure rises before the bite
+SMOOTH = 0.1  # width of the centred mean that reduces the noise [s]
+NOMINAL_RADIUS = 0.32  # rolling radius of a usual wheel [m], for a speed if ``v`` is not logged
 
 
 def rolls(z: Array) -> Mask:

@@ -15,8 +15,7 @@ from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
 
-_LATERAL_TIME = 0.2
-"""Time constant [s] over which the wheels are compared: their noise alone is 1 m/s^2."""
+_LATERAL_TIME = 0.2  # over which the wheels are compared [s]: their noise alone is 1 m/s^2
 
 
 def sides(log: Log) -> Array:

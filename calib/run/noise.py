@@ -146,8 +146,7 @@ in five minutes rolls on a radius 0.1 % larger, 3e-6 a second. With usual wheel 
 is 3 s: the zero then lags by 1e-5 and has noise of 2e-5. A walk that makes 0.1 % in five minutes
 would forget a lead-in within half a second; a tyre that warms is steadier over seconds."""
 
-_OLDEST = 12.0
-"""Age over tau past which all is forgotten: its weight is 6e-6."""
+_OLDEST = 12.0  # age over tau past which all is forgotten: its weight is 6e-6
 
 
 def aged(time: Array, rolling: Mask, density: Array) -> Array:

@@ -16,8 +16,7 @@ _HOLD = 0.1  # width over which a constant pressure is averaged [s]
 _WIDEST = 8  # most samples between those of the further third differences
 _HIDDEN = 1.5  # noise over more samples, over that from one to the next, that is not white
 
-NOTHING = 0.4e5
-"""A constant pressure below this [Pa] is zero: return springs keep the pads off the disc."""
+NOTHING = 0.4e5  # a constant pressure below this [Pa] is zero: springs keep the pads off
 
 _PEAK = 8.0
 """Standard deviations of the noise by which a peak beside a constant pressure is noise: a parabola

@@ -17,7 +17,6 @@ from calib.line.station.index import (
     TRENDS,
     UNREADABLE,
     IndexedRun,
-    Runs,
     runs_below,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Table
@@ -37,20 +36,16 @@ _KINDS = {word: word for word in (PASSED, WARNING, FAILED)} | dict.fromkeys(
 """Verdicts, and as which they are drawn and sorted."""
 
 
-def write_index(folder: Path, known: Runs | None = None) -> Runs:
-    """Write `INDEX` and `LIVE` of the runs below ``folder``; return the runs.
+def write_index(folder: Path) -> int:
+    """Write `INDEX` and `LIVE` of the runs below ``folder``; return the number of runs.
 
-    Those that an earlier call returned, ``known``, are not read again, and where they are all there
-    is the pages stay. Raises OSError if the folder cannot be read or written.
+    Raises OSError if the folder cannot be read or written.
     """
-    found = runs_below(folder, known or {})
-    runs = sorted(found.values(), key=lambda run: (-run.stamp[0], run.place))
+    runs = runs_below(folder)
     for name, every in ((INDEX, 0), (LIVE, _EVERY)):
-        path = folder / name
-        if found != known or not path.is_file():
-            page = page_of(facts(runs, folder.absolute().name, every), every)
-            write_whole(path, page.encode())
-    return found
+        page = page_of(facts(runs, folder.absolute().name, every), every)
+        write_whole(folder / name, page.encode())
+    return len(runs)
 
 
 def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
@@ -105,7 +100,7 @@ def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
 def _row(run: IndexedRun) -> tuple[str, ...]:
     names, trend = ("pad_friction_f", "pad_friction_r"), run.trend or {}
     pads = " / ".join(plain(name).value(trend.get(name)) for name in names) if run.trend else ""
-    at = datetime.fromtimestamp(run.stamp[0] / 1e9).astimezone().strftime("%Y-%m-%d %H:%M:%S")
+    at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M:%S")
     return run.car or run.place, _heading(run), _why(run), pads, run.station, at
 
 

@@ -11,7 +11,7 @@ from calib.base.printable import printable
 from calib.store.state import Evidence
 from calib.store.version import Stored
 
-CALIBRATED, CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
+_CALIBRATED, _CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Quality:
     verdict: str | None = None
 
 
-UNPROVED = Quality(CALIBRATED, "none given with this export")
+UNPROVED = Quality(_CALIBRATED, "none given with this export")
 """Quality of a table without a validation."""
 
 
@@ -72,10 +72,10 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
         raise _other(summary.table, summary.digest or "unknown", path, stored)
     held = [log for log in summary.logs if log.role == "hold-out"]
     if not held:
-        return Quality(CALIBRATED, "only on logs that the table was fitted on: proves nothing")
+        return Quality(_CALIBRATED, "only on logs that the table was fitted on: proves nothing")
     verdict, outcomes = summary.verdict, [f"{log.log} {log.verdict}" for log in held]
     words = f"{verdict} on {len(held)} hold-out log{'s' * (len(held) > 1)}: {', '.join(outcomes)}"
-    return Quality(CHECKED if verdict == "passed" else PRELIMINARY, printable(words), verdict)
+    return Quality(_CHECKED if verdict == "passed" else PRELIMINARY, printable(words), verdict)
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:

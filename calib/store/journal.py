@@ -37,7 +37,7 @@ from calib.store.state import (
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
 
 STORED, ADOPTED, CHANGED, SIGNED = "stored", "adopted", "changed", "signed"
-FIRST = (STORED, ADOPTED)
+_FIRST = (STORED, ADOPTED)
 """Events with which the journal learns of a version; adopted: older than the journal."""
 
 _START = "0" * 64
@@ -232,10 +232,10 @@ def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str
         return "was changed: it does not agree with its hash"
     if entry.previous != previous or entry.number != number:
         return "does not follow the line before: a line was changed, lost or put in"
-    if entry.event not in (*FIRST, CHANGED, SIGNED) or entry.state not in STATES:
+    if entry.event not in (*_FIRST, CHANGED, SIGNED) or entry.state not in STATES:
         return f"{entry.event} {entry.state}: no such event"
-    if before is None or entry.event in FIRST:
-        fits = before is None and entry.event in FIRST
+    if before is None or entry.event in _FIRST:
+        fits = before is None and entry.event in _FIRST
     elif (entry.digest, entry.record) != (before.digest, before.record):
         return f"{entry.id} is another table than the one that was stored"
     else:

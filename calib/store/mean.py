@@ -47,7 +47,7 @@ _CARS = "cars"
 """Part of a budget that is the difference between cars."""
 
 
-OWN = ("noise", "zeros")
+_OWN = ("noise", "zeros")
 """Parts of `calib.table.budget` that differ from run to run and cannot be alike in two cars."""
 
 RATIO, COMPLIANCE = "log_pad_ratio", "log_compliance"
@@ -198,7 +198,7 @@ def _shared(of: Sequence[Mapping[str, Any]], weights: Array) -> dict[str, Array]
     out: dict[str, Array] = {}
     for weight, parts in zip(weights.tolist(), of, strict=True):
         for part, share in parts.items():
-            if part not in OWN:
+            if part not in _OWN:
                 out[part] = out.get(part, np.zeros(())) + weight * np.asarray(share)
     return out
 
@@ -217,7 +217,7 @@ def own_covariance(table: Table) -> Array:
     """Covariance of the posterior (k, k) by the errors of the table's own run."""
     n = len(table.posterior.names)
     parts = {} if table.budget is None else table.budget.posterior
-    return sum((np.asarray(parts[p]) for p in OWN if p in parts), np.zeros((n, n)))
+    return sum((np.asarray(parts[p]) for p in _OWN if p in parts), np.zeros((n, n)))
 
 
 def own_variance(table: Table, name: str) -> float:
@@ -229,7 +229,7 @@ def own_variance(table: Table, name: str) -> float:
 def own_level(table: Table) -> float:
     """Variance of the logarithm of the pad level [1] by the errors of the table's own run."""
     level = {} if table.budget is None else table.budget.level
-    return sum(level.get(part, 0.0) for part in OWN)
+    return sum(level.get(part, 0.0) for part in _OWN)
 
 
 def own_share(table: Table, eta: Array) -> Array:

@@ -31,12 +31,12 @@ _VALUE = {"value", "sigma"}
 _RESULTS = ("calibration", "effects", "noise", "posterior", "quality")
 """Sections of the record that hold numbers of the fit; its words follow from them."""
 
-EQUAL, WITHIN, DIFFERENT = "equal", "equal within bands", "different"
+_EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
 """Verdicts on two tables; the second where nothing differs by more than the 95 % bands of both."""
 
 
 @dataclass(frozen=True)
-class CurveGap:
+class _CurveGap:
     """Distance of one curve of ``b`` from that of ``a`` on their common axis, eta or slip [1].
 
     ``largest`` the b - a of largest magnitude, ``at`` its place; ``rms`` over the axis;
@@ -62,8 +62,8 @@ class _RecordChange:
 
 
 @dataclass(frozen=True)
-class ValueGap:
-    """A fitted value of ``a`` and ``b`` [1], and their distance as in `CurveGap`."""
+class _ValueGap:
+    """A fitted value of ``a`` and ``b`` [1], and their distance as in `_CurveGap`."""
 
     name: str
     a: float
@@ -78,9 +78,9 @@ class Difference:
     ``changes`` by section of the record: vehicle, quality, provenance and so on, if not equal.
     """
 
-    curves: tuple[CurveGap, ...]
+    curves: tuple[_CurveGap, ...]
     apart: tuple[str, ...]
-    values: tuple[ValueGap, ...]
+    values: tuple[_ValueGap, ...]
     changes: dict[str, tuple[_RecordChange, ...]]
 
     @property
@@ -89,19 +89,12 @@ class Difference:
         return not self.changes and not self.apart and all(g.largest == 0.0 for g in self.curves)
 
     @property
-    def beyond(self) -> tuple[CurveGap | ValueGap, ...]:
-        """Curves and values that differ by more than the 95 % bands of both, the worst first."""
-        every: list[CurveGap | ValueGap] = [*self.curves, *self.values]
-        return tuple(
-            sorted((gap for gap in every if gap.in_bands > 1.0), key=lambda g: -g.in_bands)
-        )
-
-    @property
     def verdict(self) -> str:
-        """`equal`, `equal within bands` or `different`."""
+        """`equal`; `equal within bands`, of 95 %; or `different`."""
         if self.identical:
-            return EQUAL
-        return DIFFERENT if self.beyond or self.apart else WITHIN
+            return _EQUAL
+        gaps = [g.in_bands for g in self.curves] + [g.in_bands for g in self.values]
+        return _DIFFERENT if self.apart or max(gaps, default=0.0) > 1.0 else _WITHIN
 
 
 def diff(a: Table, b: Table) -> Difference:
@@ -117,9 +110,9 @@ def diff(a: Table, b: Table) -> Difference:
     )
 
 
-def _value_gap(name: str, a: Value, b: Value) -> ValueGap:
+def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:
     band = np.asarray(Z95 * math.hypot(a.sigma, b.sigma))
-    return ValueGap(name, a.value, b.value, _in_bands(np.asarray(b.value - a.value), band))
+    return _ValueGap(name, a.value, b.value, _in_bands(np.asarray(b.value - a.value), band))
 
 
 def _in_bands(gap: Array, band: Array) -> float:
@@ -142,7 +135,7 @@ def _axes(table: Table) -> dict[str, tuple[Array, Array, Array]]:
 
 def _gap(
     name: str, a: tuple[Array, Array, Array], b: tuple[Array, Array, Array]
-) -> CurveGap | None:
+) -> _CurveGap | None:
     start, end = max(a[0][0], b[0][0]), min(a[0][-1], b[0][-1])
     if not start < end:
         return None
@@ -153,7 +146,7 @@ def _gap(
     band = np.hypot(np.interp(x, a[0], a[2]), np.interp(x, b[0], b[2]))
     worst = int(np.argmax(np.abs(gap)))
     square = (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
-    return CurveGap(
+    return _CurveGap(
         curve=name,
         start=float(start),
         end=float(end),

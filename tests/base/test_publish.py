@@ -1,6 +1,6 @@
 """All files of a run or none, whatever is killed when, full or read-only.
 
-`tests/studies/kill_publish.py` kills processes at random times.
+`tests/studies/kills.py` kills processes at random times.
 """
 
 import json

@@ -8,9 +8,8 @@ import pytest
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.explanation.vector import unpack
+from tests.support.explained import asked
 from tests.support.hidden.cases import draw
 
 DRAG = "aerodynamic_drag"
@@ -24,7 +23,7 @@ def case():
 
 def problem(case, **known):
     car = replace(case.vehicle, effects=Effects({DRAG: known} if known else {}))
-    return problem_of(car, [run_of(log) for log in case.calibration])
+    return asked(replace(case, vehicle=car))
 
 
 def test_the_share_of_a_hidden_drag_is_one_of_its_parameters(case):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from calib.car.own_effects.effect_file import read_own_effect
-from calib.car.own_effects.own_effect import OwnEffect, with_own
-from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.car.own_effects.own_effect import with_own
+from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.written.document import to_dict
 from calib.model.sensor_noise import add_noise
 from calib.show.diagnosis import facts
@@ -21,24 +21,14 @@ AREA = 0.7
 """Of the hidden flap [m^2]; that of the plant opens over another range of pressure."""
 
 
-@pytest.fixture(scope="module")
-def logs():
-    """Four logs to search, two to prove it on, of a sedan of the plant with a flap."""
-    rng = np.random.default_rng(4711)
-    hidden = Hidden(flap_area=AREA)
+def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file():
+    """The size within a fifth: at 5 bar that of the plant is a third open, the card's a half."""
+    rng, hidden = np.random.default_rng(4711), Hidden(flap_area=AREA)
     car = Car(CARS[1], magic(26.0, 1.0, curvature=-0.1), (0.95, 1.05), hidden=hidden)
     names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
-    return [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
-
-
-def answer(logs, own: list[OwnEffect]) -> Diagnosis:
-    return diagnose(with_own(CARS[1], own), logs[:4], logs[4:])
-
-
-def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(logs):
-    """The size within a fifth: at 5 bar that of the plant is a third open, the card's a half."""
+    logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
     own = read_own_effect(EXAMPLE)
-    found = answer(logs, [own])
+    found = diagnose(with_own(CARS[1], [own]), logs[:4], logs[4:])
     assert found.verdict == "named"
     assert [effect.name for effect in found.effects] == ["air_brake_flap"]
     assert found.effects[0].parameters["flap_area"].value == pytest.approx(AREA, rel=0.2)
@@ -49,15 +39,3 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(logs):
     assert facts(found, "sedan").parts[0].rows[0] == ("Cause", own.effect.card.cause)
     (tried,) = to_dict(found)["own_effects"]
     assert tried == {"name": "air_brake_flap", **told["defined_in"], "named": True}
-
-
-def test_an_effect_of_ones_own_that_is_not_hidden_is_not_named():
-    """A file that is given is a candidate, and no more."""
-    rng = np.random.default_rng(4712)
-    car = Car(CARS[1], magic(26.0, 1.0), (0.95, 1.05), hidden=Hidden(lag=0.15))
-    names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
-    logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
-    found = answer(logs, [read_own_effect(EXAMPLE)])
-    assert [effect.name for effect in found.effects] == ["hydraulic_lag"]
-    (tried,) = to_dict(found)["own_effects"]
-    assert (tried["name"], tried["named"]) == ("air_brake_flap", False)

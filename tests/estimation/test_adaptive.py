@@ -52,8 +52,7 @@ def test_gain_adapts_both_axles_at_the_same_rate():
 # (25) --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("start", [0.0, -0.3])
-@pytest.mark.parametrize("n", [1, 2, 400])
+@pytest.mark.parametrize(("n", "start"), [(1, 0.0), (400, -0.3)])
 def test_gradient_is_the_plain_loop(n, start):
     y, u = run(n)
     gamma = adaptive.gain(AXLE)
@@ -91,20 +90,10 @@ def lyapunov(theta_error, gamma):
     return theta_error**2 / (2.0 * gamma)
 
 
-@given(st.integers(0, 2**31), st.floats(0.01, 1.99), st.floats(-0.5, 0.5))
-def test_lyapunov_function_never_grows(seed, worst, theta):
-    u = -1000.0 * np.random.default_rng(seed).random(200)
-    gamma = worst / (np.max(u**2) * DT)
-    found = adaptive.gradient(theta * u, u, gamma, DT, start=1.0)
-    V = lyapunov(np.concatenate([[1.0], found]) - theta, gamma)
-    assert np.all(np.diff(V) <= 1e-12 * V[0])
-
-
 # Recursive least squares -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("k", [0, 1, 57, 399])
-@pytest.mark.parametrize("prior", [0.0, 3e6])
+@pytest.mark.parametrize(("k", "prior"), [(0, 3e6), (57, 0.0), (399, 3e6)])
 def test_least_squares_is_the_direct_weighted_solve(k, prior):
     y, u = run()
     memory = 0.4

@@ -1,7 +1,5 @@
 """The methods beside the estimate: shown, or left out with a note; none of them stops a run."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -16,31 +14,10 @@ PLAIN = {"nominal", "mean_gain", "temperature"}
 """Methods without a look-up."""
 
 
-def every(log, step):
-    """Each ``step``-th sample of a log: a slower recorder."""
-    return replace(
-        log,
-        channels={name: x[::step] for name, x in log.channels.items()},
-        truth={name: x[::step] for name, x in log.truth.items()},
-    )
-
-
-@pytest.fixture(scope="module")
-def table():
-    return fit(CAR, [noisy(ramp(REAL), 1)])
-
-
-@pytest.fixture(scope="module", params=[(70e5, 0.2, 40.0), (110e5, 0.13, 100.0)])
-def hard(request):
-    """A stop at half a g on faded pads, so that no wheel locks: pressure, pads, rate."""
-    pressure, pad, rate = request.param
-    log = stop(with_pads(REAL, pad, pad), pressure, duration=6.0)
-    return every(noisy(log, 2), round(1.0 / (rate * log.sample_time)))
-
-
-def test_a_law_that_is_unstable_is_left_out_with_a_note(table, hard):
-    """gamma u^2 dt = 8/s (p/20 bar)^2 dt is 2.45 at 70 bar, 40 Hz and 2.42 at 110 bar, 100 Hz."""
-    e = estimate(table, hard)
+def test_a_law_that_is_unstable_is_left_out_with_a_note(fitted):
+    """gamma u^2 dt = 8/s (p/20 bar)^2 dt is 2.45 at 70 bar and 40 Hz; no wheel locks."""
+    log = stop(with_pads(REAL, 0.2, 0.2), 70e5, duration=6.0, rate=40.0)
+    e = estimate(fitted, noisy(log, 2))
     assert set(e.baselines) == {*PLAIN, *LAWS - UNSTABLE}
     (note,) = e.notes
     assert (
@@ -50,9 +27,9 @@ def test_a_law_that_is_unstable_is_left_out_with_a_note(table, hard):
     assert np.mean(e.valid[e.braked & (e.speed > 5.0)]) > 0.5
 
 
-def test_without_laws_there_are_nominal_pads_only(table):
+def test_without_laws_there_are_nominal_pads_only(fitted):
     """A batch asks for no more, and must not pay for it."""
-    e = estimate(table, noisy(stop(), 3), with_laws=False)
+    e = estimate(fitted, noisy(stop(), 3), with_laws=False)
     assert set(e.baselines) == {"nominal"}
     assert e.notes == ()
 

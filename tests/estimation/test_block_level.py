@@ -11,7 +11,7 @@ from calib.estimation.estimator import estimate
 from calib.estimation.priors import Priors
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
-from tests.support.reference_car import CAR, REAL, noisy, stop, without
+from tests.support.reference_car import CAR, REAL, held, noisy, stop, without
 
 PRIORS = Priors()
 BLOCKS = blocks(signals(stop(), CAR))
@@ -51,12 +51,9 @@ def test_noise_of_a_faint_braking_is_told():
     assert faint.error[-1] > strong.error[-1]
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_late_brakes_are_no_change_of_the_pads(fitted, seed):
+def test_late_brakes_are_no_change_of_the_pads(fitted):
     """Without v the first second decides; brakes that follow 0.12 s late made it 30 % wrong."""
-    log = noisy(stop(replace(REAL, hydraulic_lag=0.12)), seed)
+    log = noisy(stop(replace(REAL, hydraulic_lag=0.12)), 0)
     e = estimate(fitted, without(log, "v"), with_laws=False)
     assert e.valid.sum() > 500
-    for axle, true in ((e.front, CAR.front.pad_friction), (e.rear, CAR.rear.pad_friction)):
-        held = (axle.lower <= true) & (true <= axle.upper)
-        assert np.mean(held[e.valid]) > 0.95
+    assert min(held(e)) > 0.95

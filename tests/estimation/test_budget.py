@@ -9,7 +9,7 @@ from calib.base.intervals import Z95
 from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
-from tests.support.reference_car import CAR, IDEAL, REAL, WET, noisy, ramp, stop, without
+from tests.support.reference_car import CAR, IDEAL, REAL, WET, held, noisy, ramp, stop, without
 
 UNWEIGHED = replace(CAR, mass_tolerance=0.03)
 PATCHED = replace(REAL, surface=lambda x: (1.0, 1.0) if x < 85.0 else (0.95, 0.55))
@@ -72,15 +72,13 @@ def test_a_weighed_car_has_no_part_of_the_mass(logs):
             assert "mass" not in axle.parts
 
 
-@pytest.mark.parametrize("scale", [0.94, 1.06])
-@pytest.mark.parametrize("plant", [IDEAL, REAL])
+@pytest.mark.parametrize(("plant", "scale"), [(IDEAL, 0.94), (REAL, 1.06)])
 def test_a_mass_wrong_on_ramp_and_stop_is_held_by_the_interval(plant, scale):
     """Unchanged pads look unchanged, but all of them are off by the mass: two sigma of it."""
     wrong = replace(plant, mass_scale=scale)
     table = fit(UNWEIGHED, [noisy(ramp(wrong), 1)])
     e = estimate(table, noisy(stop(wrong), 3), with_laws=False)
-    for axle, made_of in zip((e.front, e.rear), budget(e), strict=True):
+    for made_of in budget(e):
         error = np.log(made_of.pad_friction / 0.38)
         assert abs(error) == pytest.approx(2.0 * made_of.relative["mass"], rel=0.25)
-        held = (axle.lower <= 0.38) & (axle.upper >= 0.38)
-        assert np.mean(held[e.valid]) > 0.9
+    assert min(held(e)) > 0.9

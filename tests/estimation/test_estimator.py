@@ -23,6 +23,7 @@ from tests.support.reference_car import (
     REAL,
     WET,
     cut,
+    held,
     noisy,
     ramp,
     stop,
@@ -33,18 +34,13 @@ from tests.support.reference_car import (
 
 
 @pytest.fixture(scope="module")
-def table(fitted):
-    return fitted
-
-
-@pytest.fixture(scope="module")
 def wet():
     return noisy(stop(WET, duration=12.0), 3)
 
 
 @pytest.fixture(scope="module")
-def result(table, wet):
-    return estimate(table, wet)
+def result(fitted, wet):
+    return estimate(fitted, wet)
 
 
 def columns(e, until=None):
@@ -83,24 +79,24 @@ def truth_inside(e, log):
 # Causal, and blind to what it must not see.
 
 
-@pytest.mark.parametrize("last", [1.75, 2.2, 3.0, 4.013, 6.5])
-def test_the_future_changes_nothing(table, wet, result, last):
-    early = estimate(table, cut(wet, 0.0, last))
+@pytest.mark.parametrize("last", [1.75, 4.013])
+def test_the_future_changes_nothing(fitted, wet, result, last):
+    early = estimate(fitted, cut(wet, 0.0, last))
     same(columns(early), columns(result, early.time[-1] + 1e-9), 1e-12)
 
 
-def test_truth_is_never_read(table, wet, result):
+def test_truth_is_never_read(fitted, wet, result):
     for truth in ({}, {name: np.full_like(x, 1e4) for name, x in wet.truth.items()}):
-        same(columns(estimate(table, replace(wet, truth=truth))), columns(result), 0.0)
+        same(columns(estimate(fitted, replace(wet, truth=truth))), columns(result), 0.0)
 
 
 # Right, at any rate and without v.
 
 
-@pytest.mark.parametrize("rate", [40.0, 100.0, 1000.0])
-def test_rates_agree(table, rate):
+@pytest.mark.parametrize("rate", [40.0, 1000.0])
+def test_rates_agree(fitted, rate):
     """The same stop without noise; between the samples of the slow clock nothing is known."""
-    slow, usual = (estimate(table, stop(WET, rate=r)) for r in (rate, 200.0))
+    slow, usual = (estimate(fitted, stop(WET, rate=r)) for r in (rate, 200.0))
     for side in ("front", "rear"):
         a, b = getattr(slow, side), getattr(usual, side)
         at = np.linspace(2.2, 6.5, 40)
@@ -112,33 +108,17 @@ def test_rates_agree(table, rate):
     assert np.mean(slow.valid) == pytest.approx(np.mean(usual.valid), abs=0.02)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_wet_pads_are_found(table, seed):
-    log = noisy(stop(WET), seed)
-    e = estimate(table, log)
-    assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.03)
-    assert np.mean(e.rear.pad_friction[e.valid]) == pytest.approx(0.27, rel=0.08)
-    assert np.mean(np.concatenate(truth_inside(e, log))) > 0.85
-
-
 CHANGED = (0.31 / 0.38, 0.27 / 0.38)
 """Pads of WET over those of the ramp."""
 
 
-def change_inside(e, changed):
-    """Valid samples whose interval holds the true change since the ramp: shares of both axles."""
-    return [
-        ((axle.change_lower <= true) & (true <= axle.change_upper))[e.valid]
-        for axle, true in zip((e.front, e.rear), changed, strict=True)
-    ]
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_the_change_since_the_ramp_is_that_of_the_plant(table, seed):
-    e = estimate(table, noisy(stop(WET), seed))
+def test_wet_pads_and_their_change_since_the_ramp_are_found(result):
+    e = result
     for axle, true, off in zip((e.front, e.rear), CHANGED, (0.03, 0.08), strict=True):
+        assert np.mean(axle.pad_friction[e.valid]) == pytest.approx(0.38 * true, rel=off)
         assert np.mean(axle.change[e.valid]) == pytest.approx(true, rel=off)
-    assert all(np.mean(inside) >= 0.9 for inside in change_inside(e, CHANGED))
+    assert min(held(e, 0.31, 0.27)) > 0.85
+    assert min(held(e, *CHANGED, "change_")) >= 0.9
 
 
 # In doubt: the tyres, the accelerometer.
@@ -153,38 +133,25 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
     plant = replace(REAL, rear_stiffness=ratio)
     found = fit(CAR, [noisy(ramp(plant), 1)])
     clean = stop(with_pads(plant, 0.31, 0.27))
-    for seed in range(3):
-        log = noisy(clean, seed)
-        seeing, blind = estimate(found, log), estimate(found, without(log, "v"))
-        assert np.mean(seeing.valid) > 0.5
-        assert np.any(blind.valid)
-        for e in (seeing, blind):
-            for inside in (*truth_inside(e, log), *change_inside(e, CHANGED)):
-                assert np.mean(inside) >= 0.9
+    log = noisy(clean, 0)
+    seeing, blind = estimate(found, log), estimate(found, without(log, "v"))
+    assert np.mean(seeing.valid) > 0.5
+    assert np.any(blind.valid)
+    for e in (seeing, blind):
+        assert min(*held(e, 0.31, 0.27), *held(e, *CHANGED, "change_")) >= 0.9
 
 
-@pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (0.95, 0.0), (1.0, 0.3), (1.0, -0.3)])
-def test_a_wrong_accelerometer_is_put_right_with_v(table, wet, scale, bias):
+@pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (1.0, -0.3)])
+def test_a_wrong_accelerometer_is_put_right_with_v(fitted, wet, scale, bias):
     """5 % of a_x or 0.3 m/s^2 not taken out would move the pads by 5 % and by 10 %."""
-    e = estimate(table, with_channels(wet, a_x=scale * wet["a_x"] + bias))
+    e = estimate(fitted, with_channels(wet, a_x=scale * wet["a_x"] + bias))
     assert e.accelerometer.scale[-1] == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
     assert G * e.accelerometer.bias[-1] == pytest.approx(-bias, abs=0.05)
-    front, _ = truth_inside(e, wet)
-    assert np.mean(front) > 0.9
+    assert min(held(e, 0.31, 0.27)) > 0.9
     assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.03)
 
 
-@pytest.mark.parametrize(
-    ("scale", "bias"),
-    [(1.05, 0.0), (0.95, 0.0), (1.0, 0.3), (1.0, -0.3), (1.0, -0.15)],
-)
-def test_the_rear_interval_holds_with_a_wrong_accelerometer(table, wet, scale, bias):
-    e = estimate(table, with_channels(wet, a_x=scale * wet["a_x"] + bias))
-    _, rear = truth_inside(e, wet)
-    assert np.mean(rear) > 0.9
-
-
-def test_torque_is_that_of_one_wheel(table, wet, result):
+def test_torque_is_that_of_one_wheel(fitted, wet, result):
     """(2) with the estimate: faces A r mu p."""
     v = result.valid
     expected = 2 * 28.84e-4 * 0.1309 * result.front.pad_friction * wet["p_mc"]
@@ -193,23 +160,23 @@ def test_torque_is_that_of_one_wheel(table, wet, result):
     assert np.mean(result.front.torque[v] / true[v]) == pytest.approx(1.0, abs=0.03)
 
 
-def test_normalised_forces_are_those_of_the_plant(table, wet, result):
+def test_normalised_forces_are_those_of_the_plant(fitted, wet, result):
     v = result.valid
     for axle, true in zip((result.front, result.rear), true_forces(wet), strict=True):
         assert np.sqrt(np.mean((axle.normalised_force - true)[v] ** 2)) < 0.05 * np.mean(true[v])
 
 
-def test_eta_is_zeroed_on_the_lead_in(table):
+def test_eta_is_zeroed_on_the_lead_in(fitted):
     larger = replace(WET, radius_scale=(1.0, 1.004))
-    e = estimate(table, stop(larger))
+    e = estimate(fitted, stop(larger))
     assert e.eta_zero == pytest.approx(1.0 / 1.004 - 1.0, abs=2e-5)
     free = e.time < 1.4
     assert e.eta[free] == pytest.approx(1.0, abs=2e-5)
 
 
-def test_without_v_it_works_and_promises_less(table, wet, result):
+def test_without_v_it_works_and_promises_less(fitted, wet, result):
     log = without(wet, "v")
-    e = estimate(table, log)
+    e = estimate(fitted, log)
     assert e.slip_f is None
     assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.06)
     assert np.mean(np.concatenate(truth_inside(e, log))) > 0.85
@@ -219,39 +186,23 @@ def test_without_v_it_works_and_promises_less(table, wet, result):
         assert widths[0] > widths[1]
 
 
-def test_wheel_pressures_are_taken_where_they_are_logged(table):
-    """The rear brake sees half of the master cylinder, as behind a proportioning valve."""
-    half = {w: lambda t: 12.5e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0) for w in ("rl", "rr")}
-    full = {w: lambda t: 25e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0) for w in ("fl", "fr")}
-    log = noisy(stop(REAL, wheel_pressure={**full, **half}), 0)
-    e = estimate(table, log)
-    assert e.pressure_r[-1] == pytest.approx(12.5e5, rel=0.05)
-    assert np.mean(np.concatenate(truth_inside(e, log))) > 0.85
-
-
-@pytest.mark.parametrize("place", [85.0, 115.0])
-def test_a_change_of_road_is_found_and_the_pads_stay(table, place):
+def test_a_change_of_road_is_found_and_the_pads_stay(fitted):
     """From the table's road onto one that peaks at little more than half."""
-    plant = replace(
-        with_pads(REAL, 0.36, 0.36), surface=lambda x: (1.0, 1.0) if x < place else (0.95, 0.55)
-    )
+    place, dry = 85.0, with_pads(REAL, 0.36, 0.36)
+    plant = replace(dry, surface=lambda x: (1.0, 1.0) if x < place else (0.95, 0.55))
     clean = stop(plant, pressure=24e5)
     travelled = np.cumsum(clean["v"]) * 0.005
     met = clean.time[np.searchsorted(travelled, place)]
-    for seed in range(3):
-        log = noisy(clean, seed)
-        e = estimate(table, log)
-        assert e.split.changes
-        assert met <= e.split.changes[0] < met + 0.3
-        assert np.mean(np.concatenate(truth_inside(e, log))) > 0.9
-        assert estimate(table, noisy(stop(with_pads(REAL, 0.36, 0.36)), seed)).split.changes == ()
+    e = estimate(fitted, noisy(clean, 0))
+    assert met <= e.split.changes[0] < met + 0.3
+    assert min(held(e, 0.36, 0.36)) > 0.8
+    assert estimate(fitted, noisy(stop(dry), 0)).split.changes == ()
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_dry_roads_are_left_alone(table, seed):
+def test_dry_roads_are_left_alone(fitted):
     """Nominal pads on a stiffer, higher road: torque never worse than nominal by 1 % of it."""
-    log = noisy(stop(replace(REAL, tyre=magic(27.0, 1.0)), pressure=32e5), seed)
-    e = estimate(table, log)
+    log = noisy(stop(replace(REAL, tyre=magic(27.0, 1.0)), pressure=32e5), 0)
+    e = estimate(fitted, log)
     for k, (a, axle) in enumerate((("f", e.front), ("r", e.rear))):
         true, mu = log.truth[f"true_Tb_{a}l"], log.truth[f"true_mu_pad_{a}"]
         scale = np.sqrt(np.mean(true[e.valid] ** 2))
@@ -261,9 +212,9 @@ def test_dry_roads_are_left_alone(table, seed):
 
 
 def test_a_small_ensemble_is_held_by_its_intervals():
-    """Five cars that nobody tuned for, on roads and pads drawn at random."""
+    """Three cars that nobody tuned for, on roads and pads drawn at random."""
     held, shares = [], []
-    for case in cases(5, seed=5, stops=2):
+    for case in cases(3, seed=5, stops=2):
         table = fit(case.vehicle, [case.ramp])
         for drawn in case.stops:
             e = estimate(table, drawn.log)
@@ -282,12 +233,13 @@ def test_settled_braking_is_valid_and_the_lead_in_is_not(result):
     assert not np.any(result.valid[result.time < 1.5 + Gates().settle])
     steady = (result.time > 2.2) & (result.speed > 4.0)
     assert np.all(result.valid[steady])
+    assert np.min(result.speed) < 2.0
+    assert not np.any(result.valid[result.speed < 3.0])
 
 
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_steering_gate(table, wet, sign):
+def test_steering_gate(fitted, wet):
     degrees = np.where((wet.time > 3.0) & (wet.time < 4.0), 12.0, 1.0)
-    e = estimate(table, with_channels(wet, steering=sign * np.deg2rad(degrees)))
+    e = estimate(fitted, with_channels(wet, steering=-np.deg2rad(degrees)))
     turned = (e.time > 3.0) & (e.time < 4.0)
     assert not np.any(e.valid[turned])
     assert np.all(e.valid[(e.time > 2.3) & (e.time < 3.0)])
@@ -312,62 +264,55 @@ def bent(log, lateral, first, last):
     return with_channels(log, **wheels)
 
 
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_bend_gate(table, wet, sign):
+def test_bend_gate(fitted, wet):
     """Half as much again as the gate is a bend; half of the gate is the way round a patch."""
-    e = estimate(table, bent(wet, sign * 1.5 * Gates().lateral, 3.0, 4.0))
+    e = estimate(fitted, bent(wet, -1.5 * Gates().lateral, 3.0, 4.0))
     # the wheels are compared over 0.2 s: ln(3) of it until two thirds of the bend show
     assert not np.any(e.valid[(e.time > 3.0 + 0.3) & (e.time < 4.0)])
     assert np.mean(e.valid[(e.time > 2.3) & (e.time < 3.0)]) > 0.98
     assert np.mean(e.valid[(e.time > 4.4) & (e.time < 6.0)]) > 0.98
-    mild = estimate(table, bent(wet, sign * 0.5 * Gates().lateral, 3.0, 4.0))
+    mild = estimate(fitted, bent(wet, -0.5 * Gates().lateral, 3.0, 4.0))
     assert np.mean(mild.valid[(e.time > 2.3) & (e.time < 6.0)]) > 0.98
 
 
 @pytest.mark.parametrize("wheel", ["fl", "rr"])
-def test_abs_gate(table, wet, wheel):
+def test_abs_gate(fitted, wet, wheel):
     """A wheel dips by 40 % for 0.1 s at a time; after the last dip the answer is not trusted."""
     cycle = (wet.time > 3.0) & (wet.time < 4.0) & ((wet.time * 4.0) % 1.0 < 0.4)
     hit = np.where(cycle, 0.6, 1.0) * wet[f"omega_{wheel}"]
-    e = estimate(table, with_channels(wet, **{f"omega_{wheel}": hit}))
+    e = estimate(fitted, with_channels(wet, **{f"omega_{wheel}": hit}))
     assert not np.any(e.valid[(e.time > 3.01) & (e.time < 4.5)])
     assert np.all(e.valid[(e.time > 2.3) & (e.time < 2.99)])
     for axle in (e.front, e.rear):
         assert np.all(np.isfinite(axle.pad_friction[e.time > 2.0]))
 
 
-@pytest.mark.parametrize("wheel", ["fl", "rr"])
-def test_spikes_of_one_sample_are_no_abs(table, wet, result, wheel):
-    hit = np.array(wet[f"omega_{wheel}"])
+def test_spikes_of_one_sample_are_no_abs(fitted, wet, result):
+    hit = np.array(wet["omega_rr"])
     hit[40::300] *= 0.5
-    e = estimate(table, with_channels(wet, **{f"omega_{wheel}": hit}))
+    e = estimate(fitted, with_channels(wet, omega_rr=hit))
     assert not np.any(e.refused[LOCKS])
     assert np.mean(e.valid) > 0.9 * np.mean(result.valid)
 
 
-def test_low_speed_gate(result):
-    assert np.min(result.speed) < 2.0
-    assert not np.any(result.valid[result.speed < 3.0])
-
-
-def test_low_pressure_gate(table):
+def test_low_pressure_gate(fitted):
     """Two bar are felt, and too little to say anything of a pad."""
-    e = estimate(table, noisy(stop(REAL, pressure=1.9e5), 0))
+    e = estimate(fitted, noisy(stop(REAL, pressure=1.9e5), 0))
     assert not np.any(e.valid)
 
 
-def test_released_brake_is_not_valid(table):
+def test_released_brake_is_not_valid(fitted):
     def twice(t):
         return 25e5 * (1.5 < t < 3.5 or t > 4.5)
 
-    e = estimate(table, noisy(as_log(drive(REAL, twice, 27.0, duration=7.0, stop_speed=2.0)), 0))
+    e = estimate(fitted, noisy(as_log(drive(REAL, twice, 27.0, duration=7.0, stop_speed=2.0)), 0))
     assert not np.any(e.valid[(e.time > 3.55) & (e.time < 4.5 + Gates().settle)])
     assert np.mean(e.valid[(e.time > 5.0) & (e.speed > 3.0)]) > 0.95
 
 
-@pytest.mark.parametrize("rolled", [0.4, 0.2, 0.0])
-def test_with_less_of_a_lead_in_the_interval_is_wider(table, wet, rolled):
-    whole, short = (estimate(table, cut(wet, first)) for first in (0.0, 1.5 - rolled))
+@pytest.mark.parametrize("rolled", [0.4, 0.0])
+def test_with_less_of_a_lead_in_the_interval_is_wider(fitted, wet, rolled):
+    whole, short = (estimate(fitted, cut(wet, first)) for first in (0.0, 1.5 - rolled))
     for axle, good in ((short.rear, whole.rear), (short.front, whole.front)):
         a, b = ((x.upper - x.lower)[x.pad_friction.size - 200 :] for x in (axle, good))
         assert np.all(np.isfinite(a))
@@ -377,13 +322,13 @@ def test_with_less_of_a_lead_in_the_interval_is_wider(table, wet, rolled):
 # What the estimate starts from.
 
 
-def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(table, wet):
+def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(fitted, wet):
     wrong = replace(
         CAR,
         front=replace(CAR.front, pad_friction=0.5),
         rear=replace(CAR.rear, pad_friction=0.6),
     )
-    e = estimate(table, wet, wrong)
+    e = estimate(fitted, wet, wrong)
     assert set(e.baselines["nominal"][0]) == {0.5}
     assert set(e.baselines["nominal"][1]) == {0.6}
     # the sum of forces finds the level at once, whatever the file says
@@ -393,10 +338,10 @@ def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(table, 
     assert np.mean(total[late]) == pytest.approx(true, rel=0.03)
 
 
-def test_the_change_is_over_the_ramp_and_not_over_the_file(table, wet, result):
+def test_the_change_is_over_the_ramp_and_not_over_the_file(fitted, wet, result):
     """A file that says other pads, of the same ratio, changes nothing of it."""
     sides = {a: replace(getattr(CAR, a), pad_friction=0.5) for a in ("front", "rear")}
-    e = estimate(table, wet, replace(CAR, **sides))
+    e = estimate(fitted, wet, replace(CAR, **sides))
     late = e.valid & (e.time > 3.0)
     for axle, other in ((e.front, result.front), (e.rear, result.rear)):
         assert axle.change[late] == pytest.approx(other.change[late], rel=0.02)
@@ -418,23 +363,25 @@ def pitching():
     return noisy(stop(plant, 45e5), 7)
 
 
-def test_a_known_pitch_mode_reaches_the_estimate(table, pitching):
+def test_a_known_pitch_mode_reaches_the_estimate(fitted, pitching):
     """Share, frequency and damping all count; sensors and tables are the same."""
-    base = estimate(table, pitching, with_pitch())
+    base = estimate(fitted, pitching, with_pitch())
     for changed in ({"elastic_share": 0.0}, {"natural_frequency": 14.0}, {"damping": 0.9}):
-        other = estimate(table, pitching, with_pitch(**changed))
+        other = estimate(fitted, pitching, with_pitch(**changed))
         moving = (base.time > 1.6) & (base.time < 3.5)
         apart = np.abs(other.rear.pad_friction / base.rear.pad_friction - 1.0)[moving]
         assert np.max(apart) > 2e-4, changed
     assert base.split.elastic_share[0] == pytest.approx(1.0, abs=1e-6)
 
 
-def test_a_given_share_is_believed_and_may_move_a_little(table, pitching):
-    shares = [estimate(table, pitching, with_pitch(elastic_share=e)).split for e in (0.0, 1.0, 1.5)]
+def test_a_given_share_is_believed_and_may_move_a_little(fitted, pitching):
+    shares = [
+        estimate(fitted, pitching, with_pitch(elastic_share=e)).split for e in (0.0, 1.0, 1.5)
+    ]
     for split, given in zip(shares, (0.0, 1.0, 1.5), strict=True):
         assert split.elastic_share[0] == pytest.approx(given, abs=1e-6)
         assert np.max(np.abs(split.elastic_share - given)) < 3.0 * max(0.1 * given, 0.05)
-    unknown = estimate(table, pitching).split.elastic_share
+    unknown = estimate(fitted, pitching).split.elastic_share
     assert unknown[0] == pytest.approx(0.4, abs=1e-6)
 
 
@@ -449,24 +396,19 @@ def quick():
     return add_noise(as_log(run, "quick"), 3, levels)
 
 
-def rear_error(e, log):
-    """Mean relative error of the rear pads over the valid samples [1]."""
-    return float(np.mean((e.rear.pad_friction / log.truth["true_mu_pad_r"])[e.valid])) - 1.0
-
-
-def test_a_fast_pedal_on_soft_tyres_is_no_change_of_the_pads(table, quick):
+def test_a_fast_pedal_on_soft_tyres_is_no_change_of_the_pads(fitted, quick):
     """Slip leads the force by sigma/v. Who takes the tyre for stiff finds worse rear pads."""
 
     def rear_error(e):
         return float(np.mean((e.rear.pad_friction / quick.truth["true_mu_pad_r"])[e.valid])) - 1.0
 
-    e = estimate(table, quick)
-    stiff = estimate(table, quick, priors=Priors(delay=0.0, delay_sigma=1e-6))
+    e = estimate(fitted, quick)
+    stiff = estimate(fitted, quick, priors=Priors(delay=0.0, delay_sigma=1e-6))
     assert all(np.mean(inside) > 0.95 for inside in truth_inside(e, quick))
     assert abs(rear_error(e)) < 0.03 < abs(rear_error(stiff))
 
 
-def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logged():
+def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logged(fitted):
     """The front axle carries more than on the ramp: past its greatest force, and still right."""
 
     def pedal(t):
@@ -477,57 +419,55 @@ def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logge
 
     own = {"fl": pedal, "fr": pedal, "rl": rear, "rr": rear}
     run = drive(REAL, pedal, 27.0, duration=9.0, stop_speed=1.5, wheel_pressure=own)
-    table = fit(CAR, [noisy(ramp(REAL), 1)])
-    (result,) = validate(table, [noisy(as_log(run, "held"), 1)])
+    (result,) = validate(fitted, [noisy(as_log(run, "held"), 1)])
     assert result.passed
     assert result.figures["valid_share"] > 0.9
     e = result.estimate
-    assert np.max(e.front.normalised_force[e.valid]) > table.tyre.force[-1]
-    for axle, true in ((e.front, CAR.front.pad_friction), (e.rear, CAR.rear.pad_friction)):
-        assert np.mean(((axle.lower <= true) & (true <= axle.upper))[e.valid]) > 0.95
+    assert np.max(e.front.normalised_force[e.valid]) > fitted.tyre.force[-1]
+    assert min(held(e)) > 0.95
 
 
-def test_one_later_sample_changes_nothing(table, wet, result):
+def test_one_later_sample_changes_nothing(fitted, wet, result):
     """Not the length of the log either: a wild last second under the same number of samples."""
     late = wet.time > 5.0
     wild = {f"omega_{w}": np.where(late, 0.9, 1.0) * wet[f"omega_{w}"] for w in WHEELS[:2]}
     wild |= {"a_x": np.where(late, -9.0, wet["a_x"]), "p_mc": np.where(late, 0.0, wet["p_mc"])}
-    changed = estimate(table, with_channels(wet, **wild))
+    changed = estimate(fitted, with_channels(wet, **wild))
     same(columns(changed, 5.0), columns(result, 5.0), 1e-12)
     assert not np.allclose(changed.z[-100:], result.z[-100:])
 
 
-def test_slips_are_counted_from_free_rolling(table):
+def test_slips_are_counted_from_free_rolling(fitted):
     """As the plant has them, less the 0.04 % that rolling resistance alone makes."""
     log = stop(REAL)
-    e = estimate(table, log)
+    e = estimate(fitted, log)
     for a, slip, scale in (("f", e.slip_f, 1.0), ("r", e.slip_r, 1.0008)):
         rim = 0.322 * scale * 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"])
         true = 1.0 - rim / log["v"]
         assert slip == pytest.approx(true - true[0], abs=1e-5)
 
 
-def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(table):
+def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(fitted):
     shifted = replace(
-        table.calibration,
-        pad_scale=replace(table.calibration.pad_scale, value=0.9),
-        pad_log_ratio=replace(table.calibration.pad_log_ratio, value=0.3),
+        fitted.calibration,
+        pad_scale=replace(fitted.calibration.pad_scale, value=0.9),
+        pad_log_ratio=replace(fitted.calibration.pad_log_ratio, value=0.3),
     )
-    car = calibrated(replace(table, calibration=shifted))
+    car = calibrated(replace(fitted, calibration=shifted))
     assert car.front.pad_friction / car.rear.pad_friction == pytest.approx(1.0)
     one = np.ones(())
     fitted = 0.9 * sum(brake_forces(CAR, one, one, 0.3))
     assert sum(brake_forces(car, one, one)) == pytest.approx(fitted)
 
 
-def test_a_car_that_stands_at_the_end_changes_nothing(table, wet, result):
+def test_a_car_that_stands_at_the_end_changes_nothing(fitted, wet, result):
     """Wheel speeds of exactly nought: no eta, no slip, no warning."""
     moving = cut(wet, 0.0, 9.0)
     still = {k: np.zeros(400) for k in moving.channels}
     still["p_mc"] += moving["p_mc"][-1]
     still["time"] = moving.time[-1] + moving.sample_time * np.arange(1, 401)
     channels = {k: np.concatenate([x, still[k]]) for k, x in moving.channels.items()}
-    e = estimate(table, replace(moving, channels=channels, truth={}))
+    e = estimate(fitted, replace(moving, channels=channels, truth={}))
     same(columns(e, 8.99), columns(result, 8.99), 1e-12)
     assert not np.any(e.valid[e.time > 9.01])
     assert np.all(np.isfinite(e.eta))

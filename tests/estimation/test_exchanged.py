@@ -29,8 +29,7 @@ def weighed(table, log):
     return exchanged(e, e.basis)
 
 
-@pytest.mark.parametrize("logged", ["with v", "without v"])
-@pytest.mark.parametrize("z", [0.2, 0.4])
+@pytest.mark.parametrize(("z", "logged"), [(0.4, "with v"), (0.2, "without v")])
 def test_a_stop_says_which_axle_is_which(table, z, logged):
     """The other way round it says the opposite, and the pads that the stop has as it is."""
     log = noisy(stop(PLANT, z * pressure_per_g(NEAR)), 5)

@@ -11,8 +11,7 @@ from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
 from calib.estimation.motor import with_motor
 from calib.estimation.validate import validate
-from calib.fitting.fit import fit
-from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop, with_pads, without
+from tests.support.reference_car import REAL, WET, held, noisy, stop, with_pads, without
 
 CHANNELS = ("T_drive_f", "T_drive_r")
 PRESSURE = 30e5
@@ -55,19 +54,21 @@ def braked_along(kind, torque, axle="front"):
     return stop(plant, PRESSURE, duration=20.0)
 
 
-def held(e):
-    """Share of the valid samples whose intervals hold the pads of the plant, front and rear."""
-    axles = ((e.front, CAR.front.pad_friction), (e.rear, CAR.rear.pad_friction))
-    return [np.mean(((a.lower <= mu) & (mu <= a.upper))[e.valid]) for a, mu in axles]
-
-
 @pytest.fixture(scope="module")
-def table():
-    return fit(CAR, [noisy(ramp(REAL), 1)])
+def table(fitted):
+    return fitted
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("torque", [40, 150])
+@pytest.mark.parametrize(
+    ("kind", "torque"),
+    [
+        ("with the pedal", 40),
+        ("late, and gone when slow", 150),
+        ("of little power", 40),
+        ("as the pedal is pressed", 40),
+        ("on the lift", 150),
+    ],
+)
 def test_a_motor_in_the_stops_is_named_or_held(table, kind, torque):
     """In front, where it moves the pads by 3 to 15 %, of a car whose mass is known."""
     log = without(noisy(braked_along(kind, torque), torque), *CHANNELS)
@@ -77,9 +78,8 @@ def test_a_motor_in_the_stops_is_named_or_held(table, kind, torque):
         assert named or min(held(result.estimate)) > 0.9
 
 
-@pytest.mark.parametrize("seed", range(1))
-def test_without_a_motor_the_interval_hardly_grows(table, seed):
-    log = noisy(stop(WET, 35e5, duration=20.0), seed)
+def test_without_a_motor_the_interval_hardly_grows(table):
+    log = noisy(stop(WET, 35e5, duration=20.0), 0)
     alone = estimate(table, log, with_laws=False)
     wider = with_motor(log, alone)
     for one, other in ((alone.front, wider.front), (alone.rear, wider.rear)):

@@ -19,7 +19,7 @@ def drawn(count):
     return level, kind < 2
 
 
-@pytest.mark.parametrize("at", [0.0, -0.05, 0.12, -0.5])
+@pytest.mark.parametrize("at", [0.0, 0.12])
 def test_factor_is_the_odds_among_pads_with_this_level(at):
     level, kept = drawn(2_000_000)
     near = np.abs(level - at) < 0.004

@@ -34,8 +34,7 @@ def direct(demanded, nominal, active, k, memory=MEMORY):
     return np.linalg.lstsq(A, b, rcond=None)[0]
 
 
-@pytest.mark.parametrize("k", [200, 201, 230, 600, 1199])
-@pytest.mark.parametrize("memory", [0.2, MEMORY])
+@pytest.mark.parametrize(("k", "memory"), [(200, MEMORY), (230, 0.2), (1199, MEMORY)])
 def test_is_the_direct_solve_at_every_instant(k, memory):
     demanded, nominal, active = braking()
     active[700:720] = False
@@ -64,15 +63,16 @@ def test_a_drifting_level_is_followed_without_lag():
     assert weights @ level / weights.sum() > level[-1] + 0.04
 
 
-@pytest.mark.parametrize("at", [210, 300, 1199])
-def test_sigma_is_the_spread_of_200_runs_with_a_steady_level(at):
+def test_sigma_is_the_spread_of_200_runs_with_a_steady_level():
     runs = [estimate_pad_level(DT, *braking(seed=seed), DENSITY, PRIORS) for seed in range(200)]
-    spread = np.std([run.value[at] for run in runs])
-    assert runs[0].sigma[at] == pytest.approx(spread, rel=0.2)  # 4 sd of a spread of 200
-    assert np.mean([run.value[at] for run in runs]) == pytest.approx(0.8, abs=4 * spread / 200**0.5)
+    values = np.array([run.value[[210, 300, 1199]] for run in runs])
+    spread = np.std(values, axis=0)
+    # 4 sd of a spread of 200, and of a mean
+    assert runs[0].sigma[[210, 300, 1199]] == pytest.approx(spread, rel=0.2)
+    assert np.all(np.abs(np.mean(values, axis=0) - 0.8) < 4 * spread / 200**0.5)
 
 
-@pytest.mark.parametrize(("z", "density"), [(0.12, 2e-3), (0.3, 2e-3), (0.5, 1e-3)])
+@pytest.mark.parametrize(("z", "density"), [(0.12, 2e-3), (0.5, 1e-3)])
 def test_usual_drift_adds_little_to_sigma(z, density):
     """Drifts drawn with a standard deviation of TREND; ``density`` in g."""
     t = DT * np.arange(700)

@@ -36,7 +36,6 @@ def posterior(mean, covariance):
 
 POSTERIOR = posterior((math.log(0.04), *(7 * (0.0,))), np.diag(SIGMAS) ** 2)
 """A straight tyre of stiffness 25, known to be on both axles: slips have a closed form."""
-"""The same of a table that names neither the tyres' ratio nor the radius under load."""
 SHOWN = ("log_pad_ratio", "sigma", "nominal_weight", "log_stiffness", "load_shift", "elastic_share")
 
 
@@ -106,14 +105,6 @@ def test_nothing_surprises_where_the_model_is_the_truth(v):
     assert np.max(np.abs(answer.log_pad_ratio)) < 1e-9
     assert np.max(np.abs(answer.log_stiffness)) < 1e-9
     assert answer.changes == ()
-
-
-def test_zeros_are_learnt_on_the_lead_in():
-    """A radius mismatch shows at once and surprises no more when the brakes bite."""
-    answer = followed(STEADY, eta_zero=0.003, slip_zero=-0.004)
-    assert abs(answer.innovation_eta[0]) > 0.2
-    assert np.max(np.abs(answer.innovation_eta[30:])) < 0.3
-    assert abs(answer.log_pad_ratio[-1]) < 0.02
 
 
 @pytest.mark.parametrize("ratio", [-0.3, 0.3])
@@ -187,8 +178,7 @@ def thrown(blocks, demand, at, by):
 BUMP = (0.03, -0.02, 0.01, -0.015, 0.006)
 
 
-@pytest.mark.parametrize("at", [45, 110])
-@pytest.mark.parametrize("v", [True, False])
+@pytest.mark.parametrize(("v", "at"), [(True, 45), (False, 110)])
 def test_a_bump_moves_nothing(v, at):
     """At once after the bite, while the body still moves, or much later."""
     flat, demand = stop(STEADY, ratio=0.1, v=v)
@@ -319,9 +309,9 @@ def close(one, two, what):
     assert np.nanmax(np.abs(one - two), initial=0.0) <= 1e-6 * scale, what
 
 
-@pytest.mark.parametrize("older", [True, False])
-@pytest.mark.parametrize("v", [True, False])
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(
+    ("seed", "v", "older"), [(0, True, False), (0, False, False), (1, True, True)]
+)
 def test_is_the_filter_of_the_book(seed, v, older):
     blocks, demand, known = random_stop(seed, v, older)
     answer = filter_pad_ratio(CAR, blocks, demand, NOISE, known, PRIORS)
@@ -354,9 +344,3 @@ def test_is_the_filter_of_the_book(seed, v, older):
     # the change since the ramp is the difference itself
     close(answer.change, weighed.mean, "change")
     close(answer.change_sigma, weighed.sigma, "change_sigma")
-
-
-def test_a_stiffer_road_is_not_blamed_on_the_pads():
-    answer = followed(STEADY, stiffness=25.0 * math.exp(0.2))
-    assert answer.log_stiffness[-1] == pytest.approx(0.2, abs=0.05)
-    assert abs(answer.log_pad_ratio[-1]) < Z95 * answer.sigma[-1]

@@ -8,7 +8,7 @@ import pytest
 from calib.base.intervals import Z95
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
-from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, with_pads
+from tests.support.reference_car import CAR, REAL, held, noisy, ramp, stop, with_pads
 
 LOADED = replace(REAL, mass_scale=1.2)
 KERB = replace(CAR, mass_tolerance=0.03)
@@ -31,17 +31,6 @@ def heavy_stop():
     return noisy(stop(with_pads(LOADED, *PADS), 35e5), 3)
 
 
-def shares(e, expected, of="pad_friction"):
-    """Valid samples whose interval holds the truth, of both axles."""
-    bounds = ("lower", "upper") if of == "pad_friction" else ("change_lower", "change_upper")
-    assert np.mean(e.valid[e.braked]) > 0.8
-    out = []
-    for axle, true in zip((e.front, e.rear), expected, strict=True):
-        low, high = (getattr(axle, bound)[e.valid] for bound in bounds)
-        out.append(float(np.mean((low <= true) & (true <= high))))
-    return out
-
-
 def width(e):
     """Median half width of the intervals of the front pads and of their change, relative."""
     f = e.front
@@ -50,17 +39,12 @@ def width(e):
     return [float(np.median(half[e.valid])) for half in halves]
 
 
-def test_told_the_interval_holds_the_truth_and_untold_it_does_not(light, heavy_stop):
-    told, untold = estimate(light, heavy_stop, mass=1.2 * CAR.mass), estimate(light, heavy_stop)
-    assert min(shares(told, PADS)) > 0.95
-    assert max(shares(untold, PADS)) < 0.2
-
-
-def test_the_change_since_the_ramp_is_right_under_another_mass(light, heavy_stop):
+def test_told_the_intervals_hold_the_truth_and_untold_they_do_not(light, heavy_stop):
     since = [mu / CAR.front.pad_friction for mu in PADS]
     told, untold = estimate(light, heavy_stop, mass=1.2 * CAR.mass), estimate(light, heavy_stop)
-    assert min(shares(told, since, "change")) > 0.95
-    assert max(shares(untold, since, "change")) < 0.2
+    assert all(np.mean(e.valid[e.braked]) > 0.8 for e in (told, untold))
+    assert min(*held(told, *PADS), *held(told, *since, "change_")) > 0.95
+    assert max(*held(untold, *PADS), *held(untold, *since, "change_")) < 0.2
     # the pads of today rest on a scale, their change on the 3 % of the ramp's mass, too
     pads, change = width(told)
     assert change > 1.9 * 0.03 > pads

@@ -44,18 +44,13 @@ def run():
 
 
 @pytest.fixture(scope="module")
-def table(fitted):
-    return fitted
-
-
-@pytest.fixture(scope="module")
 def wet():
     return noisy(stop(WET), 3)
 
 
 @pytest.fixture(scope="module")
-def passed(table, wet):
-    return validate(table, [wet])[0]
+def passed(fitted, wet):
+    return validate(fitted, [wet])[0]
 
 
 MASS = MassUsed(1744.0, 0.03, False)
@@ -80,8 +75,8 @@ def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), road=0.0, **figures):
     )
 
 
-def refused(table, log, vehicle=None):
-    return refusal(validate, table, [log], vehicle, kind=(LogError, VehicleError))
+def refused(fitted, log, vehicle=None):
+    return refusal(validate, fitted, [log], vehicle, kind=(LogError, VehicleError))
 
 
 def test_a_good_stop_passes_with_all_its_figures(passed):
@@ -91,30 +86,27 @@ def test_a_good_stop_passes_with_all_its_figures(passed):
     assert [j.figure for j in passed.judgements] == [limit.figure for limit in DEFAULTS]
     assert all(j.passed for j in passed.judgements)
     assert passed.figures["pad_friction_f"] == pytest.approx(0.31, rel=0.03)
-
-
-def test_the_estimate_beats_nominal_pads_where_pads_are_wet(passed):
     assert passed.figures["gain_over_nominal"] > 5.0
     assert passed.baselines["kalman"][0] < 0.2 * passed.baselines["nominal"][0]
     assert {"mean_gain", "gradient_paper", "rls_tyre"} <= set(passed.baselines)
 
 
-@pytest.mark.parametrize("done", ["cut", "thinned", "late", "rounded"])
-def test_a_copy_of_the_ramp_is_no_hold_out(table, run, done):
+@pytest.mark.parametrize("done", ["cut", "thinned", "rounded"])
+def test_a_copy_of_the_ramp_is_no_hold_out(fitted, run, done):
     """The table alone knows it, by the fingerprint in its record."""
     rows = {"cut": slice(0, -60), "thinned": slice(None, None, 2)}.get(done, slice(None))
     late = {"time": run.time[rows] + 10.0 * (done == "late")}
     digits = 2 if done == "rounded" else 9
     channels = {name: np.round(x[rows], digits) for name, x in run.channels.items()}
     copy = replace(run, channels=channels | late, truth={}, digest="ab" * 32)
-    (found,) = validate(table, [copy])
+    (found,) = validate(fitted, [copy])
     assert found.role == "calibration"
     assert not found.passed
 
 
-def test_a_table_without_fingerprints_knows_the_file_only(table, run):
-    logs = tuple(replace(log, fingerprint=None) for log in table.provenance.logs)
-    older = replace(table, provenance=replace(table.provenance, logs=logs))
+def test_a_table_without_fingerprints_knows_the_file_only(fitted, run):
+    logs = tuple(replace(log, fingerprint=None) for log in fitted.provenance.logs)
+    older = replace(fitted, provenance=replace(fitted.provenance, logs=logs))
     roles = [v.role for v in validate(older, [run, replace(run, digest="ab" * 32)])]
     assert roles == ["calibration", "hold-out"]
 
@@ -126,26 +118,26 @@ def swapped_wheels(log, a, b):
     )  # fmt: skip
 
 
-def test_wheels_of_one_side_in_the_wrong_columns_are_refused(table):
+def test_wheels_of_one_side_in_the_wrong_columns_are_refused(fitted):
     dry = noisy(stop(REAL), 5)
     assert "omega_fl and omega_rl have changed places" in refused(
-        table, swapped_wheels(dry, "fl", "rl")
+        fitted, swapped_wheels(dry, "fl", "rl")
     )
 
 
-def test_wheels_of_a_diagonal_in_the_wrong_columns_leave_no_valid_sample(table):
+def test_wheels_of_a_diagonal_in_the_wrong_columns_leave_no_valid_sample(fitted):
     dry = noisy(stop(REAL), 5)
-    (found,) = validate(table, [swapped_wheels(dry, "fr", "rl")])
+    (found,) = validate(fitted, [swapped_wheels(dry, "fr", "rl")])
     assert not found.estimate.valid.any()
     assert "the wheel speeds fit with fr and rl exchanged" in found.refused
     assert "wheels_crossed" in [one.code for one in found.warnings]
-    (right,) = validate(table, [dry])
+    (right,) = validate(fitted, [dry])
     assert right.passed
     assert "wheels_crossed" not in [one.code for one in right.warnings]
 
 
-def test_without_truth_there_are_no_errors_and_no_rivals(table, wet):
-    blind = validate(table, [replace(wet, truth={})])[0]
+def test_without_truth_there_are_no_errors_and_no_rivals(fitted, wet):
+    blind = validate(fitted, [replace(wet, truth={})])[0]
     assert blind.figures["torque_error_f"] is None
     assert blind.baselines == {}
     assert blind.passed
@@ -156,25 +148,15 @@ def test_without_truth_there_are_no_errors_and_no_rivals(table, wet):
     }
 
 
-def test_a_limit_that_cannot_be_held_fails(table, wet):
-    result = validate(table, [wet], limits=(Limit("torque_error_f", None, 1e-6),))[0]
+def test_a_limit_that_cannot_be_held_fails(fitted, wet):
+    result = validate(fitted, [wet], limits=(Limit("torque_error_f", None, 1e-6),))[0]
     assert not result.passed
     assert result.judgements[0].passed is False
 
 
-def test_a_table_of_another_stiffness_shows(table, wet):
-    """A tyre that is believed twice as soft gives other pads than the true ones."""
-    known = table.posterior
-    shift = {"log_compliance": 0.7, "log_pad_ratio": -0.5}
-    mean = tuple(known.value(name) + shift.get(name, 0.0) for name in known.names)
-    off = replace(table, posterior=replace(known, mean=mean))
-    result = validate(off, [wet])[0]
-    assert not result.passed
-
-
-def test_braking_too_soft_to_judge_does_not_pass(table):
+def test_braking_too_soft_to_judge_does_not_pass(fitted):
     """1.9 bar brake the car, and no figure comes of it: that is no proof."""
-    soft = validate(table, [noisy(stop(REAL, pressure=1.9e5), 0)])[0]
+    soft = validate(fitted, [noisy(stop(REAL, pressure=1.9e5), 0)])[0]
     assert soft.figures["valid_share"] == 0.0
     assert not soft.passed
 
@@ -191,8 +173,8 @@ def test_braking_too_soft_to_judge_does_not_pass(table):
         {"effects": {"aerodynamic_drag": {"drag_area": 0.6}}},
     ],
 )
-def test_what_may_differ(table, changed):
-    require_same_vehicle(table, replace(CAR, **changed))
+def test_what_may_differ(fitted, changed):
+    require_same_vehicle(fitted, replace(CAR, **changed))
 
 
 @pytest.mark.parametrize(
@@ -203,25 +185,25 @@ def test_what_may_differ(table, changed):
         ({"track_width": 1.5}, "track_width"),
     ],
 )
-def test_what_may_not_differ(table, changed, says):
+def test_what_may_not_differ(fitted, changed, says):
     with pytest.raises(VehicleError, match=says) as error:
-        require_same_vehicle(table, replace(CAR, **changed), "V.toml")
+        require_same_vehicle(fitted, replace(CAR, **changed), "V.toml")
     assert str(error.value).startswith("V.toml: ")
 
 
-@pytest.mark.parametrize("key", [f for f in Axle.__dataclass_fields__ if f != "pad_friction"])
 @pytest.mark.parametrize("side", ["front", "rear"])
-def test_no_geometry_of_an_axle_may_differ(table, side, key):
+def test_no_geometry_of_an_axle_may_differ(fitted, side):
     axle = getattr(CAR, side)
-    other = replace(CAR, **{side: replace(axle, **{key: 2 * getattr(axle, key)})})
-    with pytest.raises(VehicleError, match=f"{side}.{key}"):
-        require_same_vehicle(table, other)
+    for key in Axle.__dataclass_fields__.keys() - {"pad_friction"}:
+        other = replace(CAR, **{side: replace(axle, **{key: 2 * getattr(axle, key)})})
+        with pytest.raises(VehicleError, match=f"{side}.{key}"):
+            require_same_vehicle(fitted, other)
 
 
-def test_logs_that_will_not_do(table, wet):
-    assert "roll for a second before the stop" in refused(table, cut(wet, 1.8))
-    assert "no braking" in refused(table, made_run(lambda t: 0.0 * t))
-    assert "brake for 1 s or more" in refused(table, made_run(made_stop(end=2.0)))
+def test_logs_that_will_not_do(fitted, wet):
+    assert "roll for a second before the stop" in refused(fitted, cut(wet, 1.8))
+    assert "no braking" in refused(fitted, made_run(lambda t: 0.0 * t))
+    assert "brake for 1 s or more" in refused(fitted, made_run(made_stop(end=2.0)))
 
 
 # What is said of all together.
@@ -249,14 +231,6 @@ def test_stops_are_compared_with_those_of_their_road():
     assert to_dict(stored_as("t@1"), stops[:2])["agreement"] is None
 
 
-def test_a_log_passes_unless_a_judged_figure_fails():
-    good = Judgement("valid_share", 0.9, 0.7, None, True)
-    bad = Judgement("valid_share", 0.5, 0.7, None, False)
-    unknown = Judgement("torque_error_f", None, None, 0.03, None)
-    assert made(judgements=[good, unknown]).passed
-    assert not made(judgements=[good, bad]).passed
-
-
 def test_verdict_is_that_of_the_worst_log():
     bad = Judgement("valid_share", 0.5, 0.7, None, False)
     summary = to_dict(stored_as("sedan@3"), [made("a"), made("b", judgements=[bad])])
@@ -265,8 +239,8 @@ def test_verdict_is_that_of_the_worst_log():
     assert to_dict(stored_as("sedan@3"), [made("a")])["verdict"] == "passed"
 
 
-def test_summary_holds_everything_and_is_json(table, wet, passed):
-    other = validate(table, [replace(wet, name="blind", truth={})])[0]
+def test_summary_holds_everything_and_is_json(fitted, wet, passed):
+    other = validate(fitted, [replace(wet, name="blind", truth={})])[0]
     summary = json.loads(
         json.dumps(to_dict(stored_as("sedan@1"), [passed, other]), allow_nan=False)
     )
@@ -308,20 +282,20 @@ def test_what_is_not_finite_becomes_null():
     assert log["bumps"] == [[3.0, 3.2]]
 
 
-def test_pads_that_no_brake_has_are_not_valid(table):
+def test_pads_that_no_brake_has_are_not_valid(fitted):
     """The car said to be ten times as heavy, by the vehicle file of its table."""
-    heavy = replace(table, vehicle=replace(table.vehicle, mass=10.0 * CAR.mass))
+    heavy = replace(fitted, vehicle=replace(fitted.vehicle, mass=10.0 * CAR.mass))
     (result,) = validate(heavy, [noisy(stop(REAL), 2)])
     assert not result.passed
     assert "no pad has such a friction" in result.refused
 
 
 @pytest.mark.parametrize("logged", ["with v", "without v"])
-def test_locked_wheels_fail_by_themselves(table, wet, logged):
+def test_locked_wheels_fail_by_themselves(fitted, wet, logged):
     """All wheels lock on a slippery road; the stop beside it is judged."""
     log = noisy(stop(replace(REAL, tyre=magic(25.0, 0.5)), 60e5, "locked"), 4)
     pair = [log, wet] if logged == "with v" else [without(one, "v") for one in (log, wet)]
-    locked, good = validate(table, pair)
+    locked, good = validate(fitted, pair)
     assert good.figures["valid_share"] > 0.9
     assert not locked.passed
     assert not locked.estimate.valid.any()
@@ -329,9 +303,9 @@ def test_locked_wheels_fail_by_themselves(table, wet, logged):
     assert locked.refused["a wheel locks, or ABS works"] > 0.5
 
 
-def test_log_of_a_car_with_other_wheels(table, wet):
+def test_log_of_a_car_with_other_wheels(fitted, wet):
     """The same stop with wheels of 0.30 m turns 7 % faster."""
     faster = {f"omega_{w}": wet[f"omega_{w}"] * 0.322 / 0.30 for w in ("fl", "fr", "rl", "rr")}
     other = replace(wet, channels={**wet.channels, **faster})
-    assert "radius of 0.300 m" in refused(table, other)
-    assert validate(table, [without(other, "v")])  # without v it cannot be told
+    assert "radius of 0.300 m" in refused(fitted, other)
+    assert validate(fitted, [without(other, "v")])  # without v it cannot be told

@@ -117,8 +117,7 @@ def test_no_file_a_folder_and_a_file_too_large(data, tmp_path):
         refusal(find_addresses, path, data, kind=ProgramError)
 
 
-@pytest.mark.parametrize("wide", [False, True])
-@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize(("order", "wide"), [("<", True), (">", False)])
 def test_a_damaged_program_is_read_rightly_or_refused(data, program, order, wide):
     """Many cuts, and 300 changes of one byte of the header, symbols and sections."""
     whole = made_elf(held(data, order), order, wide)

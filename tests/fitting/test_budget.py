@@ -9,14 +9,10 @@ from calib.car.effects.effects import Effects
 from calib.fitting.budget import level_parts
 from calib.fitting.fit import fit
 from calib.fitting.identify import identify
-from calib.model.ramp import prepare
 from calib.model.resistance import Resistance
 from calib.run.accelerometer import Accelerometer
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import sensor_noise
 from calib.table.budget import pads_budget
-from tests.support.reference_car import CAR, REAL, noisy, ramp, without
+from tests.support.reference_car import CAR, REAL, noisy, prepared, ramp, without
 
 UNWEIGHED = replace(CAR, mass_tolerance=0.03)
 EFFECTS = Effects(
@@ -84,12 +80,9 @@ def test_a_wrong_scale_of_the_accelerometer_moves_the_pads_by_its_part(clean, ta
 
 
 @pytest.fixture(scope="module")
-def prepared(clean):
+def found(clean):
     """Everything that `level_parts` reads of a ramp, the accelerometer exact."""
-    log = noisy(clean, 1)
-    b = blocks(signals(log, CAR))
-    found, runs = identify(CAR, [prepare(CAR, "ramp", b, sensor_noise(log, b), EFFECTS)])
-    return found, runs
+    return identify(CAR, [prepared(noisy(clean, 1), effects=EFFECTS)])
 
 
 def sensed(scale=0.0, bias=0.0, together=0.0):
@@ -97,15 +90,15 @@ def sensed(scale=0.0, bias=0.0, together=0.0):
     return Accelerometer(*map(np.asarray, (0.0, 0.0, scale, bias, together, *np.zeros(7))))
 
 
-def test_level_parts_in_closed_form(prepared):
-    found, (run,) = prepared
+def test_level_parts_in_closed_form(found):
+    answer, (run,) = found
     braked = run.use & ~run.blocks.lead_in
     z = run.blocks.z[braked]
     lever = z.sum() / (z @ z)
     car = replace(CAR, mass_tolerance=0.02)
 
     def parts(known=SURE, **variances):
-        return level_parts(car, found, [replace(run, accelerometer=sensed(**variances))], known)
+        return level_parts(car, answer, [replace(run, accelerometer=sensed(**variances))], known)
 
     alone = parts()
     assert alone["mass"] == pytest.approx(4e-4)

@@ -13,6 +13,7 @@ from calib.fitting.fit import fit
 from calib.fitting.identify import Identified
 from calib.fitting.path import delta_sigma, find_peak, path
 from calib.model.parameters import COUNT, PRIORS, RampParameters
+from calib.table.invariants import violations
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, TyrePosterior
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (
@@ -26,7 +27,7 @@ from tests.support.reference_car import (
     with_ratio,
 )
 
-SEEDS = range(4)
+SEEDS = range(2)
 L_F, L_R, H = 1.1556, 1.6494, 0.615
 """Table II [m]."""
 
@@ -37,7 +38,6 @@ PLANTS = {
     "load sensitive": replace(IDEAL, tyre=magic(25.0, 0.9, load_exponent=0.06)),
     "body that pitches": replace(IDEAL, pitch_frequency=1.3),
     "drag": REAL,
-    "front 15 % better": with_ratio(IDEAL, 1.15),
     "rear 15 % better": with_ratio(IDEAL, 1.0 / 1.15),
 }
 
@@ -73,26 +73,16 @@ def test_18_holds_in_every_row(all_tables):
             assert np.max(np.abs(f1 + rear / front * f2)) < 1e-9
 
 
-def test_paper_and_difference_are_one_curve(all_tables):
+def test_every_table_is_sound_and_its_curves_are_one(all_tables, gentle):
     """D = f1 - f2, from (11) and (12)."""
-    for table in all_tables:
-        assert np.array_equal(table.paper.eta, table.difference.eta)
-        assert table.paper.f1 - table.paper.f2 == pytest.approx(table.difference.D, abs=1e-12)
-
-
-def test_axes_rise_and_bands_hold_their_middle(all_tables, gentle):
     for table in [*all_tables, *gentle]:
+        assert violations(table) == ()
         d, p, t = table.difference, table.paper, table.tyre
-        for axis in (d.eta, p.eta, p.z, t.slip, t.force):
-            assert np.all(np.diff(axis) > 0.0)
-        for low, middle, high in (
-            (d.lower, d.D, d.upper),
-            (p.f1_lower, p.f1, p.f1_upper),
-            (p.f2_lower, p.f2, p.f2_upper),
-            (t.lower, t.force, t.upper),
-        ):
-            assert np.all(low <= middle)
-            assert np.all(middle <= high)
+        assert np.array_equal(p.eta, d.eta)
+        assert p.f1 - p.f2 == pytest.approx(d.D, abs=1e-12)
+        assert all(np.all(np.diff(axis) > 0.0) for axis in (p.z, t.force))
+        assert d.eta[0] == 1.0
+        assert not any(x[0] for x in (d.D, d.lower, d.upper, p.f1, p.f2, p.z, t.slip, t.force))
 
 
 def difference_per_ratio(z):
@@ -229,15 +219,6 @@ def test_delta_method_is_exact_for_a_straight_function():
     known = identified(rng.normal(size=COUNT), covariance).posterior
     exact = np.sqrt(np.diag(A @ covariance @ A.T))
     assert delta_sigma(lambda x: A @ x, known) == pytest.approx(exact)
-
-
-def test_every_curve_starts_at_nought(all_tables):
-    for table in all_tables:
-        d, p, t = table.difference, table.paper, table.tyre
-        assert d.eta[0] == 1.0
-        assert d.D[0] == d.lower[0] == d.upper[0] == 0.0
-        assert p.f1[0] == p.f2[0] == p.z[0] == 0.0
-        assert t.slip[0] == t.force[0] == 0.0
 
 
 def test_flags_follow_the_counts(all_tables, gentle):

@@ -22,13 +22,11 @@ from calib.fitting.identify import identify
 from calib.logs.read import read_log
 from calib.logs.write import write_csv, write_parquet
 from calib.model.manoeuvre import manoeuvre
-from calib.model.ramp import prepare
 from calib.model.resistance import Resistance
 from calib.model.simulate import simulate
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.gates import eta_rise
-from calib.run.noise import sensor_noise
 from calib.table.invariants import violations
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import (
@@ -38,6 +36,7 @@ from tests.support.reference_car import (
     SEDAN,
     cut,
     noisy,
+    prepared,
     ramp,
     stop,
     swapped,
@@ -139,7 +138,7 @@ def test_units_and_formats_do_not_matter(tmp_path, run):
             assert np.max(np.abs(here - there)) < tolerance
 
 
-@pytest.mark.parametrize("rate", [40.0, 100.0, 1000.0])
+@pytest.mark.parametrize("rate", [40.0, 1000.0])
 def test_rate_of_the_log_does_not_matter(rate, table, clean):
     """Without noise: what the sampling alone does to D, against 200 Hz."""
     slow = drive(
@@ -179,11 +178,11 @@ def test_resistance_of_the_vehicle_file_is_kept(run):
     assert not any("add a coast log" in remark for remark in given.remarks)
 
 
-@pytest.mark.parametrize(("front", "rear"), [(0.38, 0.38), (0.30, 0.30), (0.41, 0.36), (0.3, 0.36)])
+@pytest.mark.parametrize(("front", "rear"), [(0.41, 0.36), (0.3, 0.36)])
 def test_pad_friction_is_found_within_its_sigma(front, rear):
     clean = ramp(with_pads(REAL, front, rear), slope=5e5 * 0.38 / front)
     ratio = math.log(front / rear)
-    for seed in range(4):
+    for seed in range(2):
         c = fit(CAR, [noisy(clean, seed)]).calibration
         truth = {
             "pad_friction_f": front,
@@ -204,7 +203,7 @@ def test_pad_friction_is_found_within_its_sigma(front, rear):
 def test_interval_of_the_scale_counts_the_ratio():
     """Without v the ratio is open; the scale moves against it and must say so."""
     clean = without(ramp(with_ratio(IDEAL, 1.15)), "v")
-    for seed in range(4):
+    for seed in range(2):
         c = fit(CAR, [noisy(clean, seed)]).calibration
         assert abs(c.pad_scale.value - 1.0) < 2.5 * c.pad_scale.sigma
         # front share 0.73: half of the ratio times twice the difference from one half
@@ -232,29 +231,19 @@ def test_a_glitch_of_a_x_that_no_car_can_do_takes_no_part(run, table):
 # What is refused, and why.
 
 
-def test_no_log_is_a_ramp(coast):
-    assert "none of the logs holds a braking" in refused(coast)
-
-
-def test_nothing_to_fit():
-    assert "none of the logs" in refused()
-
-
-def test_stop_is_no_ramp():
-    assert "press slowly" in refused(noisy(stop(), 0))
-
-
-def test_ramp_that_is_too_short(run):
-    assert "will not do for a fit" in refused(cut(run, 0.0, 3.4))
-
-
-def test_ramp_without_lead_in(run):
-    assert "roll for a second" in refused(cut(run, 1.7))
-
-
-def test_one_bad_log_among_good_ones_is_named(run):
+def test_logs_that_are_no_ramp(run, coast):
     bad = replace(cut(run, 1.7), source="bad.csv", digest="bad")
-    assert refused(run, bad).startswith("bad.csv")
+    for logs, said in (
+        ([], "none of the logs"),
+        ([coast], "none of the logs holds a braking"),
+        ([noisy(stop(), 0)], "press slowly"),
+        ([cut(run, 0.0, 3.4)], "will not do for a fit"),
+        ([cut(run, 1.7)], "roll for a second"),
+        ([run, bad], "bad.csv"),
+        ([run, replace(run, name="copy")], "the same run as plant"),
+        ([swapped(run)], "are the axles swapped?"),
+    ):
+        assert said in refused(*logs)
 
 
 def test_wheel_speeds_too_coarse_for_a_tyre_curve(clean):
@@ -263,15 +252,6 @@ def test_wheel_speeds_too_coarse_for_a_tyre_curve(clean):
     held = np.repeat(log["omega_fl"][::20], 20)[: log.time.size]
     coarse = replace(log, channels={**log.channels, "omega_fl": held})
     assert "slip would fall while force grows" in refused(coarse)
-
-
-def test_a_run_given_twice(run):
-    """It would count double: every interval would be too narrow by a factor of 1.4."""
-    assert "the same run as plant" in refused(run, replace(run, name="copy"))
-
-
-def test_swapped_axles(run):
-    assert "are the axles swapped?" in refused(swapped(run))
 
 
 def test_a_rear_biased_car_is_refused_for_what_it_is():
@@ -334,11 +314,7 @@ def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
             "rolling_resistance": {"coefficient": 0.011},
         }
     )
-    made = []
-    for log in logs:
-        b = blocks(signals(log, CAR))
-        made.append(prepare(CAR, log.name, b, sensor_noise(log, b), effects))
-    found, runs = identify(CAR, made)
+    found, runs = identify(CAR, [prepared(log, effects=effects) for log in logs])
     sure = Resistance(effects, ((1e-12, 0.0), (0.0, 1e-12)), known=True)
     weighed = replace(CAR, mass_tolerance=0.0)
     value = calibration(weighed, found, level_parts(weighed, found, runs, sure)).pad_scale
@@ -360,8 +336,7 @@ def test_rise_of_eta_does_not_follow_a_wheel_that_locks_at_times(clean):
     assert math.isnan(eta_rise(b, np.zeros(b.end.size, bool))[0])
 
 
-@pytest.mark.parametrize("seed", range(1))
-def test_noise_widens_and_does_not_refuse(seed):
+def test_noise_widens_and_does_not_refuse():
     """Five times the usual noise: single samples of p_mc pass the pressure at which pads bite."""
     rolling = as_log(drive(REAL, lambda t: 0.0, 30.0, duration=12.0), "coast")
 
@@ -370,8 +345,8 @@ def test_noise_widens_and_does_not_refuse(seed):
         x = {k: log[k] + 5.0 * (usual[k] - log[k]) for k in log.channels if k != "time"}
         return replace(usual, channels={**log.channels, **x})
 
-    table = fit(CAR, [loud(ramp(REAL), seed), loud(rolling, seed + 10)])
-    quiet = fit(CAR, [noisy(ramp(REAL), seed), noisy(rolling, seed + 10)])
+    table = fit(CAR, [loud(ramp(REAL), 0), loud(rolling, 10)])
+    quiet = fit(CAR, [noisy(ramp(REAL), 0), noisy(rolling, 10)])
     for one, other in (
         (table.calibration.pad_friction_f, quiet.calibration.pad_friction_f),
         (table.calibration.pad_friction_r, quiet.calibration.pad_friction_r),

@@ -5,15 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.effects.effects import Effects
 from calib.fitting.identify import identify_once
 from calib.fitting.pad_level import level_residuals, level_spread
-from calib.model.ramp import prepare
 from calib.model.settings import SETTINGS
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import sensor_noise
-from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, ramp
+from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, prepared, ramp
 
 SHARE = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 """Of the front brakes in the force at one pressure, Table I."""
@@ -21,16 +16,10 @@ SHARE = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 ALIKE = np.full(2, 0.01)
 
 
-def prepared(log, seed):
-    log = noisy(log, seed)
-    b = blocks(signals(log, CAR))
-    return prepare(CAR, log.name, b, sensor_noise(log, b), Effects())
-
-
 @pytest.fixture(scope="module")
 def runs():
     logs = {"n": ramp(IDEAL), "f": one_axle(IDEAL, "f"), "r": one_axle(IDEAL, "r")}
-    return {kind: prepared(log, seed) for seed, (kind, log) in enumerate(logs.items())}
+    return {kind: prepared(noisy(log, seed)) for seed, (kind, log) in enumerate(logs.items())}
 
 
 @pytest.mark.parametrize(("axle", "slope"), [("f", -(1.0 - SHARE)), ("r", SHARE)])

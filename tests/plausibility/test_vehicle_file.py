@@ -34,7 +34,7 @@ EXCHANGED = replace(CAR, front=CAR.rear, rear=CAR.front)
 
 
 @pytest.mark.parametrize("axle", ["front", "rear"])
-@pytest.mark.parametrize("factor", [0.4, 0.6, 1.8, 2.5])
+@pytest.mark.parametrize("factor", [0.6, 1.8])
 def test_the_area_of_another_caliper(axle, factor):
     file = with_entry(axle, "piston_area", factor)
     best = explanations(file, pads(file, 1.05, 0.95))[0]

@@ -25,8 +25,7 @@ def changed(log, **channels):
     return replace(log, channels={**log.channels, **channels})
 
 
-@pytest.mark.parametrize("wheels", ["fl fr", "rl rr", "fl fr rl rr"])
-@pytest.mark.parametrize("filtered", [False, True])
+@pytest.mark.parametrize(("wheels", "filtered"), [("fl fr", True), ("fl fr rl rr", False)])
 def test_a_v_of_wheels_is_named_also_behind_a_filter(clean, wheels, filtered):
     log = noisy(clean, 1)
     v = CAR.front.rolling_radius * np.mean([log[f"omega_{w}"] for w in wheels.split()], axis=0)

@@ -16,7 +16,7 @@ NAMES = ("log_compliance", "curvature_2", "curvature_3", "load_exponent")
 
 @pytest.mark.parametrize("name", [*NAMES, "clock_offset", "log_pad_ratio", "log_tyre_ratio"])
 def test_the_own_error_of_a_parameter_is_its_scatter_from_run_to_run(runs, name):
-    """20 runs know a standard deviation to 16 %; what the prior holds scatters less than it says.
+    """12 runs know a standard deviation to 21 %; what the prior holds scatters less than it says.
 
     So does the offset of the clock: its error counts radii that walk, and those of the runs do not.
     The whole sigma is no measure of it: the pads' ratio scatters by a sixth of its own.

@@ -27,7 +27,7 @@ STIFFNESS = st.lists(st.floats(22.0, 32.0), min_size=2, max_size=5, unique=True)
 
 @pytest.fixture(scope="module")
 def copies(runs):
-    """Twenty measurements of one car, taken for twenty cars."""
+    """Twelve measurements of one car, taken for twelve cars."""
     return [version(table, n) for n, table in enumerate(runs, start=1)]
 
 

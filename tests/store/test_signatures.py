@@ -77,7 +77,7 @@ def by_hand(store, version, line, key=ADA):
 
 # What a signature says
 
-HEX = st.from_regex(r"[0-9a-f]{64}", fullmatch=True)
+HEX = st.binary(min_size=32, max_size=32).map(bytes.hex)
 STATEMENTS = st.builds(
     Statement,
     st.from_regex(NAME, fullmatch=True),  # every name that the store allows

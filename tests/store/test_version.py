@@ -89,15 +89,16 @@ DAMAGE = {
     "the end of a file": lambda v: cut(v / "tyre.parquet", -9),
     "a missing curve": lambda v: (v / "difference.parquet").unlink(),
     "a missing record": lambda v: (v / "record.json").unlink(),
-    "half a record": lambda v: cut(v / "record.json", 300),
     "a key given twice": twice,
+    "another spelling": lambda v: (v / "record.json").write_bytes(
+        (v / "record.json").read_bytes() + b"\n"
+    ),
     "another kind of document": lambda v: (v / "record.json").write_text("[1, 2]"),
     "a changed figure": of_record(lambda d: d["record"]["quality"].update(rms=0.001)),
     "a changed digest": of_record(lambda d: d.update(digest="0" * 64)),
     "no finite number": of_record(lambda d: d["record"]["quality"].update(rms=float("nan"))),
     "a changed parent": of_record(lambda d: d["parents"].pop()),
     "a key too many": of_record(lambda d: d.update(approved=True)),
-    "a missing part": of_record(lambda d: d.pop("files")),
     "another number": of_record(lambda d: d.update(version=2, id="sedan@2")),
     "another schema": of_record(lambda d: d["record"].update(schema=2)),
 }

@@ -5,11 +5,8 @@ Little endian, 0.005 rad/s a step; WhlFL begins at bit 0, WhlFR at bit 16. Writt
 
 from pathlib import Path
 
-DBC = """VERSION ""
-NS_ :
-BS_:
-BU_: ESP
-BO_ 256 WHEELS: 8 ESP
+DBC_HEAD = 'VERSION ""\nNS_ :\nBS_:\nBU_: ESP\n'
+DBC = f"""{DBC_HEAD}BO_ 256 WHEELS: 8 ESP
  SG_ WhlFL : 0|16@1+ (0.005,0) [0|327] "rad/s" ESP
  SG_ WhlFR : 16|16@1+ (0.005,0) [0|327] "rad/s" ESP
 """

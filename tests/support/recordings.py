@@ -14,17 +14,14 @@ from numpy.typing import NDArray
 from calib.base.units import from_si
 from calib.logs.log import Log
 from calib.logs.read import read_log
+from tests.support.databases import DBC_HEAD
 
 Array = NDArray[np.float64]
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP = SEDAN / "ramp_wet_asphalt.csv"
 
-DBC = """VERSION ""
-NS_ :
-BS_:
-BU_: ESP
-BO_ 256 WHEELS: 8 ESP
+DBC = f"""{DBC_HEAD}BO_ 256 WHEELS: 8 ESP
  SG_ WhlFL : 7|16@0+ (0.005,0) [0|327] "rad/s" ESP
  SG_ WhlFR : 23|16@0+ (0.005,0) [0|327] "rad/s" ESP
  SG_ WhlRL : 39|16@0+ (0.005,0) [0|327] "rad/s" ESP

@@ -6,10 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
+from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
+from calib.estimation.estimator import Estimate
 from calib.logs.log import Log
+from calib.model.ramp import RampRun, prepare
 from calib.model.sensor_noise import add_noise
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
 from tests.support.plant import WHEELS, Plant, as_log, drive, magic
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
@@ -83,6 +89,18 @@ def stop(plant: Plant = REAL, pressure: float = 25e5, name: str = "stop", **how:
     return as_log(run, name)
 
 
+def held(e: Estimate, front: float = 0.38, rear: float = 0.38, of: str = "") -> list[float]:
+    """Shares of the valid samples whose interval holds the truth, front and rear [1].
+
+    ``of`` "change_" for the change since the ramp.
+    """
+    out = []
+    for axle, true in ((e.front, front), (e.rear, rear)):
+        low, high = getattr(axle, f"{of}lower"), getattr(axle, f"{of}upper")
+        out.append(float(np.mean(((low <= true) & (true <= high))[e.valid])))
+    return out
+
+
 def noisy(log: Log, seed: int) -> Log:
     """The log as usual sensors give it."""
     return add_noise(log, seed)
@@ -101,6 +119,17 @@ def cut(log: Log, first: float, last: float = math.inf) -> Log:
         channels={k: x[keep] for k, x in log.channels.items()},
         truth={k: x[keep] for k, x in log.truth.items()},
     )
+
+
+def prepared(log: Log, car: Vehicle = CAR, effects: Effects | None = None) -> RampRun:
+    """The log as a fit reads it."""
+    b = blocks(signals(log, car))
+    return prepare(car, log.name, b, sensor_noise(log, b), effects or Effects())
+
+
+def misread(log: Log, scale: float = 1.0, offset: float = 0.0) -> Log:
+    """The log as an accelerometer of another scale [1] and zero [m/s^2] gives it."""
+    return replace(log, channels={**log.channels, "a_x": scale * log["a_x"] + offset})
 
 
 def swapped(log: Log) -> Log:

@@ -1,7 +1,6 @@
 """`results.parquet`: one row for each log, with the columns of `calib.line.fleet.rows`."""
 
 import itertools
-import os
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.bounded import RESULT, open_bounded
+from calib.base.bounded import RESULT, bytes_of
 from calib.base.errors import InputError
 from calib.base.toml import did_you_mean
-from calib.base.write import sync
+from calib.base.write import write_whole
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
 
 NAME = "results.parquet"
@@ -23,26 +22,21 @@ _GROUP = 5000
 _EXPECTED = "results.parquet of `brake-cal batch`"
 
 
-def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> Path:
-    """Write the rows in their order and return the path; an old file is replaced at the end.
+def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> None:
+    """Write the rows in their order; an old file is replaced at the end.
 
     Units and meanings are in the metadata of the fields, the settings in that of the file; equal
     rows give equal bytes. Raises OSError if the folder cannot be written.
     """
+    import pyarrow as pa
     import pyarrow.parquet as pq
 
     schema = _schema_of((*HEAD, *columns_of(Command(settings["command"]))), settings)
-    path, new = folder / NAME, folder / f".{NAME}.new"
-    rest = iter(rows)
-    try:
-        with pq.ParquetWriter(new, schema, compression="zstd") as writer:
-            while group := list(itertools.islice(rest, _GROUP)):
-                writer.write_table(_table(group, schema))
-        sync(new)
-        os.replace(new, path)
-    finally:
-        new.unlink(missing_ok=True)
-    return path
+    rest, written = iter(rows), pa.BufferOutputStream()
+    with pq.ParquetWriter(written, schema, compression="zstd") as writer:
+        while group := list(itertools.islice(rest, _GROUP)):
+            writer.write_table(_table(group, schema))
+    write_whole(folder / NAME, written.getvalue().to_pybytes())
 
 
 def _schema_of(columns: tuple[Column, ...], settings: dict[str, str]) -> Any:
@@ -147,16 +141,10 @@ def _read(path: Path) -> Any:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
+    data = bytes_of(path, RESULT, InputError, _EXPECTED)
     try:
-        opened = open_bounded(path, RESULT)
-    except OSError as cause:
-        what = f"cannot be read ({cause.strerror})"
-        raise InputError(what, where=path, expected=_EXPECTED) from cause
-    try:
-        # pyarrow cannot open paths that are not UTF-8
-        with opened, pq.ParquetFile(opened) as file:
-            # without threads: a thread pool that still runs at exit aborts a short program
-            return file.read(use_threads=False)
+        # without threads: a thread pool that still runs at exit aborts a short program
+        return pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
     except (pa.ArrowInvalid, OSError) as cause:
         raise InputError("not a Parquet file, or cut off", where=path) from cause
 

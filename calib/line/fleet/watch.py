@@ -73,7 +73,6 @@ def watch(
     every: float = 1.0,
     settle: float = 2.0,
     fresh: bool = False,
-    each: Callable[[], None] = lambda: None,
     clock: Callable[[], float] = time.monotonic,
 ) -> Counter[Status]:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
@@ -81,7 +80,7 @@ def watch(
     ``folder`` is scanned each ``every`` [s], a log is complete after ``settle`` [s] without change;
     ``out`` keeps journal and results.parquet as in `run_batch`, rows named by their path within
     ``folder``. ``tell`` is called with each row after it is on the disk, ``trouble`` once when a
-    folder cannot be read, ``each`` after each scan; ``clock`` [s]. Returns the number of rows by
+    folder cannot be read; ``clock`` [s]. Returns the number of rows by
     status; without a row there is no results.parquet.
 
     A log is repeated only if its digest has changed; one that was deleted keeps its row. The job is
@@ -106,7 +105,6 @@ def watch(
             for text in sorted(found - troubled):
                 trouble(text)
             troubled = found
-            each()
             logs = {printable(os.path.relpath(path, folder)): path for path in ready}
             sweep = Sweep(job, journal, executor, len(logs), tell=tell)
             sweep.work(given(logs))

@@ -6,7 +6,7 @@ it is there; a run inside a run is not looked for.
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,15 +28,14 @@ NO_VERDICT = "refused"
 class IndexedRun:
     """One run as the index shows it.
 
-    ``place``: its folder below that of the index; ``stamp``: when its verdict was written [ns since
-    1970], and its size; ``bad``: number of metrics and warnings that speak against the car;
-    ``why``: what failed or warned first, as (metric, stop, value, next step); ``trend``: metrics
-    over the line by name, and ``limits`` of them as (low, high); ``refusal``: why the car could not
-    be judged.
+    ``place``: its folder below that of the index; ``at``: when its verdict was written [s since
+    1970]; ``bad``: number of metrics and warnings that speak against the car; ``why``: what failed
+    or warned first, as (metric, stop, value, next step); ``trend``: metrics over the line by name,
+    and ``limits`` of them as (low, high); ``refusal``: why the car could not be judged.
     """
 
     place: str
-    stamp: tuple[int, int]
+    at: float
     verdict: str
     car: str = ""
     station: str = ""
@@ -50,22 +49,15 @@ class IndexedRun:
 TRENDS = ("pad_friction_f", "pad_friction_r", "pad_scale", "ramp_eta_zero")
 """Metrics of which the index shows the trend: the pads, and the zero."""
 
-Runs = dict[str, IndexedRun]
-"""Runs by their place."""
 
-
-def runs_below(folder: Path, known: Mapping[str, IndexedRun]) -> Runs:
-    """All runs below ``folder``; those that are ``known`` and unchanged are not read again.
-
-    Raises OSError if ``folder`` cannot be read.
-    """
-    found: Runs = {}
+def runs_below(folder: Path) -> list[IndexedRun]:
+    """All runs below ``folder``, the last first. Raises OSError if it cannot be read."""
+    found = []
     for path in _documents(folder):
         with suppress(FileNotFoundError):  # a run that is being published again
-            stat, place = path.stat(), printable(os.path.relpath(path.parent, folder))
-            stamp, old = (stat.st_mtime_ns, stat.st_size), known.get(place)
-            found[place] = old if old and old.stamp == stamp else read_run(path, place, stamp)
-    return found
+            place = printable(os.path.relpath(path.parent, folder))
+            found.append(_run(path, place, path.stat().st_mtime))
+    return sorted(found, key=lambda run: (-run.at, run.place))
 
 
 def _documents(folder: Path) -> Iterator[Path]:
@@ -83,13 +75,13 @@ def _documents(folder: Path) -> Iterator[Path]:
         folders[:] = sorted(name for name in folders if not name.startswith("."))
 
 
-def read_run(path: Path, place: str, stamp: tuple[int, int]) -> IndexedRun:
+def _run(path: Path, place: str, at: float) -> IndexedRun:
     """One run from what it wrote; if that is damaged, its verdict is `UNREADABLE`."""
     try:
         told = json.loads(read_bounded(path, VALIDATION))
         identity = told["identity"]
         car = str(identity.get("vin") or identity.get("serial") or told.get("vehicle", ""))
-        one = IndexedRun(place, stamp, NO_VERDICT, car, str(identity.get("station", "")))
+        one = IndexedRun(place, at, NO_VERDICT, car, str(identity.get("station", "")))
         if path.name == REFUSED:
             return replace(one, bad=1, refusal=str(told["error"]["message"]))
         checks = told["checks"]
@@ -104,7 +96,7 @@ def read_run(path: Path, place: str, stamp: tuple[int, int]) -> IndexedRun:
             limits={c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return IndexedRun(place, stamp, UNREADABLE)
+        return IndexedRun(place, at, UNREADABLE)
 
 
 def _trend(told: dict[str, Any], name: str) -> float | None:

@@ -8,7 +8,7 @@ byte 1 15 . . . . . . 8                       byte 1 15 . . . . . . 8
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -54,19 +54,18 @@ def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
     return read_databases(databases, extra, where)
 
 
-def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathered:
-    """All frames of a file. Raises LogError if python-can cannot read it."""
+def gathered(
+    messages: "Iterable[can.Message]", dbc: Dbc, where: str, here: Callable[[], str] = str
+) -> Gathered:
+    """All frames of a file. Raises LogError, with the place, if python-can cannot read it."""
     found = Gathered(dbc.knows)
     try:
         found.take(messages)
     except LogError:
         raise
     except Exception as cause:  # a damaged file makes python-can raise almost anything
-        raise damaged(
-            where,
-            f"not readable after frame {len(found.times)}: {str(cause) or type(cause).__name__}",
-            "a whole and undamaged log",
-        ) from cause
+        what = f"not readable after frame {len(found.times)}{here()}"
+        raise damaged(where, what, "a whole and undamaged log") from cause
     if not found.times:
         raise LogError("the log has no frames", where=where, expected="a log of bus frames")
     return found

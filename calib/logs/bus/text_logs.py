@@ -33,7 +33,6 @@ class Counted:
 
     reader: ClassVar[str]
     frame: ClassVar[re.Pattern[str]]
-    example: ClassVar[str] = "a frame"
 
     def __init__(self, file: TextIO, path: Path):
         self.file, self.path = file, path
@@ -63,22 +62,17 @@ class Counted:
 
     def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
         """The frames that python-can reads. Raises LogError if it does not read all."""
-        where = str(self.path)
         try:
-            found = gathered(self._whole(messages), dbc, where)
-        except LogError as error:
+            found = gathered(self._whole(messages), dbc, str(self.path), self._here)
+        except LogError:
             if self.frames:
                 self._require_line_end()
-            if error.__cause__ is None:
-                raise
-            what = f"not readable after frame {self._before()}: line {self.line} is"
-            shown = f"{what} {self.last.strip()[:60]!r}"
-            raise damaged(where, shown, self.example) from error.__cause__
+            raise
         self._require_line_end()
         self.require_end(found)
         if len(found.times) != self.frames:
             read = f"{len(found.times)} of {self.frames} lines that look like frames can be read"
-            raise damaged(where, f"{read}: others are missing or damaged", "all of them")
+            raise damaged(self.path, f"{read}: others are missing or damaged", "all of them")
         return found
 
     def require_end(self, found: Gathered) -> None:
@@ -91,13 +85,14 @@ class Counted:
                 raise damaged(self.path, f"a frame at {message.timestamp:.6f} s has {has}")
             yield message
 
-    def _before(self) -> int:
-        return self.frames - bool(self.frame.match(self.last))
+    def _here(self) -> str:
+        return f", line {self.line} is {self.last.strip()[:60]!r}"
 
     def _require_line_end(self) -> None:
         if self.last and not self.is_whole(self.last):
-            what = f"cut off within the last line, after {self._before()} whole frames"
-            raise damaged(self.path, f"{what}: {self.last.strip()[:60]!r}", "an end of line")
+            whole = self.frames - bool(self.frame.match(self.last))
+            what = f"cut off within the last line, after {whole} whole frames{self._here()}"
+            raise damaged(self.path, what, "an end of line")
 
 
 def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
@@ -114,7 +109,6 @@ def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
 class _CandumpLines(Counted):
     reader = "CanutilsLogReader"
     frame = re.compile(r"\s*\(\d+\.\d+\)\s")
-    example = "a frame of `candump -L`, such as '(1436509052.249713) can0 044#2A366C2BBA'"
 
 
 def open_candump(path: Path, dbc: Databases) -> Recording:

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.confirm import beyond_form, second_shown
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.search import added
+from tests.support.explained import based
 from tests.support.hidden.cases import draw
 
 CHANNELS, V, RIPPLE = 6, 2, 4
@@ -23,28 +22,26 @@ def squares(v: float, ripple: float) -> np.ndarray:
     return out
 
 
-def test_a_ripple_beside_a_delay_of_v_counts_in_full():
-    before, at, option = squares(50_000.0, 300.0), squares(200.0, 300.0), squares(200.0, 0.0)
-    assert beyond_form(before, at, option, 0.03) == pytest.approx(2 * 300.0)
-
-
-def test_what_is_a_share_of_the_first_effect_in_its_own_channel_counts_for_nothing():
-    before, at, option = squares(50_000.0, 0.0), squares(1000.0, 0.0), squares(0.0, 0.0)
-    assert beyond_form(before, at, option, 0.03) == 0.0
-    assert beyond_form(before, at, option, 0.01) == pytest.approx(2 * (1000.0 - 490.0))
-
-
-def test_what_grows_elsewhere_is_not_taken_off():
-    before, at, option = squares(0.0, 300.0), squares(0.0, 300.0), squares(40.0, 0.0)
-    assert beyond_form(before, at, option, 0.0) == pytest.approx(2 * 300.0)
+@pytest.mark.parametrize(
+    ("before", "at", "option", "form", "beyond"),
+    [
+        # a ripple beside a delay of v counts in full
+        (squares(50_000.0, 300.0), squares(200.0, 300.0), squares(200.0, 0.0), 0.03, 2 * 300.0),
+        # a share of the first effect in its own channel counts for nothing
+        (squares(50_000.0, 0.0), squares(1000.0, 0.0), squares(0.0, 0.0), 0.03, 0.0),
+        (squares(50_000.0, 0.0), squares(1000.0, 0.0), squares(0.0, 0.0), 0.01, 2 * 510.0),
+        # what grows elsewhere is not taken off
+        (squares(0.0, 300.0), squares(0.0, 300.0), squares(40.0, 0.0), 0.0, 2 * 300.0),
+    ],
+)
+def test_what_is_beyond_the_form_of_the_first_effect_counts(before, at, option, form, beyond):
+    assert beyond_form(before, at, option, form) == pytest.approx(beyond)
 
 
 def test_uneven_teeth_are_shown_beside_a_large_delay_of_v():
-    case = draw("double", 1320003)
+    case = draw("double", 1320003, only=("ramp", "coast", "step_high", "hot_stop"))
     assert set(case.effects) == {"tone_ring_runout", "speed_delay"}
-    kept = [run_of(x) for x in case.calibration if x.name in ("ramp", "coast", "step_high")]
-    problem = problem_of(case.vehicle, kept)
-    base = fit(problem, (), np.zeros(BASE))
+    base = based(case)
     first = added(base, "speed_delay")
     both = added(first, "tone_ring_runout")
     held = problem_of(case.vehicle, [run_of(case.holdout[0])])

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
@@ -13,39 +12,9 @@ from calib.diagnosis.proof.hold_outs import hold_outs_of
 from calib.diagnosis.proof.prove import better, prove, remains
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.search import added
-from calib.diagnosis.written.document import to_dict
-from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.explained import based
+from tests.support.hidden.cases import draw
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, stop
-
-
-def answer(case: HiddenCase) -> Diagnosis:
-    return diagnose(case.vehicle, list(case.calibration), list(case.holdout))
-
-
-def test_three_effects_at_once_are_named_and_nothing_else():
-    hidden = ("aerodynamic_drag", "pad_thermal_fade", "accelerometer_bias")
-    found = answer(draw("double", 71, names=hidden, severity=1))
-    assert {effect.name for effect in found.effects} == set(hidden)
-    assert found.unexplained is None
-    assert len(found.steps[-1].names) == 3
-    assert found.steps[-1].left < 2.0 < found.steps[0].left
-
-
-@pytest.fixture(scope="module")
-def beside() -> Diagnosis:
-    """A drag of the catalogue, beside brakes that weaken, which no card has."""
-    return answer(draw("double", 72, names=("aerodynamic_drag", "weaker_applications"), severity=1))
-
-
-def test_a_cause_outside_the_catalogue_beside_an_effect_is_told(beside):
-    assert beside.verdict in ("named", "unknown")
-    assert {effect.name for effect in beside.effects} <= {"aerodynamic_drag"}
-    left = beside.unexplained
-    assert left is not None
-    told = to_dict(beside)["unexplained"]
-    assert told["beside"] == [effect.name for effect in beside.effects]
-    assert told["replays"]["size"] > 0.0
-    assert told["replays"]["log"] in {log.name for log in beside.measured}
 
 
 def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
@@ -79,15 +48,14 @@ def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected
     assert better(before, after) is expected
 
 
+@pytest.mark.slow
 def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
     """A motor and a delay, not fitted to the end: a ripple explains what that leaves."""
-    case = draw("double", 1360008)
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    base = fit(problem, (), problem.start)
-    motor = np.zeros(problem.parameters_of("regenerative_torque"))
+    base = based(case := draw("double", 1360008))
+    motor = np.zeros(base.problem.parameters_of("regenerative_torque"))
     motor[0] = 1.0
     names = ("hydraulic_delay", "regenerative_torque")
-    beside = fit(problem, names, np.concatenate([base.x, [1.0], motor]), steps=4)
+    beside = fit(base.problem, names, np.concatenate([base.x, [1.0], motor]), steps=4)
     proved = prove(hold_outs_of(base, list(case.holdout)), Decision("named", base, beside, ()))
     assert proved.decision.best.names == beside.names
     assert proved.steps[-1].names == beside.names
@@ -97,10 +65,8 @@ def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
 
 def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():
     """A lag of a_x beside a delay that explains three hundred times as much."""
-    case = draw("double", 1330013)
+    base = based(case := draw("double", 1330013))
     assert set(case.effects) == {"hydraulic_delay", "accelerometer_lag"}
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    base = fit(problem, (), np.zeros(BASE))
     first = added(base, "hydraulic_delay")
     held = hold_outs_of(base, list(case.holdout[:2]))
     assert not remains(first, held.left(first, held.replayed(first)))
@@ -109,13 +75,11 @@ def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():
     assert (proved.decision.verdict, proved.rest) == ("named", False)
 
 
+@pytest.mark.slow
 def test_an_effect_that_ends_at_its_bound_is_exchanged_for_a_simpler_one():
     """A lag and a delay beside a motor, first taken for an oscillation without overshoot."""
     hidden = ("hydraulic_lag", "hydraulic_delay", "regenerative_torque")
-    case = draw("triple", 1450000, names=hidden)
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration[:8]])
-    base = fit(problem, (), problem.start)
-    oscillating = base
+    oscillating = base = based(case := draw("triple", 1450000, names=hidden))
     for name in ("hydraulic_oscillation", "regenerative_torque", "hydraulic_delay"):
         oscillating = added(oscillating, name)
     assert "hydraulic_oscillation" in at_bound(oscillating)
@@ -123,21 +87,3 @@ def test_an_effect_that_ends_at_its_bound_is_exchanged_for_a_simpler_one():
     proved = prove(held, Decision("named", base, oscillating, ()))
     assert set(proved.decision.best.names) == set(hidden)
     assert proved.decision.best.reduced < oscillating.reduced
-
-
-@pytest.mark.slow
-def test_an_effect_is_not_exchanged_for_itself():
-    """A residual torque of which a parameter ends at its bound: it cannot be taken for another."""
-    case = draw("single", 1790017)
-    found = answer(case)
-    assert [effect.name for effect in found.effects] == list(case.effects)
-    assert found.verdict == "named"
-
-
-@pytest.mark.slow
-def test_brake_control_is_not_made_of_four_effects():
-    """Front brakes that a control releases: motor, pads, threshold and mass imitate most of it."""
-    found = answer(draw("outside", 1480002))
-    assert found.verdict == "unknown"
-    assert found.unexplained is not None
-    assert (found.unexplained.axle, found.unexplained.driver) == ("front", "slip")

@@ -8,8 +8,6 @@ import pytest
 from calib.car.effects.effects import EmpiricalTerm
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.hold_outs import HoldOuts
 from calib.diagnosis.proof.unexplained import (
     WHEEL_ANGLE,
@@ -18,16 +16,14 @@ from calib.diagnosis.proof.unexplained import (
     locate,
     place_of_rest,
 )
+from tests.support.explained import based
 from tests.support.hidden.cases import draw
 
 FEW = ("ramp", "release", "coast", "step_high")
 
 
 def placed(name: str, seed: int) -> UnexplainedTerm:
-    case = draw("outside", seed, names=(name,), severity=2)
-    runs = [run_of(log) for log in case.calibration if log.name in FEW]
-    problem = problem_of(case.vehicle, runs)
-    return locate(fit(problem, (), np.zeros(BASE)))
+    return locate(based(draw("outside", seed, names=(name,), severity=2, only=FEW)))
 
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
@@ -46,9 +42,8 @@ def test_a_wheel_that_always_drags_is_named_and_depends_on_nothing():
 
 
 def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
-    case = draw("outside", 35, names=("tank_slosh",), severity=2)
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    found = locate(fit(problem, (), np.zeros(BASE)))
+    case = draw("outside", 35, names=("tank_slosh",), severity=2, only=FEW)
+    found = locate(based(case))
     assert (found.axle, found.driver) == ("body", "frequency")
     # a mass on a spring, beside a car that it moves with
     mass, own = case.hidden.slosh_mass, case.hidden.slosh_frequency
@@ -56,30 +51,19 @@ def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
     assert found.oscillation.share > 0.5
 
 
-@pytest.mark.parametrize("seed", [36, 37])
-def test_brakes_that_a_control_releases_go_with_the_slip(seed):
-    case = draw("outside", seed, names=("abs_modulation",), severity=1)
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    found = locate(fit(problem, (), np.zeros(BASE)))
+def test_brakes_that_a_control_releases_go_with_the_slip():
+    found = locate(based(draw("outside", 36, ("abs_modulation",), severity=1, only=FEW)))
     assert (found.axle, found.driver) == ("front", "slip")
 
 
-@pytest.mark.parametrize(("name", "axles"), [("weaker_applications", {"both"})])
-def test_brakes_that_weaken_go_with_the_time_of_the_run(name, axles):
-    found = placed(name, 33)
-    assert found.axle in axles
-    assert found.driver == "elapsed"
-    assert found.wheel is None
-
-
-def test_what_only_the_hold_outs_show_is_placed_with_them():
-    case = draw("outside", 33, names=("weaker_applications",), severity=2)
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration if log.name in FEW])
+def test_brakes_that_weaken_go_with_the_time_of_the_run_also_where_only_hold_outs_show_it():
+    case = draw("outside", 33, names=("weaker_applications",), severity=2, only=FEW)
+    problem = based(case).problem
     coasts = tuple(run for run in problem.runs if run.name == "coast")
     at = fit(replace(problem, runs=coasts), (), np.zeros(BASE))
     found = place_of_rest(at, HoldOuts((), problem))
     assert found.on_hold_outs
-    assert (found.axle, found.driver) == ("both", "elapsed")
+    assert (found.axle, found.driver, found.wheel) == ("both", "elapsed", None)
     assert not place_of_rest(fit(problem, (), at.x), HoldOuts((), problem)).on_hold_outs
 
 

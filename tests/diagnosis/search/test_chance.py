@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.channels import CHANNELS, ORDER, noise_of, whiten
 from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.predict import predict, run_of
+from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.chance import chance_of
 from calib.diagnosis.search.search import hints
+from tests.support.explained import based
 from tests.support.hidden.cases import draw
 
 
@@ -31,30 +31,24 @@ def redrawn(problem, base, rng):
     return problem_of(problem.vehicle, runs)
 
 
-@pytest.mark.parametrize(("names", "draws"), [(("coast", "ramp", "step_low"), 12), (None, 4)])
-def test_few_cars_without_an_effect_show_more_than_chance_gives(names, draws):
-    case = draw("none", 31)
-    runs = [run_of(log) for log in case.calibration if names is None or log.name in names]
-    problem = problem_of(case.vehicle, runs)
-    base = fit(problem, (), np.zeros(BASE))
+def test_few_cars_without_an_effect_show_more_than_chance_gives():
+    base = based(draw("none", 31, only=("coast", "ramp", "step_low")))
     rng, ratios = np.random.default_rng(5), []
-    for _ in range(draws):
-        drawn = redrawn(problem, base.base, rng)
+    for _ in range(6):
+        drawn = redrawn(base.problem, base.base, rng)
         at = fit(drawn, (), base.x)
         chance = chance_of(at, at)
         ratios.append(max(hint.gain / chance[hint.name] for hint in hints(at)))
-    # one in a hundred is meant to be above 1: two of twelve have a probability below 1 %
+    # one in a hundred is meant to be above 1: two of six have a probability below 0.2 %
     assert sum(ratio > 1.0 for ratio in ratios) <= 1
     # and chance is no loose bound: it is reached in part by each of them
     assert np.median(ratios) > 0.25
 
 
 def test_an_effect_that_is_there_gains_more_than_chance_and_does_not_count_as_noise():
-    case = draw("single", 9, names=("hydraulic_lag",), severity=0)
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    base = fit(problem, (), np.zeros(BASE))
+    base = based(draw("single", 9, names=("hydraulic_lag",), severity=0, only=("coast", "ramp")))
     first = hints(base)[0]
-    best = fit(problem, (first.name,), first.start)
+    best = fit(base.problem, (first.name,), first.start)
     with_it, without = chance_of(base, base), chance_of(base, best)
     assert base.chi2 - best.chi2 > 10.0 * without[first.name]
     assert without[first.name] < with_it[first.name]
@@ -72,13 +66,11 @@ def test_the_noise_of_a_channel_is_unbiased_however_short_its_parts():
 
 
 def test_the_mean_squared_innovation_of_noise_alone_scatters_as_told():
-    case = draw("none", 32)
-    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    base = fit(problem, (), np.zeros(BASE))
+    base = based(draw("none", 32, only=("coast", "ramp", "step_low", "hot")))
     rng = np.random.default_rng(8)
     drawn = []
-    for _ in range(12):
-        at = fit(redrawn(problem, base.base, rng), (), base.x)
+    for _ in range(8):
+        at = fit(redrawn(base.problem, base.base, rng), (), base.x)
         drawn.append((at.reduced - 1.0) / at.scatter)
     assert abs(np.mean(drawn)) < 1.5
     assert 0.3 < np.std(drawn) < 2.0

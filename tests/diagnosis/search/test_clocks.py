@@ -1,13 +1,15 @@
 """Logs over a bus: what is sent seldom, late or filtered is no fault of the car."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.proof.gap import CHANNELS, noises_of
 from calib.diagnosis.search.clocks import DELAYS
 from calib.run.copies import without_holds
-from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.explained import diagnosed
+from tests.support.hidden.cases import draw
 from tests.support.measuring_chain import Message, chained
 
 V = CHANNELS.index("v")
@@ -19,16 +21,12 @@ LATE = {
 }
 
 
-def over_a_bus(case: HiddenCase, messages: dict[str, Message]) -> Diagnosis:
-    rng = np.random.default_rng(5)
-    logs = [chained(log, messages, rng) for log in (*case.calibration, *case.holdout)]
-    split = len(case.calibration)
-    return diagnose(case.vehicle, logs[:split], logs[split:])
-
-
 @pytest.mark.slow
 def test_channels_that_are_late_are_named_as_that_together():
-    found = over_a_bus(draw("none", 4402), LATE)
+    case, rng = draw("none", 4402), np.random.default_rng(5)
+    parts = (case.calibration, case.holdout)
+    logs, held = (tuple(chained(log, LATE, rng) for log in part) for part in parts)
+    found = diagnosed(replace(case, calibration=logs, holdout=held))
     assert found.verdict == "named"
     assert {effect.name for effect in found.effects} <= set(DELAYS)
     late = {effect.name: effect.parameters for effect in found.effects}
@@ -42,7 +40,7 @@ def test_channels_that_are_late_are_named_as_that_together():
 
 
 def test_the_noise_of_a_channel_is_that_of_its_values_however_seldom_they_are_sent():
-    log = draw("none", 4403).holdout[0]
+    (log,) = draw("none", 4403, only=("hot_stop",)).holdout
     sent = without_holds(chained(log, {"v": Message(20.0)}, np.random.default_rng(1)))
     # between two values noise is averaged: to two thirds of its variance, on the mean
     assert noises_of([sent])[V] == pytest.approx(np.sqrt(2.0 / 3.0) * 0.02, rel=0.2)

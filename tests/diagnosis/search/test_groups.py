@@ -5,14 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.explanation.base import BASE, REFERENCE, Ground
-from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of
+from calib.diagnosis.explanation.base import REFERENCE, Ground
 from calib.diagnosis.search.decide import decide
 from calib.diagnosis.search.groups import grouped, groups_of, placed
 from calib.diagnosis.search.regroup import regrouped
+from tests.support.explained import based, diagnosed
 from tests.support.hidden.cases import draw
 
 pytestmark = pytest.mark.slow
@@ -24,12 +21,8 @@ def case():
     return draw("groups", 731002)
 
 
-def problem(case):
-    return problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-
-
 def test_logs_with_other_pads_are_found_with_their_factors(case):
-    found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+    found = diagnosed(case)
     assert found.verdict == "no_gap"
     variety = case.answer["variety"]
     logs = (*case.calibration, *case.holdout)
@@ -46,22 +39,18 @@ def test_logs_with_other_pads_are_found_with_their_factors(case):
 
 
 def test_logs_of_one_car_on_one_road_are_one_group():
-    case = draw("none", 33)
-    runs = problem(case)
-    base = fit(runs, (), np.zeros(BASE))
-    assert grouped(runs, base) is None
-    assert groups_of(runs.runs) == ()
+    base = based(draw("none", 33))
+    assert grouped(base.problem, base) is None
+    assert groups_of(base.problem.runs) == ()
     decision = decide(base)
     assert regrouped(decision) is decision
 
 
 def test_a_further_log_is_placed_on_the_ground_that_fits_it(case):
-    runs = problem(case)
-    ground = Ground(0.9, 0.85, 1.0, 1.0)
-    first, *others = runs.runs
-    split = replace(runs, runs=(replace(first, ground=ground), *others))
-    base = fit(runs, (), np.zeros(BASE))
-    stop = next(run for run in runs.runs if run.name == "hot")
+    base, ground = based(case), Ground(0.9, 0.85, 1.0, 1.0)
+    first, *others = base.problem.runs
+    split = replace(base.problem, runs=(replace(first, ground=ground), *others))
+    stop = next(run for run in base.problem.runs if run.name == "hot")
     (own,) = placed(split, [stop], base)
     weaker = base.base.pad_friction_f / 0.9, base.base.pad_friction_r / 0.85
     stronger = replace(base.base, pad_friction_f=weaker[0], pad_friction_r=weaker[1])
@@ -70,7 +59,7 @@ def test_a_further_log_is_placed_on_the_ground_that_fits_it(case):
 
 
 def test_a_ground_multiplies_the_base(case):
-    base = fit(problem(case), (), np.zeros(BASE)).base
+    base = based(case).base
     ground = Ground.of(np.log([0.9, 1.1, 0.8, 0.7]))
     moved = ground.applied(base)
     assert moved.pad_friction_f == pytest.approx(0.9 * base.pad_friction_f)

@@ -8,7 +8,6 @@ import pytest
 import calib
 from calib.car.disc_temperature import DISCS, heated
 from calib.car.effects.effects import Effects
-from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
@@ -16,22 +15,19 @@ from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
+from tests.support.explained import diagnosed
 from tests.support.hidden.cases import draw
-
-
-def without_temperatures(logs):
-    return [
-        replace(log, channels={k: x for k, x in log.channels.items() if not k.startswith("T_disc")})
-        for log in logs
-    ]
+from tests.support.reference_car import without
 
 
 @pytest.mark.slow
 def test_fade_is_named_without_temperatures_and_the_hot_run_is_the_hot_one():
     case = draw("single", 12, names=("pad_thermal_fade",), severity=2)
-    found = diagnose(
-        case.vehicle, without_temperatures(case.calibration), without_temperatures(case.holdout)
+    logs, held = (
+        tuple(without(log, "T_disc_f", "T_disc_r") for log in part)
+        for part in (case.calibration, case.holdout)
     )
+    found = diagnosed(replace(case, calibration=logs, holdout=held))
     assert [effect.name for effect in found.effects] == ["pad_thermal_fade"]
     assert found.groups == ()
     assert found.gap.closed > 0.9

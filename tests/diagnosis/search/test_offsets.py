@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 import calib
 from calib.base.names import G
-from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.explanation.channels import CHANNELS
 from calib.diagnosis.explanation.fit import fit_base
 from calib.diagnosis.explanation.offsets import GRADE, ZERO, as_effects
@@ -19,6 +18,7 @@ from calib.diagnosis.search.offsets import differ
 from calib.diagnosis.written.document import to_dict
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
+from tests.support.explained import diagnosed
 from tests.support.hidden.cases import draw
 
 TIME = np.arange(0.0, 6.0, 0.01)
@@ -83,27 +83,20 @@ def test_logs_differ_where_their_offsets_do(effect, most):
     assert not differ(apart.runs[:1], apart.noise)
 
 
-def grounds(case, name):
-    """What the plant was driven with, by log."""
-    logs = [log.name for log in (*case.calibration, *case.holdout)]
-    return {log: g[name] for log, g in zip(logs, case.answer["variety"]["grounds"], strict=True)}
-
-
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("seed", "named", "driven"),
-    [(2, GRADE, "grade"), pytest.param(0, ZERO, "bias", marks=pytest.mark.slow)],
+    ("seed", "named", "driven", "margin"), [(2, GRADE, "grade", 0.002), (0, ZERO, "bias", 0.02)]
 )
-def test_an_effect_is_named_beside_offsets_of_the_logs(seed, named, driven):
+def test_an_effect_is_named_beside_offsets_of_the_logs(seed, named, driven, margin):
     """On the independent plant, whose braking has a cause of its own."""
     case = draw("offsets", seed, names=("pad_pressure_dependence",), severity=1)
-    found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+    found = diagnosed(case)
     assert [effect.name for effect in found.effects] == ["pad_pressure_dependence"]
     assert found.unexplained is None
     assert found.warnings == ()
-    truth = grounds(case, driven)
+    logs = [log.name for log in (*case.calibration, *case.holdout)]
+    grounds = zip(logs, case.answer["variety"]["grounds"], strict=True)
+    truth = {log: ground[driven] for log, ground in grounds}
     assert found.offsets.effect == named
-    assert found.offsets.values.keys() == truth.keys()
-    margin = 0.002 if named == GRADE else 0.02
-    for log, value in found.offsets.values.items():
-        assert value == pytest.approx(truth[log], abs=margin), log
+    assert found.offsets.values == pytest.approx(truth, abs=margin)
     assert to_dict(found)["log_offsets"]["values"] == found.offsets.values

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.explanation.own_pads import SIGMA, OwnPads
 from calib.diagnosis.search.own_pads import follow_a_driver
 from calib.diagnosis.written.document import to_dict
+from tests.support.explained import diagnosed
 from tests.support.hidden.cases import draw
 
 
@@ -54,7 +54,7 @@ def test_the_most_likely_pads_are_those_of_the_normal_equations(seed):
 def test_an_effect_is_named_beside_pads_of_each_log():
     """On the independent plant, every run of which has pads and tyres of its own."""
     case = draw("unlike", 3, names=("pad_speed_dependence",), severity=1)
-    found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+    found = diagnosed(case)
     assert [effect.name for effect in found.effects] == ["pad_speed_dependence"]
     assert found.unexplained is None
     logs = [log.name for log in (*case.calibration, *case.holdout)]

@@ -6,46 +6,40 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import Effects
-from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.explanation.vector import bounds, unpack
 from calib.diagnosis.search.decide import decide
 from calib.diagnosis.search.radii import with_free_radii
 from calib.diagnosis.written.document import to_dict
+from tests.support.explained import asked, based, diagnosed
 from tests.support.hidden.cases import draw
 
-
-def decision(car, logs):
-    problem = problem_of(car, [run_of(log) for log in logs])
-    return decide(fit(problem, (), np.zeros(BASE)))
+FOUR = ("coast", "coast_slow", "hot", "ramp")
 
 
-@pytest.mark.parametrize("factor", [0.999, 1.002])
-def test_wrong_radii_are_found_and_no_effect_is_named_for_them(factor):
-    case = draw("none", 11)
-    logs = case.calibration[:4]
-    fixed = decision(case.vehicle.with_radii(factor), logs)
+@pytest.fixture(scope="module")
+def bare():
+    return draw("none", 11, only=FOUR)
+
+
+@pytest.mark.slow
+def test_wrong_radii_are_found_and_no_effect_is_named_for_them(bare):
+    factor = 0.999
+    fixed = decide(based(replace(bare, vehicle=bare.vehicle.with_radii(factor))))
     assert fixed.best.names != ()  # a small torque looks like another radius
     free = with_free_radii(fixed)
     assert (free.verdict, free.best.names) == ("no_gap", ())
     assert free.best.base.radius == pytest.approx(1.0 / factor, abs=1e-4)
 
 
-def test_right_radii_stay_those_of_the_file():
-    case = draw("none", 11)
-    fixed = decision(case.vehicle, case.calibration[:4])
+def test_right_radii_stay_those_of_the_file(bare):
+    fixed = decide(based(bare))
     assert with_free_radii(fixed) is fixed
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [0.999, 1.003])
-def test_an_effect_beside_wrong_radii_is_named_with_its_size(factor):
-    case = draw("single", 12, names=("aerodynamic_drag",), severity=1)
-    car = case.vehicle.with_radii(factor)
-    found = diagnose(car, list(case.calibration), list(case.holdout))
+def test_an_effect_beside_wrong_radii_is_named_with_its_size():
+    case, factor = draw("single", 12, names=("aerodynamic_drag",), severity=1), 1.003
+    found = diagnosed(replace(case, vehicle=case.vehicle.with_radii(factor)))
     assert [effect.name for effect in found.effects] == ["aerodynamic_drag"]
     low, high = found.effects[0].parameters["drag_area"].ci95
     assert low <= case.hidden.drag_area <= high
@@ -60,10 +54,8 @@ def declared(case, drag_area):
     return replace(case.vehicle, effects=Effects({"aerodynamic_drag": {"drag_area": drag_area}}))
 
 
-def test_effects_of_the_vehicle_file_are_where_a_vector_counts_from():
-    case = draw("none", 11)
-    car = declared(case, 0.7)
-    problem = problem_of(car, [run_of(case.calibration[0])])
+def test_effects_of_the_vehicle_file_are_where_a_vector_counts_from(bare):
+    problem = asked(replace(bare, vehicle=declared(bare, 0.7), calibration=bare.calibration[:1]))
     _, plain = unpack(problem, (), problem.start)
     assert plain.parameters == {"aerodynamic_drag": {"drag_area": 0.7, "load_share": 0.5}}
     ones = np.ones(problem.base_size + 3)
@@ -79,7 +71,7 @@ def test_effects_of_the_vehicle_file_are_where_a_vector_counts_from():
 def test_a_declared_effect_is_known_and_named_only_where_its_size_is_wrong(share):
     case = draw("single", 12, names=("aerodynamic_drag",), severity=2)
     car = declared(case, share * case.hidden.drag_area)
-    found = diagnose(car, list(case.calibration), list(case.holdout))
+    found = diagnosed(replace(case, vehicle=car))
     names = [effect.name for effect in found.effects]
     assert names == ([] if share == 1.0 else ["aerodynamic_drag"])
     kept = found.model_after.effects.parameters["aerodynamic_drag"]["drag_area"]

@@ -11,24 +11,19 @@ import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.hold_outs import model_of
 from calib.diagnosis.undecided.drives import drives
 from calib.diagnosis.undecided.separate import manoeuvres
 from calib.model.simulate import simulate
+from tests.support.explained import based
 from tests.support.hidden.cases import draw
 
 
 @pytest.fixture(scope="module")
 def cold():
     """A light stop of a car that lacks nothing: no heat, little speed, one pressure."""
-    case = draw("none", 42)
-    runs = [run_of(log) for log in case.calibration if log.name == "step_low"]
-    problem = problem_of(case.vehicle, runs)
-    return case.vehicle, problem, fit(problem, (), np.zeros(BASE))
+    base = based(draw("none", 42, only=("step_low",)))
+    return base.problem.vehicle, base.problem, base
 
 
 def changed(vehicle, at, name, run) -> float:

@@ -10,28 +10,25 @@ import numpy as np
 import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
-from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.hold_outs import model_of
 from calib.diagnosis.search.search import unresolved
 from calib.diagnosis.undecided.confusion import confusion_of
 from calib.diagnosis.undecided.separate import best_drive, manoeuvres
 from calib.model.simulate import simulate
+from tests.support.explained import based
 from tests.support.hidden.cases import draw
 
 
 @pytest.fixture(scope="module")
 def rivals():
     """Drag hidden, seen on stops alone: rolling resistance explains it nearly as well."""
-    case = draw("single", 41, names=("aerodynamic_drag",), severity=1)
-    runs = [run_of(log) for log in case.calibration if log.name.startswith("step")]
-    problem = problem_of(case.vehicle, runs)
-    base = fit(problem, (), np.zeros(BASE))
+    steps = ("step_high", "step_low")
+    base = based(draw("single", 41, ("aerodynamic_drag",), severity=1, only=steps))
     start = np.concatenate([base.x, [0.5, 0.0]])
-    pair = [fit(problem, (n,), start) for n in ("aerodynamic_drag", "rolling_resistance")]
-    return case.vehicle, problem, pair
+    pair = [fit(base.problem, (n,), start) for n in ("aerodynamic_drag", "rolling_resistance")]
+    return base.problem.vehicle, base.problem, pair
 
 
 def refitted(vehicle, problem, pair, run) -> float:
@@ -75,10 +72,8 @@ def test_the_confusion_set_has_each_pair_with_its_drive(rivals):
 
 
 def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():
-    case = draw("none", 42)
-    runs = [run_of(log) for log in case.calibration if log.name in ("coast", "step_low")]
-    problem = problem_of(case.vehicle, runs)
-    silent = unresolved(fit(problem, (), np.zeros(BASE)), dict.fromkeys(CATALOGUE, 64.0))
+    base = based(draw("none", 42, only=("coast", "step_low")))
+    silent = unresolved(base, dict.fromkeys(CATALOGUE, 64.0))
     assert "pad_thermal_fade" in silent
     assert "mass_error" in silent
     assert "aerodynamic_drag" not in silent

@@ -7,17 +7,14 @@ from calib.base.errors import LogError
 from calib.logs.bus.frames import group_of, source_of
 from calib.logs.bus.text_logs import open_candump
 from calib.logs.channel_map import DatabaseFile, Databases
+from tests.support.databases import DBC_HEAD
 
-DBC = """VERSION ""
-NS_ :
-BS_:
-BU_: A
-BO_ 2566844926 CCVS1: 8 A
- SG_ Speed : 8|16@1+ (0.00390625,0) [0|250] "km/h" A
-BO_ 2147483902 TSC1: 8 A
- SG_ Torque : 0|8@1+ (1,-125) [-125|125] "%" A
-BO_ 256 Plain: 8 A
- SG_ Level : 0|8@1+ (1,0) [0|0] "%" A
+DBC = f"""{DBC_HEAD}BO_ 2566844926 CCVS1: 8 ESP
+ SG_ Speed : 8|16@1+ (0.00390625,0) [0|250] "km/h" ESP
+BO_ 2147483902 TSC1: 8 ESP
+ SG_ Torque : 0|8@1+ (1,-125) [-125|125] "%" ESP
+BO_ 256 Plain: 8 ESP
+ SG_ Level : 0|8@1+ (1,0) [0|0] "%" ESP
 """
 """CCVS1 (65265) from address 0xFE at priority 6, TSC1 (0) to 0, priority 0; as public DBC files."""
 

@@ -7,7 +7,9 @@
 The same seed gives the same case. Nothing in names, order or metadata tells what is hidden.
 """
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -96,13 +98,18 @@ class HiddenCase:
     truth: dict[str, dict[str, Array]]
 
 
+@lru_cache(16)
 def draw(
-    kind: str, seed: int, names: tuple[str, ...] = (), severity: int | None = None
+    kind: str,
+    seed: int,
+    names: tuple[str, ...] = (),
+    severity: int | None = None,
+    only: tuple[str, ...] = (),
 ) -> HiddenCase:
     """Draw a case; ``names`` and ``severity`` (0 to 2) are drawn unless given.
 
-    Successive seeds go round the names. Raises ValueError for an unknown kind, KeyError
-    for an unknown name.
+    Successive seeds go round the names. With ``only`` these of its runs are driven, and are the
+    same as without. Raises ValueError for an unknown kind, KeyError for an unknown name.
     """
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     effects = names or choose(kind, seed, rng)
@@ -123,16 +130,20 @@ def draw(
     levels = {k: scaled(level, variety.noise) for k, level in NOISE.items()}
     logs, truth = {}, {}
     for i, name in enumerate((*variety.calibration, *variety.holdout)):
-        clean = run(on(car, variety.ground(i)), name, rng, variety.rate)
-        logs[name] = add_noise(clean, int(rng.integers(2**31)), levels)
+        driven = run_of(on(car, variety.ground(i)), name, rng, variety.rate)
+        noise = int(rng.integers(2**31))
+        if only and name not in only:
+            continue
+        clean = driven()
+        logs[name] = add_noise(clean, noise, levels)
         if name in variety.holdout:
             truth[name] = {k: v for k, v in clean.channels.items() if k in TRUTH}
     return HiddenCase(
         kind,
         tuple(effects),
         vehicle,
-        tuple(logs[n] for n in variety.calibration),
-        tuple(logs[n] for n in variety.holdout),
+        tuple(logs[n] for n in variety.calibration if n in logs),
+        tuple(logs[n] for n in variety.holdout if n in logs),
         hidden,
         answer(kind, tuple(effects), car, surface) | told_of(variety),
         truth,
@@ -209,11 +220,20 @@ def tyre(surface: str, rng: np.random.Generator) -> Tyre:
 
 def run(car: Car, name: str, rng: np.random.Generator, rate: float = 200.0) -> Log:
     """One run without noise. Wheels start anywhere in their turn."""
+    return run_of(car, name, rng, rate)()
+
+
+def run_of(car: Car, name: str, rng: np.random.Generator, rate: float) -> Callable[[], Log]:
+    """What drives a run that is drawn."""
     m = manoeuvre(name.partition(":")[0], car.vehicle, rng)
     start = Start(m.v0, m.temperature, float(rng.uniform(0.0, 2.0 * np.pi)))
     rtol = 5e-6 if car.hidden.thickness else 1e-6  # a ripple costs steps; both lie below the noise
-    channels = drive(car, lines(car.hidden, m.pressure), start, rate, rtol=rtol)
-    return Log(name=name, source=f"{name}.csv", digest="", channels=channels)
+
+    def driven() -> Log:
+        channels = drive(car, lines(car.hidden, m.pressure), start, rate, rtol=rtol)
+        return Log(name=name, source=f"{name}.csv", digest="", channels=channels)
+
+    return driven
 
 
 def answer(kind: str, effects: tuple[str, ...], car: Car, surface: str) -> dict[str, object]:

@@ -124,16 +124,12 @@ PAIR = ("aerodynamic_drag", "hydraulic_lag")
         ("single", PAIR[:1], named("aerodynamic_drag"), "exact"),
         ("single", PAIR[:1], named("rolling_resistance"), "wrong"),
         ("single", PAIR[:1], named("engine_drag", verdict="ambiguous", rivals=PAIR[:1]), "set"),
-        ("single", PAIR[:1], named("aerodynamic_drag", "engine_drag"), "set"),
         ("single", PAIR[:1], named(verdict="no_gap"), "no_gap"),
-        ("single", PAIR[:1], named(verdict="unknown"), "unknown"),
         ("double", PAIR, named(*PAIR), "exact"),
         ("double", PAIR, named("hydraulic_lag"), "partial"),
         ("double", PAIR, named("hydraulic_lag", "engine_drag"), "wrong"),
-        ("none", (), named(verdict="no_gap"), "exact"),
         ("none", (), named("hydraulic_lag", verdict="ambiguous"), "wrong"),
         ("outside", ("tank_slosh",), named(verdict="unknown"), "exact"),
-        ("outside", ("tank_slosh",), named("aerodynamic_drag"), "wrong"),
     ],
 )
 def test_outcomes(case, kind, effects, told, word):

@@ -1,0 +1,145 @@
+"""Ramps near the peak of the tyres, where no cubic follows them, and of axles that brake alike.
+
+The top of a ramp is believed only as far as it agrees. Where eta says little, a fit must not end
+far from all that tyres are: were a prior less than quadratic far out, pads at a third of their
+friction and tyres of three times the stiffness would be a minimum of their own.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.car.vehicle import Axle
+from calib.fitting.fit import fit
+from calib.model.parameters import PRIORS
+from calib.model.ramp import sigma_eta
+from tests.studies.clean_cars import logs, plant
+from tests.support.plant import Plant, as_log, drive, magic, per_pascal
+from tests.support.reference_car import CAR, REAL, noisy, one_axle, prepared, ramp
+
+TRUE = CAR.front.pad_friction, CAR.rear.pad_friction
+
+
+def left_out(table):
+    return [remark for remark in table.remarks if "left out above" in remark]
+
+
+def pads(table):
+    return table.calibration.pad_friction_f, table.calibration.pad_friction_r
+
+
+def test_on_a_wet_road_the_pads_are_those_of_a_dry_one():
+    """A ramp to 0.53 g, at up to 0.9 of the tyres' peak; brakes are 20 to 30 ms late."""
+    plant = replace(REAL, tyre=magic(25.0, 0.58), hydraulic_lag=0.03)
+    table = fit(CAR, [noisy(ramp(plant, 4.8e5), 0)])
+    for found, true in zip(pads(table), TRUE, strict=True):
+        assert found.ci95[0] < true < found.ci95[1]
+
+
+def test_what_is_not_believed_is_told_and_not_in_the_table(fitted):
+    assert left_out(fitted) == []  # a dry road
+    table = fit(CAR, [noisy(ramp(replace(REAL, tyre=magic(25.0, 0.58)), 4.8e5), 0)])
+    assert len(left_out(table)) == 1
+    assert table.quality["deceleration_max"] == pytest.approx(0.43, abs=0.005)
+
+
+PEAK, SHAPE, STIFFNESS = 0.92, 1.65, 25.0
+
+
+ESTATE = replace(
+    CAR,
+    mass=1610.0,
+    cg_to_front_axle=1.31,
+    cg_to_rear_axle=1.49,
+    cg_height=0.55,
+    front=Axle(0.327, 1.25, 28.3e-4, 0.131, 2, 0.4),
+    rear=Axle(0.327, 1.15, 11.3e-4, 0.126, 2, 0.4),
+)
+"""Front brakes that take 0.72 of the force: at 0.68 g the front tyres are at 0.8 of their peak."""
+
+
+def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
+    plant = replace(REAL, vehicle=ESTATE, tyre=magic(18.4, PEAK, 1.57, curvature=0.33))
+    found = fit(ESTATE, [noisy(ramp(plant, 6.6e5), 1)])
+    ratio = found.calibration.pad_log_ratio
+    assert abs(ratio.value) < 0.1
+    assert abs(ratio.value) < 1.96 * ratio.sigma
+    assert "pad_ratio" not in [one.code for one in found.warnings]
+
+
+def test_the_model_error_grows_near_the_peak_where_both_axles_brake():
+    def errors(log):
+        run = prepared(log)
+        return np.broadcast_to(run.model_error, run.blocks.end.shape)[run.use]
+
+    usual = errors(ramp(REAL, 4e5))  # to 0.45 g
+    hard = errors(ramp(REAL, 7e5))  # to 0.75 g
+    assert usual.max() < 0.015
+    assert hard[0] == pytest.approx(usual[0])
+    assert hard.max() > 0.05
+    assert np.ptp(errors(one_axle(REAL, "f"))) == 0.0
+
+
+PADS = 0.42
+
+
+def with_brake(axle: Axle, radius: float, inertia: float, area: float, disc: float) -> Axle:
+    """An axle with other wheels [m], [kg m^2] and another brake [m^2], [m]."""
+    return replace(
+        axle,
+        rolling_radius=radius,
+        wheel_inertia=inertia,
+        piston_area=area,
+        effective_radius=disc,
+        pad_friction=PADS,
+    )
+
+
+SPORTS = replace(
+    CAR,
+    name="sports-car",
+    mass=1500.0,
+    cg_to_front_axle=1.42,
+    cg_to_rear_axle=1.05,
+    cg_height=0.46,
+    front=with_brake(CAR.front, 0.330, 1.1, 30e-4, 0.150),
+    rear=with_brake(CAR.rear, 0.338, 1.5, 16e-4, 0.140),
+)
+
+
+def test_a_car_near_ideal_balance_has_the_pads_that_it_has():
+    seed = 5
+    rng = np.random.default_rng(seed)
+    tyre = magic(
+        float(rng.uniform(18.0, 30.0)),
+        float(rng.uniform(0.8, 1.0)),
+        curvature=float(rng.uniform(-0.5, 0.3)),
+    )
+    plant = Plant(SPORTS, tyre=tyre, drag_area=0.66, rolling_resistance=0.01)
+    slope = 0.5 / per_pascal(SPORTS) / 6.5  # 0.5 g within 6.5 s
+    run = drive(plant, lambda t: slope * max(t - 1.5, 0.0), 33.0, duration=8.0, stop_speed=6.0)
+    table = fit(SPORTS, [noisy(as_log(run, "ramp"), seed)])
+    for found in (table.calibration.pad_friction_f, table.calibration.pad_friction_r):
+        assert abs(found.value - PADS) < 2.5 * found.sigma
+    for name, prior in PRIORS._asdict().items():
+        assert abs(table.posterior.value(name) - prior.mean) < 3.0 * prior.sigma
+
+
+def test_a_top_that_bends_more_than_a_cubic_leads_to_no_far_minimum():
+    """Started from afar, this one ended with pads of 0.3 of their ratio, and was refused."""
+    made = plant("rear-engined", np.random.default_rng([2, 1, 0]))
+    table = fit(made.vehicle, logs(made, 100))
+    pads = table.calibration.pad_friction_f, table.calibration.pad_friction_r
+    for found, true in zip(pads, made.pads(0.0), strict=True):
+        assert found.value == pytest.approx(true, rel=0.08)
+        assert found.ci95[0] < true < found.ci95[1]
+
+
+def test_the_sizes_of_the_wheels_have_no_say_in_what_the_brakes_do_to_eta():
+    run = drive(Plant(SPORTS), lambda t: 8e5 * max(t - 1.5, 0.0), 33.0, duration=5.0)
+    log = noisy(as_log(run, "ramp"), 0)
+    one = prepared(log, SPORTS)
+    other = replace(one, blocks=replace(one.blocks, omega_r=1.1 * one.blocks.omega_r))
+    seen = [sigma_eta(each, each.since_rolling(each.blocks.eta)) for each in (one, other)]
+    assert seen[1][one.use] == pytest.approx(seen[0][one.use], rel=0.11)
