@@ -38,6 +38,8 @@ _Name = Annotated[str, Field(pattern=r"\S")]
 def _expected(form: str) -> WrapValidator:
 
     def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
+        if isinstance(written, bool):  # which Python takes for 0 or 1
+            raise wrong(shown(written), form)
         try:
             return handler(written)
         except ValidationError as cause:

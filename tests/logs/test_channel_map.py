@@ -78,9 +78,10 @@ def in_map(*lines):
     [
         (MAP.replace("[channels.a_x]", "[channels.ax]"), "'a_x'"),
         (MAP.replace("sign = -1", "sign = -2"), "channels.a_x.sign: -2"),
+        (MAP.replace("sign = -1", "sign = true"), "channels.a_x.sign: True"),
         (MAP.replace('source = "Decel"\n', "source = 5\n"), "channels.a_x.source: 5"),
         (MAP.replace('"Decel"', '"true_ax"'), "truth"),
-        (MAP.replace('"kPa"', '"kPo"'), "'kPa'"),
+        (MAP.replace('"kPa"', '"kPo"'), "channels.p_mc.unit: unknown unit 'kPo'"),
         (MAP.replace("scale = 2.0", "scale = 0"), "channels.p_mc.scale: 0"),
         (in_map("ignore = 3"), "ignore"),
         (in_map("text.separator = 'x'"), "text.separator: 'x'"),

@@ -8,6 +8,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from calib.run.same_run import Fingerprint, fingerprint_of, same_as, same_run
+from tests.support.hidden.cases import draw
 from tests.support.made_runs import changed, made_run, ramp, stop
 
 RUN = made_run(stop(level=20.0))
@@ -123,3 +124,11 @@ def test_what_is_no_fingerprint_is_refused(change):
     })  # fmt: skip
     with pytest.raises(ValidationError):
         TypeAdapter(Fingerprint).validate_json(data)
+
+
+@pytest.mark.slow
+def test_two_stops_at_one_pressure_from_unlike_speeds_are_two_runs():
+    """40 Hz, a quarter of the noise: laid over each other, they agree in the wheels alone."""
+    logs = {log.name: log for log in draw("varied", 96).calibration}
+    assert not same_run(logs["hot:3"], logs["step_high:2"])
+    assert not same_run(logs["step_high:2"], logs["hot:3"])

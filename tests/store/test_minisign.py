@@ -281,3 +281,26 @@ def test_without_the_extra_it_is_named_and_key_numbers_are_read(monkeypatch, fil
         with pytest.raises(KeyFileError) as refusal:
             use()
         assert "brake-cal[sign]" in refusal.value.do
+
+
+PRIME = 2**255 - 19
+D = -121665 * pow(121666, -1, PRIME) % PRIME
+
+
+def roots(square):
+    """The square roots of a number, by the prime of Ed25519 (RFC 8032, 5.1.3); maybe none."""
+    root = pow(square, (PRIME + 3) // 8, PRIME)
+    both = root, root * pow(2, (PRIME - 1) // 4, PRIME) % PRIME
+    return {s * x % PRIME for x in both if x * x % PRIME == square % PRIME for s in (1, -1)}
+
+
+def test_keys_that_everybody_can_sign_for_are_refused():
+    # y of a point of order 8 by doubling -x^2 + y^2 = 1 + D x^2 y^2 twice: D y^4 + 2 y^2 - 1 = 0
+    eight = {y for s in roots(1 + D) for y in roots((s - 1) * pow(D, -1, PRIME))}
+    assert len(eight) == 2
+    twins = {PRIME, PRIME + 1}  # y beyond the prime: a second spelling
+    for y in {0, 1, PRIME - 1, *eight, *twins}:
+        for sign in (0, 1 << 255):
+            word = b64encode(b"Ed" + bytes(8) + (y | sign).to_bytes(32, "little")).decode()
+            with pytest.raises(KeyFileError):
+                read_public_key(word)
