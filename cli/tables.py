@@ -1,5 +1,6 @@
 """`brake-cal tables`: look at the tables of a store, and decide on their states."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -120,46 +121,39 @@ Proof = Annotated[
 ]
 
 
+@dataclass(frozen=True)
+class _Decision:
+    """What is said of a decision on the state of a version."""
+
+    reason: options.Reason
+    by: options.By
+    store: options.Tables
+
+
 @command(
     'brake-cal tables release sedan-2up@2 --reason "four stops agree" '
     "--evidence results/sedan/summary.json"
 )
-def release(
-    table: options.Version,
-    *,
-    reason: options.Reason,
-    evidence: Proof,
-    by: options.By,
-    store: options.Tables,
-) -> Answer:
+def release(table: options.Version, *, evidence: Proof, decision: _Decision) -> Answer:
     """Release a version, so that it may be exported.
 
     Others are measured by it, too. With --evidence the file must be of this version and must not
     have failed. A rejected version needs it; a withdrawn one is never released again.
     """
-    return _judged(store, table, "released", reason, by, evidence)
+    return _judged(table, "released", decision, evidence)
 
 
 @command('brake-cal tables reject sedan-2up@1 --reason "one ramp only"')
-def reject(
-    table: options.Version,
-    *,
-    reason: options.Reason,
-    evidence: Proof,
-    by: options.By,
-    store: options.Tables,
-) -> Answer:
+def reject(table: options.Version, *, evidence: Proof, decision: _Decision) -> Answer:
     """Reject a version, so that it is no longer used.
 
     A bare name never means it, and it is not exported.
     """
-    return _judged(store, table, "rejected", reason, by, evidence)
+    return _judged(table, "rejected", decision, evidence)
 
 
 @command('brake-cal tables withdraw sedan-2up@1 --reason "brake pads recalled"')
-def withdraw(
-    table: options.Version, *, reason: options.Reason, by: options.By, store: options.Tables
-) -> Answer:
+def withdraw(table: options.Version, *, decision: _Decision) -> Answer:
     """Withdraw a version for good.
 
     A bare name never means it, and it is not exported. A version that is missing and cannot be
@@ -167,24 +161,24 @@ def withdraw(
     """
     from calib.store.state import StateDecision
 
-    if store.withdraw_missing(table, StateDecision("withdrawn", reason, by=by or "")):
+    withdrawn = StateDecision("withdrawn", decision.reason, by=decision.by or "")
+    if decision.store.withdraw_missing(table, withdrawn):
         document = {"table": table, "state": "withdrawn", "missing": True}
         return Answer(document, f"{table} is withdrawn; its folder is missing")
-    return _judged(store, table, "withdrawn", reason, by, None)
+    return _judged(table, "withdrawn", decision, None)
 
 
-def _judged(
-    store: options.Tables, table: str, word: str, reason: str, by: str | None, evidence: Path | None
-) -> Answer:
+def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -> Answer:
     from calib.store.evidence import read_evidence
     from calib.store.state import StateDecision
 
-    before = store.load(table)
+    before = decision.store.load(table)
     proof, verdict = read_evidence(evidence, before) if evidence else (None, "")
     if word == "released" and verdict == "failed":
         raise misuse(f"{evidence} says that {table} failed, which releases nothing", "--evidence")
     proofs = (proof,) if proof else ()
-    after = store.judge(table, StateDecision(word, reason, verdict, proofs, by or ""))
+    state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
+    after = decision.store.judge(table, state)
     same = "nothing to change" if before.state == after.state else f"it was {before.state.word}"
     document = {
         "table": after.id,

@@ -89,7 +89,7 @@ def test_missing_channel(tmp_path, name):
         ("omega_fl [", "omega_lf [", "'omega_lf' meant to be omega_fl"),
         ("omega_rl [rad/s]", "a_x [g]", "a_x"),
         ("p_mc [bar]", "p_mc", "[Pa]"),
-        ("[bar]", "[barg]", "'bar'"),
+        ("[bar]", "[barg]", "'barg'"),
         ("[bar]", "[N]", "force"),
     ],
 )
