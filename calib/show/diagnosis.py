@@ -229,6 +229,6 @@ def _unseen(found: Diagnosis) -> Table:
         strength = drive.card.parameters[0]
         usual = f"{in_shown(drive.card.usual[strength.name], strength.unit):.3g}"
         size = f"{spaced(strength.name)} {with_unit(usual, strength.unit)}"
-        there = drive.name if drive.clear else f"none, most of all {drive.name}"
+        there = drive.name if drive.clear else f"none clearly; best: {drive.name}"
         rows.append((spaced(drive.effect), size, there, f"{drive.sigma:.0f} sigma"))
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
