@@ -73,9 +73,13 @@ def is_number(cell: str, decimal: str = ".") -> bool:
 
 def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
     """Complete lines from ``start``, the middle and the end of a file, some twice if short."""
-    half = (start + len(data)) // 2
-    head = data[start : start + width].splitlines()[:count]
-    middle = data[half : half + width].splitlines()[1 : count + 1]
+
+    def complete(at: int) -> list[bytes]:
+        end = len(data) if at + width >= len(data) else data.rfind(b"\n", at, at + width) + 1
+        return data[at:end].splitlines()
+
+    head = complete(start)[:count]
+    middle = complete((start + len(data)) // 2)[1 : count + 1]
     tail = data[max(start, len(data) - width) :].rstrip(b"\r\n").splitlines()[-count:]
     return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
 
