@@ -18,7 +18,7 @@ def export(
     table: Table,
     *,
     form: str | None = option(
-        "json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of --out.",
+        "Format, by its name on the page `tables` of the manual; else by the ending of --out.",
         "F",
         "--format",
     ),

@@ -52,7 +52,8 @@ class _Plain:
     ``most`` are the values that it can have; ``cut`` is one that stands for all larger ones.
 
     The station fails outside ``low`` to ``high`` and warns outside ``warn_low`` to ``warn_high``;
-    ``judged`` is the place among those that it judges, 0 of all others.
+    ``judged`` is the place among those that it judges, 0 of all others. `validate` has the limits
+    that begin with ``stop_``, and where the station has none of its own, it has them, too.
     """
 
     name: str
@@ -68,10 +69,19 @@ class _Plain:
     high: float | None = None
     warn_low: float | None = None
     warn_high: float | None = None
+    stop_low: float | None = None
+    stop_high: float | None = None
+    stop_warn_low: float | None = None
+    stop_warn_high: float | None = None
     required: bool = False
     meaning: str = ""
     reason: str = ""
     action: str = ""
+
+    @property
+    def stop(self) -> tuple[float | None, float | None, float | None, float | None]:
+        """The limits that `validate` has."""
+        return self.stop_low, self.stop_high, self.stop_warn_low, self.stop_warn_high
 
     @property
     def heading(self) -> str:
@@ -147,7 +157,7 @@ def meanings(of: str) -> dict[str, str]:
 
 
 def bound(key: str, end: str) -> float:
-    """A limit that another room uses, too: ``end`` low, high, warn_low or warn_high."""
+    """A limit that another room uses, too: ``end`` the name of its column."""
     return float(getattr(METRICS[key], end))
 
 

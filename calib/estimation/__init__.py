@@ -1,1 +1,1 @@
-"""Validation of the estimator on hold-out logs: metrics, limits, results."""
+"""The estimator on a log, its baselines, and the judgement of both: metrics, limits, results."""

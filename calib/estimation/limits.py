@@ -6,7 +6,7 @@ A metric that a log cannot give (without truth, for example) is `not known`; whe
 
 from dataclasses import dataclass
 
-from calib.estimation.gates import Gates
+from calib.base.plain import METRICS
 
 PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
 """Verdicts of a judgement."""
@@ -54,18 +54,11 @@ class Judgement:
         return WARNING if self.warned else PASSED
 
 
-DEFAULTS: tuple[Limit, ...] = (
-    Limit("valid_share", 0.7, None),
-    Limit("covered_share", None, None, warn_low=0.5),
-    Limit("pad_friction_drift_f", None, 0.10),
-    Limit("pad_friction_drift_r", None, 0.20),
-    Limit("interval_f", None, 0.17, warn_high=Gates.interval_f),
-    Limit("interval_r", None, 0.32, warn_high=Gates.interval_r),
-    Limit("torque_error_f", None, 0.03),
-    Limit("torque_error_r", None, 0.08),
-    Limit("truth_in_interval", 0.80, None),
+DEFAULTS: tuple[Limit, ...] = tuple(
+    Limit(key, *one.stop) for key, one in METRICS.items() if one.stop != (None,) * 4
 )
-"""Limits of a stop when the user gives none. Those on errors need a log with truth.
+"""Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`. Those on
+errors need a log with truth.
 
 An interval warns where `calib.estimation.gates` ends without the load that nobody stated, and fails
 past what such a load adds to it: pads that lost 15 % of their friction have 0.16 on a weighed car,

@@ -100,7 +100,7 @@ def export(
     Parameters
     ----------
     stored : the version, of `Store.save` or `Store.load`.
-    form : json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of ``path``.
+    form : one of `ENDINGS`; else by the ending of ``path``.
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
     elf : linked program with the C header (ELF), for the addresses of an a2l.

@@ -1,1 +1,1 @@
-"""Qualification of the program on the user's own machine, against truths known beforehand."""
+"""The manual, the demo, and whether the program works here: `doctor` and `qualify`."""

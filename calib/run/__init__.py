@@ -1,1 +1,1 @@
-"""Checks of a log: its content, and the purposes it is usable for."""
+"""A log by its car: signals, blocks, noise and events, what the run is good for, and warnings."""

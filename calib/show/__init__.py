@@ -1,1 +1,1 @@
-"""Plots: functions that make matplotlib figures of records. None is shown on a screen."""
+"""What people see of a result: facts, pages, figures, and documents of commands."""

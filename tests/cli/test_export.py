@@ -5,9 +5,13 @@ import subprocess
 
 import pytest
 
+from calib.exports.write import FORMATS
 from tests.support.programs import linked, made_elf, needs_gcc
 
-FORMATS = ("json", "csv", "parquet", "dcm", "cdfx", "a2l", "c-header", "inca-csv")
+
+def test_the_manual_names_every_format(run):
+    page = run("manual", "tables").out
+    assert [form for form in FORMATS if f"`{form}`" not in page] == []
 
 
 @pytest.mark.parametrize("form", FORMATS)

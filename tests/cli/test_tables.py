@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from calib.exports.write import FORMATS
 from calib.store.store import Store
 from tests.cli.conftest import told
 from tests.support.cars_of_a_line import car_table
@@ -188,7 +189,7 @@ def test_a_mean_has_its_parents_and_every_look_works_with_it(line, store, tmp_pa
     assert "golden@1" in again.out
     assert "sedan@3" in line("show", "golden").out
     assert line("diff", "golden", "sedan@1").code == line("verify").code == 0
-    for form in ("dcm", "cdfx", "json", "csv", "parquet", "a2l", "c-header", "inca-csv"):
+    for form in FORMATS:
         out = tmp_path / f"golden.{form}"
         assert line("export", "golden@1", "--unreleased", "--format", form, "--out", out).code == 0
         assert b"sedan@1, sedan@2, sedan@3" in out.read_bytes()

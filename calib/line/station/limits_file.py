@@ -14,14 +14,12 @@ from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.line.station.metrics import METRICS as OF_CAR
 
-_OF_STOPS = {limit.figure: limit for limit in DEFAULTS}
-"""One limit for a stop, whichever command judges it."""
-
 
 def _limit(key: str) -> Limit:
     one = METRICS[key]
-    own = Limit(key, one.low, one.high, one.warn_low, one.warn_high, one.required)
-    return _OF_STOPS[key] if own == Limit(key, None, None) else own
+    own = one.low, one.high, one.warn_low, one.warn_high
+    ends = one.stop if own == (None,) * 4 else own
+    return Limit(key, *ends, one.required)
 
 
 _JUDGED = (key for key, one in METRICS.items() if one.judged)
