@@ -62,7 +62,13 @@ def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
         assert figure.read_bytes()[:4] == b"\x89PNG"
 
 
-@pytest.mark.parametrize("line", examples())
+DEAR = re.compile("brake-cal (diagnose|qualify)")
+"""Half a minute each; what they do is tested where they are."""
+
+
+@pytest.mark.parametrize(
+    "line", [pytest.param(x, marks=[pytest.mark.slow] * bool(DEAR.match(x))) for x in examples()]
+)
 def test_the_examples_work_as_printed_in_the_folder_of_the_demo(demo: Path, line: str) -> None:
     # a simulation writes the log that the next example replays
     if "simulate ramp.csv" in line:

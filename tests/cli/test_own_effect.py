@@ -33,6 +33,7 @@ def test_the_page_prints_the_file_of_the_sample():
     assert printed == rest
 
 
+@pytest.mark.slow
 def test_the_commands_of_the_page_work_as_printed_and_find_the_effect(brake_cal, here):
     commands = [line for line in PAGE.splitlines() if line.startswith("brake-cal ")]
     assert [shlex.split(c)[1] for c in commands] == ["effects", *["simulate"] * 4, "diagnose"]
