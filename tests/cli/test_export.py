@@ -9,8 +9,8 @@ from calib.exports.write import FORMATS
 from tests.support.programs import linked, made_elf, needs_gcc
 
 
-def test_the_manual_names_every_format(run):
-    page = run("manual", "tables").out
+def test_the_manual_names_every_format(brake_cal):
+    page = brake_cal("manual", "tables").out
     assert [form for form in FORMATS if f"`{form}`" not in page] == []
 
 
