@@ -8,7 +8,7 @@ import csv
 import math
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any
+from typing import Any, NamedTuple
 
 NBSP = "\xa0"
 """Space at which no line ends."""
@@ -42,6 +42,18 @@ def signed_percent(share: float) -> str:
     return f"{whole:+d}{NBSP}%" if whole else f"0{NBSP}%"
 
 
+class Ends(NamedTuple):
+    """Limits of a metric; None where an end is open."""
+
+    low: float | None = None
+    high: float | None = None
+    warn_low: float | None = None
+    warn_high: float | None = None
+
+
+_OPEN = Ends()
+
+
 @dataclass(frozen=True)
 class _Plain:
     """A metric; None where an end is open.
@@ -52,8 +64,8 @@ class _Plain:
     ``most`` are the values that it can have; ``cut`` is one that stands for all larger ones.
 
     The station fails outside ``low`` to ``high`` and warns outside ``warn_low`` to ``warn_high``;
-    ``judged`` is the place among those that it judges, 0 of all others. `validate` has the limits
-    that begin with ``stop_``, and where the station has none of its own, it has them, too.
+    ``judged`` is the place among those that it judges, 0 of all others. ``stop`` are the limits
+    of `validate`, and where the station has none of its own, it has them, too.
     """
 
     name: str
@@ -69,19 +81,11 @@ class _Plain:
     high: float | None = None
     warn_low: float | None = None
     warn_high: float | None = None
-    stop_low: float | None = None
-    stop_high: float | None = None
-    stop_warn_low: float | None = None
-    stop_warn_high: float | None = None
+    stop: Ends = _OPEN
     required: bool = False
     meaning: str = ""
     reason: str = ""
     action: str = ""
-
-    @property
-    def stop(self) -> tuple[float | None, float | None, float | None, float | None]:
-        """The limits that `validate` has."""
-        return self.stop_low, self.stop_high, self.stop_warn_low, self.stop_warn_high
 
     @property
     def heading(self) -> str:
@@ -144,7 +148,9 @@ def _read(row: dict[str, str]) -> _Plain:
         for name in row
         if row[name] and name not in ("key", "judged", "required")
     }
-    return _Plain(**given, judged=int(row["judged"] or 0), required=row["required"] == "yes")
+    stop = Ends(**{end: given.pop(f"stop_{end}", None) for end in Ends._fields})
+    judged, required = int(row["judged"] or 0), row["required"] == "yes"
+    return _Plain(**given, stop=stop, judged=judged, required=required)
 
 
 METRICS: dict[str, _Plain] = {row["key"]: _read(row) for row in rows("metrics.csv")}
@@ -156,9 +162,9 @@ def meanings(of: str) -> dict[str, str]:
     return {key: one.meaning for key, one in METRICS.items() if one.of == of}
 
 
-def bound(key: str, end: str) -> float:
+def bound(key: str, end: str, *, of_stop: bool = False) -> float:
     """A limit that another room uses, too: ``end`` the name of its column."""
-    return float(getattr(METRICS[key], end))
+    return float(getattr(METRICS[key].stop if of_stop else METRICS[key], end))
 
 
 def plain(key: str, unit: str = "1") -> _Plain:

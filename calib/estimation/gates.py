@@ -32,11 +32,11 @@ class Gates:
     """Speed [m/s] below which slip is noise."""
     settle: float = 0.3
     """Time of braking [s] before the level is trusted: half its memory has passed by then."""
-    interval_f: float = bound("interval_f", "stop_warn_high")
+    interval_f: float = bound("interval_f", "warn_high", of_stop=True)
     """Relative half width of the front's 95 % interval beyond which the number is no use: 0.12 for
     the pads alone, 0.06 for a mass that is known to 3 %, and 0.05 for what the ramp leaves open
     of the pads' ratio."""
-    interval_r: float = bound("interval_r", "stop_warn_high")
+    interval_r: float = bound("interval_r", "warn_high", of_stop=True)
     """The same of the rear, which eta shows more faintly."""
     beyond: float = 1.2
     """Normalised force over the greatest one of the ramp up to which the tyre's curve is continued:

@@ -59,10 +59,13 @@ def without(columns, *names):
     return {key: x for key, x in columns.items() if key[0] not in names}
 
 
+def sources(result):
+    return {p.channel: p.mapping.source for p in result.proposals}
+
+
 def test_a_foreign_log_is_found_out():
     result = suggestion(foreign())
-    by_name = {p.channel: p.mapping.source for p in result.proposals}
-    assert by_name == {
+    assert sources(result) == {
         "time": "Zeit",
         "p_mc": "Bremsdruck HZ",
         "a_x": "Longitudinal deceleration",
@@ -294,8 +297,7 @@ def test_a_run_of_carsim():
         **{(f"Pbk_{p}", "MPa"): 0.9 * RUN["p_mc"] / 1e6 for p in places.values()},
     }
     result = suggestion(columns)
-    by_name = {p.channel: p.mapping.source for p in result.proposals}
-    assert by_name == {
+    assert sources(result) == {
         "time": "Time",
         "v": "Vx",
         "a_x": "Ax",
