@@ -69,17 +69,16 @@ def test_quiet_prints_the_same_result_and_verbose_tells_more(brake_cal, tmp_path
 
 
 @pytest.mark.parametrize(
-    ("words", "environment", "bar", "colour"),
+    ("environment", "bar", "colour"),
     [
-        ((), {"TERM": "xterm"}, True, True),
-        ((), {"TERM": "xterm", "NO_COLOR": "1"}, True, False),
-        ((), {"TERM": "dumb"}, False, False),
-        (("-q",), {"TERM": "xterm"}, False, False),
+        ({"TERM": "xterm"}, True, True),
+        ({"TERM": "xterm", "NO_COLOR": "1"}, True, False),
+        ({"TERM": "dumb"}, False, False),
     ],
 )
-def test_a_bar_is_drawn_on_a_terminal_that_can_show_one(tmp_path, words, environment, bar, colour):
+def test_a_bar_is_drawn_on_a_terminal_that_can_show_one(tmp_path, environment, bar, colour):
     logs = ("batch", "check", SEDAN, "--out", tmp_path / "out", "--workers", "1")
-    out, seen = on_a_terminal((*logs, *words, "--json"), tmp_path, **environment)
+    out, seen = on_a_terminal((*logs, "--json"), tmp_path, **environment)
     assert json.loads(out)["logs"] == len([*SEDAN.glob("*.csv")])
     assert ("\u2501" in seen) == bar
     assert bool(re.search(r"\x1b\[[\d;]*3[0-9]m", seen)) == colour

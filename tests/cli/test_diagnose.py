@@ -43,6 +43,7 @@ def test_one_holdout_option_takes_every_log_after_it_and_all_is_written(run, tmp
     assert files == {"diagnosis.json", "model.toml", "report.html"} | sims
 
 
+@pytest.mark.slow
 def test_a_terminal_shows_the_stages_and_stdout_the_answer_alone(tmp_path):
     words = ("diagnose", *SEARCHED, "--holdout", HELD[0], "--vehicle", VEHICLE, "--json")
     out, seen = on_a_terminal((*words, "--out", tmp_path / "found"), tmp_path, TERM="xterm")

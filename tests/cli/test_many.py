@@ -135,6 +135,7 @@ def test_a_watch_ends_when_asked(bench, home, tmp_path, send):
     assert pq.read_table(tmp_path / "out" / "results.parquet").num_rows == 2
 
 
+@pytest.mark.slow
 def test_killed_and_started_again_each_log_is_done_once(bench, home, tmp_path):
     process = bench()
     drop(home, tmp_path / "in", 3)

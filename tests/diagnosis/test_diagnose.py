@@ -64,6 +64,7 @@ def test_a_single_effect_is_named_with_an_interval_that_holds_it(drag, told):
     assert len({stage for stage, _, _ in steps}) > 4
 
 
+@pytest.mark.slow
 def test_three_effects_at_once_are_named_and_nothing_else():
     hidden = ("aerodynamic_drag", "pad_thermal_fade", "accelerometer_bias")
     found = diagnosed(draw("double", 71, hidden, severity=1, only=SEVEN))
