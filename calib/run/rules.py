@@ -179,7 +179,7 @@ def _blurred_eta(seen: Observation) -> Iterator[str]:
             "this car can have no table"
         )
     else:
-        yield f"{what}; half of it will do: log the wheel speeds finer and faster, or coast longer"
+        yield f"{what}: too little is known; log the wheel speeds finer and faster, or coast longer"
 
 
 def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
