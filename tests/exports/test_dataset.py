@@ -14,6 +14,9 @@ from calib.estimation.lookup import difference, paper
 from calib.exports.dataset import LONGEST, LONGEST_PREFIX, build, label, prefix
 from calib.exports.fixed_point import BITS, fixed_axis, to_fixed
 from calib.exports.write import printable
+from calib.store.evidence import Quality
+from calib.store.store import Store
+from tests.support.tables import made_table
 
 # C99, 6.4.2.1, without the names that C and C++ keep for themselves.
 IDENTIFIER = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
@@ -37,6 +40,13 @@ def test_ends_are_clamped_as_the_look_up_does(stored):
     assert (read.F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())
     D = difference(stored.table, z, eta, z)
     assert (D.F_f - D.F_r).tolist() == pytest.approx(curves["sedan_D"][[0, -1]].tolist())
+
+
+def test_a_draft_is_preliminary_also_where_a_validation_passed(stored, tmp_path):
+    passed = Quality("checked", "a validation", "passed")
+    draft = Store(tmp_path / "drafts").save(made_table())
+    assert build(draft, quality=passed).quality.state == "prelimCalibrated"  # ASAM CDF 2.0
+    assert build(stored, quality=passed).quality.state == "checked"
 
 
 def test_18_holds_on_the_breakpoints_too(real):
