@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from calib.base.plain import counted
 from calib.exports.compare import Difference as FromFile
 from calib.exports.read import Returned
@@ -16,6 +18,7 @@ from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
 from calib.table.budget import pads_budget
 from calib.table.compare import Difference
+from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
@@ -76,6 +79,7 @@ def shown(stored: Stored) -> Facts:
         ("pad friction front", _interval(pads.pad_friction_f)),
         ("pad friction rear", _interval(pads.pad_friction_r)),
         *zip(("front pads", "rear pads"), (x.words for x in pads_budget(table)), strict=True),
+        *((name, _map(part)) for name in MAPS if (part := getattr(table, name)) is not None),
         ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
         *((metric, f"{number:.4g}") for metric, number in table.quality.items()),
     ]
@@ -97,6 +101,14 @@ def shown_document(stored: Stored) -> dict[str, Any]:
         "record": record,
         "curves": curves,
     }
+
+
+def _map(held: Map) -> str:
+    """Cells and range of a map, and the median half width of its first column."""
+    ends = (f"{name} {x[0]:.3g} to {x[-1]:.3g}" for name, x in held.axes.items())
+    lower, upper = (getattr(held, held.bounded[0] + end) for end in ("_lower", "_upper"))
+    half = 50.0 * float(np.median(upper - lower))
+    return f"{' x '.join(map(str, held.shape))} cells, {', '.join(ends)}; median +- {half:.0f} %"
 
 
 def _interval(value: Value) -> str:
@@ -169,7 +181,7 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
             Table(("section", "key", first.id, second.id), changes),
         ],
         notes=[
-            *(f"{curve} has no common axis" for curve in found.apart),
+            *(f"{curve}: no common axis, or only in one of both" for curve in found.apart),
             *([f"also different: {', '.join(rest)}; --json prints them"] if rest else []),
             *(
                 f"{stored.id}: {cell}"

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 from calib.base.record import FileSchema, Section, section
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Vehicle
-from calib.table.table import CURVES, Array, Table, Value
+from calib.table.table import COLUMNS, CURVES, Array, Table, Value
 
 
 def _keys(of: type) -> dict[str, tuple[Any, Any]]:
@@ -38,7 +38,7 @@ class _Finite(FileSchema):
 Record = section(
     "Record",
     "A table without its curves, as `Table`.",
-    {name: key for name, key in _keys(Table).items() if name not in CURVES}
+    {name: key for name, key in _keys(Table).items() if name not in COLUMNS}
     | {
         "vehicle": (_VEHICLE, ...),
         "effects": (dict[str, dict[str, Value]], ...),
@@ -118,11 +118,12 @@ class SeenFile(FileSchema):
 
 
 def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
-    """Build the table from its `Record` and its curves.
+    """Build the table from its `Record`, its curves and maps.
 
     Raises KeyError or TypeError for a curve or a column that is missing.
     """
-    parts = {**dict(record), **{name: kind(**curves[name]) for name, kind in CURVES.items()}}
+    held = [name for name in COLUMNS if name in CURVES or name in curves]
+    parts = {**dict(record), **{name: COLUMNS[name](**curves[name]) for name in held}}
     terms, own, found = parts.pop("empirical"), parts.pop("own_effects"), parts["effects"]
     named = record.vehicle.effects, terms if isinstance(terms, tuple) else (terms,)
     del parts["schema_version"]

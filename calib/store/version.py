@@ -1,9 +1,10 @@
-"""One version of a table as a directory: a record, one Parquet file per curve, digests.
+"""One version of a table as a directory: a record, one Parquet file per curve or map, digests.
 
     v0001/record.json           {id, version, digest, parents, files, states, record}
           difference.parquet    D(eta)
           paper.parquet         f1(eta), f2(eta)
           tyre.parquet          g(slip)
+          map.parquet           and speed_map, level_map, draws, where the table has them
 
 ``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
 the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed. ``states``
@@ -28,7 +29,8 @@ from calib.base.write import sync
 from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL
 from calib.store.state import UNKNOWN, VersionState
-from calib.table.table import CURVES, Array, Table
+from calib.table.maps import UNITS
+from calib.table.table import COLUMNS, CURVES, Array, Table
 
 
 @dataclass(frozen=True)
@@ -74,8 +76,8 @@ def write_version(table: Table, version: int, path: Path) -> None:
     record, curves = table.content()
     path.mkdir(parents=True)
     digests = {}
-    for name in CURVES:
-        data = curve_bytes(curves[name])
+    for name, columns in curves.items():
+        data = curve_bytes(columns)
         digests[f"{name}.parquet"] = _sha256(data)
         _write(path / f"{name}.parquet", data)
     _write(path / RECORD, _content(record, table.digest, version, digests, True))
@@ -97,7 +99,12 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     except (DamagedTable, RecursionError) as error:
         raise _damaged(path, f"{RECORD}: {error}") from error
     try:
-        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in CURVES}
+        held = {name: f"{name}.parquet" for name in COLUMNS}
+        curves = {
+            name: _curve_file(path / at, file.files)
+            for name, at in held.items()
+            if name in CURVES or at in file.files
+        }
         if content_digest(record, curves) != file.digest:
             raise _damaged(path, f"{RECORD}: the record or its digest was changed")
         table = table_of(file.record, curves)
@@ -113,14 +120,15 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
 
 
 def curve_bytes(columns: dict[str, Array]) -> bytes:
-    """A Parquet file of named ``columns``, each (n,) and dimensionless, in the given order.
+    """A Parquet file of named ``columns``, each (n,), in the given order, with their units.
 
     Without compression and in one row group: the same columns give the same bytes.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    fields = [pa.field(name, pa.float64(), metadata={"unit": "1"}) for name in columns]
+    units = {name: {"unit": UNITS.get(name, "1")} for name in columns}
+    fields = [pa.field(name, pa.float64(), metadata=unit) for name, unit in units.items()]
     arrays = [pa.array(np.ascontiguousarray(x, dtype=np.float64)) for x in columns.values()]
     table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
     sink = io.BytesIO()

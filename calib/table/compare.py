@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
+from calib.table.maps import MAPS, Map
 from calib.table.table import Array, Table, Value
 
 TOLERANCE = 1e-5
@@ -37,9 +38,11 @@ _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
 
 @dataclass(frozen=True)
 class _CurveGap:
-    """Distance of one curve of ``b`` from that of ``a`` on their common axis, eta or slip [1].
+    """Distance of one curve or map of ``b`` from that of ``a`` on their common axis [1].
 
-    ``largest`` the b - a of largest magnitude, ``at`` its place; ``rms`` over the axis;
+    The axis is eta or slip; that of a map is z, over the part that both have of its other axes.
+    ``largest`` the b - a of largest magnitude, ``at`` its place; ``rms`` over the axis, or over the
+    cells of a map;
     ``in_bands`` largest magnitude over the combined 95 % half-width, infinite without a band.
     """
 
@@ -73,7 +76,9 @@ class _ValueGap:
 
 @dataclass(frozen=True)
 class Difference:
-    """``curves`` with a common axis, the names of those ``apart`` without one; ``values`` the pads.
+    """``curves`` with a common axis, the names of those ``apart``; ``values`` of pads and draws.
+
+    Apart are curves without a common axis, and maps or draws that only one of both has.
 
     ``changes`` by section of the record: vehicle, quality, provenance and so on, if not equal.
     """
@@ -86,7 +91,8 @@ class Difference:
     @property
     def identical(self) -> bool:
         """Whether neither curves nor records differ."""
-        return not self.changes and not self.apart and all(g.largest == 0.0 for g in self.curves)
+        moved = any(g.largest != 0.0 for g in self.curves) or any(v.a != v.b for v in self.values)
+        return not self.changes and not self.apart and not moved
 
     @property
     def verdict(self) -> str:
@@ -98,15 +104,70 @@ class Difference:
 
 
 def diff(a: Table, b: Table) -> Difference:
-    """Compare two tables: curves on their common axis, linearly between rows; records by key."""
+    """Compare two tables: curves and maps on their common axes, records by key.
+
+    Curves and maps are linear between rows; of the draws the means are compared.
+    """
     theirs = _axes(b)
     gaps = {name: _gap(name, first, theirs[name]) for name, first in _axes(a).items()}
-    pads = vars(b.calibration)
+    gaps |= _map_gaps(a, b)
+    ours, values = _values(a), _values(b)
+    if (a.draws is None) != (b.draws is None):
+        gaps["draws"] = None
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
-        values=tuple(_value_gap(name, x, pads[name]) for name, x in vars(a.calibration).items()),
+        values=tuple(_value_gap(n, ours[n], values[n]) for n in ours if n in values),
         changes=changes(a, b),
+    )
+
+
+def _values(table: Table) -> dict[str, Value]:
+    """The pads, and mean and standard deviation of the draws."""
+    draws = vars(table.draws) if table.draws else {}
+    means = {f"draws {name}": Value(float(x.mean()), float(x.std())) for name, x in draws.items()}
+    return {**vars(table.calibration), **means}
+
+
+def _map_gaps(a: Table, b: Table) -> dict[str, _CurveGap | None]:
+    """The gap of each bounded column of the maps, named as "map ratio"; None of a map of one."""
+    gaps: dict[str, _CurveGap | None] = {}
+    for name in MAPS:
+        first, second = getattr(a, name), getattr(b, name)
+        if first is None or second is None:
+            gaps |= {} if first is second else {name: None}
+            continue
+        axes = _common(first, second)
+        for column in first.bounded:
+            key = f"{name} {column}"
+            gaps[key] = _map_gap(key, column, first.on(axes), second.on(axes)) if axes else None
+    return gaps
+
+
+def _common(a: Map, b: Map) -> list[Array]:
+    """The values of the axes of both on the part that both have; empty where there is none."""
+    axes = []
+    for x, y in zip(a.axes.values(), b.axes.values(), strict=True):
+        start, end = max(x[0], y[0]), min(x[-1], y[-1])
+        both = np.union1d(x, y)
+        axes.append(both[(both >= start) & (both <= end)])
+    return axes if all(axis.size for axis in axes) else []
+
+
+def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
+    """Both are linear along each axis between their cells, so the largest gap is at one of them."""
+    gap = getattr(b, column) - getattr(a, column)
+    ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
+    band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
+    worst = int(np.argmax(np.abs(gap)))
+    return _CurveGap(
+        curve=name,
+        start=float(a.z[0]),
+        end=float(a.z[-1]),
+        largest=float(gap[worst]),
+        at=float(a.z[worst]),
+        rms=float(np.sqrt(np.mean(gap**2))),
+        in_bands=_in_bands(gap, band),
     )
 
 

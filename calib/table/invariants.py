@@ -11,7 +11,8 @@ import numpy as np
 from calib.base.digest import canonical_json
 from calib.base.errors import not_finite
 from calib.car.forces import axle_loads
-from calib.table.table import CURVES, Array, Table
+from calib.table.maps import MAPS, Map
+from calib.table.table import COLUMNS, Array, Table
 
 _TOLERANCE = 1e-9
 """Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
@@ -27,8 +28,15 @@ def violations(table: Table) -> tuple[str, ...]:
 
 
 def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
-    for name in CURVES:
-        yield name, {key: np.asarray(column) for key, column in vars(getattr(table, name)).items()}
+    for name in COLUMNS:
+        if (part := getattr(table, name)) is not None:
+            yield name, {key: np.asarray(column) for key, column in vars(part).items()}
+
+
+def _maps(table: Table) -> Iterator[tuple[str, Map]]:
+    for name in MAPS:
+        if (part := getattr(table, name)) is not None:
+            yield name, part
 
 
 def _shapes(table: Table) -> Iterator[str]:
@@ -63,7 +71,16 @@ def _axes(table: Table) -> Iterator[str]:
     for name, axis in (("difference.eta", d.eta), ("paper.eta", p.eta), ("tyre.slip", g.slip)):
         if not np.all(np.diff(axis) > 0.0):
             yield f"{name}: does not increase from row to row"
+    for name, part in _maps(table):
+        if not part.whole:
+            yield f"{name}: its rows are not every combination of {', '.join(part.AXES)} once"
+    bounded = (
+        (f"{name}.{key}", *(getattr(part, key + end) for end in ("_lower", "", "_upper")))
+        for name, part in _maps(table)
+        for key in part.bounded
+    )
     for name, lower, middle, upper in (
+        *bounded,
         ("difference.D", d.lower, d.D, d.upper),
         ("paper.f1", p.f1_lower, p.f1, p.f1_upper),
         ("paper.f2", p.f2_lower, p.f2, p.f2_upper),

@@ -1,4 +1,4 @@
-"""The look-up table as a value: three look-ups, their origin and their uncertainty.
+"""The look-up table as a value: three curves and the maps, their origin and their uncertainty.
 
 `Table.content` gives it as one JSON-able record and named float columns. The digest is over that
 canonical content, so it does not depend on how a file format packs it.
@@ -6,6 +6,7 @@ canonical content, so it does not depend on how a file format packs it.
     record  {schema, name, vehicle, calibration, posterior, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
              "tyre": {slip, force, ...}}
+            and "map", "speed_map", "level_map", "draws" where the table has them
 """
 
 import json
@@ -25,6 +26,7 @@ from calib.car.tyre import Tyre
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.same_run import Fingerprint, same_as
+from calib.table.maps import MAPS, Draws, LevelMap, PadMap, SpeedMap
 
 Array = NDArray[np.float64]
 
@@ -123,7 +125,10 @@ class TyreCurve:
 
 
 CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
-"""The curves of a table, which are columns and no part of its record."""
+"""The curves that every table has, which are columns and no part of its record."""
+
+COLUMNS: dict[str, Any] = {**CURVES, **MAPS, "draws": Draws}
+"""All parts of a table that are columns; tables made before the maps have only the curves."""
 
 
 @dataclass(frozen=True)
@@ -293,6 +298,8 @@ class Table:
     ``effects`` holds drag and rolling resistance with their sigma; other known effects are in the
     vehicle; ``noise`` long-run noise density of each sensor [unit * s^0.5]; ``quality`` metrics of
     the fit; ``budget`` what the pads rest on; ``spread`` how the cars of a mean table differ.
+    ``map`` is for the sensors of an ECU, ``speed_map`` for logs with a speed, ``draws`` a part of
+    the ensemble that the maps are made of; all are None in tables made before them.
     """
 
     name: str
@@ -311,6 +318,10 @@ class Table:
     budget: TableBudget | None = None
     spread: FleetScatter | None = None
     by_hand: tuple[SetByHand, ...] = ()
+    map: PadMap | None = None
+    speed_map: SpeedMap | None = None
+    level_map: LevelMap | None = None
+    draws: Draws | None = None
 
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
@@ -324,7 +335,7 @@ class Table:
         )
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
-        """Return the record (JSON-able) and the curves (named float columns)."""
+        """Return the record (JSON-able) and the curves and maps (named float columns)."""
         record = asdict(self)
         effects = record["vehicle"].pop("effects")
         record["vehicle"]["effects"] = effects["parameters"]
@@ -338,7 +349,8 @@ class Table:
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()
         }
-        curves = {name: record.pop(name) for name in CURVES}
+        held = {name: record.pop(name) for name in COLUMNS}
+        curves = {name: columns for name, columns in held.items() if columns is not None}
         return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
 
     @property

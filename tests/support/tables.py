@@ -1,7 +1,8 @@
 """Tables whose truth is a closed form, for tests of everything that takes a table.
 
 D = C (eta - 1) on a ramp along which z = K (eta - 1); f1, f2 follow from (18) with the load split
-written out here from the wheelbase; the tyre is g = C slip.
+written out here from the wheelbase; the tyre is g = C slip. ln of the pads' ratio in the maps is
+A + B_Z z + B_SHIFT shift.
 """
 
 from dataclasses import replace
@@ -16,6 +17,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle, Vehicle
 from calib.store.record_file import Record, table_of
 from calib.store.version import Stored
+from calib.table.maps import FORMS, Draws, LevelMap, PadMap, SpeedMap
 from calib.table.table import (
     EXTRAPOLATED,
     INTERPOLATED,
@@ -36,6 +38,9 @@ C = 27.0
 
 K = 60.0
 """Deceleration per eta - 1 on the ramp [1]."""
+
+A, B_Z, B_SHIFT = 0.02, -0.3, 18.0
+"""ln of the pads' ratio [1]: at z = shift = 0, per z and per (eta - 1)/z."""
 
 VEHICLE = Vehicle(
     name="sedan",
@@ -101,6 +106,60 @@ def made_table(stiffness: float = C, name: str = "sedan", rows: int = 21) -> Tab
             "brake-cal 0.1.0",
         ),
     )
+
+
+def _bounded(ratio):
+    """Columns of a map from its medians: the change is 0.05 less, the bounds 0.1 and 0.2 off."""
+    change = ratio - 0.05
+    return {
+        "ratio": ratio,
+        "ratio_lower": ratio - 0.1,
+        "ratio_upper": ratio + 0.2,
+        "change": change,
+        "change_lower": change - 0.1,
+        "change_upper": change + 0.2,
+        "prior": np.full_like(ratio, 0.25),
+    }
+
+
+def made_map(z=(0.1, 0.3, 0.45, 0.8), shift=(-0.004, 0.0, 0.003, 0.007, 0.02)):
+    """The closed form A + B_Z z + B_SHIFT shift; a cell of it is exact however it is read."""
+    axes = [np.array(z), np.array(shift)]
+    return PadMap.of(axes, **_bounded(A + B_Z * axes[0][:, None] + B_SHIFT * axes[1]))
+
+
+def made_draws(n=40):
+    """Draws in equal steps about the middle of each prior, the forms alike."""
+    u = np.linspace(-1.0, 1.0, n)
+    columns = dict.fromkeys(FORMS, np.full(n, 0.2))
+    return Draws(
+        log_pad_ratio=0.03 * u,
+        log_pad_level=0.01 * u[::-1],
+        compliance_f=0.04 + 0.002 * u,
+        compliance_r=0.04 - 0.001 * u,
+        load_exponent=0.15 * u,
+        peak_load_exponent=0.05 + 0.07 * u,
+        peak=0.95 + 0.1 * u,
+        **columns,
+        radius_load=0.002 + 0.001 * u,
+        cg_to_front_axle=1.1556 + 0.005 * u,
+        cg_height=0.615 + 0.01 * u,
+        weight=9.80665 * (1744.0 + 8.0 * u),
+    )
+
+
+def mapped_table(**changes) -> Table:
+    """`made_table` with all maps and draws; ``changes`` of other parts."""
+    axes = [np.array([0.1, 0.8]), np.array([-0.2, 0.1, 0.6]), np.array([-4.0, -3.0, -2.5, -1.5])]
+    grid = A + B_Z * axes[0][:, None, None] + axes[1][:, None] * np.ones(4)
+    z = np.array([0.1, 0.4, 0.8])
+    maps = {
+        "map": made_map(),
+        "speed_map": SpeedMap.of(axes, **_bounded(grid)),
+        "level_map": LevelMap(z, 0.01 * z, 0.01 * z - 0.02, 0.01 * z + 0.02),
+        "draws": made_draws(),
+    }
+    return replace(made_table(), **maps | changes)
 
 
 def stored_as(reference: str) -> Stored:

@@ -1,0 +1,168 @@
+"""The maps of a table: what an ECU sees, and what the pads then are, with 95 % bounds.
+
+They average over all that the ramp left open and over all that a stop may bring. Columns are flat,
+row-major over the axes, so that a map is a plain table in every file format.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import ClassVar, Self
+
+import numpy as np
+
+from calib.base.arrays import Array
+
+
+@dataclass(frozen=True)
+class Map:
+    """Columns (n,) over every combination of the `AXES`, each once, ``z`` (n,) the slowest.
+
+    Between its cells a map is linear along each axis; beyond its ends the nearest end holds.
+    """
+
+    AXES: ClassVar[tuple[str, ...]] = ("z",)
+
+    z: Array
+
+    @classmethod
+    def of(cls, axes: Sequence[Array], **grids: Array) -> Self:
+        """The map of ``grids`` by column, each of the shape of ``axes`` in the order of `AXES`."""
+        flat = [x.ravel() for x in np.meshgrid(*axes, indexing="ij")]
+        columns = {name: np.ravel(grid) for name, grid in grids.items()}
+        return cls(**dict(zip(cls.AXES, flat, strict=True)), **columns)
+
+    @property
+    def axes(self) -> dict[str, Array]:
+        """The values of each axis by its name, rising."""
+        return {name: np.unique(getattr(self, name)) for name in self.AXES}
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(x.size for x in self.axes.values())
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Columns that are no axes."""
+        return tuple(one.name for one in fields(self) if one.name not in self.AXES)
+
+    @property
+    def bounded(self) -> tuple[str, ...]:
+        """Columns with bounds: NAME_lower and NAME_upper are columns, too."""
+        return tuple(name for name in self.names if f"{name}_lower" in self.names)
+
+    @property
+    def whole(self) -> bool:
+        """Whether the rows are every combination of the axes once, in their order."""
+        rows = zip(self.AXES, np.meshgrid(*self.axes.values(), indexing="ij"), strict=True)
+        return all(np.array_equal(getattr(self, name), x.ravel()) for name, x in rows)
+
+    def grid(self, name: str) -> Array:
+        """A column in the `shape` of the axes."""
+        column: Array = getattr(self, name)
+        return column.reshape(self.shape)
+
+    def on(self, axes: Sequence[Array]) -> Self:
+        """The map as it is read at every combination of other axes, in the order of `AXES`."""
+        weights = [_weights(x, own) for x, own in zip(axes, self.axes.values(), strict=True)]
+        return self.of(axes, **{name: _along(self.grid(name), weights) for name in self.names})
+
+
+def _weights(x: Array, knots: Array) -> Array:
+    """Share (n, k) of each of the ``knots`` (k,) in what is read at ``x`` (n,)."""
+    return np.stack([np.interp(x, knots, unit) for unit in np.eye(knots.size)], axis=1)
+
+
+def _along(values: Array, weights: Sequence[Array]) -> Array:
+    for i, share in enumerate(weights):
+        values = np.moveaxis(np.tensordot(share, values, (1, i)), 0, i)
+    return values
+
+
+@dataclass(frozen=True)
+class PadMap(Map):
+    """ln of the pads' ratio over z and ``shift`` = (eta - 1)/z. Shapes (n,), all [1].
+
+    The ratio is front over rear, over that of the vehicle file. ``ratio`` and ``change``, the ln of
+    the ratio over that of the ramp, are medians, with 95 % bounds. ``prior`` is the share of the
+    answer that no reading gave: width of the posterior over the width without this reading.
+    """
+
+    AXES: ClassVar[tuple[str, ...]] = ("z", "shift")
+
+    shift: Array
+    ratio: Array
+    ratio_lower: Array
+    ratio_upper: Array
+    change: Array
+    change_lower: Array
+    change_upper: Array
+    prior: Array
+
+
+@dataclass(frozen=True)
+class SpeedMap(Map):
+    """ln of the pads' ratio where a speed is logged, too; columns as those of `PadMap`.
+
+    Over z, ``slip_ratio`` = (eta - 1)/slip and ``log_slip`` = ln(slip/z), of the mean slip.
+    """
+
+    AXES: ClassVar[tuple[str, ...]] = ("z", "slip_ratio", "log_slip")
+
+    slip_ratio: Array
+    log_slip: Array
+    ratio: Array
+    ratio_lower: Array
+    ratio_upper: Array
+    change: Array
+    change_lower: Array
+    change_upper: Array
+    prior: Array
+
+
+@dataclass(frozen=True)
+class LevelMap(Map):
+    """ln of the true brake force over that which the zeroed deceleration z demands, all [1]."""
+
+    level: Array
+    level_lower: Array
+    level_upper: Array
+
+
+FORMS = tuple(f"form_{i}" for i in range(1, 6))
+"""Columns of `Draws` that hold the weights of the tyre forms; they add up to 1."""
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Draws of all that the ramp left open, one a row, equally likely. Shapes (n,).
+
+    ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
+    ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
+    ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the `FORMS`; ``radius_load``
+    fall of the rolling radius per load [1]; ``weight`` M g of the vehicle [N]; lengths in m.
+    """
+
+    log_pad_ratio: Array
+    log_pad_level: Array
+    compliance_f: Array
+    compliance_r: Array
+    load_exponent: Array
+    peak_load_exponent: Array
+    peak: Array
+    form_1: Array
+    form_2: Array
+    form_3: Array
+    form_4: Array
+    form_5: Array
+    radius_load: Array
+    cg_to_front_axle: Array
+    cg_height: Array
+    weight: Array
+
+
+MAPS: dict[str, type[Map]] = {"map": PadMap, "speed_map": SpeedMap, "level_map": LevelMap}
+"""The maps of a table by name."""
+
+UNITS = {"cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
+"""Units of the columns that are not dimensionless."""

@@ -1,0 +1,156 @@
+"""Maps as values: their axes, their reading between cells, and their way through the store."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+
+from calib.base.errors import DamagedTable, NotFiniteError
+from calib.store.store import Store
+from calib.table.compare import diff, same
+from calib.table.invariants import require_finite, violations
+from calib.table.maps import PadMap
+from calib.table.table import COLUMNS, CURVES
+from tests.support.tables import B_SHIFT, B_Z, A, from_content, made_map, made_table, mapped_table
+
+PARTS = ("map", "speed_map", "level_map", "draws")
+
+
+def test_rows_are_every_combination_and_a_grid_has_the_shape_of_the_axes():
+    made = made_map()
+    assert made.shape == (4, 5)
+    assert made.axes["shift"].tolist() == [-0.004, 0.0, 0.003, 0.007, 0.02]
+    assert made.z.tolist() == sorted([0.1, 0.3, 0.45, 0.8] * 5)
+    assert made.grid("ratio")[2, 4] == A + B_Z * 0.45 + B_SHIFT * 0.02
+    assert made.bounded == ("ratio", "change")
+
+
+def test_it_is_read_linearly_along_each_axis_and_clamped():
+    """The other reader is that of scipy, on numbers without any order."""
+    rng = np.random.default_rng(3)
+    axes = [np.sort(rng.random(n)) for n in (4, 5)]
+    values = rng.normal(size=(4, 5))
+    names = [one.name for one in fields(PadMap)][2:]
+    made = PadMap.of(axes, **dict.fromkeys(names, values))
+    at = [np.linspace(-0.2, 1.2, 9), np.linspace(-0.1, 1.1, 7)]
+    points = np.meshgrid(*(np.clip(x, a[0], a[-1]) for x, a in zip(at, axes, strict=True)),
+                         indexing="ij")  # fmt: skip
+    true = RegularGridInterpolator(axes, values)(np.stack(points, axis=-1))
+    np.testing.assert_allclose(made.on(at).grid("ratio"), true, atol=1e-12)
+
+
+def test_a_table_without_maps_has_no_key_of_them():
+    table = made_table()
+    assert not set(PARTS) & {*table.content()[0], *table.content()[1]}
+    assert set(table.content()[1]) == set(CURVES)
+    assert mapped_table().digest != table.digest
+    assert replace(mapped_table(), **dict.fromkeys(PARTS)).digest == table.digest
+
+
+@pytest.mark.parametrize("without", [(), ("speed_map",), ("draws", "level_map")])
+def test_maps_come_back_to_the_bit(tmp_path, without):
+    table = mapped_table(**dict.fromkeys(without))
+    assert from_content(*table.content()).digest == table.digest
+    saved = Store(tmp_path).save(table)
+    read = Store(tmp_path).load(saved.id).table
+    assert read.digest == table.digest
+    assert {p.stem for p in saved.path.glob("*.parquet")} == {*CURVES, *PARTS} - {*without}
+    for name in PARTS:
+        if name not in without:
+            frame = pd.read_parquet(saved.path / f"{name}.parquet")
+            pd.testing.assert_frame_equal(frame, pd.DataFrame(vars(getattr(table, name))))
+    assert read.map is not None
+    assert read.map.shape == (4, 5)
+    assert Store(tmp_path).save(table).version == 1
+
+
+def test_the_draws_state_their_units(tmp_path):
+    path = Store(tmp_path).save(mapped_table()).path
+    schema = pq.read_schema(path / "draws.parquet")
+    units = {field.name: field.metadata[b"unit"].decode() for field in schema}
+    other = {name: unit for name, unit in units.items() if unit != "1"}
+    assert other == {"cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_map_that_is_missing_or_damaged_is_found(tmp_path, part):
+    path = Store(tmp_path).save(mapped_table()).path / f"{part}.parquet"
+    data = path.read_bytes()
+    for damage in (lambda: path.write_bytes(data[:60] + b"?" + data[61:]), path.unlink):
+        damage()
+        with pytest.raises(DamagedTable):
+            Store(tmp_path).load("sedan@1")
+
+
+def test_sound_maps_have_no_violations():
+    assert violations(mapped_table()) == ()
+
+
+@pytest.mark.parametrize(
+    ("column", "row", "value", "says"),
+    [
+        ("shift", 3, 0.003, "map: its rows are not every combination of z, shift once"),
+        ("ratio_lower", 7, 3.0, "map.ratio: outside its own 95 % band"),
+        ("change", 7, 3.0, "map.change: outside its own 95 % band"),
+    ],
+)
+def test_a_wrong_cell_is_named(column, row, value, says):
+    made = made_map()
+    cells = np.array(getattr(made, column))
+    cells[row] = value
+    assert violations(mapped_table(map=replace(made, **{column: cells}))) == (says,)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_every_number_of_a_map_must_be_finite(part):
+    table = mapped_table()
+    held = getattr(table, part)
+    for name in vars(held):
+        cells = np.array(getattr(held, name))
+        cells[1] = np.nan
+        bad = replace(held, **{name: cells})
+        with pytest.raises(NotFiniteError, match=f"{part}.{name}"):
+            require_finite(replace(table, **{part: bad}))
+
+
+def test_two_maps_differ_by_their_closed_form():
+    """On other axes, too: the other map is read exactly, and 0.04 z is largest at the end."""
+    table, other = mapped_table(), made_map(z=(0.2, 0.6), shift=(-0.002, 0.01))
+    tilt = {name: getattr(other, name) + 0.04 * other.z for name in other.names if name != "prior"}
+    found = diff(table, replace(table, map=replace(other, **tilt)))
+    gap = next(one for one in found.curves if one.curve == "map ratio")
+    assert (gap.start, gap.end, gap.at) == (0.2, 0.6, 0.6)
+    assert gap.largest == pytest.approx(0.04 * 0.6, abs=1e-12)
+    assert gap.in_bands == pytest.approx(0.04 * 0.6 / np.hypot(0.15, 0.15), rel=1e-9)
+    assert not found.identical
+
+
+def test_a_table_differs_from_one_without_maps_and_from_other_draws():
+    table = mapped_table()
+    assert diff(table, mapped_table()).identical
+    assert diff(table, made_table()).apart == PARTS
+    assert diff(made_table(), table).apart == PARTS
+    assert table.draws is not None
+    stiff = replace(table.draws, compliance_f=1.1 * table.draws.compliance_f)
+    found = diff(table, replace(table, draws=stiff))
+    assert not found.identical
+    (moved,) = (value for value in found.values if value.in_bands > 0.0)
+    assert moved.b == pytest.approx(1.1 * 0.04)
+
+
+def test_maps_are_compared_where_two_fits_are():
+    table = mapped_table()
+    near, far = (
+        mapped_table(map=replace(made_map(), ratio=made_map().ratio * (1.0 + by)))
+        for by in (1e-6, 1e-4)
+    )
+    assert same(table, near)
+    assert not same(table, far)
+    assert not same(table, made_table())
+
+
+def test_the_columns_are_curves_and_maps():
+    assert set(COLUMNS) == {*CURVES, *PARTS}
