@@ -122,11 +122,21 @@ class SpeedMap(Map):
 
 @dataclass(frozen=True)
 class LevelMap(Map):
-    """ln of the true brake force over that which the zeroed deceleration z demands, all [1]."""
+    """What is known before eta is read, over z, all [1], medians with 95 % bounds.
+
+    ``level`` ln of the true brake force over that which the zeroed deceleration z demands;
+    ``ratio`` and ``change`` as in `PadMap`.
+    """
 
     level: Array
     level_lower: Array
     level_upper: Array
+    ratio: Array
+    ratio_lower: Array
+    ratio_upper: Array
+    change: Array
+    change_lower: Array
+    change_upper: Array
 
 
 FORMS = tuple(f"form_{i}" for i in range(1, 6))
