@@ -1,15 +1,18 @@
 r"""The estimator of the table: one step for each block of 50 ms, causal, with fixed memory.
 
-    rolling:  zeros of deceleration, eta and slip              one scalar Kalman filter each
-    braking:  d - d_0 = a u - b du/dt                          level a and delay b/a, Kalman filter
-              means of z, eta - 1, slip that forget            -> map -> ln of the pads' ratio
-    answer :  level, ratio, each with 95 % bounds
+    rolling   zeros of deceleration, eta and slip            a scalar Kalman filter each
+    always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
+                                                             on, the wheels and v measure it
+    braking   d - d_0 = a u - b du/dt                        level a and delay b/a, a Kalman filter
+              means of z and eta - 1 that forget  -> map     ln of the pads' ratio, given the slip
+    answer    level and ratio, each with 95 % bounds
 
 d is the brake force that the deceleration demands, u that of the nominal pads, both over the
 weight. Rolling resistance, bias of the accelerometer and pitch at rest need not be known: d_0 holds
-them all. A zero ages while the car brakes, and lasts over the next stop. The best informed answer
-is kept; it ages as pads that warm up do. `valid` says that the model holds, not that the interval
-is narrow.
+them all. A zero ages while the car brakes, and lasts over the next stop. Without v the wheels alone
+measure the speed: what they lose against a_x is slip, and as the car gets slow it is an error of
+a_x. The best informed answer is kept; it ages as pads that warm up do. `valid` says that the model
+holds, not that the interval is narrow.
 """
 
 import math
@@ -20,13 +23,12 @@ from enum import IntEnum
 from itertools import product
 from typing import NamedTuple
 
+from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
 from calib.run.driving_record import SETTLE, STEADY
 from calib.run.noise import WALK
 from calib.table.maps import Map
-
-Z95 = 1.959964
 
 
 class Reason(IntEnum):
@@ -34,17 +36,19 @@ class Reason(IntEnum):
 
     VALID = 0
     NOT_BRAKED = 1
-    JUST_APPLIED = 2
-    SLOW = 3
+    SLOW = 2
+    JUST_APPLIED = 3
     DISTURBED = 4
     NO_ZERO = 5
-    OUTSIDE = 6
 
 
 class Sample(NamedTuple):
-    """Means over a block. ``demand``, ``nominal`` brake forces over the weight [1]; ``pressure``
-    [Pa]; ``eta``, ``slip`` (NaN without v) as read; ``omega`` of the front wheels [rad/s];
-    ``disturbed`` while a wheel locks or the car corners.
+    """Means over a block, SI.
+
+    ``demand`` brake force that the deceleration ``z`` demands, ``nominal`` that of nominal pads,
+    over the weight [1]; ``pressure`` [Pa]; ``eta`` [1] as read; ``rim`` speed of the front wheels'
+    rims [m/s]; ``rear_share`` of the load [1]; ``v`` [m/s], NaN where not logged; ``disturbed``
+    while a wheel locks or the car corners.
     """
 
     demand: float
@@ -52,23 +56,56 @@ class Sample(NamedTuple):
     pressure: float
     z: float
     eta: float
-    slip: float
+    rim: float
+    rear_share: float
     v: float
-    speed: float
-    omega: float
     disturbed: bool
+
+
+class Reader:
+    """A map read between its cells, held at its ends; one point at a time."""
+
+    def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
+        self.axes = [axis.tolist() for axis in m.axes.values()]
+        self.strides = []
+        stride = 1
+        for axis in reversed(self.axes):
+            self.strides.insert(0, stride)
+            stride *= len(axis)
+        self.cells = list(zip(*(getattr(m, name).tolist() for name in columns), strict=True))
+
+    def cell(self, axis: int, x: float) -> float:
+        """Width of the cell of an axis in which ``x`` lies."""
+        points = self.axes[axis]
+        i = min(max(bisect_right(points, x) - 1, 0), len(points) - 2)
+        return float(points[i + 1] - points[i])
+
+    def __call__(self, *point: float) -> list[float]:
+        """All columns at a point, linear along each axis."""
+        corners = []
+        for x, axis, stride in zip(point, self.axes, self.strides, strict=True):
+            i = min(max(bisect_right(axis, x) - 1, 0), len(axis) - 2)
+            w = min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)
+            corners.append(((i * stride, 1.0 - w), ((i + 1) * stride, w)))
+        out = [0.0] * len(self.cells[0])
+        for corner in product(*corners):
+            at = sum(offset for offset, _ in corner)
+            weight = math.prod(share for _, share in corner)
+            if weight > 0.0:
+                out = [old + weight * new for old, new in zip(out, self.cells[at], strict=True)]
+        return out
 
 
 @dataclass(frozen=True)
 class Constants:
-    """What the step takes from a table: maps, noise densities, and its tuned numbers."""
+    """What the step takes from a table, and its tuned numbers."""
 
-    ratio: "Reader"
-    level: "Reader"
-    with_v: bool
+    ratio: Reader
+    level: Reader
     noise_omega: float
     noise_z: float
     noise_v: float
+    radius: float
     block: float
     memory: float = 0.5  # of the means that go into the map [s]
     settle: float = 0.3  # time of braking before an answer stands [s]
@@ -80,42 +117,13 @@ class Constants:
     delay: float = 0.02  # of the brakes [s], and its sigma
     delay_sigma: float = 0.06
     zero: float = 0.01  # sigma of a zero before any rolling [1]
-    grade_walk: float = 0.001  # of the zero of the demand [1/sqrt(s)]
+    offset: float = 0.03  # sigma of bias and slope together before any rolling [1]
+    grade_walk: float = 0.001  # of bias and slope [1/sqrt(s)]
+    scale: float = 0.009  # a_x reads too much while braking, scale and pitch; and its sigma
+    scale_sigma: float = 0.01
     ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
-    offset: float = 0.03  # of a_x and a slope together [1]
-    scale: float = 0.009  # of a_x and pitch: mean and sigma that the level map has
-
-
-class Reader:
-    """A map read between its cells, held at its ends; numbers of Python, for one point at a time."""
-
-    def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
-        self.axes = [axis.tolist() for axis in m.axes.values()]
-        self.strides = []
-        step = 1
-        for axis in reversed(self.axes):
-            self.strides.insert(0, step)
-            step *= len(axis)
-        self.cell = [min(b - a for a, b in zip(x, x[1:], strict=False)) for x in self.axes]
-        self.cells = list(zip(*(getattr(m, name).tolist() for name in columns), strict=True))
-
-    def __call__(self, *point: float) -> tuple[float, ...]:
-        """All columns at a point, linear along each axis."""
-        corners = []
-        for x, axis, stride in zip(point, self.axes, self.strides, strict=True):
-            i = min(max(bisect_right(axis, x) - 1, 0), len(axis) - 2)
-            w = min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)
-            corners.append(((i * stride, 1.0 - w), ((i + 1) * stride, w)))
-        out = [0.0] * len(self.cells[0])
-        for corner in product(*corners):
-            at, weight = 0, 1.0
-            for offset, share in corner:
-                at += offset
-                weight *= share
-            if weight:
-                for k, value in enumerate(self.cells[at]):
-                    out[k] += weight * value
-        return tuple(out)
+    slip_rough: float = 0.04  # of the slip of a block, relative
+    slip_walk: float = 0.03  # of ln(slip/z) against the map [1/sqrt(s)]
 
 
 @dataclass
@@ -130,6 +138,24 @@ class Zero:
         gain = self.variance / (self.variance + variance)
         self.value += gain * (x - self.value)
         self.variance *= 1.0 - gain
+
+
+@dataclass
+class Gaussian:
+    """Mean (n,) and covariance (n, n)."""
+
+    x: list[float]
+    P: list[list[float]]
+
+    def measured(self, y: float, H: list[float], variance: float) -> None:
+        """Take in a reading ``y`` of ``H`` x; ``y`` is what is left of it over the prediction."""
+        PH = [sum(p * h for p, h in zip(row, H, strict=True)) for row in self.P]
+        gain = 1.0 / (sum(h * p for h, p in zip(H, PH, strict=True)) + variance)
+        self.x = [x + gain * p * y for x, p in zip(self.x, PH, strict=True)]
+        self.P = [
+            [old - gain * p * q for old, q in zip(row, PH, strict=True)]
+            for row, p in zip(self.P, PH, strict=True)
+        ]
 
 
 class Answer(NamedTuple):
@@ -149,64 +175,25 @@ class Answer(NamedTuple):
 
 
 @dataclass
-class Motion:
-    """Speed v [m/s], offset o [1] and scale k [1] of the deceleration as read, with covariances.
-
-    dv/dt = -g k (z - o) while the car brakes, with k = 1 while it rolls. What o and k are not told
-    by v stays as open as the list of what a stop may bring has it.
-    """
-
-    v: float
-    o: float
-    k: float
-    vv: float
-    vo: float
-    vk: float
-    oo: float
-    ok: float
-    kk: float
-
-    def moved(self, z: float, dt: float, braking: bool, noise: float, walk: float) -> None:
-        """Over a block with the mean deceleration ``z``."""
-        k = self.k if braking else 1.0
-        f_o, f_k = G * k * dt, -G * (z - self.o) * dt * braking
-        self.v -= G * k * (z - self.o) * dt
-        self.vv += f_o * (2.0 * self.vo + f_o * self.oo) + f_k * (2.0 * self.vk + f_k * self.kk)
-        self.vv += 2.0 * f_o * f_k * self.ok + (G * noise) ** 2 * dt
-        self.vo += f_o * self.oo + f_k * self.ok
-        self.vk += f_o * self.ok + f_k * self.kk
-        self.oo += walk**2 * dt
-
-    def measured(self, v: float, variance: float) -> None:
-        """Take in a speed."""
-        total = self.vv + variance
-        a, b, c = self.vv / total, self.vo / total, self.vk / total
-        rest = v - self.v
-        self.v, self.o, self.k = self.v + a * rest, self.o + b * rest, self.k + c * rest
-        self.oo -= b * self.vo
-        self.ok -= b * self.vk
-        self.kk -= c * self.vk
-        self.vo -= a * self.vo
-        self.vk -= a * self.vk
-        self.vv -= a * self.vv
-
-
-@dataclass
 class State:
-    """All that the estimator remembers."""
+    """All that the estimator remembers.
+
+    ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z) over that of the map; ``level``
+    level and level times delay; ``sums`` weight and weighted sums of z and eta - 1.
+    """
 
     demand: Zero
     eta: Zero
     slip: Zero
-    level: list[float]  # a, b, and their covariance: aa, ab, bb
-    waiting: deque[Sample] = field(default_factory=lambda: deque(maxlen=math.ceil(SETTLE / 0.05)))
+    level: Gaussian
+    motion: Gaussian | None = None
+    waiting: deque[Sample] = field(default_factory=deque)
     nominal: float = 0.0
     z: float = 0.0
     braked: float = 0.0
     released: float = 0.0
-    sums: list[float] = field(default_factory=lambda: [0.0] * 5)
+    sums: list[float] = field(default_factory=lambda: [0.0] * 3)
     best: list[float] | None = None
-    motion: "Motion | None" = None
 
 
 def started(c: Constants) -> State:
@@ -219,105 +206,141 @@ def started(c: Constants) -> State:
     )
 
 
-def _level_before(c: Constants, delay: float, variance: float) -> list[float]:
-    """Level and level times delay, before a braking."""
-    return [1.0, delay, c.level_sigma**2, delay * c.level_sigma**2, variance + (delay * c.level_sigma) ** 2]
+def _level_before(c: Constants, delay: float, variance: float) -> Gaussian:
+    """Level, and level times delay, before a braking."""
+    aa = c.level_sigma**2
+    return Gaussian([1.0, delay], [[aa, delay * aa], [delay * aa, variance + delay**2 * aa]])
 
 
 def step(c: Constants, s: State, x: Sample) -> Answer:
     """Take in a block, and answer. Changes the state."""
-    dt = c.block
     for zero, walk in ((s.demand, c.grade_walk), (s.eta, WALK), (s.slip, WALK)):
-        zero.variance = min(zero.variance + walk**2 * dt, c.zero**2)
-    if x.pressure > BITE:
+        zero.variance = min(zero.variance + walk**2 * c.block, c.zero**2)
+    braking = x.pressure > BITE
+    if braking:
         s.waiting.clear()
-        s.braked += dt
+        s.braked += c.block
         s.released = 0.0
         _brake(c, s, x)
     else:
-        s.released += dt
-        if s.braked and s.released > 1.0:
+        s.released += c.block
+        if s.braked > 0.0 and s.released > 1.0:
             _forget_stop(c, s)
         _roll(c, s, x)
-    if c.with_v:
-        _move(c, s, x)
+    z, shift = _means(s)
+    read = c.ratio(z, shift / z)
+    _move(c, s, x, read, braking)
     s.nominal, s.z = x.nominal, x.z
-    return _answer(c, s, x)
+    return _answer(c, s, x, read)
 
 
-def _move(c: Constants, s: State, x: Sample) -> None:
-    """Scale of the deceleration from the speed."""
-    variance = (c.noise_v**2 + 1e-6) / c.block
-    if s.motion is None:
-        s.motion = Motion(x.v, 0.0, 1.0 - c.scale, variance, 0.0, 0.0, c.offset**2, 0.0, c.scale**2)
-        return
-    s.motion.moved(0.5 * (x.z + s.z), c.block, x.pressure > BITE, c.noise_z, c.grade_walk)
-    if x.speed > MOVING:
-        s.motion.measured(x.v, variance)
+def _means(s: State) -> tuple[float, float]:
+    """Deceleration and eta - 1, means that forget, from the zeros."""
+    weight, z, shift = s.sums
+    return (max(z / weight, 0.01), shift / weight) if weight > 0.0 else (0.1, 0.0)
 
 
 def _roll(c: Constants, s: State, x: Sample) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    if len(s.waiting) == s.waiting.maxlen:
+    if len(s.waiting) * c.block >= SETTLE:
         old = s.waiting.popleft()
-        noise = c.noise_omega / old.omega
+        wheels = c.noise_omega * c.radius / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
-        s.eta.measured(old.eta, 2.0 * noise**2 / c.block)
-        if c.with_v:
-            s.slip.measured(old.slip, (noise**2 + (c.noise_v / old.v) ** 2) / c.block)
-    if abs(x.z) < STEADY and x.speed > MOVING and not x.disturbed:
+        s.eta.measured(old.eta, 2.0 * wheels**2 / c.block)
+        if old.v == old.v:
+            slip = 1.0 - _rim(s, old) / old.v
+            s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
+    if abs(x.z) < STEADY and x.rim > MOVING and not x.disturbed:
         s.waiting.append(x)
     else:
         s.waiting.clear()
 
 
+def _rim(s: State, x: Sample) -> float:
+    """Speed of all wheels' rims [m/s], weighted by load, radii made equal."""
+    return x.rim * (1.0 + x.rear_share * (x.eta / s.eta.value - 1.0))
+
+
 def _forget_stop(c: Constants, s: State) -> None:
-    a, b, aa, ab, bb = s.level
+    """What is only of the last stop; the delay is the car's."""
+    (a, b), ((aa, ab), (_, bb)) = s.level.x, s.level.P
     delay = b / a
     variance = max(bb - 2.0 * delay * ab + delay**2 * aa, 0.0) / a**2
     s.level = _level_before(c, delay, variance)
-    s.braked, s.best = 0.0, None
-    s.sums = [0.0] * 5
+    s.braked, s.best, s.sums = 0.0, None, [0.0] * 3
 
 
 def _brake(c: Constants, s: State, x: Sample) -> None:
     """Level and delay; means of what goes into the map."""
-    if x.disturbed or x.speed <= MOVING:
+    if x.disturbed or x.rim <= MOVING:
         return
-    a, b, aa, ab, bb = s.level
-    rate = (x.nominal - s.nominal) / c.block
+    level, rate = s.level, (x.nominal - s.nominal) / c.block
     y = x.demand - s.demand.value
-    aa += (c.level_walk * a) ** 2 * c.block
-    # y = a u - b rate
-    pa, pb = aa * x.nominal - ab * rate, ab * x.nominal - bb * rate
-    variance = pa * x.nominal - pb * rate + c.noise_z**2 / c.block + (c.level_rough * y) ** 2
-    # what a shift does beyond its first order
-    variance += (0.3 * rate * c.block) ** 2 * a**2
-    rest = y - (a * x.nominal - b * rate)
-    ka, kb = pa / variance, pb / variance
-    s.level = [a + ka * rest, b + kb * rest, aa - ka * pa, ab - ka * pb, bb - kb * pb]
+    level.P[0][0] += (c.level_walk * level.x[0]) ** 2 * c.block
+    # a shift of the pressure is -b du/dt in the first order only
+    variance = c.noise_z**2 / c.block + (c.level_rough * y) ** 2 + (0.3 * rate * c.block) ** 2
+    a, b = level.x
+    level.measured(y - (a * x.nominal - b * rate), [x.nominal, -rate], variance)
     keep = math.exp(-c.block / c.memory)
-    slip = x.slip - s.slip.value if c.with_v else 0.0
-    new = (1.0, x.z - s.demand.value, x.eta / s.eta.value - 1.0, slip, c.noise_omega / x.omega)
+    new = (1.0, x.z - s.demand.value, x.eta / s.eta.value - 1.0)
     s.sums = [keep * old + one for old, one in zip(s.sums, new, strict=True)]
 
 
-def _answer(c: Constants, s: State, x: Sample) -> Answer:
-    weight = s.sums[0]
-    a, b, aa = s.level[0], s.level[1], s.level[2]
+def _move(c: Constants, s: State, x: Sample, read: list[float], braking: bool) -> None:
+    """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip."""
+    rim, known = _rim(s, x), x.v == x.v
+    wheels = (c.noise_omega * c.radius) ** 2 / c.block
+    log_slip, sigma = read[SLIP], read[SLIP + 1]
+    if s.motion is None:
+        P = [[0.0] * 4 for _ in range(4)]
+        P[0][0], P[1][1], P[2][2], P[3][3] = 1.0, c.offset**2, c.scale_sigma**2, sigma**2
+        s.motion = Gaussian([rim, 0.0, c.scale, 0.0], P)
+    m, dt = s.motion, c.block
+    z = 0.5 * (x.z + s.z)
+    v, o, e, d = m.x
+    k = 1.0 - e * braking
+    v -= G * k * (z - o) * dt
+    m.x[0] = v
+    to_v = [1.0, G * k * dt, G * (z - o) * dt * braking, 0.0]
+    PF = [sum(p * f for p, f in zip(row, to_v, strict=True)) for row in m.P]
+    vv = sum(f * p for f, p in zip(to_v, PF, strict=True)) + (G * c.noise_z) ** 2 * dt
+    m.P[0] = [vv, *PF[1:]]
+    for i in (1, 2, 3):
+        m.P[i][0] = PF[i]
+    m.P[1][1] += c.grade_walk**2 * dt
+    m.P[3][3] = min(m.P[3][3] + c.slip_walk**2 * dt, sigma**2) if s.braked > dt else sigma**2
+    if s.braked <= dt:
+        m.x[3], d = 0.0, 0.0
+        for i in (0, 1, 2):
+            m.P[3][i] = m.P[i][3] = 0.0
+    if x.disturbed or x.rim <= MOVING:
+        return
+    slip = max(x.z - s.demand.value, 0.0) * math.exp(log_slip + d) if braking else 0.0
+    H = [1.0 - slip, 0.0, 0.0, -v * slip]
+    m.measured(rim - v * (1.0 - slip), H, wheels + (c.slip_rough * slip * v) ** 2)
+    if known:
+        v = m.x[0]
+        own = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.slip.variance
+        m.measured(x.v * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], own)
+
+
+LEVEL = ("level", "level_lower", "level_upper")
+PADS = ("ratio", "ratio_lower", "ratio_upper", "change", "change_lower", "change_upper")
+COLUMNS = (*PADS, "ratio_per_slip", "change_per_slip", "ratio_left", "change_left", "log_slip", "log_slip_sigma")
+SLIP = COLUMNS.index("log_slip")
+
+
+def _answer(c: Constants, s: State, x: Sample, read: list[float]) -> Answer:
+    a, b = s.level.x
     a = max(a, 0.02)
-    z, shift, slip, noise = (one / weight for one in s.sums[1:]) if weight else (0.1, 0.0, 0.0, 0.0)
-    z = max(z, 0.01)
-    lower, middle, upper = c.level(z)[:3]
-    noisy = math.hypot(math.sqrt(max(aa, 0.0)) / a, math.sqrt(s.demand.variance) / z)
-    level = math.log(a) + middle
-    down, up = (math.hypot(part, Z95 * noisy) for part in (middle - lower, upper - middle))
-    if s.motion is not None:  # v tells the scale: its prior goes out, its posterior comes in
-        level += math.log(s.motion.k / (1.0 - c.scale))
-        known = Z95**2 * (s.motion.kk - c.scale**2)
-        least = Z95 * noisy
-        down, up = (math.sqrt(max(x * x + known, least**2)) for x in (down, up))
-    now = _ratio(c, s, z, shift, slip, noise, weight)
+    z, shift = _means(s)
+    before = c.level(z)
+    assert s.motion is not None
+    e, ee = s.motion.x[2], s.motion.P[2][2]
+    noisy = Z95 * math.sqrt(s.level.P[0][0] / a**2 + s.demand.variance / z**2 + ee)
+    level = math.log(a * (1.0 - e)) + before[0]
+    down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
+    now = _ratio(c, s, z, shift, read, before[len(LEVEL) :])
     if s.best is not None:
         grown = Z95 * c.ageing * math.sqrt(c.block)
         for k in (1, 2, 4, 5):
@@ -334,47 +357,42 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
 
 
 def _ratio(
-    c: Constants, s: State, z: float, shift: float, slip: float, noise: float, weight: float
+    c: Constants, s: State, z: float, shift: float, read: list[float], before: list[float]
 ) -> list[float]:
     """ln of the ratio with the distances of its bounds, then the same of its change."""
-    known = c.level(z)[3:]
+    prior = _around(before)
+    weight = s.sums[0]
+    assert s.motion is not None
     if not weight or z < c.least_z:
-        return _around(known)
-    noise *= math.sqrt(0.5 / (c.block * weight))
+        return prior
+    at = shift / z
+    noise = c.noise_omega * c.radius / max(s.motion.x[0], 1.0) / math.sqrt(2.0 * c.block * weight)
     sigma = math.hypot(math.sqrt(2.0) * noise, math.sqrt(s.eta.variance)) / z
-    if c.with_v:
-        slip = max(slip, 1e-4)
-        error = math.hypot(noise, math.sqrt(s.slip.variance)) / slip
-        point, sigmas = (z, shift / slip, math.log(slip / z)), (0.0, sigma * z / slip, error)
-    else:
-        point, sigmas = (z, shift / z), (0.0, sigma)
-    out = _around(c.ratio(*point))
-    for k, one in enumerate(sigmas):
-        if one > 0.0:
-            h = min(one, c.ratio.cell[k])
-            ends = [c.ratio(*(y + d * (k == i) for i, y in enumerate(point))) for d in (-h, h)]
-            for column, at in ((1, 0), (4, 3)):
-                more = Z95 * one * (ends[1][column] - ends[0][column]) / (2.0 * h)
-                out[at + 1], out[at + 2] = math.hypot(out[at + 1], more), math.hypot(out[at + 2], more)
-    prior = _around(known)
+    out = _around(read)
+    told = 1.0 - min(s.motion.P[3][3] / read[SLIP + 1] ** 2, 1.0)
+    h = min(sigma, c.ratio.cell(1, at))
+    low, high = c.ratio(z, at - h), c.ratio(z, at + h)
+    for column, k, slope, left in ((0, 0, 6, 8), (3, 3, 7, 9)):
+        out[k] += read[slope] * s.motion.x[3]
+        narrower = math.sqrt(1.0 - told * (1.0 - read[left]))
+        more = Z95 * sigma * (high[column] - low[column]) / (2.0 * h)
+        out[k + 1] = math.hypot(narrower * out[k + 1], more)
+        out[k + 2] = math.hypot(narrower * out[k + 2], more)
     return out if out[1] + out[2] < prior[1] + prior[2] else prior
 
 
-def _around(read: tuple[float, ...]) -> list[float]:
-    """Medians, each with the distances to its bounds, from (lower, median, upper) of two things."""
-    lower, middle, upper, change_lower, change, change_upper = read
-    return [middle, middle - lower, upper - middle, change, change - change_lower, change_upper - change]
+def _around(read: list[float]) -> list[float]:
+    """Medians of ratio and change, each with the distances to its bounds."""
+    ratio, lower, upper, change, change_lower, change_upper = read[:6]
+    return [ratio, ratio - lower, upper - ratio, change, change - change_lower, change_upper - change]
 
 
 def _reason(c: Constants, s: State, x: Sample) -> Reason:
-    if x.pressure <= c.least_pressure:
-        return Reason.NOT_BRAKED
-    if x.speed <= MOVING:
-        return Reason.SLOW
-    if s.braked <= c.settle:
-        return Reason.JUST_APPLIED
-    if x.disturbed:
-        return Reason.DISTURBED
-    if s.eta.variance >= 0.9 * c.zero**2:
-        return Reason.NO_ZERO
-    return Reason.VALID
+    checks = (
+        (x.pressure <= c.least_pressure, Reason.NOT_BRAKED),
+        (x.rim <= MOVING, Reason.SLOW),
+        (s.braked <= c.settle, Reason.JUST_APPLIED),
+        (x.disturbed, Reason.DISTURBED),
+        (s.eta.variance >= 0.9 * c.zero**2, Reason.NO_ZERO),
+    )
+    return next((reason for applies, reason in checks if applies), Reason.VALID)

@@ -12,33 +12,26 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import PRIORS, Ensemble
-from calib.fitting.stops import Scenarios, scenarios, seen
-from calib.table.maps import LevelMap, PadMap, SpeedMap
+from calib.fitting.stops import scenarios, seen
+from calib.table.maps import LevelMap, PadMap
 
 Z = np.array([0.06, 0.1, 0.15, 0.2, 0.27, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85])
 """Decelerations of the maps [1]."""
 
-SHIFT = np.concatenate([[-0.004], np.linspace(-0.002, 0.02, 23), [0.025, 0.03, 0.04, 0.05]])
-"""(eta - 1)/z of the map without a speed [1]."""
-
-SLIP_RATIO = np.linspace(-0.25, 0.9, 24)
-LOG_SLIP = np.linspace(np.log(0.012), np.log(0.25), 12)
-"""(eta - 1)/slip, and ln(slip/z), of the map with a speed [1]."""
+SHIFT = 0.004 * np.sinh(np.linspace(-1.0, 4.6, 27))
+"""(eta - 1)/z of the map [1]: wet tile has 0.06 to 0.12."""
 
 QUANTILES = (0.025, 0.5, 0.975)
 
 _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
 _PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is wide
-_RATIO = 0.01  # least error of (eta - 1)/slip [1]
-_LOG_SLIP = 0.06  # of ln(slip/z) [1], half a cell
 _EMPTY = 1.0  # scenarios that any cell has of the prior: one that nobody sees has nothing else
-
-
+_SHARP = 0.02  # error of ln(slip/z) that is left where the slip is known [1]
 _GROUPS = 320  # of scenarios alike in what is asked, in which the weights are added up
 
 
 class _Sorted:
-    """Quantiles of ``values`` (n,) with weights that are products of two: (n, a) and (n, b)."""
+    """Weighted quantiles of ``values`` (n,)."""
 
     def __init__(self, values: Array) -> None:
         count = values.size // _GROUPS * _GROUPS
@@ -46,63 +39,58 @@ class _Sorted:
         inner = values[self.order]
         self.edges = np.append(inner[:, 0], inner[-1, -1])
 
-    def quantiles(self, first: Array, second: Array) -> Array:
-        """Of `QUANTILES`, linear within a group, shape (a, b, 3)."""
-        x, y = first[self.order], second[self.order]
-        weight = x.transpose(0, 2, 1) @ y
-        weight += _EMPTY / _GROUPS * float(first.max() * second.max())
+    def quantiles(self, weights: Array) -> Array:
+        """Of `QUANTILES` with ``weights`` (n, c), linear within a group, shape (c, 3)."""
+        weight = weights[self.order].sum(axis=1)
         below = np.cumsum(weight, axis=0)
         below = np.concatenate([np.zeros_like(below[:1]), below / below[-1]])
-        out = np.empty((*weight.shape[1:], len(QUANTILES)))
-        for cell in np.ndindex(weight.shape[1:]):
-            out[cell] = np.interp(QUANTILES, below[:, *cell], self.edges)
-        return out
+        return np.stack([np.interp(QUANTILES, column, self.edges) for column in below.T])
 
 
-def _near(x: Array, sigma: Array, grid: Array) -> Array:
-    """How likely each ``x`` (n,) reads as each value of the ``grid`` (c,), (n, c)."""
-    return np.asarray(np.exp(-0.5 * ((x[:, None] - grid) / sigma[:, None]) ** 2) / sigma[:, None])
-
-
-def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, SpeedMap, LevelMap]:
-    """The maps of an ensemble: without a speed, with one, and of the level."""
+def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
+    """The maps of an ensemble: of the pads' ratio, and of what is known before eta is read."""
     s = scenarios(car, e)
-    ratios, changes, one = _Sorted(s.log_pad_ratio), _Sorted(s.change), np.ones((s.change.size, 1))
-    shift = np.empty((2, Z.size, SHIFT.size, 3))
-    speed = np.empty((2, Z.size, SLIP_RATIO.size, LOG_SLIP.size, 3))
-    before = np.empty((3, Z.size, 3))
-    for i, z in enumerate(Z):
+    asked = {"ratio": s.log_pad_ratio, "change": s.change}
+    quantiles = {name: _Sorted(values) for name, values in asked.items()}
+    rows: list[dict[str, Array]] = []
+    before: list[dict[str, Array]] = []
+    for z in Z:
         at = seen(car, s, float(z))
         rolls = at.rolls[:, None].astype(float)
-        error = np.sqrt((PRIORS["form_error_eta"][0] * at.shift) ** 2 + _FINEST**2 + (_PER_Z * z) ** 2)
-        by_shift = _near(at.shift, error, SHIFT * z) * rolls
-        slip = np.maximum(at.slip, 1e-4)
-        ratio = at.shift / slip
-        error = np.sqrt((PRIORS["form_error_eta"][0] * ratio) ** 2 + (_FINEST / slip) ** 2 + _RATIO**2)
-        by_ratio = _near(ratio, error, SLIP_RATIO) * rolls
-        by_slip = _near(np.log(slip / z), np.full_like(slip, _LOG_SLIP), LOG_SLIP)
-        for k, of in enumerate((ratios, changes)):
-            shift[k, i] = of.quantiles(by_shift, one)[:, 0]
-            speed[k, i] = of.quantiles(by_ratio, by_slip)
-        before[0, i] = np.quantile(at.level, QUANTILES)
-        before[1, i], before[2, i] = (of.quantiles(rolls, one)[0, 0] for of in (ratios, changes))
-    widest = np.ptp(before[1], axis=-1)
+        one = {"level": np.quantile(at.level, QUANTILES)}
+        one |= {name: of.quantiles(rolls)[0] for name, of in quantiles.items()}
+        error = np.sqrt(
+            (PRIORS["form_error_eta"][0] * at.shift) ** 2 + _FINEST**2 + (_PER_Z * z) ** 2
+        )[:, None]
+        weight = np.exp(-0.5 * ((at.shift[:, None] - SHIFT * z) / error) ** 2) / error * rolls
+        weight += _EMPTY * float(np.max(weight)) / weight.shape[0] * rolls
+        log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
+        slip, variance = _moments(weight, log_slip, log_slip)
+        row = {"log_slip": slip, "log_slip_sigma": np.sqrt(variance)}
+        for name, values in asked.items():
+            found = quantiles[name].quantiles(weight)
+            _, own = _moments(weight, values, values)
+            _, common = _moments(weight, values, log_slip)
+            slope = common / (variance + _SHARP**2)
+            row |= _bounded(name, found)
+            row[f"{name}_per_slip"] = slope
+            row[f"{name}_left"] = np.clip(1.0 - slope * common / own, 0.0, 1.0)
+        width = (row["ratio_upper"] - row["ratio_lower"]) / np.ptp(one["ratio"])
+        row["prior"] = np.minimum(width, 1.0)
+        rows.append(row)
+        before.append({k: v for name, q in one.items() for k, v in _bounded(name, q).items()})
     return (
-        PadMap.of((Z, SHIFT), **_columns(shift, widest[:, None])),
-        SpeedMap.of((Z, SLIP_RATIO, LOG_SLIP), **_columns(speed, widest[:, None, None])),
-        LevelMap.of(
-            (Z,),
-            **_bounded("level", before[0]),
-            **_bounded("ratio", before[1]),
-            **_bounded("change", before[2]),
-        ),
+        PadMap.of((Z, SHIFT), **{name: np.stack([row[name] for row in rows]) for name in rows[0]}),
+        LevelMap.of((Z,), **{name: np.array([row[name] for row in before]) for name in before[0]}),
     )
+
+
+def _moments(weight: Array, x: Array, y: Array) -> tuple[Array, Array]:
+    """Mean of ``x`` (n,) and its covariance with ``y`` (n,), with weights (n, c), (c,) each."""
+    total = weight.sum(axis=0)
+    mean_x, mean_y = x @ weight / total, y @ weight / total
+    return mean_x, (x * y) @ weight / total - mean_x * mean_y
 
 
 def _bounded(name: str, x: Array) -> dict[str, Array]:
     return {f"{name}_lower": x[..., 0], name: x[..., 1], f"{name}_upper": x[..., 2]}
-
-
-def _columns(x: Array, widest: Array) -> dict[str, Array]:
-    prior = np.minimum((x[0, ..., 2] - x[0, ..., 0]) / widest, 1.0)
-    return {**_bounded("ratio", x[0]), **_bounded("change", x[1]), "prior": prior}

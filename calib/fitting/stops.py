@@ -121,6 +121,6 @@ def seen(car: Vehicle, s: Scenarios, z: float) -> Seen:
     return Seen(
         shift=rear / front - 1.0,  # (22)
         slip=1.0 - part * front - (1.0 - part) * rear,
-        level=np.log(np.maximum(true / z, 0.05)) + s.mass,
+        level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
         rolls=unit.rolls[:, 0] & (np.maximum(slip_f, slip_r) < 0.3),
     )

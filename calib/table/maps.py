@@ -84,8 +84,12 @@ class PadMap(Map):
     """ln of the pads' ratio over z and ``shift`` = (eta - 1)/z. Shapes (n,), all [1].
 
     The ratio is front over rear, over that of the vehicle file. ``ratio`` and ``change``, the ln of
-    the ratio over that of the ramp, are medians, with 95 % bounds. ``prior`` is the share of the
-    answer that no reading gave: width of the posterior over the width without this reading.
+    the ratio over that of the ramp, are medians, with 95 % bounds, as long as the slip is not
+    known. ``log_slip`` is the mean of ln(slip/z) there, ``log_slip_sigma`` its standard deviation;
+    ``ratio_per_slip``, ``change_per_slip`` how the medians move with it; ``ratio_left``,
+    ``change_left`` the share of the variance that is left where the slip is known exactly.
+    ``prior`` is the share of the answer that no reading gave: width of the posterior over the width
+    without this reading.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z", "shift")
@@ -94,29 +98,15 @@ class PadMap(Map):
     ratio: Array
     ratio_lower: Array
     ratio_upper: Array
-    change: Array
-    change_lower: Array
-    change_upper: Array
-    prior: Array
-
-
-@dataclass(frozen=True)
-class SpeedMap(Map):
-    """ln of the pads' ratio where a speed is logged, too; columns as those of `PadMap`.
-
-    Over z, ``slip_ratio`` = (eta - 1)/slip and ``log_slip`` = ln(slip/z), of the mean slip.
-    """
-
-    AXES: ClassVar[tuple[str, ...]] = ("z", "slip_ratio", "log_slip")
-
-    slip_ratio: Array
+    ratio_per_slip: Array
+    ratio_left: Array
     log_slip: Array
-    ratio: Array
-    ratio_lower: Array
-    ratio_upper: Array
+    log_slip_sigma: Array
     change: Array
     change_lower: Array
     change_upper: Array
+    change_per_slip: Array
+    change_left: Array
     prior: Array
 
 
@@ -171,7 +161,7 @@ class Draws:
     weight: Array
 
 
-MAPS: dict[str, type[Map]] = {"map": PadMap, "speed_map": SpeedMap, "level_map": LevelMap}
+MAPS: dict[str, type[Map]] = {"map": PadMap, "level_map": LevelMap}
 """The maps of a table by name."""
 
 UNITS = {"cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}

@@ -26,7 +26,7 @@ from calib.car.tyre import Tyre
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.same_run import Fingerprint, same_as
-from calib.table.maps import MAPS, Draws, LevelMap, PadMap, SpeedMap
+from calib.table.maps import MAPS, Draws, LevelMap, PadMap
 
 Array = NDArray[np.float64]
 
@@ -319,7 +319,6 @@ class Table:
     spread: FleetScatter | None = None
     by_hand: tuple[SetByHand, ...] = ()
     map: PadMap | None = None
-    speed_map: SpeedMap | None = None
     level_map: LevelMap | None = None
     draws: Draws | None = None
 
