@@ -40,8 +40,7 @@ class _AxleFacts:
 
     ``torque_per_bar_wheel``, ``torque_per_bar_axle`` [N m/bar] with nominal pads;
     ``static_load`` at rest and ``load_at_half_g`` at 0.5 g [kg]; ``wheel_mass`` mass at the rolling
-    radius that has the wheel's moment of inertia [kg]; ``pad_friction_tolerance`` as in `Axle`,
-    null where the file says nothing.
+    radius that has the wheel's moment of inertia [kg].
     """
 
     torque_per_bar_wheel: float
@@ -49,7 +48,6 @@ class _AxleFacts:
     static_load: float
     load_at_half_g: float
     wheel_mass: float
-    pad_friction_tolerance: float | None
 
 
 @dataclass(frozen=True)
@@ -159,8 +157,7 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
 
 def _axle(axle: Axle, rest: float, half: float) -> _AxleFacts:
     per_bar = axle.pad_friction * axle.torque_gain * _BAR  # (2), (3)
-    loads, mass = (rest / G, half / G), axle.wheel_mass
-    return _AxleFacts(per_bar, 2.0 * per_bar, *loads, mass, axle.pad_friction_tolerance)
+    return _AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
 
 
 def _distribution(vehicle: Vehicle) -> tuple[_Braking, ...]:

@@ -32,7 +32,7 @@ def measured(vehicle: Vehicle, bench: RollerBench | None, pads: Calibration) -> 
         return
     ratio, level = bench.log_pad_ratio(vehicle), bench.log_pad_level(vehicle)
     yield (
-        f"roller brake tester {bench.name}: pads front/rear {math.exp(ratio.value):.3f} times those "
-        f"of the vehicle file, known to {100.0 * ratio.sigma:.2g} %, one sigma; their level is "
+        f"roller brake tester {bench.name}: pads front/rear {math.exp(ratio.value):.3f} times "
+        f"nominal, known to {100.0 * ratio.sigma:.2g} %, one sigma; their level is "
         f"{math.exp(level.value) / pads.pad_scale.value:.2f} times that of the ramps, which counts"
     )

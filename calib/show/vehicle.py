@@ -44,9 +44,10 @@ def facts(vehicle: Vehicle) -> Facts:
             ("mass of a wheel at its radius [kg]", "wheel_mass", 1),
         )
     ]
-    known = (axle.pad_friction_tolerance for axle in (found.front, found.rear))
-    shown = ("" if told is None else f"{100 * told:.2g}" for told in known)
-    axles.append(("pad friction known to [%]", *shown))
+    known = [axle.pad_friction_tolerance for axle in (vehicle.front, vehicle.rear)]
+    if known != [None, None]:
+        told = ("" if share is None else f"{100 * share:.2g}" for share in known)
+        axles.append(("pad friction known to [%]", *told))
     brakes = [
         (
             *(f"{b.deceleration:.1f}", f"{b.pressure:.1f}"),
