@@ -45,6 +45,9 @@ _NO_LINE = 0.1
 """Sigma of a slope over the slope above which its rows are on no line: pads of one grade are known
 as well as that without rollers."""
 
+_LEAST_SPREAD = 1e-6
+"""Spread of nominal forces [N] below which they do not rise."""
+
 _PADS = next(key for key in KEYS if key.path == "front.pad_friction")
 
 
@@ -111,7 +114,9 @@ class RollerBench:
         freedom = sum(line.freedom for line in lines)
         scatter = float(np.sqrt(sum(line.squares for line in lines) / freedom))
         wide = scatter * quantile95(freedom) / Z95
-        front, rear = (Value(float(np.log(line.slope)), wide * line.lever) for line in lines)
+        front, rear = (
+            Value(float(np.log(line.slope)), wide * line.lever / line.slope) for line in lines
+        )
         return front, rear
 
     def _line(self, vehicle: Vehicle, axle: str) -> "_Line":
@@ -119,8 +124,8 @@ class RollerBench:
         rows, pads = (getattr(of, name) for of in (self, vehicle))
         pressure, force = np.array(sorted(zip(rows.pressure, rows.force, strict=True))).T
         line = _line_of(_nominal(vehicle, axle, pressure, self.source), force)
-        slope, sigma = line.slope, line.slope * line.sigma
-        if not slope > 0.0 or line.sigma > _NO_LINE:
+        slope, sigma = line.slope, line.sigma
+        if slope <= 0.0 or sigma > _NO_LINE * slope:
             raise BenchError(
                 f"the brake force of the {name} axle does not rise in a line with the "
                 f"pressure: its slope is {slope:.2f} +- {sigma:.2f} of that of the vehicle file",
@@ -157,8 +162,8 @@ class _Line(NamedTuple):
     """A line through the rows of an axle.
 
     ``slope`` of force over nominal force [1]; ``squares`` sum of those of what the rows are off,
-    over their mean force [1]; ``freedom`` rows less two; ``lever`` by how much the slope, over
-    itself, is off by a row that is off.
+    over their mean force [1]; ``freedom`` rows less two; ``lever`` by how much the slope is off
+    for a scatter of 1 [1].
     """
 
     slope: float
@@ -168,15 +173,17 @@ class _Line(NamedTuple):
 
     @property
     def sigma(self) -> float:
-        """Sigma of the slope over the slope, of these rows alone."""
+        """Sigma of the slope [1] by these rows alone."""
         return self.lever * float(np.sqrt(self.squares / self.freedom))
 
 
 def _line_of(x: Array, y: Array) -> _Line:
-    """The line of forces y (n,) [N] over nominal ones x (n,) [N] by least squares."""
+    """The line of forces y (n,) [N] over nominal ones x (n,) [N] by least squares.
+
+    Its slope is 0 where x does not rise, as behind a valve that shuts.
+    """
     from_mean, mean = x - x.mean(), float(y.mean())
-    spread = float(np.linalg.norm(from_mean))
+    spread = max(float(np.linalg.norm(from_mean)), _LEAST_SPREAD)
     slope = float(from_mean @ y) / spread**2
     left = (y - mean - slope * from_mean) / mean
-    lever = mean / (spread * slope) if slope else np.inf
-    return _Line(slope, float(left @ left), y.size - 2, lever)
+    return _Line(slope, float(left @ left), y.size - 2, mean / spread)

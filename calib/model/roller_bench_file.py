@@ -1,16 +1,18 @@
 """The forces of a roller brake tester as a TOML file.
 
-schema = 1
-tolerance = 0.01                                    # one sigma; may be left out
+    schema = 1
+    tolerance = 0.01                                    # one sigma; may be left out
 
-[front]
-p_mc = ["10 bar", "20 bar", "30 bar"]
-brake_force = ["2.2 kN", "4.5 kN", "6.8 kN"]        # of both wheels
+    [front]
+    p_mc = ["10 bar", "20 bar", "30 bar"]
+    brake_force = ["2.2 kN", "4.5 kN", "6.8 kN"]        # of both wheels
 
-[rear]
-p_mc = ["10 bar", "20 bar", "30 bar"]
-brake_force_left = ["0.41 kN", "0.83 kN", "1.26 kN"]
-brake_force_right = ["0.40 kN", "0.85 kN", "1.25 kN"]
+    [rear]
+    p_mc = ["10 bar", "20 bar", "30 bar"]
+    brake_force_left = ["0.41 kN", "0.83 kN", "1.26 kN"]
+    brake_force_right = ["0.40 kN", "0.85 kN", "1.25 kN"]
+
+A pressure and the forces at the same place of their lists are one row.
 """
 
 from pathlib import Path
@@ -39,7 +41,7 @@ _SIDES = ((True, False, False), (False, True, True))
 """Which of the forces of both wheels, of the left and of the right one may be given."""
 
 _Pressure = Annotated[float, QuantityMark("Pa", 0.0, 4e7)]
-_Force = Annotated[float, QuantityMark("N", 0.0, 2e5)]
+_Force = Annotated[float, QuantityMark("N", 1.0, 2e5)]
 
 
 class _AxleRows(Section):

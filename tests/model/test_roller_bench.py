@@ -85,6 +85,12 @@ def test_a_valve_that_the_file_declares_is_taken_out():
     assert found.value == pytest.approx(math.log(0.38 / 0.36), abs=1e-9)
 
 
+def test_rows_behind_a_valve_that_shuts_are_refused():
+    valve = {"rear_proportioning": {"knee": 5e5, "knee_slope": 0.0}}
+    rows = bench(axle("front", 0.38), axle("rear", 0.36))
+    refusal(rows.log_pad_ratio, replace(CAR, effects=Effects(valve)), kind=BenchError, names="rear")
+
+
 @pytest.mark.parametrize(
     "rear",
     [

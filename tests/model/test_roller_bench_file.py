@@ -52,6 +52,7 @@ def test_the_tolerance_may_be_left_out(tmp_path):
         ('"1.75 kN"', '"1.75 kp"', "front.brake_force[0]"),  # unknown
         ('"1.75 kN"', '"1.75 kg"', "front.brake_force[0]"),  # of another quantity
         ('"1.75 kN"', '"-1.75 kN"', "front.brake_force[0]"),
+        ('"1.75 kN"', '"0 N"', "front.brake_force[0]"),
         ('"10 bar"', '"1 bar"', "front"),  # below the bite
         ('"10 bar"', '"20 bar"', "front"),  # two pressures
         (', "5310 N"', "", "front"),  # a force too few
