@@ -12,7 +12,18 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.car.balance import brake_forces
 from calib.car.vehicle import Vehicle
-from calib.estimation.step import COLUMNS, LEVEL, PADS, Answer, Constants, Reader, Reason, Sample, started, step
+from calib.estimation.step import (
+    COLUMNS,
+    LEVEL,
+    PADS,
+    Answer,
+    Constants,
+    Reader,
+    Reason,
+    Sample,
+    started,
+    step,
+)
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
 from calib.run.blocks import block_balance, blocks
@@ -132,7 +143,9 @@ def read_out(
     )
     c = constants(table, noise, b.length)
     state = started(c)
-    answers = [step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)]
+    answers = [
+        step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)
+    ]
     return _per_sample(table, car, s, answers, b.last_complete(s.time))
 
 
@@ -146,12 +159,11 @@ def _per_sample(
     then = pads.pad_log_ratio.value
     front, rear = _pads(car, level, ratio)
     # over the ramp's pads: the tyres are those of today, and fall out
-    changed = _pads(car, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper))))
+    changed = _pads(
+        car, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper)))
+    )
     f, r = car.front, car.rear
-    gains = [
-        axle.torque_gain * np.maximum(p, 0.0)
-        for axle, p in ((f, s.p_f), (r, s.p_r))
-    ]
+    gains = [axle.torque_gain * np.maximum(p, 0.0) for axle, p in ((f, s.p_f), (r, s.p_r))]
     pads_f, pads_r = (x.at(at) for x in (front.times(f.pad_friction), rear.times(r.pad_friction)))
     nominal = 2.0 * (f.pad_friction * gains[0] + r.pad_friction * gains[1])
     torque_f, torque_r = pads_f.times(gains[0]), pads_r.times(gains[1])

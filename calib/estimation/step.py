@@ -326,7 +326,15 @@ def _move(c: Constants, s: State, x: Sample, read: list[float], braking: bool) -
 
 LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "ratio_lower", "ratio_upper", "change", "change_lower", "change_upper")
-COLUMNS = (*PADS, "ratio_per_slip", "change_per_slip", "ratio_left", "change_left", "log_slip", "log_slip_sigma")
+COLUMNS = (
+    *PADS,
+    "ratio_per_slip",
+    "change_per_slip",
+    "ratio_left",
+    "change_left",
+    "log_slip",
+    "log_slip_sigma",
+)
 SLIP = COLUMNS.index("log_slip")
 
 
@@ -384,7 +392,14 @@ def _ratio(
 def _around(read: list[float]) -> list[float]:
     """Medians of ratio and change, each with the distances to its bounds."""
     ratio, lower, upper, change, change_lower, change_upper = read[:6]
-    return [ratio, ratio - lower, upper - ratio, change, change - change_lower, change_upper - change]
+    return [
+        ratio,
+        ratio - lower,
+        upper - ratio,
+        change,
+        change - change_lower,
+        change_upper - change,
+    ]
 
 
 def _reason(c: Constants, s: State, x: Sample) -> Reason:

@@ -16,13 +16,16 @@ from calib.fitting.below_the_peak import identify_below_the_peak
 from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.disturbances import without_disturbances
+from calib.fitting.draws import draws_of
+from calib.fitting.maps import maps
 from calib.fitting.metrics import metrics
 from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
+from calib.fitting.posterior import posterior
 from calib.fitting.provenance import provenance
 from calib.fitting.rear_valve import rear_valve_warnings
 from calib.fitting.remarks import remarks, stated, taken_out
-from calib.fitting.stated_pads import measured, stated_pad_ratio
+from calib.fitting.stated_pads import UNSAID, measured, stated_pad_ratio
 from calib.fitting.warnings import file_warnings, log_warnings
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
@@ -110,6 +113,8 @@ def fit(
     pads = calibration(car, found, level)
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
+    ensemble = posterior(car, runs, ratio or UNSAID)
+    pad_map, level_map = maps(car, ensemble)
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
@@ -135,6 +140,9 @@ def fit(
             *warnings,
         ),
         budget=table_budget(car, found, level, pads),
+        map=pad_map,
+        level_map=level_map,
+        draws=draws_of(car, ensemble, pads),
     )
     require_finite(table)
     return table

@@ -21,14 +21,13 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.car.balance import brake_forces
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import PRIORS, Ensemble, brake_share, unit_slips
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
-DRAWS = 2000
+DRAWS = 2048
 """Size of the ensemble: its 2.5 % quantile is known to a tenth of a sigma."""
 
 _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of them
@@ -116,7 +115,7 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
     from scipy.special import gammaincinv, ndtr
 
     amount = gammaincinv(_SPARSE, np.clip(ndtr(x[:, : len(FORMS)]), 1e-12, 1.0 - 1e-12)) + 1e-12
-    priors = {**PRIORS, "log_pad_ratio": (ratio.value, ratio.sigma)}
+    priors = PRIORS | {"log_pad_ratio": (ratio.value, ratio.sigma)}
     drawn = {
         name: priors[name][0] + priors[name][1] * column
         for name, column in zip(_NONLINEAR, x[:, len(FORMS) :].T, strict=True)
@@ -165,10 +164,7 @@ class _Regression:
         rows += [(r, r.slip, r.slip_variance, "slip") for r in self.ramps if r.slip is not None]
         z = np.concatenate([r.z for r, *_ in rows])
         size = np.concatenate(
-            [
-                np.maximum(np.abs(x), _FINEST) * PRIORS[f"form_error_{of}"][0]
-                for _, x, _, of in rows
-            ]
+            [np.maximum(np.abs(x), _FINEST) * PRIORS[f"form_error_{of}"][0] for _, x, _, of in rows]
         )
         kinds = [(of, r.alone) for r, *_, of in rows]
         kind = np.repeat([kinds.index(k) for k in kinds], [r.z.size for r, *_ in rows])
@@ -246,7 +242,9 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
-    return Ensemble(**{**vars(e), "compliance_f": front, "compliance_r": rear, "radius_load": found[:, 2]})
+    return Ensemble(
+        **{**vars(e), "compliance_f": front, "compliance_r": rear, "radius_load": found[:, 2]}
+    )
 
 
 _LOSS = 0.5  # share of the draws that count after a step
@@ -259,7 +257,9 @@ def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Ge
     while power < 1.0:
         step = _step(log, 1.0 - power)
         weight = np.exp(step * (log - log.max()))
-        at = np.searchsorted(np.cumsum(weight) / weight.sum(), (np.arange(log.size) + rng.random()) / log.size)
+        at = np.searchsorted(
+            np.cumsum(weight) / weight.sum(), (np.arange(log.size) + rng.random()) / log.size
+        )
         at = np.minimum(at, log.size - 1)
         x, log, power = x[at], log[at], power + step
         for _ in range(_MOVES):

@@ -12,6 +12,10 @@ _UNSAID = SETTINGS.pad_scatter / math.sqrt(2.0)
 """Sigma of the pads of one axle [1] where the user speaks of the other axle only."""
 
 
+UNSAID = Value(0.0, SETTINGS.pad_scatter)
+"""ln of the pads' ratio over that of the file where the user said nothing."""
+
+
 def stated_pad_ratio(vehicle: Vehicle, bench: RollerBench | None) -> Value | None:
     """ln of (mu_f/mu_r) over its value in the vehicle file [1]; None where the user said nothing.
 

@@ -14,7 +14,7 @@ from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, brake_share, unit_slips
 
 _LIST = rows("stops.csv", "calib.fitting")
-SCENARIOS = 16000
+SCENARIOS = 16384
 
 
 @dataclass(frozen=True)
