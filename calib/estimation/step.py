@@ -20,13 +20,14 @@ from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field
 from enum import IntEnum
-from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
-from calib.run.driving_record import SETTLE, STEADY
+from calib.run.driving_record import STEADY
 from calib.run.noise import WALK
 from calib.table.maps import Map
 
@@ -67,12 +68,8 @@ class Reader:
 
     def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
         self.axes = [axis.tolist() for axis in m.axes.values()]
-        self.strides = []
-        stride = 1
-        for axis in reversed(self.axes):
-            self.strides.insert(0, stride)
-            stride *= len(axis)
-        self.cells = list(zip(*(getattr(m, name).tolist() for name in columns), strict=True))
+        self.columns = columns
+        self.cells = np.stack([m.grid(name) for name in columns], axis=-1).tolist()
 
     def cell(self, axis: int, x: float) -> float:
         """Width of the cell of an axis in which ``x`` lies."""
@@ -82,18 +79,20 @@ class Reader:
 
     def __call__(self, *point: float) -> list[float]:
         """All columns at a point, linear along each axis."""
-        corners = []
-        for x, axis, stride in zip(point, self.axes, self.strides, strict=True):
+        cells = self.cells
+        places = []
+        for x, axis in zip(point, self.axes, strict=True):
             i = min(max(bisect_right(axis, x) - 1, 0), len(axis) - 2)
-            w = min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)
-            corners.append(((i * stride, 1.0 - w), ((i + 1) * stride, w)))
-        out = [0.0] * len(self.cells[0])
-        for corner in product(*corners):
-            at = sum(offset for offset, _ in corner)
-            weight = math.prod(share for _, share in corner)
-            if weight > 0.0:
-                out = [old + weight * new for old, new in zip(out, self.cells[at], strict=True)]
-        return out
+            places.append((i, min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)))
+        return _between(cells, places)
+
+
+def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
+    if not places:
+        return cells
+    (i, w), *rest = places
+    low, high = _between(cells[i], rest), _between(cells[i + 1], rest)
+    return [a + w * (b - a) for a, b in zip(low, high, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -108,6 +107,7 @@ class Constants:
     radius: float
     block: float
     memory: float = 0.5  # of the means that go into the map [s]
+    before_bite: float = 0.3  # time that no zero rests on [s]: pads may touch
     settle: float = 0.3  # time of braking before an answer stands [s]
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
@@ -123,7 +123,10 @@ class Constants:
     scale_sigma: float = 0.01
     ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
     slip_rough: float = 0.04  # of the slip of a block, relative
-    slip_walk: float = 0.03  # of ln(slip/z) against the map [1/sqrt(s)]
+    log_slip: float = -3.2  # ln(slip/z) before any braking, 0.04, and its sigma [1]
+    log_slip_sigma: float = 0.7
+    slip_walk: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
+    slip_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
 
 
 @dataclass
@@ -179,7 +182,7 @@ class State:
     """All that the estimator remembers.
 
     ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z) over that of the map; ``level``
-    level and level times delay; ``sums`` weight and weighted sums of z and eta - 1.
+    level and level times delay; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
     """
 
     demand: Zero
@@ -190,9 +193,10 @@ class State:
     waiting: deque[Sample] = field(default_factory=deque)
     nominal: float = 0.0
     z: float = 0.0
+    mean_z: float = 0.0
     braked: float = 0.0
     released: float = 0.0
-    sums: list[float] = field(default_factory=lambda: [0.0] * 3)
+    sums: list[float] = field(default_factory=lambda: [0.0] * 4)
     best: list[float] | None = None
 
 
@@ -227,22 +231,20 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
         if s.braked > 0.0 and s.released > 1.0:
             _forget_stop(c, s)
         _roll(c, s, x)
-    z, shift = _means(s)
-    read = c.ratio(z, shift / z)
-    _move(c, s, x, read, braking)
+    _move(c, s, x, braking)
     s.nominal, s.z = x.nominal, x.z
-    return _answer(c, s, x, read)
+    return _answer(c, s, x)
 
 
 def _means(s: State) -> tuple[float, float]:
-    """Deceleration and eta - 1, means that forget, from the zeros."""
-    weight, z, shift = s.sums
+    """Demanded brake force over the weight and eta - 1, means that forget, from the zeros."""
+    weight, z, shift, _ = s.sums
     return (max(z / weight, 0.01), shift / weight) if weight > 0.0 else (0.1, 0.0)
 
 
 def _roll(c: Constants, s: State, x: Sample) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    if len(s.waiting) * c.block >= SETTLE:
+    if len(s.waiting) * c.block >= c.before_bite:
         old = s.waiting.popleft()
         wheels = c.noise_omega * c.radius / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
@@ -267,7 +269,7 @@ def _forget_stop(c: Constants, s: State) -> None:
     delay = b / a
     variance = max(bb - 2.0 * delay * ab + delay**2 * aa, 0.0) / a**2
     s.level = _level_before(c, delay, variance)
-    s.braked, s.best, s.sums = 0.0, None, [0.0] * 3
+    s.braked, s.best, s.sums = 0.0, None, [0.0] * 4
 
 
 def _brake(c: Constants, s: State, x: Sample) -> None:
@@ -282,73 +284,75 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     a, b = level.x
     level.measured(y - (a * x.nominal - b * rate), [x.nominal, -rate], variance)
     keep = math.exp(-c.block / c.memory)
-    new = (1.0, x.z - s.demand.value, x.eta / s.eta.value - 1.0)
+    new = (1.0, y, x.eta / s.eta.value - 1.0, y * y)
     s.sums = [keep * old + one for old, one in zip(s.sums, new, strict=True)]
 
 
-def _move(c: Constants, s: State, x: Sample, read: list[float], braking: bool) -> None:
+def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip."""
-    rim, known = _rim(s, x), x.v == x.v
-    wheels = (c.noise_omega * c.radius) ** 2 / c.block
-    log_slip, sigma = read[SLIP], read[SLIP + 1]
     if s.motion is None:
         P = [[0.0] * 4 for _ in range(4)]
-        P[0][0], P[1][1], P[2][2], P[3][3] = 1.0, c.offset**2, c.scale_sigma**2, sigma**2
-        s.motion = Gaussian([rim, 0.0, c.scale, 0.0], P)
+        P[0][0], P[1][1], P[2][2] = 1.0, c.offset**2, c.scale_sigma**2
+        s.motion = Gaussian([_rim(s, x), 0.0, c.scale, 0.0], P)
     m, dt = s.motion, c.block
-    z = 0.5 * (x.z + s.z)
-    v, o, e, d = m.x
+    z, (mean_z, _) = 0.5 * (x.z + s.z), _means(s)
+    v, o, e, slip = m.x
     k = 1.0 - e * braking
     v -= G * k * (z - o) * dt
     m.x[0] = v
     to_v = [1.0, G * k * dt, G * (z - o) * dt * braking, 0.0]
     PF = [sum(p * f for p, f in zip(row, to_v, strict=True)) for row in m.P]
-    vv = sum(f * p for f, p in zip(to_v, PF, strict=True)) + (G * c.noise_z) ** 2 * dt
-    m.P[0] = [vv, *PF[1:]]
+    m.P[0] = [sum(f * p for f, p in zip(to_v, PF, strict=True)), *PF[1:]]
     for i in (1, 2, 3):
         m.P[i][0] = PF[i]
+    m.P[0][0] += (G * c.noise_z) ** 2 * dt
     m.P[1][1] += c.grade_walk**2 * dt
-    m.P[3][3] = min(m.P[3][3] + c.slip_walk**2 * dt, sigma**2) if s.braked > dt else sigma**2
+    m.P[3][3] += c.slip_walk**2 * dt + c.slip_bends * abs(mean_z - s.mean_z)
+    s.mean_z = mean_z
     if s.braked <= dt:
-        m.x[3], d = 0.0, 0.0
+        m.x[3] = slip = c.log_slip
         for i in (0, 1, 2):
             m.P[3][i] = m.P[i][3] = 0.0
+        m.P[3][3] = c.log_slip_sigma**2
     if x.disturbed or x.rim <= MOVING:
         return
-    slip = max(x.z - s.demand.value, 0.0) * math.exp(log_slip + d) if braking else 0.0
-    H = [1.0 - slip, 0.0, 0.0, -v * slip]
-    m.measured(rim - v * (1.0 - slip), H, wheels + (c.slip_rough * slip * v) ** 2)
-    if known:
+    slip = max(x.demand - s.demand.value, 0.0) * math.exp(slip) if braking else 0.0
+    rest, variance = _rim(s, x) - v * (1.0 - slip), (c.noise_omega * c.radius) ** 2 / dt
+    m.measured(rest, [1.0 - slip, 0.0, 0.0, -v * slip], variance + (c.slip_rough * slip * v) ** 2)
+    if x.v == x.v:
         v = m.x[0]
-        own = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.slip.variance
-        m.measured(x.v * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], own)
+        variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
+        m.measured(x.v * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
+
+
+def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, float]:
+    """Scale of a_x and ln(slip/z), each with its variance, with what the map says of the slip."""
+    prior, sigma = read[SLIP], read[SLIP + 1]
+    both = [row[3] for row in m.P]
+    gain, rest = 1.0 / (both[3] + sigma**2), prior - m.x[3]
+    e, ee = m.x[2] + gain * both[2] * rest, m.P[2][2] - gain * both[2] ** 2
+    return e, ee, m.x[3] + gain * both[3] * rest, m.P[3][3] - gain * both[3] ** 2
 
 
 LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "ratio_lower", "ratio_upper", "change", "change_lower", "change_upper")
-COLUMNS = (
-    *PADS,
-    "ratio_per_slip",
-    "change_per_slip",
-    "ratio_left",
-    "change_left",
-    "log_slip",
-    "log_slip_sigma",
-)
+COLUMNS = (*PADS, "log_slip", "log_slip_sigma")
 SLIP = COLUMNS.index("log_slip")
 
 
-def _answer(c: Constants, s: State, x: Sample, read: list[float]) -> Answer:
+def _answer(c: Constants, s: State, x: Sample) -> Answer:
     a, b = s.level.x
     a = max(a, 0.02)
     z, shift = _means(s)
     before = c.level(z)
+    read = c.ratio(z, shift / z, 0.0)
     assert s.motion is not None
-    e, ee = s.motion.x[2], s.motion.P[2][2]
+    e, ee, log_slip, left = _with_map(s.motion, read)
     noisy = Z95 * math.sqrt(s.level.P[0][0] / a**2 + s.demand.variance / z**2 + ee)
     level = math.log(a * (1.0 - e)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
-    now = _ratio(c, s, z, shift, read, before[len(LEVEL) :])
+    apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
+    now = _ratio(c, s, (z, shift), apart, before[len(LEVEL) :])
     if s.best is not None:
         grown = Z95 * c.ageing * math.sqrt(c.block)
         for k in (1, 2, 4, 5):
@@ -365,27 +369,37 @@ def _answer(c: Constants, s: State, x: Sample, read: list[float]) -> Answer:
 
 
 def _ratio(
-    c: Constants, s: State, z: float, shift: float, read: list[float], before: list[float]
+    c: Constants,
+    s: State,
+    mean: tuple[float, float],
+    slip: tuple[float, float],
+    before: list[float],
 ) -> list[float]:
-    """ln of the ratio with the distances of its bounds, then the same of its change."""
-    prior = _around(before)
+    """ln of the ratio with the distances of its bounds, then the same of its change.
+
+    ``mean`` of z and eta - 1; ``slip`` and its sigma, along the axis of the map.
+    """
+    (z, shift), prior = mean, _around(before)
     weight = s.sums[0]
     assert s.motion is not None
     if not weight or z < c.least_z:
         return prior
     at = shift / z
     noise = c.noise_omega * c.radius / max(s.motion.x[0], 1.0) / math.sqrt(2.0 * c.block * weight)
-    sigma = math.hypot(math.sqrt(2.0) * noise, math.sqrt(s.eta.variance)) / z
-    out = _around(read)
-    told = 1.0 - min(s.motion.P[3][3] / read[SLIP + 1] ** 2, 1.0)
+    # a mean over decelerations that differ is not the curve at their mean
+    bent = shift * max(s.sums[3] / weight / z**2 - 1.0, 0.0)
+    sigma = math.hypot(math.sqrt(2.0) * noise, math.sqrt(s.eta.variance), bent) / z
+    out = _around(c.ratio(z, at, slip[0]))
     h = min(sigma, c.ratio.cell(1, at))
-    low, high = c.ratio(z, at - h), c.ratio(z, at + h)
-    for column, k, slope, left in ((0, 0, 6, 8), (3, 3, 7, 9)):
-        out[k] += read[slope] * s.motion.x[3]
-        narrower = math.sqrt(1.0 - told * (1.0 - read[left]))
-        more = Z95 * sigma * (high[column] - low[column]) / (2.0 * h)
-        out[k + 1] = math.hypot(narrower * out[k + 1], more)
-        out[k + 2] = math.hypot(narrower * out[k + 2], more)
+    k = min(slip[1], 1.0)
+    for low, high, spread in (
+        (c.ratio(z, at - h, slip[0]), c.ratio(z, at + h, slip[0]), sigma / h),
+        (c.ratio(z, at, slip[0] - k), c.ratio(z, at, slip[0] + k), slip[1] / k),
+    ):
+        for column in (0, 3):
+            more = 0.5 * Z95 * spread * (high[column] - low[column])
+            out[column + 1] = math.hypot(out[column + 1], more)
+            out[column + 2] = math.hypot(out[column + 2], more)
     return out if out[1] + out[2] < prior[1] + prior[2] else prior
 
 

@@ -1,4 +1,4 @@
-"""Draws of what a car may be: tyres of both axles, pads, loads, radii; and what they make of forces.
+"""Draws of what a car may be: tyres, pads, loads, radii; and what they make of forces.
 
 Quasi-static loads, rising branch of the tyre: not true while the body pitches or a wheel locks.
 """
@@ -107,3 +107,16 @@ def brake_share(car: Vehicle, log_ratio: Array, log_odds: Array | float = 0.0) -
     one = np.ones(())
     B_f, B_r = brake_forces(car, one, one)
     return np.asarray(1.0 / (1.0 + B_r / B_f * np.exp(-log_ratio - log_odds)))
+
+
+def spread_evenly(count: int, dimension: int) -> Array:
+    """Points (count, dimension) in the open unit cube, more evenly than random ones.
+
+    Additive recurrence with the powers of the root of x^(d+1) = x + 1 (Roberts 2018).
+    """
+    root = 2.0
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (dimension + 1))
+    steps = root ** -np.arange(1.0, dimension + 1)
+    points = (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0
+    return np.clip(points, 1e-9, 1.0 - 1e-9)

@@ -23,7 +23,7 @@ from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import PRIORS, Ensemble, brake_share, unit_slips
+from calib.fitting.ensemble import PRIORS, Ensemble, brake_share, spread_evenly, unit_slips
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
@@ -224,13 +224,11 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     Raises ValueError where no draw of the prior explains the ramps at all.
     """
     from scipy.special import ndtri
-    from scipy.stats import qmc
 
     regression = _Regression(car, [_ramp(car, run) for run in runs])
     dimension = len(FORMS) + len(_NONLINEAR)
     rng = np.random.default_rng(40)
-    unit = qmc.Sobol(dimension, rng=rng).random(draws)
-    start = ndtri(np.clip(unit, 1e-9, 1.0 - 1e-9))
+    start = ndtri(spread_evenly(draws, dimension))
 
     def log_evidence(x: Array) -> Array:
         return regression.solve(_from_normal(x, ratio))[0]
@@ -248,7 +246,8 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
 
 
 _LOSS = 0.5  # share of the draws that count after a step
-_STRIDE, _MOVES = 0.5, 2  # of the moves between two steps
+_STRIDE = 0.4  # of a move
+_MOVES, _MOST_MOVES = 0.8, 6  # accepted moves of a draw between two steps, and tries
 
 
 def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Generator) -> Array:
@@ -262,11 +261,15 @@ def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Ge
         )
         at = np.minimum(at, log.size - 1)
         x, log, power = x[at], log[at], power + step
-        for _ in range(_MOVES):
+        moved = 0.0
+        for _ in range(_MOST_MOVES):
             other = np.sqrt(1.0 - _STRIDE**2) * x + _STRIDE * rng.standard_normal(x.shape)
             better = log_evidence(other)
             take = np.log(rng.random(log.size)) < power * (better - log)
             x, log = np.where(take[:, None], other, x), np.where(take, better, log)
+            moved += float(np.mean(take))
+            if moved > _MOVES:
+                break
     return x
 
 

@@ -11,7 +11,7 @@ from calib.base.arrays import Array
 from calib.base.plain import rows
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, brake_share, unit_slips
+from calib.fitting.ensemble import Ensemble, brake_share, spread_evenly, unit_slips
 
 _LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
@@ -56,10 +56,8 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     Where the file says that the car is weighed, nobody has left a load unstated.
     """
     from scipy.special import ndtri
-    from scipy.stats import qmc
 
-    rng = np.random.default_rng(41)
-    u = np.clip(qmc.Sobol(11, rng=rng).random(count), 1e-9, 1.0 - 1e-9)
+    u = spread_evenly(count, 11)
     x = ndtri(u)
     of = e.take(np.arange(count) % e.size)
     change, _ = _drawn("log_pad_ratio", u[:, 0], x[:, 1])
@@ -100,13 +98,13 @@ class Seen:
 
 
 def seen(car: Vehicle, s: Scenarios, z: float) -> Seen:
-    """What is seen at ``z`` [1] as read, zeroed on the lead-in, by (22), (19), (20).
+    """What is seen where the zeroed deceleration demands the brake force ``z`` [1] over the weight.
 
-    The tyres carry z less what the wheels' inertia takes.
+    By (22), (19), (20). The tyres carry it less what the wheels' inertia takes.
     """
-    true = (z - s.offset) * (1.0 - s.scale)
+    brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
     rolling = [2.0 * axle.wheel_mass / car.mass for axle in (car.front, car.rear)]
-    brake = true[:, None] * (1.0 + sum(rolling))
+    true = brake[:, 0] / (1.0 + sum(rolling))
     share = brake_share(car, s.log_pad_ratio)[:, None]
     force_f, force_r = (
         part * brake - inert * true[:, None]

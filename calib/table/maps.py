@@ -81,32 +81,30 @@ def _along(values: Array, weights: Sequence[Array]) -> Array:
 
 @dataclass(frozen=True)
 class PadMap(Map):
-    """ln of the pads' ratio over z and ``shift`` = (eta - 1)/z. Shapes (n,), all [1].
+    """ln of the pads' ratio over what is seen. Shapes (n,), all [1].
+
+    Axes: ``z`` brake force that the zeroed deceleration demands, over the weight; ``shift``
+    (eta - 1)/z; ``slip`` how far ln(slip/z) is from its mean in this place, in standard
+    deviations. ``log_slip`` is that mean, ``log_slip_sigma`` that deviation; both are the same
+    along ``slip``.
 
     The ratio is front over rear, over that of the vehicle file. ``ratio`` and ``change``, the ln of
-    the ratio over that of the ramp, are medians, with 95 % bounds, as long as the slip is not
-    known. ``log_slip`` is the mean of ln(slip/z) there, ``log_slip_sigma`` its standard deviation;
-    ``ratio_per_slip``, ``change_per_slip`` how the medians move with it; ``ratio_left``,
-    ``change_left`` the share of the variance that is left where the slip is known exactly.
-    ``prior`` is the share of the answer that no reading gave: width of the posterior over the width
-    without this reading.
+    the ratio over that of the ramp, are medians, with 95 % bounds. ``prior`` is the share of the
+    answer that no reading gave: width of the bounds over the width without this reading.
     """
 
-    AXES: ClassVar[tuple[str, ...]] = ("z", "shift")
+    AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
 
     shift: Array
+    slip: Array
     ratio: Array
     ratio_lower: Array
     ratio_upper: Array
-    ratio_per_slip: Array
-    ratio_left: Array
-    log_slip: Array
-    log_slip_sigma: Array
     change: Array
     change_lower: Array
     change_upper: Array
-    change_per_slip: Array
-    change_left: Array
+    log_slip: Array
+    log_slip_sigma: Array
     prior: Array
 
 
