@@ -116,8 +116,10 @@ class Constants:
     level_rough: float = 0.012  # of a block, relative: road and body
     delay: float = 0.02  # of the brakes [s], and its sigma
     delay_sigma: float = 0.06
+    apart: float = 0.02  # of the clocks of a_x and speeds [s]
     zero: float = 0.01  # sigma of a zero before any rolling [1]
     offset: float = 0.03  # sigma of bias and slope together before any rolling [1]
+    bias_walk: float = 1e-4  # of a_x as it warms up [1/sqrt(s)]
     grade_walk: float = 0.001  # of bias and slope [1/sqrt(s)]
     scale: float = 0.009  # a_x reads too much while braking, scale and pitch; and its sigma
     scale_sigma: float = 0.01
@@ -190,6 +192,7 @@ class State:
     slip: Zero
     level: Gaussian
     motion: Gaussian | None = None
+    anchored: bool = False
     waiting: deque[Sample] = field(default_factory=deque)
     nominal: float = 0.0
     z: float = 0.0
@@ -218,7 +221,7 @@ def _level_before(c: Constants, delay: float, variance: float) -> Gaussian:
 
 def step(c: Constants, s: State, x: Sample) -> Answer:
     """Take in a block, and answer. Changes the state."""
-    for zero, walk in ((s.demand, c.grade_walk), (s.eta, WALK), (s.slip, WALK)):
+    for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
         zero.variance = min(zero.variance + walk**2 * c.block, c.zero**2)
     braking = x.pressure > BITE
     if braking:
@@ -290,10 +293,12 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
 
 def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip."""
-    if s.motion is None:
+    if not s.anchored:  # radii that are made equal now would look like a speed that jumps
         P = [[0.0] * 4 for _ in range(4)]
         P[0][0], P[1][1], P[2][2] = 1.0, c.offset**2, c.scale_sigma**2
         s.motion = Gaussian([_rim(s, x), 0.0, c.scale, 0.0], P)
+        s.anchored = braking or s.eta.variance < 0.5 * c.zero**2
+    assert s.motion is not None
     m, dt = s.motion, c.block
     z, (mean_z, _) = 0.5 * (x.z + s.z), _means(s)
     v, o, e, slip = m.x
@@ -305,7 +310,7 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     m.P[0] = [sum(f * p for f, p in zip(to_v, PF, strict=True)), *PF[1:]]
     for i in (1, 2, 3):
         m.P[i][0] = PF[i]
-    m.P[0][0] += (G * c.noise_z) ** 2 * dt
+    m.P[0][0] += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
     m.P[1][1] += c.grade_walk**2 * dt
     m.P[3][3] += c.slip_walk**2 * dt + c.slip_bends * abs(mean_z - s.mean_z)
     s.mean_z = mean_z
