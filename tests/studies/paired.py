@@ -4,7 +4,7 @@
     python tests/studies/paired.py --logs DIR... [--keep FILE] [--beside FILE]
 
 For each car: a table from ramp and coast with the reference speed and one without, then all stops
-with that table. Cars are drawn (``--plant``), or read from folders that hold their truth. What is
+with that table. Cars are drawn (``--plant`` R or integrated), or read from folders that hold their truth. What is
 counted, and the figures, are those of `tests.studies.scored_stop`; stops weigh alike, and parts of
 stops by deceleration. An estimator is a set of columns of an estimate: those without prefix, and
 those of the ECU (``ecu_``) where there are any. ``--keep`` writes the figures of each stop as a
