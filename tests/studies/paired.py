@@ -4,12 +4,12 @@
     python tests/studies/paired.py --logs DIR... [--keep FILE] [--beside FILE]
 
 For each car: a table from ramp and coast with the reference speed and one without, then all stops
-with that table. Cars are drawn (``--plant`` R or integrated), or read from folders that hold their truth. What is
-counted, and the figures, are those of `tests.studies.scored_stop`; stops weigh alike, and parts of
-stops by deceleration. An estimator is a set of columns of an estimate: those without prefix, and
-those of the ECU (``ecu_``) where there are any. ``--keep`` writes the figures of each stop as a
-CSV file; ``--beside`` reads such a file of another program and prints its rms under ours and the
-quotient, on the stops that both have.
+with that table. Cars are drawn (``--plant`` R or integrated), or read from folders that hold their
+truth. What is counted, and the figures, are those of `tests.studies.scored_stop`; stops weigh
+alike, and parts of stops by deceleration. An estimator is a set of columns of an estimate: those
+without prefix, and those of the ECU (``ecu_``) where there are any. ``--keep`` writes the figures
+of each stop as a CSV file; ``--beside`` reads such a file of another program and prints our rms,
+its own and the quotient, on the stops that both answered.
 
 ``only`` n or v: without or with v. ``within`` adds the stops of `tests.studies.brakings.WITHIN`.
 """
