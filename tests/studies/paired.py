@@ -4,8 +4,8 @@
     python tests/studies/paired.py --logs DIR... [--keep FILE] [--beside FILE]
 
 For each car: a table from ramp and coast with the reference speed and one without, then all stops
-with that table. Cars are drawn (``--plant`` R or integrated), or read from folders that hold their
-truth. What is counted, and the figures, are those of `tests.studies.scored_stop`; stops weigh
+with that table. Cars are drawn (``--plant`` R, M or integrated), or read from folders that hold
+their truth. What is counted, and the figures, are those of `tests.studies.scored_stop`; stops weigh
 alike, and parts of stops by deceleration. An estimator is a set of columns of an estimate: those
 without prefix, and those of the ECU (``ecu_``) where there are any. ``--keep`` writes the figures
 of each stop as a CSV file; ``--beside`` reads such a file of another program and prints our rms,
@@ -30,17 +30,18 @@ from calib.estimation.estimator import COLUMNS as OF_ESTIMATE
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.table.table import Table
-from tests.studies import ensemble, plant_r
+from tests.studies import ensemble, plant_m, plant_r
 from tests.studies.brakings import WITHIN, BeyondPeakError
 from tests.studies.ensemble import Case, Stop
 from tests.studies.recorded_cars import folders, recorded
-from tests.studies.scored_stop import DECELERATIONS, Truth, estimators, scored
+from tests.studies.scored_stop import BITE, DECELERATIONS, Truth, estimators, scored
 from tests.studies.study import arguments, carried_out
 from tests.support.reference_car import without
 
 Row = dict[str, float | str]
 Job = tuple[str, str, int, int, float, bool, tuple[str, ...]]
 
+PLANTS = {"R": plant_r, "M": plant_m}
 WITH = {"v": "with v", "n": "without v"}
 COLUMNS = ("car", "tyre", "v", "stop", "number", "estimator", "deceleration", "refused", "seconds",
            "ramp error", "file error", "ramp held")  # fmt: skip
@@ -54,7 +55,7 @@ def drawn(plant: str, seed: int, number: int, scatter: float, within: bool) -> C
         return ensemble.case(rng, 5, 1000 * seed + number)
     while True:
         try:
-            return plant_r.case(rng, scatter, within)
+            return PLANTS[plant].case(rng, scatter, within)
         except BeyondPeakError:
             continue
 
@@ -106,11 +107,13 @@ def refused(stop: Stop, why: str) -> Iterator[Row]:
 
 
 def ramp_figures(table: Table, of: Case) -> Row:
-    """Error of ln of the pads' ratio of the ramp, by the table and by the file, where it is known;
-    whether the interval of the table holds it."""
-    if "true_mu_pad_f" not in of.ramp.truth:
+    """Error of ln of the pads' ratio over the ramp, by the table and by the file, where it is
+    known; whether the interval of the table holds it."""
+    truth = of.ramp.truth
+    if "true_mu_pad_f" not in truth:
         return {}
-    true = np.log(of.ramp.truth["true_mu_pad_f"][-1] / of.ramp.truth["true_mu_pad_r"][-1])
+    apart = np.log(truth["true_mu_pad_f"] / truth["true_mu_pad_r"])
+    true = np.mean(apart[of.ramp["p_mc"] > BITE])
     filed = np.log(of.vehicle.front.pad_friction / of.vehicle.rear.pad_friction)
     found = table.calibration.pad_log_ratio
     low, high = found.ci95
