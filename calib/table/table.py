@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 _OPTIONAL = {
     *("own_effects", "empirical", "notes", "fingerprint", "warnings", "budget", "spread"),
-    *("by_hand", "scatter", "identity", "parents"),
+    *("by_hand", "scatter", "identity", "parents", "pad_friction_tolerance"),
 }
 """Keys that a record does not have where there is nothing to say; older tables had none of them."""
 

@@ -170,6 +170,7 @@ def test_braking_too_soft_to_judge_does_not_pass(fitted):
         {"name": "other name"},
         {"mass_tolerance": 0.02},
         {"motor_odds": 0},
+        {"front": replace(CAR.front, pad_friction_tolerance=0.03)},
         {"effects": {"aerodynamic_drag": {"drag_area": 0.6}}},
     ],
 )
@@ -194,7 +195,7 @@ def test_what_may_not_differ(fitted, changed, says):
 @pytest.mark.parametrize("side", ["front", "rear"])
 def test_no_geometry_of_an_axle_may_differ(fitted, side):
     axle = getattr(CAR, side)
-    for key in Axle.__dataclass_fields__.keys() - {"pad_friction"}:
+    for key in Axle.__dataclass_fields__.keys() - {"pad_friction", "pad_friction_tolerance"}:
         other = replace(CAR, **{side: replace(axle, **{key: 2 * getattr(axle, key)})})
         with pytest.raises(VehicleError, match=f"{side}.{key}"):
             require_same_vehicle(fitted, other)
