@@ -56,7 +56,7 @@ class Readout:
     ``level`` sum of the brake torques over that of the file's pads, ``pads_f``, ``pads_r`` pad
     friction, ``change_f``, ``change_r`` pad friction over that of the ramp, all [1];
     ``torque_f``, ``torque_r`` of one wheel, ``torque_sum`` of all [N m]; ``reason`` a `Reason`;
-    ``delay`` of the brakes [s]; ``log_ratio`` of the pads over that of the file [1].
+    ``lag`` of the brakes [s]; ``log_ratio`` of the pads over that of the file [1].
     """
 
     level: Bounded
@@ -68,7 +68,7 @@ class Readout:
     torque_r: Bounded
     torque_sum: Bounded
     log_ratio: Bounded
-    delay: Array
+    lag: Array
     reason: Index
 
     @property
@@ -98,7 +98,8 @@ class Readout:
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
-    assert table.map is not None and table.level_map is not None
+    assert table.map is not None
+    assert table.level_map is not None
     return Constants(
         ratio=Reader(table.map, COLUMNS),
         level=Reader(table.level_map, (*LEVEL, *PADS)),
@@ -106,6 +107,7 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         noise_z=noise.z,
         noise_v=noise.v,
         radius=table.vehicle.front.rolling_radius,
+        late=table.posterior.value("clock_offset"),
         block=block,
     )
 
@@ -181,7 +183,7 @@ def _per_sample(
         torque_r=torque_r,
         torque_sum=Bounded(total, total * relative[0], total * relative[1]),
         log_ratio=ratio.at(at),
-        delay=a[:, Answer._fields.index("delay")][at],
+        lag=a[:, Answer._fields.index("lag")][at],
         reason=a[:, Answer._fields.index("reason")][at].astype(np.int64),
     )
 

@@ -3,7 +3,7 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
     rolling   zeros of deceleration, eta and slip            a scalar Kalman filter each
     always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
                                                              on, the wheels and v measure it
-    braking   d - d_0 = a u - b du/dt                        level a and delay b/a, a Kalman filter
+    braking   d - d_0 = a u, u behind a lag of first order   level a and lag, a Kalman filter
               means of z and eta - 1 that forget  -> map     ln of the pads' ratio, given the slip
     answer    level and ratio, each with 95 % bounds
 
@@ -97,7 +97,10 @@ def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
 
 @dataclass(frozen=True)
 class Constants:
-    """What the step takes from a table, and its tuned numbers."""
+    """What the step takes from a table, and its tuned numbers.
+
+    ``late`` time by which v comes after the wheel speeds [s].
+    """
 
     ratio: Reader
     level: Reader
@@ -105,6 +108,7 @@ class Constants:
     noise_z: float
     noise_v: float
     radius: float
+    late: float
     block: float
     memory: float = 0.5  # of the means that go into the map [s]
     before_bite: float = 0.3  # time that no zero rests on [s]: pads may touch
@@ -114,8 +118,9 @@ class Constants:
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.03  # [1/sqrt(s)]
     level_rough: float = 0.012  # of a block, relative: road and body
-    delay: float = 0.02  # of the brakes [s], and its sigma
-    delay_sigma: float = 0.06
+    lag: float = 0.03  # time constant of the brakes [s], and its sigma
+    lag_sigma: float = 0.04
+    least_lag: float = 0.004
     apart: float = 0.02  # of the clocks of a_x and speeds [s]
     zero: float = 0.01  # sigma of a zero before any rolling [1]
     offset: float = 0.03  # sigma of bias and slope together before any rolling [1]
@@ -175,7 +180,7 @@ class Answer(NamedTuple):
     change: float
     change_lower: float
     change_upper: float
-    delay: float
+    lag: float
     reason: Reason
 
 
@@ -184,7 +189,7 @@ class State:
     """All that the estimator remembers.
 
     ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z) over that of the map; ``level``
-    level and level times delay; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
+    level and lag [s]; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
     """
 
     demand: Zero
@@ -195,6 +200,8 @@ class State:
     anchored: bool = False
     waiting: deque[Sample] = field(default_factory=deque)
     nominal: float = 0.0
+    acting: float = 0.0
+    by_lag: float = 0.0
     z: float = 0.0
     mean_z: float = 0.0
     braked: float = 0.0
@@ -209,14 +216,8 @@ def started(c: Constants) -> State:
         demand=Zero(0.0, c.zero**2),
         eta=Zero(1.0, c.zero**2),
         slip=Zero(0.0, c.zero**2),
-        level=_level_before(c, c.delay, c.delay_sigma**2),
+        level=Gaussian([1.0, c.lag], [[c.level_sigma**2, 0.0], [0.0, c.lag_sigma**2]]),
     )
-
-
-def _level_before(c: Constants, delay: float, variance: float) -> Gaussian:
-    """Level, and level times delay, before a braking."""
-    aa = c.level_sigma**2
-    return Gaussian([1.0, delay], [[aa, delay * aa], [delay * aa, variance + delay**2 * aa]])
 
 
 def step(c: Constants, s: State, x: Sample) -> Answer:
@@ -224,6 +225,7 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
     for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
         zero.variance = min(zero.variance + walk**2 * c.block, c.zero**2)
     braking = x.pressure > BITE
+    _follow(c, s, x.nominal)
     if braking:
         s.waiting.clear()
         s.braked += c.block
@@ -235,7 +237,7 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
             _forget_stop(c, s)
         _roll(c, s, x)
     _move(c, s, x, braking)
-    s.nominal, s.z = x.nominal, x.z
+    s.z = x.z
     return _answer(c, s, x)
 
 
@@ -267,25 +269,33 @@ def _rim(s: State, x: Sample) -> float:
 
 
 def _forget_stop(c: Constants, s: State) -> None:
-    """What is only of the last stop; the delay is the car's."""
-    (a, b), ((aa, ab), (_, bb)) = s.level.x, s.level.P
-    delay = b / a
-    variance = max(bb - 2.0 * delay * ab + delay**2 * aa, 0.0) / a**2
-    s.level = _level_before(c, delay, variance)
+    """What is only of the last stop; the lag is the car's."""
+    lag, variance = s.level.x[1], s.level.P[1][1]
+    s.level = Gaussian([1.0, lag], [[c.level_sigma**2, 0.0], [0.0, variance]])
     s.braked, s.best, s.sums = 0.0, None, [0.0] * 4
 
 
+def _follow(c: Constants, s: State, nominal: float) -> None:
+    """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
+    lag = max(s.level.x[1], c.least_lag)
+    left = math.exp(-c.block / lag)
+    rate = (nominal - s.nominal) / c.block
+    behind = s.acting - s.nominal + lag * rate
+    s.by_lag = -rate + (s.by_lag + rate) * left + behind * left * c.block / lag**2
+    s.acting = nominal - lag * rate + behind * left
+    s.nominal = nominal
+
+
 def _brake(c: Constants, s: State, x: Sample) -> None:
-    """Level and delay; means of what goes into the map."""
+    """Level and lag; means of what goes into the map."""
     if x.disturbed or x.rim <= MOVING:
         return
-    level, rate = s.level, (x.nominal - s.nominal) / c.block
-    y = x.demand - s.demand.value
+    level, y = s.level, x.demand - s.demand.value
     level.P[0][0] += (c.level_walk * level.x[0]) ** 2 * c.block
-    # a shift of the pressure is -b du/dt in the first order only
-    variance = c.noise_z**2 / c.block + (c.level_rough * y) ** 2 + (0.3 * rate * c.block) ** 2
-    a, b = level.x
-    level.measured(y - (a * x.nominal - b * rate), [x.nominal, -rate], variance)
+    a = level.x[0]
+    H = [s.acting, a * s.by_lag]
+    level.measured(y - a * s.acting, H, c.noise_z**2 / c.block + (c.level_rough * y) ** 2)
+    level.x[1] = max(level.x[1], 0.0)
     keep = math.exp(-c.block / c.memory)
     new = (1.0, y, x.eta / s.eta.value - 1.0, y * y)
     s.sums = [keep * old + one for old, one in zip(s.sums, new, strict=True)]
@@ -327,7 +337,8 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
-        m.measured(x.v * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
+        in_time = x.v - G * x.z * c.late
+        m.measured(in_time * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
 
 
 def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, float]:
@@ -346,14 +357,15 @@ SLIP = COLUMNS.index("log_slip")
 
 
 def _answer(c: Constants, s: State, x: Sample) -> Answer:
-    a, b = s.level.x
-    a = max(a, 0.02)
+    # friction as it is now, of the pressure as it is now
+    a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
     z, shift = _means(s)
     before = c.level(z)
     read = c.ratio(z, shift / z, 0.0)
     assert s.motion is not None
     e, ee, log_slip, left = _with_map(s.motion, read)
-    noisy = Z95 * math.sqrt(s.level.P[0][0] / a**2 + s.demand.variance / z**2 + ee)
+    relative = s.level.P[0][0] / s.level.x[0] ** 2
+    noisy = Z95 * math.sqrt(relative + s.demand.variance / z**2 + ee)
     level = math.log(a * (1.0 - e)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
@@ -369,7 +381,7 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
         level, level - down, level + up,
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
-        b / a, _reason(c, s, x),
+        s.level.x[1], _reason(c, s, x),
     )  # fmt: skip
 
 
