@@ -56,7 +56,8 @@ class Readout:
     ``level`` sum of the brake torques over that of the file's pads, ``pads_f``, ``pads_r`` pad
     friction, ``change_f``, ``change_r`` pad friction over that of the ramp, all [1];
     ``torque_f``, ``torque_r`` of one wheel, ``torque_sum`` of all [N m]; ``reason`` a `Reason`;
-    ``lag`` of the brakes [s]; ``log_ratio`` of the pads over that of the file [1].
+    ``lag`` of the brakes [s]; ``log_ratio`` of the pads over that of the file [1]; ``noise``,
+    ``accelerometer`` variance of ln of the level, ``zeros`` of that of the ratio by sensors.
     """
 
     level: Bounded
@@ -68,6 +69,9 @@ class Readout:
     torque_r: Bounded
     torque_sum: Bounded
     log_ratio: Bounded
+    noise: Array
+    accelerometer: Array
+    zeros: Array
     lag: Array
     reason: Index
 
@@ -94,6 +98,9 @@ class Readout:
         for name, x in named.items():
             out |= {name: x.value, f"{name}_lower": x.lower, f"{name}_upper": x.upper}
         return out
+
+
+_PARTS = ("noise", "accelerometer", "zeros", "lag")
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
@@ -183,7 +190,7 @@ def _per_sample(
         torque_r=torque_r,
         torque_sum=Bounded(total, total * relative[0], total * relative[1]),
         log_ratio=ratio.at(at),
-        lag=a[:, Answer._fields.index("lag")][at],
+        **{name: a[:, Answer._fields.index(name)][at] for name in _PARTS},
         reason=a[:, Answer._fields.index("reason")][at].astype(np.int64),
     )
 

@@ -169,7 +169,11 @@ class Gaussian:
 
 
 class Answer(NamedTuple):
-    """Level and ratio, each ln with 95 % bounds; ``change`` of the ratio since the ramp."""
+    """Level and ratio, each ln with 95 % bounds; ``change`` of the ratio since the ramp.
+
+    ``noise``, ``accelerometer`` variance of the level by sensors, ``zeros`` of the ratio by what is
+    read.
+    """
 
     level: float
     level_lower: float
@@ -180,6 +184,9 @@ class Answer(NamedTuple):
     change: float
     change_lower: float
     change_upper: float
+    noise: float
+    accelerometer: float
+    zeros: float
     lag: float
     reason: Reason
 
@@ -364,8 +371,8 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
     read = c.ratio(z, shift / z, 0.0)
     assert s.motion is not None
     e, ee, log_slip, left = _with_map(s.motion, read)
-    relative = s.level.P[0][0] / s.level.x[0] ** 2
-    noisy = Z95 * math.sqrt(relative + s.demand.variance / z**2 + ee)
+    noise, accelerometer = s.level.P[0][0] / s.level.x[0] ** 2, s.demand.variance / z**2 + ee
+    noisy = Z95 * math.sqrt(noise + accelerometer)
     level = math.log(a * (1.0 - e)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
@@ -374,14 +381,15 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
         grown = Z95 * c.ageing * math.sqrt(c.block)
         for k in (1, 2, 4, 5):
             s.best[k] = math.hypot(s.best[k], grown)
+        s.best[6] += (grown / Z95) ** 2
     if s.best is None or now[1] + now[2] <= s.best[1] + s.best[2]:
         s.best = now
-    ratio, below, above, change, change_below, change_above = s.best
+    ratio, below, above, change, change_below, change_above, zeros = s.best
     return Answer(
         level, level - down, level + up,
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
-        s.level.x[1], _reason(c, s, x),
+        noise, accelerometer, zeros, s.level.x[1], _reason(c, s, x),
     )  # fmt: skip
 
 
@@ -417,11 +425,12 @@ def _ratio(
             more = 0.5 * Z95 * spread * (high[column] - low[column])
             out[column + 1] = math.hypot(out[column + 1], more)
             out[column + 2] = math.hypot(out[column + 2], more)
+            out[6] += (more / Z95) ** 2 * (column == 0)
     return out if out[1] + out[2] < prior[1] + prior[2] else prior
 
 
 def _around(read: list[float]) -> list[float]:
-    """Medians of ratio and change, each with the distances to its bounds."""
+    """Medians of ratio and change, each with the distances to its bounds; no part by reading."""
     ratio, lower, upper, change, change_lower, change_upper = read[:6]
     return [
         ratio,
@@ -430,6 +439,7 @@ def _around(read: list[float]) -> list[float]:
         change,
         change - change_lower,
         change_upper - change,
+        0.0,
     ]
 
 
