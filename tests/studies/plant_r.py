@@ -2,10 +2,10 @@
 
 It shares neither tyre nor load transfer nor noise with `calib` or with `tests.support.plant`: the
 forces follow from pressure and speed, the slip from the inverse of a tabulated tyre curve, the
-wheel speeds from the slip. Nothing swings or lags; the
-rolling resistance is that of the loads at rest. A car's pads and tyres scatter about its
-file by 5 and 7 %, one sigma of an axle; mass and centre of gravity by 0.5 %, its height by 2.5 %;
-the accelerometer has a scale, a zero and the pitch of the body. All is SI.
+wheel speeds from the slip. Nothing swings or lags; the rolling resistance is that of the loads at
+rest. A car's pads and tyres scatter about its file by 5 and 7 %, one sigma of an axle; mass and
+centre of gravity by 0.5 %, its height by 2.5 %; the accelerometer has a scale, a zero and the pitch
+of the body. All is SI.
 """
 
 from contextlib import suppress
