@@ -40,8 +40,9 @@ def _median(telling: Mask, lower: Array, upper: Array) -> int:
 def _at(e: Estimate, i: int, *, front_axle: bool) -> AxleBudget:
     """Budget of one axle at one sample."""
     axle, best, draws = e.front if front_axle else e.rear, e.best, e.plan.table.draws
-    one = np.ones(())
-    F_f, F_r = brake_forces(e.plan.table.vehicle, one, one, best.log_ratio.value[i])
+    car, one = e.plan.table.vehicle, np.ones(())
+    filed = car.front.pad_friction / car.rear.pad_friction
+    F_f, F_r = brake_forces(car, one, one, math.log(best.ratio.value[i] / filed))
     lever = float((F_r if front_axle else F_f) / (F_f + F_r))
     whole = (math.log(axle.upper[i] / axle.lower[i]) / (2.0 * Z95)) ** 2
     level = (math.log(best.level.upper[i] / best.level.lower[i]) / (2.0 * Z95)) ** 2

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
 
 
 _PADS = ("pad_friction_f", "pad_friction_r")
@@ -71,7 +72,7 @@ _OUT = {
     **dict.fromkeys(_with_bounds(*_PADS), "1"),
     **dict.fromkeys(_with_bounds(*_TORQUES), "N*m"),
     "valid": "1",
-    **dict.fromkeys(_with_bounds(*_CHANGES, "pad_level"), "1"),
+    **dict.fromkeys(_with_bounds(*_CHANGES, "pad_level", "pad_ratio"), "1"),
     **dict.fromkeys(_with_bounds("brake_torque_sum"), "N*m"),
 }
 
@@ -163,13 +164,13 @@ class Estimate:
         forces = brake_balance(self.plan.nominal, self.plan.known.effects, self.read)
         return brake_response(self.read, forces)
 
-    def columns(self) -> dict[str, Array | Mask]:
+    def columns(self) -> dict[str, Array | Mask | Index]:
         """The samples by the names of `COLUMNS`, (n,) each.
 
         Pad friction and its bounds are per axle, torque is per wheel: both wheels of an axle have
         the same.
         """
-        values = {
+        values: dict[str, Array | Mask | Index] = {
             "time": self.time,
             "z": self.z,
             "eta": self.eta,

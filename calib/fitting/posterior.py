@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.names import G
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
@@ -173,7 +173,7 @@ class _Regression:
         alike = kind[:, None] == kind
         return np.asarray(size[:, None] * size * near * alike + np.diag(noise + _ROUGH * size**2))
 
-    def rows(self, e: Ensemble) -> tuple[Array, Array, Array]:
+    def rows(self, e: Ensemble) -> tuple[Array, Array, Mask]:
         """Design (n, k, p), data (n, k), and whether all forces are below the peaks (n,)."""
         etas, slips, data_eta, data_slip = [], [], [], []
         rolls = np.ones(e.size, dtype=bool)
@@ -214,7 +214,7 @@ class _Regression:
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("np,np->n", g, mean)
         log = -0.5 * (square + np.linalg.slogdet(A)[1])
-        possible = rolls & (mean[:, :2] > 0.0).all(axis=1)
+        possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
 
 
