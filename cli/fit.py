@@ -1,16 +1,21 @@
 """`brake-cal fit`: from ramps to a new version of the vehicle's table."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from cli.command import Answer, command
 from cli.console import progress, say, this_run
 from cli.logs import read_all
-from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name
+from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
 
 if TYPE_CHECKING:
+    from calib.model.roller_bench import RollerBench
     from calib.show.origin import PageOrigin
     from calib.store.version import Stored
+
+BENCH = "Brake forces of both axles, of the same pads on a roller brake tester."
+READ_BENCH = "calib.model.roller_bench_file:read_roller_bench"
+Bench = Annotated["RollerBench | None", option(BENCH, "B.toml", typed=Path | None, make=READ_BENCH)]
 
 
 @command(
@@ -25,6 +30,7 @@ def fit(
     model: KnownModel,
     effect: OwnEffects,
     mass: Mass,
+    bench: Bench,
     store: Tables,
     channel_map: Map,
 ) -> Answer:
@@ -49,7 +55,7 @@ def fit(
     with progress() as step:
         runs = read_all(logs, channel_map, step, more=1)
         step(f"fitting {car.name}", len(logs), len(logs) + 1)
-        table = fit_table(car, runs, mass)
+        table = fit_table(car, runs, mass, bench)
     stored, used = store.save(table), mass_used(car, mass)
     tell_kin(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
@@ -57,7 +63,7 @@ def fit(
     return Answer(
         document(stored, used),
         facts(stored, used),
-        page=lambda: page_of(report(stored, ramps, used, origin("vehicle", "model"))),
+        page=lambda: page_of(report(stored, ramps, used, origin("vehicle", "model", "bench"))),
     )
 
 

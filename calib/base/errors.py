@@ -78,6 +78,10 @@ class ChannelMapError(InputError):
     """A channel map is unreadable or does not fit the log."""
 
 
+class BenchError(InputError):
+    """Forces of a roller brake tester are unreadable, or on no line that rises with pressure."""
+
+
 class LimitsError(InputError):
     """A limits file is unreadable or names an unknown metric."""
 

@@ -57,7 +57,7 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
         "degC": ONE, "K": Unit(offset=-273.15), "degF": Unit(5, per=9, offset=-160 / 9),
     }),
     "rad": ("angle", {"rad": ONE, "mrad": Unit(per=1e3), "deg": Unit(_TURN, per=360)}),
-    "N": ("force", {"N": ONE, "kN": Unit(1e3)}),
+    "N": ("force", {"N": ONE, "daN": Unit(10), "kN": Unit(1e3)}),
     "N*m": ("torque", {"N*m": ONE, "kN*m": Unit(1e3)}),
     "kg": ("mass", {"kg": ONE, "t": Unit(1e3), "lb": Unit(0.45359237)}),
     "m": ("length", {

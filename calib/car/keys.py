@@ -58,6 +58,13 @@ class VehicleKey:
         """The usual range in words; empty for text."""
         return f"{self.low:g} to {self.high:g}{behind(self.unit)}" if self.unit else ""
 
+    @property
+    def left_out(self) -> float | None:
+        """What holds where an optional key is left out; None where nothing is known then."""
+        part = Axle if self.section in (FRONT, REAR) else Vehicle
+        held: float | None = getattr(part, self.name)
+        return held
+
     def value_of(self, vehicle: Vehicle) -> float:
         """The value in a vehicle, in ``unit``; not for text."""
         part: Vehicle | Axle = {FRONT: vehicle.front, REAR: vehicle.rear}.get(self.section, vehicle)
@@ -73,7 +80,7 @@ def _read(row: dict[str, str]) -> VehicleKey:
 KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
 """The keys in the order of the file."""
 
-REFERENCE = {key.path: key.example for key in KEYS}
+REFERENCE = {key.path: key.example for key in KEYS if not (key.optional and key.left_out is None)}
 """What the file of the reference car says, by path of the key."""
 
 _WIDTH = 96

@@ -23,6 +23,8 @@ class Axle:
     effective_radius : r [m], of the disc.
     friction_faces : pad faces of one brake [1].
     pad_friction : mu_p,n [1], nominal.
+    pad_friction_tolerance : one standard deviation of its relative error [1]; None where the user
+        says nothing.
     """
 
     rolling_radius: float
@@ -31,6 +33,7 @@ class Axle:
     effective_radius: float
     friction_faces: int
     pad_friction: float
+    pad_friction_tolerance: float | None = None
 
     @property
     def torque_gain(self) -> float:
@@ -47,7 +50,10 @@ class Axle:
         return replace(self, rolling_radius=self.rolling_radius * factor)
 
 
-NOT_OF_THE_CAR = ("mass_tolerance", "motor_odds")
+NOT_OF_THE_CAR = (
+    *("mass_tolerance", "motor_odds"),
+    *("front.pad_friction_tolerance", "rear.pad_friction_tolerance"),
+)
 """Fields of a `Vehicle` that say what is open about it: cars that differ in them alone are one."""
 
 

@@ -25,7 +25,7 @@ from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.block_level import block_level
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
-from calib.estimation.gates import WIDE, Gates, validity
+from calib.estimation.gates import WIDE, Gates, disturbed, validity
 from calib.estimation.jolts import without_jolts
 from calib.estimation.lookup import smoothed
 from calib.estimation.odds_by_level import odds_by_level
@@ -34,6 +34,7 @@ from calib.estimation.pad_ratio import PadRatio, RatioStep
 from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
+from calib.estimation.readout import Readout, read_out
 from calib.estimation.split_filter import filter_pad_ratio
 from calib.estimation.weighed_level import WeighedLevel, weigh_level
 from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
@@ -46,6 +47,7 @@ from calib.run.blocks import Blocks, block_balance, blocks
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
 from calib.run.filters import block_mean, block_slope
 from calib.run.lateral import lateral
+from calib.run.noise import SensorNoise
 from calib.table.budget import front_share
 from calib.table.table import Table
 
@@ -56,31 +58,35 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-COLUMNS = {
-    "time": "s",
-    "z": "1",
-    "eta": "1",
-    "normalised_force_f": "1",
-    "normalised_force_r": "1",
-    "pad_friction_f": "1",
-    "pad_friction_r": "1",
-    "pad_friction_f_lower": "1",
-    "pad_friction_f_upper": "1",
-    "pad_friction_r_lower": "1",
-    "pad_friction_r_upper": "1",
-    "brake_torque_fl": "N*m",
-    "brake_torque_fr": "N*m",
-    "brake_torque_rl": "N*m",
-    "brake_torque_rr": "N*m",
+_PADS = ("pad_friction_f", "pad_friction_r")
+_TORQUES = ("brake_torque_fl", "brake_torque_fr", "brake_torque_rl", "brake_torque_rr")
+_CHANGES = ("pad_change_f", "pad_change_r")
+
+
+def _with_bounds(*names: str) -> list[str]:
+    return [f"{name}{end}" for name in names for end in ("", "_lower", "_upper")]
+
+
+_OUT = {
+    **dict.fromkeys(_with_bounds(*_PADS), "1"),
+    **dict.fromkeys(_with_bounds(*_TORQUES), "N*m"),
     "valid": "1",
-    "pad_change_f": "1",
-    "pad_change_f_lower": "1",
-    "pad_change_f_upper": "1",
-    "pad_change_r": "1",
-    "pad_change_r_lower": "1",
-    "pad_change_r_upper": "1",
+    **dict.fromkeys(_with_bounds(*_CHANGES, "pad_level"), "1"),
+    **dict.fromkeys(_with_bounds("brake_torque_sum"), "N*m"),
 }
-"""Columns of an estimate as a table and as a file, in their order, with their units."""
+
+COLUMNS = {
+    **dict.fromkeys(("time",), "s"),
+    **dict.fromkeys(("z", "eta", "normalised_force_f", "normalised_force_r"), "1"),
+    **_OUT,
+    **{f"ecu_{name}": unit for name, unit in _OUT.items()},
+    "ecu_reason": "1",
+}
+"""Columns of an estimate as a table and as a file, in their order, with their units.
+
+Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is a
+`calib.estimation.step.Reason`.
+"""
 
 
 @dataclass(frozen=True)
@@ -119,6 +125,8 @@ class Estimate:
     braked: Mask
     covered: Mask
     baselines: dict[str, tuple[Array, Array]]
+    best: Readout
+    ecu: Readout
     split: PadRatio
     blocks: Blocks
     level: PadLevel
@@ -172,32 +180,19 @@ class Estimate:
         Pad friction and its bounds are per axle, torque is per wheel: both wheels of an axle have
         the same.
         """
-        f, r = self.front, self.rear
-        values = (
-            self.time,
-            self.z,
-            self.eta,
-            f.normalised_force,
-            r.normalised_force,
-            f.pad_friction,
-            r.pad_friction,
-            f.lower,
-            f.upper,
-            r.lower,
-            r.upper,
-            f.torque,
-            f.torque,
-            r.torque,
-            r.torque,
-            self.valid,
-            f.change,
-            f.change_lower,
-            f.change_upper,
-            r.change,
-            r.change_lower,
-            r.change_upper,
-        )
-        return dict(zip(COLUMNS, values, strict=True))
+        values = {
+            "time": self.time,
+            "z": self.z,
+            "eta": self.eta,
+            "normalised_force_f": self.front.normalised_force,
+            "normalised_force_r": self.rear.normalised_force,
+            "valid": self.valid,
+            **self.best.columns(),
+            **{f"ecu_{name}": x for name, x in self.ecu.columns().items()},
+            "ecu_valid": self.ecu.valid,
+            "ecu_reason": self.ecu.reason,
+        }
+        return {name: values[name] for name in COLUMNS}
 
     def to_frame(self) -> "pd.DataFrame":
         """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``."""
@@ -277,6 +272,12 @@ def estimate(
     slips = zeroed_slips(s, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
     cornering = _cornering(table, plan.nominal, ran.log, s, rear)
+    held = disturbed(plan.gates, ran.log, s, cornering)
+    filed = with_pads(ran.vehicle, table.vehicle)
+    best, ecu = (
+        read_out(table, filed, plan.known, noise, read, held, with_v=with_v)
+        for noise, with_v in ((plan.noise, True), (SensorNoise(**table.noise), False))
+    )
     judged = validity(plan.gates, ran.log, s, (front, rear), forces.active, greatest, cornering)
     return Estimate(
         plan=plan,
@@ -292,6 +293,8 @@ def estimate(
         braked=np.maximum(s.p_f, s.p_r) > plan.gates.pressure,
         covered=others.covered,
         baselines=others.pads,
+        best=best,
+        ecu=ecu,
         split=answer,
         blocks=b,
         level=level,

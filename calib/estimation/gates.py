@@ -102,6 +102,14 @@ def validity(
     return _Validity(np.asarray(valid), {why: active & ~ok for why, ok in good.items()})
 
 
+def disturbed(gates: Gates, log: Log, s: Signals, cornering: Array) -> Mask:
+    """Samples (n,) in which a wheel locks, or has just, or the car corners."""
+    steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
+    locks = since(s.time, _locked(log, s, gates)) <= gates.recover
+    bends = (np.abs(cornering) >= gates.lateral) | (np.abs(steered) >= gates.steering)
+    return np.asarray(locks | bends)
+
+
 def still_narrow(
     gates: Gates, valid: Mask, refused: dict[str, Mask], axles: tuple[AxleEstimate, AxleEstimate]
 ) -> _Validity:

@@ -19,21 +19,23 @@ from calib.fitting.identify import Identified, identify
 from calib.model.ramp import RampRun, nominal_forces
 from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
+from calib.table.table import Value
 
 
 def identify_below_the_peak(
-    vehicle: Vehicle, runs: list[RampRun], known: Resistance
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance, stated: Value | None = None
 ) -> tuple[Identified, list[RampRun]]:
     """The fit of all runs together, `identify`; without their tops where these are not believed.
 
     It starts where the fit without the tops ended: from afar, a top that bends more than a cubic
     leads to pads of a third of their ratio, and to tyres of three times the other axle's stiffness.
+    ``stated`` as `identify` has it.
     """
     lower = [_without_top(vehicle, run) for run in runs]
     if min(np.count_nonzero(run.braked) for run in lower) < SETTINGS.fewest_blocks:
-        return identify(vehicle, runs, known)
-    below, of_lower = identify(vehicle, lower, known)
-    found, of_all = identify(vehicle, runs, known, below)
+        return identify(vehicle, runs, known, stated=stated)
+    below, of_lower = identify(vehicle, lower, known, stated=stated)
+    found, of_all = identify(vehicle, runs, known, below, stated)
     return (below, of_lower) if _misled(found, below) else (found, of_all)
 
 

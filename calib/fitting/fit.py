@@ -16,18 +16,23 @@ from calib.fitting.below_the_peak import identify_below_the_peak
 from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.disturbances import without_disturbances
+from calib.fitting.draws import draws_of
+from calib.fitting.maps import maps
 from calib.fitting.metrics import metrics
 from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
+from calib.fitting.posterior import posterior
 from calib.fitting.provenance import provenance
 from calib.fitting.rear_valve import rear_valve_warnings
 from calib.fitting.remarks import remarks, stated, taken_out
+from calib.fitting.stated_pads import UNSAID, measured, stated_pad_ratio
 from calib.fitting.warnings import file_warnings, log_warnings
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.ramp import prepare
 from calib.model.resistance import RESISTANCE
 from calib.model.resistance import identify as identify_resistance
+from calib.model.roller_bench import RollerBench
 from calib.model.sensors import of_whole_run, put_right
 from calib.model.sort_logs import sort_logs
 from calib.plausibility.pads import calibration_warnings, require_possible_pads
@@ -38,7 +43,12 @@ from calib.table.invariants import require_finite
 from calib.table.table import Table
 
 
-def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
+def fit(
+    vehicle: Vehicle,
+    logs: list[Log],
+    mass: float | None = None,
+    bench: RollerBench | None = None,
+) -> Table:
     """Fit one table from ramped brakings.
 
     Parameters
@@ -49,11 +59,14 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         brakes alone by its wheel pressures tell tyres and pads of the axles apart.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the
         vehicle as it is: what was weighed once need not be the load of the next run.
+    bench : brake forces of the same pads on a roller brake tester. Their ratio is then known before
+        the ramps, as it is to some degree by a `pad_friction_tolerance` of the vehicle.
 
     Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
-    and for a pad friction that no pad has; VehicleError for a file that the logs contradict;
-    ModelError when an effect cannot be taken out of a log; NotFiniteError, with the name of the
-    quantity, rather than a table that holds a number which is not finite.
+    and for a pad friction that no pad has; BenchError for forces on rollers that are on no line;
+    VehicleError for a file that the logs contradict; ModelError when an effect cannot be taken out
+    of a log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
+    which is not finite.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -67,6 +80,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     """
     read = {(log.name, log.digest): log for log in logs}
     driven = weighed(vehicle, mass)
+    ratio = stated_pad_ratio(driven, bench)
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
     as_read = sort_logs(car, [run.log for run in corrected])
@@ -79,7 +93,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     ]
     warnings = (*file_warnings(vehicle), *log_warnings(car, *as_read, known))
     require_measured_speed(warnings)
-    found, runs = identify_below_the_peak(car, runs, known)
+    found, runs = identify_below_the_peak(car, runs, known, ratio)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in with_both_axles(runs)))
     sources = ", ".join(log.source for log, _, _ in ramps)
     require_tyre(car, found, z_max, sources, warnings)
@@ -99,6 +113,8 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     pads = calibration(car, found, level)
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
+    ensemble = posterior(car, runs, ratio or UNSAID)
+    pad_map, level_map = maps(car, ensemble)
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
@@ -113,16 +129,20 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         remarks=(
             *taken_out(driven),
             *stated(mass_used(vehicle, mass)),
-            *remarks(car, found, runs, known, peak, len(coasts)),
-            *bought(car, found, runs, known),
+            *remarks(car, found, runs, known, peak, len(coasts), bench),
+            *bought(car, found, runs, known, ratio),
+            *measured(driven, bench, pads),
         ),
-        provenance=provenance({"ramp": ramps, "coast": coasts}, read),
+        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench),
         warnings=(
-            *calibration_warnings(car, pads, found.posterior),
-            *rear_valve_warnings(car, found, runs, known),
+            *calibration_warnings(car, pads, found.posterior, ratio),
+            *rear_valve_warnings(car, found, runs, known, ratio),
             *warnings,
         ),
         budget=table_budget(car, found, level, pads),
+        map=pad_map,
+        level_map=level_map,
+        draws=draws_of(car, ensemble, pads),
     )
     require_finite(table)
     return table

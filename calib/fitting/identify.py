@@ -18,7 +18,7 @@ from calib.car.vehicle import Vehicle
 from calib.fitting.pad_level import level_residuals, level_spread
 from calib.fitting.weigh_ratio import weigh_ratio
 from calib.model.covariance_parts import Parts, information_parts
-from calib.model.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
+from calib.model.parameters import AT, COUNT, RampParameters, parameters_of, priors_with
 from calib.model.ramp import (
     AS_OTHERS,
     OfRun,
@@ -31,7 +31,7 @@ from calib.model.ramp import (
 from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
 from calib.run.noise import SensorNoise, long_run_density
-from calib.table.table import TyrePosterior
+from calib.table.table import TyrePosterior, Value
 
 Array = NDArray[np.float64]
 
@@ -83,20 +83,22 @@ def identify(
     runs: list[RampRun],
     known: Resistance | None = None,
     start: Identified | None = None,
+    stated: Value | None = None,
 ) -> tuple[Identified, list[RampRun]]:
     """Fit all runs together, twice: what the residual holds over the sensors' noise is noise too.
 
     The road shakes both wheels of an axle alike, and no tyre curve is exact; neither shows between
     left and right. The runs come back with the noise that was used. ``known`` the resistance that
     they were prepared with; None for runs that know the level of their pads exactly. ``start`` a
-    fit of a part of the same runs, where there is one.
+    fit of a part of the same runs, where there is one. ``stated`` what the user says of the pads'
+    ratio, in place of its prior.
     """
-    first = identify_once(vehicle, runs, known, start)
+    first = identify_once(vehicle, runs, known, start, stated)
     louder = [
         replace(run, noise=_honest(run, *residual))
         for run, residual in zip(runs, first.residuals, strict=True)
     ]
-    return identify_once(vehicle, louder, known, start), louder
+    return identify_once(vehicle, louder, known, start, stated), louder
 
 
 def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
@@ -113,17 +115,19 @@ def identify_once(
     runs: list[RampRun],
     known: Resistance | None = None,
     start: Identified | None = None,
+    stated: Value | None = None,
 ) -> Identified:
     """Fit all runs together: one tyre, one pad ratio, one level of the pads, zeros per run.
 
     Data past ``huber`` sigma have Huber's weights, priors have not: far out, less than their square
     would let pads and tyres imitate each other without end. Pads and tyres that are as declared are
-    then weighed against such that are not (`weigh_ratio`). ``start`` as `identify` has it.
+    then weighed against such that are not (`weigh_ratio`). ``start``, ``stated`` as `identify` has
+    them.
     """
     spread = level_spread(vehicle, runs, known)
     begin = None if start is None else _vector(start)
-    best, jacobian, _ = _least_squares(vehicle, runs, spread, begin)
-    weighed = weigh_ratio(best, information_parts(runs, jacobian))
+    best, jacobian, _ = _least_squares(vehicle, runs, spread, begin, stated=stated)
+    weighed = weigh_ratio(best, information_parts(runs, jacobian), stated)
     parameters, own = _parts(runs, weighed.mean)
     rest = _residuals(vehicle, runs, weighed.mean)
     parts = {part: share[:COUNT, :COUNT] for part, share in weighed.parts.items()}
@@ -150,18 +154,23 @@ def identify_once(
 
 
 def misfits(
-    vehicle: Vehicle, explanations: list[list[RampRun]], known: Resistance | None = None
+    vehicle: Vehicle,
+    explanations: list[list[RampRun]],
+    known: Resistance | None = None,
+    stated: Value | None = None,
 ) -> list[float]:
     """Sum of the squares of residuals and priors [1] with each explanation of the same blocks.
 
     Data past ``huber`` sigma count with Huber's loss, as in the fit. Two explanations differ by
     twice the logarithm of their odds, but for their volumes. The first one is fitted in full, the
-    others from where it ended, so that none looks better than it is.
+    others from where it ended, so that none looks better than it is. ``stated`` as `identify` has
+    it.
     """
     spread = level_spread(vehicle, explanations[0], known)
-    start, _, loss = _least_squares(vehicle, explanations[0], spread)
+    start, _, loss = _least_squares(vehicle, explanations[0], spread, stated=stated)
     others = (
-        _least_squares(vehicle, runs, spread, start, roughly=True)[2] for runs in explanations[1:]
+        _least_squares(vehicle, runs, spread, start, stated=stated, roughly=True)[2]
+        for runs in explanations[1:]
     )
     return [loss, *others]
 
@@ -189,6 +198,7 @@ def _least_squares(
     level_sigma: Array,
     start: Array | None = None,
     *,
+    stated: Value | None = None,
     roughly: bool = False,
 ) -> tuple[Array, Array, float]:
     """Most probable parameters and zeros, the Jacobian of all residuals there, and their loss.
@@ -201,11 +211,12 @@ def _least_squares(
     """
     from scipy.optimize import least_squares
 
-    sigma = [prior.sigma for prior in PRIORS]
+    priors = priors_with(stated)
+    sigma = [prior.sigma for prior in priors]
     spread = np.array([*sigma, *_OF_RUN * len(runs)])
     scale = np.array([*sigma, *SCALE * len(runs)])
     centre = np.zeros(spread.size)
-    centre[:COUNT] = [prior.mean for prior in PRIORS]
+    centre[:COUNT] = [prior.mean for prior in priors]
     x = centre.copy() if start is None else start.copy()
 
     def objective(part: Array, free: NDArray[np.int64]) -> Array:

@@ -12,6 +12,7 @@ from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified, identify_once
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
+from calib.table.table import Value
 
 
 def with_both_axles(runs: list[RampRun]) -> list[RampRun]:
@@ -20,13 +21,20 @@ def with_both_axles(runs: list[RampRun]) -> list[RampRun]:
 
 
 def bought(
-    vehicle: Vehicle, found: Identified, runs: list[RampRun], known: Resistance
+    vehicle: Vehicle,
+    found: Identified,
+    runs: list[RampRun],
+    known: Resistance,
+    stated: Value | None = None,
 ) -> Iterator[str]:
-    """How well the ratios of pads and tyres are known with and without ramps of one axle."""
+    """How well the ratios of pads and tyres are known with and without ramps of one axle.
+
+    ``stated`` as `calib.fitting.identify.identify` has it.
+    """
     alone = [f"{run.name} ({AXLE_NAMES[run.only]} axle only)" for run in runs if run.only]
     if not alone:
         return
-    without = identify_once(vehicle, with_both_axles(runs), known).posterior
+    without = identify_once(vehicle, with_both_axles(runs), known, stated=stated).posterior
     pads, tyres = (
         [100.0 * posterior.sigma(name) for posterior in (found.posterior, without)]
         for name in ("log_pad_ratio", "log_tyre_ratio")

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from calib.base.program import PROGRAM
 from calib.car.braking import BITE
 from calib.logs.log import Log
+from calib.model.roller_bench import RollerBench
 from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared
 from calib.run.blocks import BLOCK
@@ -13,18 +14,23 @@ from calib.table.table import LogReference, Provenance
 
 
 def provenance(
-    logs: Mapping[str, list[Prepared]], read: Mapping[tuple[str, str], Log]
+    logs: Mapping[str, list[Prepared]],
+    read: Mapping[tuple[str, str], Log],
+    bench: RollerBench | None = None,
 ) -> Provenance:
     """Return the parents of a table.
 
-    ``logs`` by role; ``read`` the same logs as they were read, by name and digest.
+    ``logs`` by role; ``read`` the same logs as they were read, by name and digest;
+    ``bench`` a run on a roller brake tester.
     """
+    driven = (
+        _reference(read[log.name, log.digest], role)
+        for role, group in logs.items()
+        for log, _, _ in group
+    )
+    rollers = () if bench is None else (LogReference(bench.name, bench.digest, "bench"),)
     return Provenance(
-        logs=tuple(
-            _reference(read[log.name, log.digest], role)
-            for role, group in logs.items()
-            for log, _, _ in group
-        ),
+        logs=(*driven, *rollers),
         settings=settings(),
         program=PROGRAM,
     )

@@ -20,23 +20,29 @@ from calib.base.warning import PlausibilityWarning
 from calib.car.effects.line import limited
 from calib.car.vehicle import Vehicle
 from calib.fitting.identify import Identified, misfits
-from calib.model.parameters import PRIORS
+from calib.model.parameters import priors_with
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
+from calib.table.table import Value
 
 VALVE = "rear_proportioning"
 
 
 def rear_valve_warnings(
-    vehicle: Vehicle, found: Identified, runs: list[RampRun], known: Resistance
+    vehicle: Vehicle,
+    found: Identified,
+    runs: list[RampRun],
+    known: Resistance,
+    stated: Value | None = None,
 ) -> Iterator[PlausibilityWarning]:
     """A warning where a knee of the rear pressure explains the ramps clearly better.
 
     ``found`` the fit of ``runs`` without one. Not asked where the fit needs nothing unlikely, or
-    where a valve is declared or the pressures of both axles are logged.
+    where a valve is declared or the pressures of both axles are logged. ``stated`` as
+    `calib.fitting.identify.identify` has it.
     """
-    mean = zip(found.mean, PRIORS, strict=True)
+    mean = zip(found.mean, priors_with(stated), strict=True)
     unlikely = sum(((value - prior.mean) / prior.sigma) ** 2 for value, prior in mean)
     measured = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
     if unlikely < SETTINGS.valve_doubt or measured or VALVE in vehicle.effects:
@@ -46,7 +52,7 @@ def rear_valve_warnings(
     if not knees:
         return
     tried = [[_limited(run, knee) for run in runs] for knee in knees]
-    without, *with_knee = misfits(vehicle, [runs, *tried], known)
+    without, *with_knee = misfits(vehicle, [runs, *tried], known, stated)
     loss, knee = min(zip(with_knee, knees, strict=True))
     fall = without - loss
     if fall > SETTINGS.valve_gain:

@@ -10,6 +10,7 @@ from calib.fitting.metrics import outliers
 from calib.fitting.path import Peak
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
+from calib.model.roller_bench import RollerBench
 
 
 def remarks(
@@ -19,6 +20,7 @@ def remarks(
     known: Resistance,
     peak: Peak,
     coasts: int,
+    bench: RollerBench | None = None,
 ) -> tuple[str, ...]:
     """What the user must know of this table, in words."""
     said = []
@@ -44,9 +46,10 @@ def remarks(
             "are usual values; add a coast log, or give them in the vehicle file"
         )
     if all(run.blocks.v is None for run in runs):
+        on = "vehicle file" if bench is None else "roller brake tester"
         said.append(
             "no reference speed: slip stiffness and pad ratio cannot be told apart, the ratio "
-            "rests on the vehicle file"
+            f"rests on the {on}"
         )
     if peak.real:
         said.append(

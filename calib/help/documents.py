@@ -88,6 +88,7 @@ FILES = {
     "vehicle": "vehicle.toml: masses, lengths and brakes of a car",
     "model": "model.toml: pads, tyre, effects and roads of a simulation",
     "limits": "limits.toml: the allowed range of each metric",
+    "bench": "bench.toml: brake forces on a roller brake tester",
     "channel-map": "map.toml: which column of a foreign log is which channel",
     "settings": "brake-cal.toml: what options say that are not given",
     "table": "record.json: a stored table without its curves",
@@ -100,6 +101,7 @@ FILES = {
 _CLASSES = {
     "vehicle": "car.vehicle_file:VehicleFile",
     "model": "car.model_file:ModelFile",
+    "bench": "model.roller_bench_file:RollerBenchFile",
     "channel-map": "logs.channel_map_file:ChannelMapFile",
     "settings": "base.settings_file:SettingsFile",
     "table": "store.record_file:RecordFile",

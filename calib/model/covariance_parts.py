@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.mixtures import Mixture
-from calib.model.parameters import AT, PRIORS, RampParameters
+from calib.model.parameters import AT, RampParameters
 from calib.model.ramp import OfRun, RampRun
 
 Array = NDArray[np.float64]
@@ -53,14 +53,20 @@ def information_parts(runs: list[RampRun], jacobian: Array) -> Parts:
 
 
 def posterior_parts(
-    information: Parts, weighed: Mixture, along: Array, at: list[int], sigma: Array, free: Array
+    information: Parts,
+    weighed: Mixture,
+    along: Array,
+    at: list[int],
+    inside: Array,
+    sigma: Array,
+    free: Array,
 ) -> Parts:
     """Covariance (k, k) of a weighed fit by part.
 
     The parameters ``at`` depart from what is declared or do not: ``free`` (cases, m), with a prior
-    of ``sigma`` (cases, m) around zero in place of the one in ``information``. ``along`` (k, m) is
-    how the others follow them, ``weighed`` the cases. The covariance is the mean of those of the
-    cases, and the spread between the cases
+    of ``sigma`` (cases, m) in place of the one in ``information``, of ``inside`` (m,). ``along``
+    (k, m) is how the others follow them, ``weighed`` the cases. The covariance is the mean of those
+    of the cases, and the spread between the cases
 
         sum_i w_i (x_i - x)(x_i - x)' = sum over pairs of w_i w_j (x_i - x_j)(x_i - x_j)'
 
@@ -69,7 +75,7 @@ def posterior_parts(
     size = len(along)
     out = {part: np.zeros((size, size)) for part in information}
     for case, weight in enumerate(weighed.weights):
-        now = _with_priors(information, at, sigma[case])
+        now = _with_priors(information, at, inside, sigma[case])
         covariance = _covariance(now)
         for part, own in now.items():
             out[part] += weight * covariance @ own @ covariance
@@ -84,35 +90,38 @@ def posterior_parts(
 
 
 def scatter_parts(
-    information: Parts, weights: Array, at: list[int], taken: Array, real: Array
+    information: Parts, weights: Array, at: list[int], inside: Array, taken: Array, real: Array
 ) -> Parts:
     """Covariance (k, k), by part, that is added where the parameters ``at`` really scatter more.
 
     ``taken`` (cases, m) the sigma that the estimate took for them in each case, ``real`` theirs,
-    ``weights`` (cases,) of the cases. Within a case the parameters share what is added by how much
-    less it would be of the pads' ratio if each was as close as it was taken.
+    ``inside`` (m,) that of their priors in ``information``, ``weights`` (cases,) of the cases.
+    Within a case the parameters share what is added by how much less it would be of the pads' ratio
+    if each was as close as it was taken.
     """
     ratio = AT.log_pad_ratio
     out = {PART[i]: np.zeros_like(next(iter(information.values()))) for i in at}
     for weight, narrow, wide in zip(weights, taken, real, strict=True):
-        added = _covariance(_with_priors(information, at, wide))
+        added = _covariance(_with_priors(information, at, inside, wide))
         spared = []
         for place in range(len(at)):
             known = np.where(np.arange(len(at)) == place, narrow, wide)
-            less = _covariance(_with_priors(information, at, known))
+            less = _covariance(_with_priors(information, at, inside, known))
             spared.append(max(float(added[ratio, ratio] - less[ratio, ratio]), 0.0))
-        added = added - _covariance(_with_priors(information, at, narrow))
+        added = added - _covariance(_with_priors(information, at, inside, narrow))
         if (total := sum(spared)) > 0.0:
             for i, share in zip(at, spared, strict=True):
                 out[PART[i]] += weight * share / total * added
     return out
 
 
-def _with_priors(information: Parts, at: list[int], sigma: Array) -> dict[str, Array]:
-    """The information with the priors ``sigma`` (m,) of the parameters ``at`` for their own."""
+def _with_priors(
+    information: Parts, at: list[int], inside: Array, sigma: Array
+) -> dict[str, Array]:
+    """The information with priors of ``sigma`` (m,) of the parameters ``at`` for those inside."""
     out = {part: own.copy() for part, own in information.items()}
-    for i, spread in zip(at, sigma, strict=True):
-        out[PART[i]][i, i] += spread**-2.0 - PRIORS[i].sigma ** -2.0
+    for i, spread, own in zip(at, sigma, inside, strict=True):
+        out[PART[i]][i, i] += spread**-2.0 - own**-2.0
     return out
 
 

@@ -8,7 +8,7 @@ from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning, warning
 from calib.car.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
-from calib.table.table import Calibration, TyrePosterior
+from calib.table.table import Calibration, TyrePosterior, Value
 
 _LEVEL_CAUSES = (
     "the unit or the scale of p_mc",
@@ -41,9 +41,15 @@ def _of_file(vehicle: Vehicle, side: str) -> float:
 
 
 def calibration_warnings(
-    vehicle: Vehicle, calibration: Calibration, posterior: TyrePosterior
+    vehicle: Vehicle,
+    calibration: Calibration,
+    posterior: TyrePosterior,
+    stated: Value | None = None,
 ) -> Iterator[PlausibilityWarning]:
-    """Pads far from the file's, their ratio, and a tyre that no road car has."""
+    """Pads far from the file's, their ratio, and a tyre that no road car has.
+
+    ``stated`` what the user says of the logarithm of the ratio: it is to be near that.
+    """
     for axle, side, value in (
         ("f", "front", calibration.pad_friction_f.value),
         ("r", "rear", calibration.pad_friction_r.value),
@@ -59,13 +65,13 @@ def calibration_warnings(
                 "correct what is wrong, or write the friction of these pads into the vehicle file",
             )
     rho = calibration.pad_log_ratio
-    usual = max(PLAUSIBLE.pad_ratio, Z95 * rho.sigma)
-    if abs(rho.value) > usual:
+    usual, known = max(PLAUSIBLE.pad_ratio, Z95 * rho.sigma), stated.value if stated else 0.0
+    if abs(rho.value - known) > usual:
         yield warning(
             "pad_ratio",
             vehicle.name,
             math.expm1(rho.value),
-            (math.expm1(-usual), math.expm1(usual)),
+            (math.expm1(known - usual), math.expm1(known + usual)),
         )
     stiffness = math.exp(-posterior.value("log_compliance"))
     margin = math.exp(posterior.sigma("log_compliance"))

@@ -44,6 +44,10 @@ def facts(vehicle: Vehicle) -> Facts:
             ("mass of a wheel at its radius [kg]", "wheel_mass", 1),
         )
     ]
+    known = [axle.pad_friction_tolerance for axle in (vehicle.front, vehicle.rear)]
+    if known != [None, None]:
+        told = ("" if share is None else f"{100 * share:.2g}" for share in known)
+        axles.append(("pad friction known to [%]", *told))
     brakes = [
         (
             *(f"{b.deceleration:.1f}", f"{b.pressure:.1f}"),

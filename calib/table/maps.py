@@ -81,52 +81,50 @@ def _along(values: Array, weights: Sequence[Array]) -> Array:
 
 @dataclass(frozen=True)
 class PadMap(Map):
-    """ln of the pads' ratio over z and ``shift`` = (eta - 1)/z. Shapes (n,), all [1].
+    """ln of the pads' ratio over what is seen. Shapes (n,), all [1].
+
+    Axes: ``z`` brake force that the zeroed deceleration demands, over the weight; ``shift``
+    (eta - 1)/z; ``slip`` how far ln(slip/z) is from its mean in this place, in standard
+    deviations. ``log_slip`` is that mean, ``log_slip_sigma`` that deviation; both are the same
+    along ``slip``.
 
     The ratio is front over rear, over that of the vehicle file. ``ratio`` and ``change``, the ln of
     the ratio over that of the ramp, are medians, with 95 % bounds. ``prior`` is the share of the
-    answer that no reading gave: width of the posterior over the width without this reading.
+    answer that no reading gave: width of the bounds over the width without this reading.
     """
 
-    AXES: ClassVar[tuple[str, ...]] = ("z", "shift")
+    AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
 
     shift: Array
+    slip: Array
     ratio: Array
     ratio_lower: Array
     ratio_upper: Array
     change: Array
     change_lower: Array
     change_upper: Array
-    prior: Array
-
-
-@dataclass(frozen=True)
-class SpeedMap(Map):
-    """ln of the pads' ratio where a speed is logged, too; columns as those of `PadMap`.
-
-    Over z, ``slip_ratio`` = (eta - 1)/slip and ``log_slip`` = ln(slip/z), of the mean slip.
-    """
-
-    AXES: ClassVar[tuple[str, ...]] = ("z", "slip_ratio", "log_slip")
-
-    slip_ratio: Array
     log_slip: Array
-    ratio: Array
-    ratio_lower: Array
-    ratio_upper: Array
-    change: Array
-    change_lower: Array
-    change_upper: Array
+    log_slip_sigma: Array
     prior: Array
 
 
 @dataclass(frozen=True)
 class LevelMap(Map):
-    """ln of the true brake force over that which the zeroed deceleration z demands, all [1]."""
+    """What is known before eta is read, over z, all [1], medians with 95 % bounds.
+
+    ``level`` ln of the true brake force over that which the zeroed deceleration z demands;
+    ``ratio`` and ``change`` as in `PadMap`.
+    """
 
     level: Array
     level_lower: Array
     level_upper: Array
+    ratio: Array
+    ratio_lower: Array
+    ratio_upper: Array
+    change: Array
+    change_lower: Array
+    change_upper: Array
 
 
 FORMS = tuple(f"form_{i}" for i in range(1, 6))
@@ -161,7 +159,7 @@ class Draws:
     weight: Array
 
 
-MAPS: dict[str, type[Map]] = {"map": PadMap, "speed_map": SpeedMap, "level_map": LevelMap}
+MAPS: dict[str, type[Map]] = {"map": PadMap, "level_map": LevelMap}
 """The maps of a table by name."""
 
 UNITS = {"cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}

@@ -26,13 +26,13 @@ from calib.car.tyre import Tyre
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.same_run import Fingerprint, same_as
-from calib.table.maps import MAPS, Draws, LevelMap, PadMap, SpeedMap
+from calib.table.maps import MAPS, Draws, LevelMap, PadMap
 
 Array = NDArray[np.float64]
 
 _OPTIONAL = {
     *("own_effects", "empirical", "notes", "fingerprint", "warnings", "budget", "spread"),
-    *("by_hand", "scatter", "identity", "parents"),
+    *("by_hand", "scatter", "identity", "parents", "pad_friction_tolerance"),
 }
 """Keys that a record does not have where there is nothing to say; older tables had none of them."""
 
@@ -319,7 +319,6 @@ class Table:
     spread: FleetScatter | None = None
     by_hand: tuple[SetByHand, ...] = ()
     map: PadMap | None = None
-    speed_map: SpeedMap | None = None
     level_map: LevelMap | None = None
     draws: Draws | None = None
 

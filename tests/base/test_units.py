@@ -26,7 +26,7 @@ PINT = {
     "m/s": {"m/s": "m/s", "km/h": "km/h", "kph": "km/h", "mph": "mile/hour", "kn": "knot"},
     "degC": {"degC": "degC", "K": "kelvin", "degF": "degF"},
     "rad": {"rad": "radian", "mrad": "milliradian", "deg": "degree"},
-    "N": {"N": "newton", "kN": "kilonewton"},
+    "N": {"N": "newton", "daN": "decanewton", "kN": "kilonewton"},
     "N*m": {"N*m": "newton*meter", "Nm": "newton*meter", "kN*m": "kilonewton*meter"},
     "kg": {"kg": "kilogram", "t": "metric_ton", "lb": "pound"},
     "m": {"m": "meter", "cm": "centimeter", "mm": "millimeter", "in": "inch"},

@@ -31,4 +31,5 @@ def test_an_optional_key_without_a_value_is_a_comment(tmp_path):
     values = {k: v for k, v in REFERENCE.items() if k != "chassis.mass_tolerance"}
     text = vehicle_text(values)
     assert "# mass_tolerance = 0.03" in text
+    assert text.count("# pad_friction_tolerance = ") == 2
     assert read(text, tmp_path).mass_tolerance == Vehicle.mass_tolerance

@@ -42,6 +42,7 @@ def test_reads_tables_i_and_ii():
     assert car.rear.piston_area == pytest.approx(11.34e-4)
     assert isinstance(car.front.friction_faces, int)
     assert car.mass_tolerance == 0.03  # the load that nobody wrote down
+    assert (car.front.pad_friction_tolerance, car.rear.pad_friction_tolerance) == (None, None)
     assert car.effects == Effects()
 
 
@@ -63,7 +64,11 @@ def test_other_units_mean_the_same_car(tmp_path):
 
 
 def test_known_effects_and_tolerance_come_in_si(tmp_path):
-    path = write(tmp_path, ("[front]", 'mass_tolerance = "1.5 %"\nmotor_odds = 0\n\n[front]'))
+    path = write(
+        tmp_path,
+        ("[front]", 'mass_tolerance = "1.5 %"\nmotor_odds = 0\n\n[front]'),
+        ("[rear]", 'pad_friction_tolerance = "3 %"\n\n[rear]'),
+    )
     text = path.read_text() + (
         '\n[effects.aerodynamic_drag]\ndrag_area = "6600 cm^2"\n'
         "[effects.rolling_resistance]\ncoefficient = 0.012\n"
@@ -72,6 +77,8 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
     car = read_vehicle(path)
     assert car.mass_tolerance == pytest.approx(0.015)
     assert car.motor_odds == 0.0
+    assert car.front.pad_friction_tolerance == pytest.approx(0.03)
+    assert car.rear.pad_friction_tolerance is None
     assert car.effects == Effects(
         {
             "aerodynamic_drag": {"drag_area": pytest.approx(0.66)},
@@ -86,6 +93,7 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
         ('mass = "1744 kg"', 'mass = "-1744 kg"', ("chassis.mass", "-1744", "300 to 60000 kg")),
         ('"0.615 m"', '"2.9 m"', ("cg_height", "wheelbase")),
         ("pad_friction = 0.38", "pad_friction = 3.8", ("front.pad_friction", "0.05 to 1")),
+        ("[rear]", "pad_friction_tolerance = 3\n[rear]", ("front.pad_friction_tolerance", "0.3")),
         ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces: 2.5", "whole")),
         ('"130.9 mm"', '"330.9 mm"', ("front", "fits into the wheel")),
         ('name = "sedan-2up"', 'name = "a/b"', ("'a/b'", "name")),

@@ -74,6 +74,29 @@ def test_channel_map(brake_cal, log, store, tmp_path):
     assert mapped.posterior == plain.posterior
 
 
+def test_forces_of_a_roller_brake_tester(brake_cal, log, store, tmp_path):
+    """Pads of 0.36 on both axles, in a file that says 0.38: the forces by T = mu C p."""
+    bench = tmp_path / "rollers.toml"
+    pressures, text = (1e6, 2e6, 3e6), "schema = 1\n"
+    for name, axle in (("front", CAR.front), ("rear", CAR.rear)):
+        area = 2 * axle.friction_faces * axle.piston_area * axle.effective_radius
+        force = [f"{0.36 * area / axle.rolling_radius * (p - 4e4):.0f} N" for p in pressures]
+        text += f"[{name}]\np_mc = {[f'{p:g} Pa' for p in pressures]}\nbrake_force = {force}\n"
+    bench.write_text(text)
+    arguments = ("fit", log, "--vehicle", VEHICLE, "--store", store, "--bench", bench)
+    ran = brake_cal(*arguments, "--json")
+    assert ran.code == 0
+    ratio = json.loads(ran.out)["calibration"]["pad_log_ratio"]
+    assert abs(ratio["value"]) < 0.005
+    assert ratio["sigma"] < 0.012
+    logs = Store(store).load(CAR.name).table.provenance.logs
+    digests = {one.role: one.digest for one in logs}
+    assert digests["bench"] == hashlib.sha256(bench.read_bytes()).hexdigest()
+    bench.write_text(text.replace("[rear]", "[axle]"))
+    ran = brake_cal(*arguments, "--json")
+    assert (ran.code, json.loads(ran.out)["error"]["kind"]) == (3, "bench")
+
+
 def test_what_is_missing_is_a_usage_error(brake_cal, log, store):
     for arguments in ((), (log,), ("--vehicle", VEHICLE)):
         ran = brake_cal("fit", *arguments, "--store", store)

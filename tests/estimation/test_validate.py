@@ -170,6 +170,7 @@ def test_braking_too_soft_to_judge_does_not_pass(fitted):
         {"name": "other name"},
         {"mass_tolerance": 0.02},
         {"motor_odds": 0},
+        {"front": replace(CAR.front, pad_friction_tolerance=0.03)},
         {"effects": {"aerodynamic_drag": {"drag_area": 0.6}}},
     ],
 )

@@ -44,7 +44,7 @@ def test_parts_are_positive_and_add_up_to_the_weighed_covariance(seed):
     free = np.array(list(product((False, True), repeat=3)))
     cases = np.where(free, WIDE, 0.1 * WIDE)
     information, weighed, along, spread = weighed_fit(seed, cases)
-    parts = posterior_parts(information, weighed, along, DEPART, cases, free)
+    parts = posterior_parts(information, weighed, along, DEPART, WIDE, cases, free)
     unit = np.sqrt(np.outer(np.diag(spread), np.diag(spread)))
     assert np.allclose(sum(parts.values()) / unit, spread / unit, atol=1e-8)
     for share in parts.values():
@@ -55,7 +55,7 @@ def test_one_case_is_the_error_that_each_source_makes():
     """x - truth = C (J' noise + prior errors over their variance): drawn, and its covariance."""
     free = np.ones((1, 3), bool)
     information, weighed, along, _ = weighed_fit(5, WIDE[None])
-    parts = posterior_parts(information, weighed, along, DEPART, WIDE[None], free)
+    parts = posterior_parts(information, weighed, along, DEPART, WIDE, WIDE[None], free)
     covariance = np.linalg.inv(sum(information.values()))
     rng = np.random.default_rng(0)
     for part, own in information.items():
@@ -69,9 +69,9 @@ def test_the_spread_between_cases_goes_to_what_departs():
     free = np.array([[False, False, False], [False, True, False]])
     cases = np.where(free, WIDE, 0.1 * WIDE)
     information, weighed, along, spread = weighed_fit(7, cases)
-    parts = posterior_parts(information, weighed, along, DEPART, cases, free)
+    parts = posterior_parts(information, weighed, along, DEPART, WIDE, cases, free)
     within = posterior_parts(
-        information, weighed._replace(means=np.zeros((2, 3))), along, DEPART, cases, free
+        information, weighed._replace(means=np.zeros((2, 3))), along, DEPART, WIDE, cases, free
     )
     for part, share in parts.items():
         if part == "tyres":

@@ -1,5 +1,7 @@
 """The brakes of a vehicle file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from calib.car.bias import front_biased_up_to
 from calib.show.vehicle import (
     beta_point,
+    facts,
     ideal,
     rear_per_front,
     sheet,
@@ -23,6 +26,12 @@ def test_the_lines_meet_where_the_bias_turns():
     front, rear, _ = used.lines
     cross = np.argmin(np.abs(front.y - rear.y)[20:]) + 20
     assert front.x[cross] == pytest.approx(0.641, abs=0.01)
+
+
+def test_what_the_file_says_of_its_pads_is_shown_where_it_does():
+    told = replace(VEHICLE, rear=replace(VEHICLE.rear, pad_friction_tolerance=0.03))
+    rows, more = (facts(car).tables[0].rows for car in (VEHICLE, told))
+    assert [row[1:] for row in more[len(rows) :]] == [("", "3")]
 
 
 WEIGHT, L, L_F, L_R, H, R = 1744.0 * 9.80665, 2.805, 1.1556, 1.6494, 0.615, 0.322

@@ -226,4 +226,7 @@ def test_the_mean_is_no_version_of_a_car_and_all_reasons_come_at_once():
 
 
 def test_what_is_open_about_a_car_is_no_other_vehicle():
-    merge(of_vehicle(name="another name", mass_tolerance=0.005, motor_odds=0.0), "golden")
+    front = replace(PAIR[1].table.vehicle.front, pad_friction_tolerance=0.03)
+    merge(
+        of_vehicle(name="another name", mass_tolerance=0.005, motor_odds=0.0, front=front), "golden"
+    )

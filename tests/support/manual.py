@@ -96,6 +96,15 @@ MODEL = """schema = 1
 drag_area = "0.66 m^2"
 """
 
+BENCH = """schema = 1
+[front]
+p_mc = ["10 bar", "20 bar", "30 bar"]
+brake_force = ["1.75 kN", "3.53 kN", "5.31 kN"]
+[rear]
+p_mc = ["10 bar", "20 bar", "30 bar"]
+brake_force = ["62 daN", "128 daN", "194 daN"]
+"""
+
 
 def working_folder(folder: Path) -> None:
     """What the examples begin with: logs, a vehicle, a table `car@1`, and results of one stop."""
@@ -106,6 +115,7 @@ def working_folder(folder: Path) -> None:
     frame.to_csv(folder / "run.csv", index=False)
     vehicle = (sample_logs() / "sedan" / "vehicle.toml").read_text().replace("sedan-2up", "car")
     (folder / "car.toml").write_text(vehicle)
+    (folder / "bench.toml").write_text(BENCH)
     (folder / "found").mkdir()
     (folder / "found" / "model.toml").write_text(MODEL)
     assert run(folder, "brake-cal fit ramp.csv coast.csv --vehicle car.toml") == 0

@@ -18,7 +18,8 @@ def write_vehicle(vehicle: Vehicle, path: Path) -> None:
     for key in KEYS[1:]:
         value = values.get(key.section, values)[key.name]
         part = document.setdefault(key.section, {})
-        part[key.name] = written_quantity(value, si_of(key.unit))  # type: ignore[index]
+        if value is not None:
+            part[key.name] = written_quantity(value, si_of(key.unit))  # type: ignore[index]
     if vehicle.effects.names:
         document["effects"] = {n: dict(own) for n, own in vehicle.effects.parameters.items()}
     path.write_bytes(tomlkit.dumps(document).encode())

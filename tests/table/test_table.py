@@ -34,10 +34,15 @@ def test_keys_that_say_nothing_are_no_part_of_a_record(table):
     assert not new & set(record)
     assert not {"identity", "parents"} & set(record["provenance"])
     assert "motor_odds" not in record["vehicle"]
+    assert "pad_friction_tolerance" not in {*record["vehicle"]["front"], *record["vehicle"]["rear"]}
     assert "scatter" not in record["posterior"]
     assert all(set(log) == {"name", "digest", "role"} for log in record["provenance"]["logs"])
     stated = replace(table, vehicle=replace(table.vehicle, motor_odds=0.0))
     assert from_content(*stated.content()).vehicle.motor_odds == 0.0
+    rear = replace(table.vehicle.rear, pad_friction_tolerance=0.03)
+    told = replace(table, vehicle=replace(table.vehicle, rear=rear))
+    assert from_content(*told.content()).vehicle == told.vehicle
+    assert told.digest != table.digest
 
 
 TERM = EmpiricalTerm("front_brakes", "speed", (5.0, 30.0), (0.0, -0.1))

@@ -1,0 +1,43 @@
+r"""Forms that the force of a tyre takes over its slip, each as its inverse in closed form.
+
+    slip = c m X(u)        u = F/m,  X(u) -> u as u -> 0        0 <= u < 1
+
+c the compliance at small slip, m the peak, F the normalised force: Pacejka's similarity (Tyre and
+Vehicle Dynamics, ch. 4). The published forms bound what tyres do between a third and all of their
+peak; a mean of their inverses, with weights that add up to 1, is a tyre, too. Rising branch only.
+
+    brush          1 - (1 - x/3)^3            3 (1 - (1 - u)^(1/3))
+    exponential    1 - e^-x                   -ln(1 - u)                    Burckhardt, without fall
+    Dugoff         x, then 1 - 1/(4 x)        u, then 1/(4 (1 - u))         Dugoff et al. 1970
+    magic_sharp    sin(C atan(x/C)), 1.65     C tan(asin(u)/C)              Pacejka, E = 0
+    magic_round    the same with 1.25
+"""
+
+import numpy as np
+
+from calib.base.arrays import Array
+
+FORMS = ("brush", "exponential", "dugoff", "magic_sharp", "magic_round")
+"""Names of the forms, in the order of `inverse_forms`."""
+
+NEAR_PEAK = 0.97
+"""Share of its peak above which a tyre is no longer taken to roll [1]."""
+
+
+def inverse_forms(use: Array) -> Array:
+    """X of every form at the used share of the peak ``use`` [1] (...), shape (..., 5).
+
+    Above `NEAR_PEAK` the value there: the caller has to leave such forces out.
+    """
+    u = np.clip(use, 0.0, NEAR_PEAK)
+    angle = np.arcsin(u)
+    return np.stack(
+        [
+            3.0 * (1.0 - np.cbrt(1.0 - u)),
+            -np.log1p(-u),
+            np.where(u < 0.5, u, 0.25 / (1.0 - u)),
+            1.65 * np.tan(angle / 1.65),
+            1.25 * np.tan(angle / 1.25),
+        ],
+        axis=-1,
+    )

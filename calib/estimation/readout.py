@@ -1,0 +1,223 @@
+"""A log through the step of the table: pad friction and torque of both axles, each with its bounds.
+
+    signals --blocks--> step --> level, ratio --samples--> pads, torques, their sum
+
+What is handed out: the same numbers for every command, and for an ECU without a speed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.base.arrays import Array, Index, Mask
+from calib.car.balance import brake_forces
+from calib.car.vehicle import Vehicle
+from calib.estimation.step import (
+    COLUMNS,
+    LEVEL,
+    PADS,
+    Answer,
+    Constants,
+    Reader,
+    Reason,
+    Sample,
+    started,
+    step,
+)
+from calib.model.resistance import Resistance
+from calib.run.axle_signals import Signals
+from calib.run.blocks import block_balance, blocks
+from calib.run.filters import block_mean
+from calib.run.noise import SensorNoise
+from calib.table.table import Table
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """A quantity with its 95 % interval, (n,) each."""
+
+    value: Array
+    lower: Array
+    upper: Array
+
+    def at(self, which: Index) -> "Bounded":
+        """The same at other places."""
+        return Bounded(self.value[which], self.lower[which], self.upper[which])
+
+    def times(self, factor: Array | float) -> "Bounded":
+        """The same times a factor that is known."""
+        return Bounded(factor * self.value, factor * self.lower, factor * self.upper)
+
+
+@dataclass(frozen=True)
+class Readout:
+    """What the step gives for each sample, (n,).
+
+    ``level`` sum of the brake torques over that of the file's pads, ``pads_f``, ``pads_r`` pad
+    friction, ``change_f``, ``change_r`` pad friction over that of the ramp, all [1];
+    ``torque_f``, ``torque_r`` of one wheel, ``torque_sum`` of all [N m]; ``reason`` a `Reason`;
+    ``delay`` of the brakes [s]; ``log_ratio`` of the pads over that of the file [1].
+    """
+
+    level: Bounded
+    pads_f: Bounded
+    pads_r: Bounded
+    change_f: Bounded
+    change_r: Bounded
+    torque_f: Bounded
+    torque_r: Bounded
+    torque_sum: Bounded
+    log_ratio: Bounded
+    delay: Array
+    reason: Index
+
+    @property
+    def valid(self) -> Mask:
+        """Samples in which the model holds."""
+        return np.asarray(self.reason == Reason.VALID)
+
+    def columns(self) -> dict[str, Array | Mask]:
+        """By the names of a file; torque is per wheel, both wheels of an axle have the same."""
+        named = {
+            "pad_friction_f": self.pads_f,
+            "pad_friction_r": self.pads_r,
+            "pad_change_f": self.change_f,
+            "pad_change_r": self.change_r,
+            "pad_level": self.level,
+            "brake_torque_fl": self.torque_f,
+            "brake_torque_fr": self.torque_f,
+            "brake_torque_rl": self.torque_r,
+            "brake_torque_rr": self.torque_r,
+            "brake_torque_sum": self.torque_sum,
+        }
+        out: dict[str, Array | Mask] = {}
+        for name, x in named.items():
+            out |= {name: x.value, f"{name}_lower": x.lower, f"{name}_upper": x.upper}
+        return out
+
+
+def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
+    """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
+    assert table.map is not None and table.level_map is not None
+    return Constants(
+        ratio=Reader(table.map, COLUMNS),
+        level=Reader(table.level_map, (*LEVEL, *PADS)),
+        noise_omega=noise.omega,
+        noise_z=noise.z,
+        noise_v=noise.v,
+        radius=table.vehicle.front.rolling_radius,
+        block=block,
+    )
+
+
+def read_out(
+    table: Table,
+    car: Vehicle,
+    known: Resistance,
+    noise: SensorNoise,
+    s: Signals,
+    disturbed: Mask,
+    *,
+    with_v: bool = True,
+) -> Readout:
+    """Run the step of a ``table`` over the signals of a log.
+
+    ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance;
+    ``disturbed`` samples (n,) in which a wheel locks or the car corners; ``with_v`` whether the
+    reference speed is used where it is logged.
+    """
+    b = blocks(s)
+    forces = block_balance(car, known.effects, b)
+    B_f, B_r = brake_forces(car, b.p_f, b.p_r)
+    R = car.front.rolling_radius
+    columns = (
+        forces.demanded / car.weight,
+        (B_f + B_r) / car.weight,
+        np.maximum(b.p_f, b.p_r),
+        b.z,
+        b.eta,
+        np.maximum(R * b.omega_f, 0.3),
+        forces.load_r / car.weight,
+        b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
+        block_mean(disturbed.astype(float), b.samples) > 0.0,
+    )
+    c = constants(table, noise, b.length)
+    state = started(c)
+    answers = [
+        step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)
+    ]
+    return _per_sample(table, car, s, answers, b.last_complete(s.time))
+
+
+def _per_sample(
+    table: Table, car: Vehicle, s: Signals, answers: list[Answer], at: Index
+) -> Readout:
+    """From level and ratio of each block to pads and torques of each sample."""
+    a = np.array(answers)
+    level, ratio, change = (Bounded(*a[:, k : k + 3].T) for k in (0, 3, 6))
+    pads = table.calibration
+    then = pads.pad_log_ratio.value
+    front, rear = _pads(car, level, ratio)
+    # over the ramp's pads: the tyres are those of today, and fall out
+    changed = _pads(
+        car, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper)))
+    )
+    f, r = car.front, car.rear
+    gains = [axle.torque_gain * np.maximum(p, 0.0) for axle, p in ((f, s.p_f), (r, s.p_r))]
+    pads_f, pads_r = (x.at(at) for x in (front.times(f.pad_friction), rear.times(r.pad_friction)))
+    nominal = 2.0 * (f.pad_friction * gains[0] + r.pad_friction * gains[1])
+    torque_f, torque_r = pads_f.times(gains[0]), pads_r.times(gains[1])
+    total = 2.0 * (torque_f.value + torque_r.value)
+    share = np.divide(total, nominal, out=level_of(level).value[at], where=nominal > 0.0)
+    known = level_of(level).at(at)
+    relative = known.lower / known.value, known.upper / known.value
+    return Readout(
+        level=Bounded(share, share * relative[0], share * relative[1]),
+        pads_f=pads_f,
+        pads_r=pads_r,
+        change_f=changed[0].at(at).times(f.pad_friction / pads.pad_friction_f.value),
+        change_r=changed[1].at(at).times(r.pad_friction / pads.pad_friction_r.value),
+        torque_f=torque_f,
+        torque_r=torque_r,
+        torque_sum=Bounded(total, total * relative[0], total * relative[1]),
+        log_ratio=ratio.at(at),
+        delay=a[:, Answer._fields.index("delay")][at],
+        reason=a[:, Answer._fields.index("reason")][at].astype(np.int64),
+    )
+
+
+def level_of(level: Bounded) -> Bounded:
+    """The level itself from its logarithm."""
+    return Bounded(np.exp(level.value), np.exp(level.lower), np.exp(level.upper))
+
+
+def _pads(car: Vehicle, level: Bounded, ratio: Bounded) -> tuple[Bounded, Bounded]:
+    """Front and rear pads over those of the file [1] from ln of level and ratio.
+
+    Level and ratio err on their own: their distances to the bounds add up as squares.
+    """
+    one = np.ones(())
+    B_f, B_r = brake_forces(car, one, one)
+    share = B_f / (B_f + B_r)
+
+    def more(x: Array) -> tuple[Array, Array]:
+        whole = np.log(share * np.exp(x) + 1.0 - share)
+        return x - whole, -whole
+
+    (front, rear), (front_low, rear_high), (front_high, rear_low) = (
+        more(x) for x in (ratio.value, ratio.lower, ratio.upper)
+    )
+    below, above = level.value - level.lower, level.upper - level.value
+    out = []
+    for middle, low, high in ((front, front_low, front_high), (rear, rear_low, rear_high)):
+        value = level.value + middle
+        out.append(
+            level_of(
+                Bounded(
+                    value,
+                    value - np.hypot(below, middle - low),
+                    value + np.hypot(above, high - middle),
+                )
+            )
+        )
+    return out[0], out[1]

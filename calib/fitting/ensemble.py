@@ -1,0 +1,122 @@
+"""Draws of what a car may be: tyres, pads, loads, radii; and what they make of forces.
+
+Quasi-static loads, rising branch of the tyre: not true while the body pitches or a wheel locks.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from calib.base.arrays import Array, Index, Mask
+from calib.base.plain import rows
+from calib.car.balance import brake_forces
+from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
+from calib.car.vehicle import Vehicle
+
+PRIORS = {
+    row["name"]: (float(row["mean"]), float(row["sigma"]))
+    for row in rows("priors.csv", "calib.fitting")
+}
+"""Mean and sigma of each prior by name; the file has their sources."""
+
+_LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Draws of a car, equally likely. All [1] (n,), but ``forms`` (n, 5).
+
+    ``forms`` weights of `calib.car.tyre_forms`; ``load_exponent`` by which the compliance grows
+    with the load, ``peak_load_exponent`` by which the peak falls; ``peak`` at half the weight;
+    ``log_pad_ratio`` front over rear, over that of the vehicle file; ``cg_to_front_axle``,
+    ``cg_height`` over those of the file; ``compliance_f``, ``compliance_r`` slip per normalised
+    force at small slip and half the weight; ``radius_load`` share by which a rolling radius falls
+    when the load of its axle doubles.
+    """
+
+    forms: Array
+    load_exponent: Array
+    peak_load_exponent: Array
+    peak: Array
+    log_pad_ratio: Array
+    cg_to_front_axle: Array
+    cg_height: Array
+    compliance_f: Array
+    compliance_r: Array
+    radius_load: Array
+
+    @property
+    def size(self) -> int:
+        """Number of draws."""
+        return int(self.peak.size)
+
+    def take(self, which: Index | Mask) -> "Ensemble":
+        """These draws alone."""
+        return Ensemble(*(getattr(self, f.name)[which] for f in fields(self)))
+
+
+@dataclass(frozen=True)
+class UnitSlips:
+    """What draws make of forces, (n, k) [1].
+
+    ``front``, ``rear`` slips per compliance; ``grown_f``, ``grown_r`` relative growth of the loads,
+    which moves the radii; ``share`` of the front load; ``rolls`` where both axles are below their
+    peaks and on the road.
+    """
+
+    front: Array
+    rear: Array
+    grown_f: Array
+    grown_r: Array
+    share: Array
+    rolls: Mask
+
+
+def unit_slips(
+    car: Vehicle, e: Ensemble, z: Array, front: Array, rear: Array, peak: Array | float = 1.0
+) -> UnitSlips:
+    """Slips per compliance of every draw at the deceleration ``z`` (k,) [1], (6), (7), (15), (16).
+
+    ``front``, ``rear`` tyre forces of the axles over the weight (n, k); ``peak`` of the road over
+    that of the ramp (n,).
+    """
+    L = car.wheelbase
+    l_f = (e.cg_to_front_axle * car.cg_to_front_axle)[:, None]
+    moved = (e.cg_height * car.cg_height)[:, None] * z
+    loads = ((L - l_f + moved) / L, (l_f - moved) / L)  # (6), (7)
+    top = (e.peak * peak)[:, None]
+    slips, rolls = [], np.ones(loads[0].shape, dtype=bool)
+    for force, load in zip((front, rear), loads, strict=True):
+        on_road = np.maximum(load, _LEAST_LOAD)
+        relative = np.log(2.0 * on_road)
+        most = top * np.exp(-e.peak_load_exponent[:, None] * relative)
+        use = force / on_road / most
+        rolls &= (use < NEAR_PEAK) & (load > _LEAST_LOAD)
+        x = np.einsum("nkf,nf->nk", inverse_forms(use), e.forms)
+        slips.append(most * x * np.exp(e.load_exponent[:, None] * relative))
+    grown = (loads[0] * L / (L - l_f) - 1.0, loads[1] * L / l_f - 1.0)
+    return UnitSlips(*slips, *grown, share=loads[0], rolls=rolls)
+
+
+def brake_share(car: Vehicle, log_ratio: Array, log_odds: Array | float = 0.0) -> Array:
+    """Share of the front axle in the brake force [1].
+
+    ``log_ratio`` of the pads over that of the vehicle file; ``log_odds`` ln of the pressure of the
+    front axle over that of the rear one.
+    """
+    one = np.ones(())
+    B_f, B_r = brake_forces(car, one, one)
+    return np.asarray(1.0 / (1.0 + B_r / B_f * np.exp(-log_ratio - log_odds)))
+
+
+def spread_evenly(count: int, dimension: int) -> Array:
+    """Points (count, dimension) in the open unit cube, more evenly than random ones.
+
+    Additive recurrence with the powers of the root of x^(d+1) = x + 1 (Roberts 2018).
+    """
+    root = 2.0
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (dimension + 1))
+    steps = root ** -np.arange(1.0, dimension + 1)
+    points = (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0
+    return np.clip(points, 1e-9, 1.0 - 1e-9)

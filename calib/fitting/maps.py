@@ -1,0 +1,104 @@
+r"""The maps of a table: what the pads' ratio is, given what an ECU sees.
+
+Every scenario of `calib.fitting.stops` says what the sensors would see at a deceleration. In a cell
+of the map those count that would see about the cell, by the noise that a reading has at least and
+by what a tyre departs from its form; their ratio of the pads gives median and bounds of the cell.
+All that the ramps left open, and all that a stop may bring, is inside: a posterior with two peaks,
+a softer road or weak rear pads, has bounds that hold both.
+"""
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import PRIORS, Ensemble
+from calib.fitting.stops import scenarios, seen
+from calib.table.maps import LevelMap, PadMap
+
+Z = np.array([0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.6, 0.85])
+"""Demanded brake forces over the weight [1]."""
+
+SHIFT = 0.004 * np.sinh(np.linspace(-1.0, 4.6, 19))
+"""(eta - 1)/z [1]: wet tile has 0.06 to 0.12."""
+
+SLIP = np.array([-1.5, -0.5, 0.5, 1.5])
+"""ln(slip/z) from its mean in a place, in standard deviations."""
+
+QUANTILES = (0.025, 0.5, 0.975)
+
+_FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
+_PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is wide
+_NEAR = 0.4  # standard deviation about a place along the slip, in those of the slip
+_EMPTY = 1.0  # scenarios that any cell has of the prior: one that nobody sees has nothing else
+_GROUPS = 256  # of scenarios alike in what is asked, in which the weights are added up
+
+
+class _Sorted:
+    """Weighted quantiles of ``values`` (n,)."""
+
+    def __init__(self, values: Array) -> None:
+        count = values.size // _GROUPS * _GROUPS
+        self.order = np.argsort(values)[:count]
+        self.first = np.arange(0, count, count // _GROUPS)
+        inner = values[self.order]
+        self.edges = np.append(inner[self.first], inner[-1])
+
+    def quantiles(self, weights: Array) -> Array:
+        """Of `QUANTILES` with ``weights`` (n, c), linear within a group, shape (c, 3)."""
+        below = np.cumsum(np.add.reduceat(weights[self.order], self.first, axis=0), axis=0)
+        below = np.concatenate([np.zeros_like(below[:1]), below / below[-1]])
+        return np.stack([np.interp(QUANTILES, column, self.edges) for column in below.T])
+
+
+def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
+    """The maps of an ensemble: of the pads' ratio, and of what is known before eta is read."""
+    s = scenarios(car, e)
+    asked = {"ratio": _Sorted(s.log_pad_ratio), "change": _Sorted(s.change)}
+    rows: list[dict[str, Array]] = []
+    before: list[dict[str, Array]] = []
+    for z in Z:
+        at = seen(car, s, float(z))
+        rolls = at.rolls[:, None].astype(float)
+        one = _bounded("level", np.quantile(at.level, QUANTILES))
+        for name, of in asked.items():
+            one |= _bounded(name, of.quantiles(rolls)[0])
+        form = PRIORS["form_error_eta"][0] * at.shift
+        error = np.sqrt(form**2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
+        near = np.exp(-0.5 * ((at.shift[:, None] - SHIFT * z) / error) ** 2) / error * rolls
+        near += _EMPTY * float(np.max(near)) / near.shape[0] * rolls
+        log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
+        mean, sigma = _moments(near, log_slip)
+        apart = (log_slip[:, None] - mean) / sigma
+        both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - SLIP) / _NEAR) ** 2)
+        both += _EMPTY * float(np.max(near)) / near.shape[0] * rolls[..., None]
+        row = {"log_slip": _along(mean), "log_slip_sigma": _along(sigma)}
+        for name, of in asked.items():
+            found = of.quantiles(both.reshape(log_slip.size, -1))
+            row |= _bounded(name, found.reshape(SHIFT.size, SLIP.size, 3))
+        width = (row["ratio_upper"] - row["ratio_lower"]) / (
+            one["ratio_upper"] - one["ratio_lower"]
+        )
+        row["prior"] = np.minimum(width, 1.0)
+        rows.append(row)
+        before.append(one)
+    return (
+        PadMap.of(
+            (Z, SHIFT, SLIP), **{name: np.stack([row[name] for row in rows]) for name in rows[0]}
+        ),
+        LevelMap.of((Z,), **{name: np.array([row[name] for row in before]) for name in before[0]}),
+    )
+
+
+def _along(x: Array) -> Array:
+    return np.repeat(x[:, None], SLIP.size, axis=1)
+
+
+def _moments(weight: Array, x: Array) -> tuple[Array, Array]:
+    """Mean and standard deviation of ``x`` (n,) with weights (n, c), (c,) each."""
+    total = weight.sum(axis=0)
+    mean = x @ weight / total
+    return mean, np.sqrt(np.maximum(x**2 @ weight / total - mean**2, 0.02**2))
+
+
+def _bounded(name: str, x: Array) -> dict[str, Array]:
+    return {f"{name}_lower": x[..., 0], name: x[..., 1], f"{name}_upper": x[..., 2]}

@@ -1,0 +1,124 @@
+"""What a stop may bring, drawn onto an ensemble: one list, `stops.csv`.
+
+The rows of one name are cases that exclude each other, with their shares.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.plain import rows
+from calib.car.mass import WEIGHED
+from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import Ensemble, brake_share, spread_evenly, unit_slips
+
+_LIST = rows("stops.csv", "calib.fitting")
+SCENARIOS = 16384
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """Stops, equally likely, (n,): the car ``of`` each, and what the stop brings.
+
+    ``change`` of ln of the pads' ratio since the ramp; ``peak`` of the road over that of the ramp;
+    ``stiff_f``, ``stiff_r`` ln of the tyres' stiffness over that of the ramp; ``scale`` of a_x and
+    pitch, ``offset`` of a_x since the lead-in; ``mass`` ln of the mass over that of the file.
+    """
+
+    of: Ensemble
+    change: Array
+    peak: Array
+    stiff_f: Array
+    stiff_r: Array
+    scale: Array
+    offset: Array
+    mass: Array
+
+    @property
+    def log_pad_ratio(self) -> Array:
+        """ln of the pads' ratio in the stop, over that of the vehicle file."""
+        return self.of.log_pad_ratio + self.change
+
+
+def _drawn(name: str, u: Array, x: Array) -> tuple[Array, Array]:
+    """Draws of a name from uniform ``u`` and normal ``x``, and the number of the case of each."""
+    cases = [row for row in _LIST if row["name"] == name]
+    ends = np.cumsum([float(row["share"]) for row in cases])
+    case = np.minimum(np.searchsorted(ends, u * ends[-1]), len(cases) - 1)
+    mean, sigma = (np.array([float(row[of]) for row in cases]) for of in ("mean", "sigma"))
+    return mean[case] + sigma[case] * x, case
+
+
+def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
+    """``count`` stops of the cars of an ensemble, by a fixed sequence.
+
+    Where the file says that the car is weighed, nobody has left a load unstated.
+    """
+    from scipy.special import ndtri
+
+    u = spread_evenly(count, 11)
+    x = ndtri(u)
+    of = e.take(np.arange(count) % e.size)
+    change, _ = _drawn("log_pad_ratio", u[:, 0], x[:, 1])
+    log_peak, road = _drawn("log_peak", u[:, 2], x[:, 3])
+    stiff, _ = _drawn("log_stiffness", u[:, 2], x[:, 4])
+    other = road > 0
+    # another road has a peak of its own, whatever that of the ramp
+    log_peak = np.where(other, log_peak - np.log(of.peak), log_peak)
+    stiff = np.where(other, stiff + 0.25 * (log_peak + np.log(of.peak / 0.9)), stiff)
+    axle_f, axle_r = (_drawn("log_tyre", u[:, 0], x[:, k])[0] for k in (5, 6))
+    load, case = _drawn("log_mass", u[:, 7], x[:, 8])
+    known = car.mass_tolerance
+    return Scenarios(
+        of=of,
+        change=change,
+        peak=np.exp(log_peak),
+        stiff_f=stiff + axle_f,
+        stiff_r=stiff + axle_r,
+        scale=_drawn("a_x_scale", u[:, 7], x[:, 9])[0],
+        offset=_drawn("a_x_offset", u[:, 8], x[:, 10])[0],
+        mass=np.where((case == 0) | (known <= WEIGHED), known * x[:, 8], load),
+    )
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What the sensors see of the scenarios at one deceleration, (n,) [1].
+
+    ``shift`` eta - 1, ``slip`` the mean slip weighted by load, both over the lead-in; ``level`` ln
+    of the brake force over the one that the zeroed deceleration and the mass of the file give;
+    ``rolls`` below the peaks of the tyres.
+    """
+
+    shift: Array
+    slip: Array
+    level: Array
+    rolls: Array
+
+
+def seen(car: Vehicle, s: Scenarios, z: float) -> Seen:
+    """What is seen where the zeroed deceleration demands the brake force ``z`` [1] over the weight.
+
+    By (22), (19), (20). The tyres carry it less what the wheels' inertia takes.
+    """
+    brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
+    rolling = [2.0 * axle.wheel_mass / car.mass for axle in (car.front, car.rear)]
+    true = brake[:, 0] / (1.0 + sum(rolling))
+    share = brake_share(car, s.log_pad_ratio)[:, None]
+    force_f, force_r = (
+        part * brake - inert * true[:, None]
+        for part, inert in zip((share, 1.0 - share), rolling, strict=True)
+    )
+    unit = unit_slips(car, s.of, true[:, None], force_f, force_r, s.peak)
+    slip_f = s.of.compliance_f * np.exp(-s.stiff_f) * unit.front[:, 0]
+    slip_r = s.of.compliance_r * np.exp(-s.stiff_r) * unit.rear[:, 0]
+    grown_f, grown_r, part = unit.grown_f[:, 0], unit.grown_r[:, 0], unit.share[:, 0]
+    fall = s.of.radius_load
+    front, rear = (1.0 - slip_f) * np.exp(fall * grown_f), (1.0 - slip_r) * np.exp(fall * grown_r)
+    return Seen(
+        shift=rear / front - 1.0,  # (22)
+        slip=1.0 - part * front - (1.0 - part) * rear,
+        level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
+        rolls=unit.rolls[:, 0] & (np.maximum(slip_f, slip_r) < 0.3),
+    )

@@ -1,0 +1,189 @@
+"""What a roller brake tester says of the pads: the brake force of each axle at some pressures.
+
+    F |        .x     F = k (F_n(p) - F_0)    F_n by the vehicle file, (2), (3): 2 mu C p/R
+      |      x'       k    pads over those of the file
+      |   .x          F_0  springs and seals, less the rolling resistance on the rollers
+      +--+------ F_n
+
+A ramp cannot tell pads that differ between the axles from tyres that do. The rollers measure each
+axle alone, so their ratio is known without any tyre.
+
+It is that of the day on the rollers: cold pads at walking speed. On the road they rub otherwise, on
+both axles much alike; what is unlike of that is in no sigma here. A rolling radius that is wrong by
+the same share at both axles leaves the ratio alone and moves the level.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.errors import BenchError
+from calib.base.intervals import Z95
+from calib.base.names import AXLE_NAMES
+from calib.base.random_effects import quantile95
+from calib.car.brakes import brakes_of
+from calib.car.history import constant_speed
+from calib.car.keys import KEYS
+from calib.car.model import default_model
+from calib.car.vehicle import Vehicle
+from calib.table.table import Value
+
+_SPEED = 1.4
+"""Speed of the rollers [m/s]: 5 km/h."""
+
+_HELD = 60.0
+"""Time [s] between two rows: brakes that are late have followed."""
+
+_COMMON = 0.5
+"""Share of the variance of the machine that is its scale, the same for both axles, which stand on
+the same rollers. The rest is an axle's own: how the machine bends from small to large forces, how
+the wheels stand. No rule parts the two: half and half."""
+
+_NO_LINE = 0.1
+"""Sigma of a slope over the slope above which its rows are on no line: pads of one grade are known
+as well as that without rollers."""
+
+_LEAST_SPREAD = 1e-6
+"""Spread of nominal forces [N] below which they do not rise."""
+
+_PADS = next(key for key in KEYS if key.path == "front.pad_friction")
+
+
+@dataclass(frozen=True)
+class AxleOnRollers:
+    """The rows of one axle: ``pressure`` p_mc [Pa], ``force`` of both its wheels [N], (n,) each."""
+
+    pressure: tuple[float, ...]
+    force: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class RollerBench:
+    """A run on a roller brake tester.
+
+    ``name`` of the file, ``source`` its path, ``digest`` SHA-256 of its bytes; ``tolerance`` one
+    standard deviation of the relative error of an axle's force [1].
+
+    >>> import calib
+    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
+    >>> per_bar = [2 * a.pad_friction * a.torque_gain / a.rolling_radius
+    ...            for a in (car.front, car.rear)]  # [m^2]
+    >>> p = (10e5, 20e5, 30e5)
+    >>> stronger = AxleOnRollers(p, tuple(1.1 * per_bar[0] * (x - 0.4e5) for x in p))
+    >>> as_filed = AxleOnRollers(p, tuple(per_bar[1] * (x - 0.6e5) for x in p))
+    >>> ratio = RollerBench("bench", "", "", 0.01, stronger, as_filed).log_pad_ratio(car)
+    >>> round(float(np.exp(ratio.value)), 3), round(ratio.sigma, 3)
+    (1.1, 0.01)
+    """
+
+    name: str
+    source: str
+    digest: str
+    tolerance: float
+    front: AxleOnRollers
+    rear: AxleOnRollers
+
+    def log_pad_ratio(self, vehicle: Vehicle) -> Value:
+        """ln of (mu_f/mu_r) over its value in the vehicle file [1].
+
+        Sigma from the scatter of the rows and what of the tolerance is each axle's own.
+
+        Raises BenchError, as `log_pad_level`, for rows on no line that rises and for pads that no
+        car has; ModelError for an effect of the vehicle that cannot be used.
+        """
+        front, rear = self._log_pads(vehicle)
+        own = 2.0 * (1.0 - _COMMON) * self.tolerance**2
+        return Value(front.value - rear.value, float(np.sqrt(front.sigma**2 + rear.sigma**2 + own)))
+
+    def log_pad_level(self, vehicle: Vehicle) -> Value:
+        """ln of the geometric mean of both axles' pads over that of the vehicle file [1]."""
+        front, rear = self._log_pads(vehicle)
+        machine = 0.5 * (1.0 + _COMMON) * self.tolerance**2
+        scatter = 0.25 * (front.sigma**2 + rear.sigma**2)
+        return Value(0.5 * (front.value + rear.value), float(np.sqrt(scatter + machine)))
+
+    def _log_pads(self, vehicle: Vehicle) -> tuple[Value, Value]:
+        """ln of each axle's pads over those of the file [1]; sigma from the rows alone.
+
+        The scatter over the force is that of both axles together: of three rows alone nobody knows
+        it. Student's t says how well it is known.
+        """
+        lines = [self._line(vehicle, axle) for axle in "fr"]
+        freedom = sum(line.freedom for line in lines)
+        scatter = float(np.sqrt(sum(line.squares for line in lines) / freedom))
+        wide = scatter * quantile95(freedom) / Z95
+        front, rear = (
+            Value(float(np.log(line.slope)), wide * line.lever / line.slope) for line in lines
+        )
+        return front, rear
+
+    def _line(self, vehicle: Vehicle, axle: str) -> "_Line":
+        name = AXLE_NAMES[axle]
+        rows, pads = (getattr(of, name) for of in (self, vehicle))
+        pressure, force = np.array(sorted(zip(rows.pressure, rows.force, strict=True))).T
+        line = _line_of(_nominal(vehicle, axle, pressure, self.source), force)
+        slope, sigma = line.slope, line.sigma
+        if slope <= 0.0 or sigma > _NO_LINE * slope:
+            raise BenchError(
+                f"the brake force of the {name} axle does not rise in a line with the "
+                f"pressure: its slope is {slope:.2f} +- {sigma:.2f} of that of the vehicle file",
+                where=self.source,
+                expected=f"rows on a line, whose slope is known to {100 * _NO_LINE:g} %",
+                do="leave out rows where the wheels slip on the rollers; measure more pressures",
+            )
+        friction = slope * pads.pad_friction
+        if not _PADS.least <= friction <= _PADS.most:
+            raise BenchError(
+                f"the brake force of the {name} axle asks for a pad friction of {friction:.3g}",
+                where=self.source,
+                expected=f"{_PADS.least:g} to {_PADS.most:g}",
+                do="check the units, whether the force is that of both wheels, and piston_area, "
+                "effective_radius and friction_faces of the vehicle file",
+            )
+        return line
+
+
+def _nominal(vehicle: Vehicle, axle: str, pressure: Array, source: str) -> Array:
+    """Brake force of an axle [N] (n,) by the vehicle file at ``pressure`` [Pa] (n,), increasing.
+
+    With the known effects on pressure and pads: a valve, a threshold.
+    """
+    time = _HELD * np.arange(pressure.size, dtype=np.float64)
+    run = constant_speed(time, pressure, _SPEED, source=source)
+    brakes = brakes_of(default_model(vehicle), run, {})
+    torques = brakes.torques(run)
+    both = sum((torques[brakes.twin(f"{axle}{side}")] for side in "lr"), np.zeros_like(pressure))
+    return np.asarray(both / brakes.axle(f"{axle}l").rolling_radius)
+
+
+class _Line(NamedTuple):
+    """A line through the rows of an axle.
+
+    ``slope`` of force over nominal force [1]; ``squares`` sum of those of what the rows are off,
+    over their mean force [1]; ``freedom`` rows less two; ``lever`` by how much the slope is off
+    for a scatter of 1 [1].
+    """
+
+    slope: float
+    squares: float
+    freedom: int
+    lever: float
+
+    @property
+    def sigma(self) -> float:
+        """Sigma of the slope [1] by these rows alone."""
+        return self.lever * float(np.sqrt(self.squares / self.freedom))
+
+
+def _line_of(x: Array, y: Array) -> _Line:
+    """The line of forces y (n,) [N] over nominal ones x (n,) [N] by least squares.
+
+    Its slope is 0 where x does not rise, as behind a valve that shuts.
+    """
+    from_mean, mean = x - x.mean(), float(y.mean())
+    spread = max(float(np.linalg.norm(from_mean)), _LEAST_SPREAD)
+    slope = float(from_mean @ y) / spread**2
+    left = (y - mean - slope * from_mean) / mean
+    return _Line(slope, float(left @ left), y.size - 2, mean / spread)

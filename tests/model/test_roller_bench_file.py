@@ -1,0 +1,73 @@
+"""The file of a roller brake tester: what it says in SI, and every slip it must not let through."""
+
+import hashlib
+
+import pytest
+
+from calib.base.errors import BenchError
+from calib.model.roller_bench_file import TOLERANCE, read_roller_bench
+from tests.support.refusals import refusal
+
+TEXT = """schema = 1
+tolerance = "1.5 %"
+[front]
+p_mc = ["10 bar", "20 bar", "3 MPa"]
+brake_force = ["1.75 kN", "353 daN", "5310 N"]
+[rear]
+p_mc = ["10 bar", "20 bar", "30 bar"]
+brake_force_left = ["310 N", "640 N", "972 N"]
+brake_force_right = ["312 N", "644 N", "970 N"]
+"""
+
+
+def write(tmp_path, *changes):
+    text = TEXT
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = tmp_path / "rollers.toml"
+    path.write_text(text)
+    return path
+
+
+def test_units_and_wheels_come_to_forces_of_axles(tmp_path):
+    path = write(tmp_path)
+    bench = read_roller_bench(path)
+    assert (bench.name, bench.source, bench.tolerance) == ("rollers", str(path), 0.015)
+    assert bench.digest == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert bench.front.pressure == pytest.approx((10e5, 20e5, 30e5))
+    assert bench.front.force == pytest.approx((1750.0, 3530.0, 5310.0))
+    assert bench.rear.force == pytest.approx((622.0, 1284.0, 1942.0))
+
+
+def test_the_tolerance_may_be_left_out(tmp_path):
+    assert read_roller_bench(write(tmp_path, ('tolerance = "1.5 %"', ""))).tolerance == TOLERANCE
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ('"20 bar"', '"20"', "front.p_mc[1]"),  # no unit
+        ('"20 bar"', "20", "front.p_mc[1]"),
+        ('"1.75 kN"', '"1.75 kp"', "front.brake_force[0]"),  # unknown
+        ('"1.75 kN"', '"1.75 kg"', "front.brake_force[0]"),  # of another quantity
+        ('"1.75 kN"', '"-1.75 kN"', "front.brake_force[0]"),
+        ('"1.75 kN"', '"0 N"', "front.brake_force[0]"),
+        ('"10 bar"', '"1 bar"', "front"),  # below the bite
+        ('"10 bar"', '"20 bar"', "front"),  # two pressures
+        (', "5310 N"', "", "front"),  # a force too few
+        ('brake_force_right = ["312 N", "644 N", "970 N"]', "", "rear"),  # one wheel
+        ("brake_force_left", "brake_force", "rear"),
+        (TEXT[TEXT.index("[rear]") :], "", "'rear'"),  # one axle
+        ("[rear]", "[axle_2]", "axle_2"),
+        ("schema = 1", "schema = 2", "schema"),
+        ('"1.5 %"', '"150 %"', "tolerance"),
+    ],
+)
+def test_slips_are_named(tmp_path, old, new, where):
+    path = write(tmp_path, (old, new))
+    assert where in refusal(read_roller_bench, path, kind=BenchError, names=path)
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    refusal(read_roller_bench, tmp_path / "none.toml", kind=BenchError, names="none.toml")
