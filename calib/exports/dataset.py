@@ -370,9 +370,9 @@ def build(
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
-    ``most_axes`` of a map that the format can hold: maps of more are left out. Raises ExchangeError
-    for more points than rows, a width that C does not have, and a rounded axis that does not
-    increase.
+    ``most_axes`` of a map that the format can hold: one of more is written in slices. Raises
+    ExchangeError for more points than rows, a width that C does not have, and a rounded axis that
+    does not increase.
     """
     table, first, how = stored.table, prefix(stored.name), Precision(points, bits, single)
     p, d, g = table.paper, table.difference, table.tyre
@@ -432,49 +432,92 @@ def _curve(
     return Curve(label(first, name), meaning, UNIT, *how.numbers(values), axis, *others)
 
 
-_LABELS = {"map": ("", ""), "speed_map": ("v_", ""), "level_map": ("", "_level")}
-"""What stands before the names of a map in its labels, and behind those of its axes."""
-
 _AXES = {
-    "z": "z, deceleration over g, zeroed while rolling unbraked",
+    "z": "z, brake force that the deceleration demands over M g, zeroed while rolling",
     "shift": "(eta - 1)/z",
-    "slip_ratio": "(eta - 1)/slip",
-    "log_slip": "ln(slip/z)",
+    "slip": "ln(slip/z) less log_slip, over log_slip_sigma",
 }
 _COLUMNS = {
     "ratio": "ln of the pads' ratio, front over rear, over that of mu_n_f and mu_n_r",
     "change": "ln of the pads' ratio over that of the ramp",
     "level": "ln of the brake force over that which z demands",
+    "log_slip": "mean of ln(slip/z)",
+    "log_slip_sigma": "standard deviation of ln(slip/z)",
     "prior": "share of the ratio that is prior",
 }
 _BOUNDS = ("_lower", "_upper")
+
+_FLAT = {"log_slip", "log_slip_sigma"}
+"""Columns that are the same along the last axis, and are written without it."""
+
+
+def _name(part: str, name: str) -> str:
+    """An axis or a column of a map in its label.
+
+    >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
+    ('slip_apart', 'z_level', 'ratio_0_lower')
+    """
+    if part == "level_map":
+        of, _, end = name.partition("_")
+        return {"z": "z_level", "level": name}.get(of, f"{of}_0_{end}".rstrip("_"))
+    return "slip_apart" if name == "slip" else name
 
 
 def _maps(
     table: Table, first: str, how: Precision, most_axes: int
 ) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
-    """Axes and columns of each map that a format can hold."""
-    for part, kind in MAPS.items():
-        held, (before, behind) = getattr(table, part), _LABELS[part]
-        if held is None or len(kind.AXES) > most_axes:
+    """Axes and columns of each map; those with more axes than a format holds in slices."""
+    for part in MAPS:
+        if (held := getattr(table, part)) is None:
             continue
         made = written_map(held, how, label(first, part))
         axes = tuple(
             Axis(
-                label(first, f"{before}{name}{behind}"), _AXES[name], UNIT, *written,
+                label(first, _name(part, name)), _AXES[name], UNIT, *written,
                 shared=True, origin=0.0, rows=rows, misfit=made.misfit[name],
             )
             for (name, written), rows in zip(made.axes.items(), held.shape, strict=True)
         )  # fmt: skip
-        yield axes, [_grid(label(first, before + name), name, axes, made) for name in made.columns]
+        whole = [_grid(label(first, _name(part, x)), x, axes, made) for x in made.columns]
+        slices = [_slices(one) if len(one.axes) > most_axes else [one] for one in whole]
+        yield axes, [one for some in slices for one in some]
 
 
 def _grid(name: str, column: str, axes: tuple[Axis, ...], made: WrittenMap) -> Grid:
-    of, _, end = column.partition("_")
-    meaning = f"{end} 95 % bound of {_COLUMNS[of]}" if end else _COLUMNS[of]
+    end = next((end for end in _BOUNDS if column.endswith(end)), "")
+    of = _COLUMNS[column.removesuffix(end)]
+    meaning = f"{end[1:]} 95 % bound of {of}" if end else of
     ends = [made.columns[column + e].values for e in _BOUNDS if column + e in made.columns]
     bounds = (ends[0], ends[1]) if ends else None
-    return _GRIDS[len(axes)](name, meaning, UNIT, *made.columns[column], axes, column, bounds)
+    whole = _GRIDS[len(axes)](name, meaning, UNIT, *made.columns[column], axes, column, bounds)
+    return _cut(whole, 0) if column in _FLAT else whole
+
+
+def _cut(one: Grid, at: int) -> Grid:
+    """A map at one value of its last axis, without that axis."""
+    step = one.shape[-1]
+    fixed, bounds = one.fixed, one.bounds
+    return _GRIDS[len(one.axes) - 1](
+        one.label,
+        one.meaning,
+        one.unit,
+        one.values[at::step],
+        fixed and replace(fixed, raw=fixed.raw[at::step]),
+        one.axes[:-1],
+        one.column,
+        bounds and (bounds[0][at::step], bounds[1][at::step]),
+    )
+
+
+def _slices(one: Grid) -> list[Grid]:
+    """A map at each value of its last axis: NAME_s1 at the first, and so on."""
+    return [
+        replace(
+            _cut(one, i), label=label(one.label, f"s{i + 1}"),
+            meaning=f"{one.meaning}, at {one.axis.label} {x!r}",
+        )
+        for i, x in enumerate(one.axis.numbers)
+    ]  # fmt: skip
 
 
 _LEAST_BITS = 16

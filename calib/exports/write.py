@@ -10,8 +10,8 @@
     a2l       ASAM MCD-2 MC 1.7.1: what the objects of the C header are, where, and how to read
               them; without values and interface, to be merged into the A2L of the ECU
 
-The map with a speed has three axes and needs a sensor that an ECU does not have: it is in JSON,
-CSV, Parquet and CDF alone.
+A map of three axes is a CUBOID; DCM and INCA know two, and have one map for each value of the
+third.
 
 Every number is written so that it reads back to the last bit.
 """
@@ -282,14 +282,19 @@ def _display_format(one: Object) -> str:
 class _Constant:
     """A constant of the C header, as it is declared; ``array`` if it has several values.
 
-    ``width`` of the rows of an array of two dimensions.
+    ``shape`` of an array of several dimensions.
     """
 
     declared: str
     values: list[str]
     remarks: tuple[str, ...] = ()
     array: bool = False
-    width: int | None = None
+    shape: tuple[int, ...] = ()
+
+    @property
+    def nested(self) -> Any:
+        """The values, nested as the array is."""
+        return np.array(self.values, dtype=object).reshape(self.shape).tolist()
 
 
 def _constants(data: Dataset) -> Iterator[_Constant]:
@@ -300,7 +305,8 @@ def _constants(data: Dataset) -> Iterator[_Constant]:
         yield _Constant(declared, [f'"{escaped}"'], (name,))
     floating, behind = ("float", "F") if data.single else ("double", "")
     for one in data.objects:
-        says, size, width = f"{one.meaning} [{one.unit}]", "", None
+        says, size = f"{one.meaning} [{one.unit}]", ""
+        shape: tuple[int, ...] = ()
         if isinstance(one, Axis):
             says, size = f"{says}, strictly increasing", f"[{one.label.upper()}_SIZE]"
         elif isinstance(one, Curve):
@@ -311,17 +317,17 @@ def _constants(data: Dataset) -> Iterator[_Constant]:
         elif isinstance(one, Grid):
             says += f" over {' and '.join(axis.label for axis in one.axes)}, clamped at their ends"
             size = "".join(f"[{axis.label.upper()}_SIZE]" for axis in one.axes)
-            width = len(one.axis.values) if len(one.axes) > 1 else None
+            shape = one.shape if len(one.axes) > 1 else ()
         fixed, name = one.fixed, one.label + size
         if fixed is None:
             numbers = one.values.astype(np.float32 if data.single else np.float64)
             values = [f"{x!s}{behind}" for x in numbers]
-            yield _Constant(f"{floating} {name}", values, (says,), bool(size), width)
+            yield _Constant(f"{floating} {name}", values, (says,), bool(size), shape)
             continue
         how = f"origin {fixed.origin!r}, step 2^{-fixed.shift}"
         how += f", rounding error at most {fixed.error:.3g}"
         raw = [f"{v}{'L' * (fixed.bits == 32)}" for v in fixed.raw.tolist()]
-        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), bool(size), width)
+        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), bool(size), shape)
         for part, value in (("origin", fixed.origin), ("step", fixed.step)):
             yield _Constant(f"double {label(one.label, part)}", [repr(value)])
 
@@ -353,19 +359,17 @@ class _Format:
     write: Callable[[Dataset], bytes]
     fixed: bool = False
     addressed: bool = False
-    most_axes: int = 2
+    most_axes: int = MOST_AXES
 
 
 FORMATS = {
-    "json": _Format("json", _write_json, most_axes=MOST_AXES),
-    "csv": _Format("csv", _write_csv, most_axes=MOST_AXES),
-    "parquet": _Format("parquet", _write_parquet, most_axes=MOST_AXES),
-    "dcm": _Format("dcm", partial(_filled, "dcm", _quoted)),
-    "cdfx": _Format(
-        "cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x))), most_axes=MOST_AXES
-    ),
+    "json": _Format("json", _write_json),
+    "csv": _Format("csv", _write_csv),
+    "parquet": _Format("parquet", _write_parquet),
+    "dcm": _Format("dcm", partial(_filled, "dcm", _quoted), most_axes=2),
+    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x)))),
     "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
     "c-header": _Format("h", partial(_filled, "h", _ascii), fixed=True),
-    "inca-csv": _Format("inca.csv", _write_inca_csv),
+    "inca-csv": _Format("inca.csv", _write_inca_csv, most_axes=2),
 }
 """A new one is a template and a line here."""

@@ -102,12 +102,12 @@ def written_map(held: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(held: Map, i: int, points: int | None) -> Index:
-    """Values of axis ``i`` to keep, by all slices of the medians and bounds along it."""
+    """Values of axis ``i`` to keep, by all slices along it of every column but the prior."""
     x = [*held.axes.values()][i]
     if points is None:
         return np.arange(x.size)
-    bounded = [name + end for name in held.bounded for end in ("_lower", "", "_upper")]
-    slices = [np.moveaxis(held.grid(name), i, -1).reshape(-1, x.size) for name in bounded]
+    names = [name for name in held.names if name != "prior"]
+    slices = [np.moveaxis(held.grid(name), i, -1).reshape(-1, x.size) for name in names]
     return place_evenly(x, np.concatenate(slices), max(points, FEWEST))
 
 

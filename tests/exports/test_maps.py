@@ -1,6 +1,6 @@
 """Maps in every format as readers of others see them, and as a compiler and a program have them.
 
-ln of the pads' ratio is A + B_Z z + B_SHIFT shift; the axes have 4 and 5 values in uneven steps.
+ln of the pads' ratio is A + B_Z z + B_SHIFT shift + B_SLIP slip; the axes have 4, 5 and 3 values.
 """
 
 import csv
@@ -32,9 +32,18 @@ from tests.exports.test_c_header import needs_compiler, printed
 from tests.exports.test_formats import TREE
 from tests.support.a2l import cells, decoded, read_a2l
 from tests.support.programs import linked, memory_of, needs_gcc
-from tests.support.tables import B_SHIFT, B_Z, A, made_map, mapped_table
+from tests.support.tables import (
+    B_SHIFT,
+    B_SLIP,
+    B_Z,
+    SHIFT,
+    SLIP,
+    A,
+    Z,
+    made_map,
+    mapped_table,
+)
 
-Z, SHIFT = (0.1, 0.3, 0.45, 0.8), (-0.004, 0.0, 0.003, 0.007, 0.02)
 OFF = {"ratio": 0.0, "ratio_lower": -0.1, "ratio_upper": 0.2, "change": -0.05}
 """What a column is over the ratio."""
 
@@ -45,14 +54,17 @@ def mapped(tmp_path):
 
 
 def truth(column="ratio"):
-    """Values by (z, shift)."""
-    return {(z, x): A + B_Z * z + B_SHIFT * x + OFF[column] for z, x in product(Z, SHIFT)}
+    """Values by (z, shift, slip)."""
+    return {
+        (z, x, s): A + B_Z * z + B_SHIFT * x + B_SLIP * s + OFF[column]
+        for z, x, s in product(Z, SHIFT, SLIP)
+    }
 
 
-def near(found, column="ratio", off=1e-12):
+def near(found, column="ratio"):
     """Whether every cell stands at its place, and no other."""
     true = truth(column)
-    return found.keys() == true.keys() and all(abs(found[at] - true[at]) <= off for at in true)
+    return found.keys() == true.keys() and all(abs(found[at] - true[at]) <= 1e-12 for at in true)
 
 
 def written(stored, form, **how):
@@ -82,11 +94,18 @@ def test_dcmReader_sees_each_map_over_its_two_distributions(mapped, tmp_path):
     )  # fmt: skip
     assert run.stderr == ""
     maps = {name: rest for name, *rest in json.loads(run.stdout)}
-    assert maps.keys() == {f"sedan_{name}" for name in made_map().names}
+    flat = {"sedan_log_slip", "sedan_log_slip_sigma"}
+    thick = {name for name in made_map().names if f"sedan_{name}" not in flat}
+    assert maps.keys() == flat | {f"sedan_{name}_s{i}" for name in thick for i in (1, 2, 3)}
     for column in OFF:
-        *head, rows = maps[f"sedan_{column}"]
-        assert head == ["sedan_shift", "sedan_z", 5, 4, "1"]
-        assert near({(z, x): value for z, x, value in rows}, column)
+        found = {}
+        for i, slip in enumerate(SLIP):
+            *head, rows = maps[f"sedan_{column}_s{i + 1}"]
+            assert head == ["sedan_shift", "sedan_z", 5, 4, "1"]
+            found |= {(z, x, slip): value for z, x, value in rows}
+        assert near(found, column)
+    for z, x, value in maps["sedan_log_slip"][-1]:
+        assert value == pytest.approx(z - 3.0 - x, abs=1e-12)
 
 
 def nested(element):
@@ -101,21 +120,19 @@ def test_lxml_sees_maps_and_a_cuboid_in_a_cdf(mapped):
     axis = "SW-AXIS-CONTS/SW-AXIS-CONT/SW-INSTANCE-REF"
     value = "SW-VALUE-CONT/SW-VALUES-PHYS"
     kinds = {name: one.findtext("CATEGORY") for name, one in found.items()}
-    assert [kinds[f"sedan_{n}"] for n in ("ratio", "v_ratio", "level", "shift", "v_log_slip")] == [
-        "MAP", "CUBOID", "CURVE", "COM_AXIS", "COM_AXIS",
+    names = ("ratio", "log_slip", "level", "shift", "slip_apart")
+    assert [kinds[f"sedan_{n}"] for n in names] == [
+        "CUBOID", "MAP", "CURVE", "COM_AXIS", "COM_AXIS",
     ]  # fmt: skip
-    one = found["sedan_change"]
-    assert [ref.text for ref in one.findall(axis)] == ["sedan_shift", "sedan_z"]
-    rows = nested(one.find(value))  # a group is a row over X, the first axis
-    assert near({(Z[j], SHIFT[i]): rows[j][i] for j in range(4) for i in range(5)}, "change")
-    cube = found["sedan_v_ratio"]
-    refs = [ref.text.removeprefix("sedan_v_") for ref in cube.findall(axis)]
-    assert refs == ["log_slip", "slip_ratio", "z"]
-    x = {ref: [float(v.text) for v in found[f"sedan_v_{ref}"].iter("V")] for ref in refs}
-    held = np.array(nested(cube.find(value)))
-    assert held.shape == (2, 3, 4)
-    true = A + B_Z * np.array(x["z"])[:, None, None] + np.array(x["slip_ratio"])[:, None]
-    np.testing.assert_allclose(held, np.broadcast_to(true, held.shape), atol=1e-12)
+    one, flat = found["sedan_change"], found["sedan_log_slip"]
+    over = ["sedan_slip_apart", "sedan_shift", "sedan_z"]
+    assert [ref.text for ref in one.findall(axis)] == over
+    assert [ref.text for ref in flat.findall(axis)] == over[1:]
+    cells = nested(one.find(value))  # a group is a row over X, the first axis
+    at = product(range(4), range(5), range(3))
+    assert near({(Z[i], SHIFT[j], SLIP[k]): cells[i][j][k] for i, j, k in at}, "change")
+    true = np.array(Z)[:, None] - 3.0 - np.array(SHIFT)
+    np.testing.assert_allclose(nested(flat.find(value)), true, atol=1e-12)
 
 
 def test_json_has_maps_nested_with_their_bounds(mapped):
@@ -123,11 +140,12 @@ def test_json_has_maps_nested_with_their_bounds(mapped):
     maps = {one["label"]: one for one in document["maps"]}
     axes = {one["label"]: one["values"] for one in document["axes"]}
     one = maps["sedan_ratio"]
-    assert [axes[axis] for axis in one["axes"]] == [list(Z), list(SHIFT)]
+    assert [axes[axis] for axis in one["axes"]] == [[*Z], [*SHIFT], [*SLIP]]
     for name, column in (("values", "ratio"), ("lower", "ratio_lower"), ("upper", "ratio_upper")):
-        found = {(Z[j], SHIFT[i]): one[name][j][i] for j in range(4) for i in range(5)}
-        assert near(found, column)
-    assert np.shape(maps["sedan_v_change"]["upper"]) == (2, 3, 4)
+        flat = np.ravel(one[name]).tolist()
+        assert near(dict(zip(product(Z, SHIFT, SLIP), flat, strict=True)), column)
+    assert np.shape(maps["sedan_log_slip"]["values"]) == (4, 5)
+    assert maps["sedan_change_0"]["axes"] == maps["sedan_level"]["axes"] == ["sedan_z_level"]
     assert "lower" not in maps["sedan_prior"]
 
 
@@ -141,12 +159,13 @@ def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped, form):
     else:
         frame = pq.read_table(content, use_threads=False).to_pandas()
     one = frame[frame["label"] == "sedan_ratio"]
-    assert set(one["axis"] + one["axis_2"]) == {"sedan_zsedan_shift"}
+    axes = one["axis"] + one["axis_2"] + one["axis_3"]
+    assert set(axes) == {"sedan_zsedan_shiftsedan_slip_apart"}
     for cell, column in (("value", "ratio"), ("lower", "ratio_lower"), ("upper", "ratio_upper")):
-        places = zip(one["x"], one["x_2"], strict=True)
+        places = zip(one["x"], one["x_2"], one["x_3"], strict=True)
         assert near(dict(zip(places, one[cell], strict=True)), column)
-    cube = frame[frame["label"] == "sedan_v_ratio"]
-    assert (len(cube), cube["x_3"].nunique()) == (24, 4)
+    flat = frame[frame["label"] == "sedan_log_slip"]
+    assert (len(flat), flat["x_3"].notna().sum()) == (20, 0)
     level = frame[frame["label"] == "sedan_level"]
     assert (level["value"] / level["x"]).tolist() == pytest.approx([0.01] * 3)
     assert (level["upper"] - level["lower"]).tolist() == pytest.approx([0.04] * 3)
@@ -154,15 +173,17 @@ def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped, form):
 
 
 def test_inca_has_a_row_for_each_value_of_y(mapped):
-    text = written(mapped, "inca-csv")[1].decode()
-    part = next(p for p in text.split("\r\n\r\n") if p.startswith(";sedan_change\r\n"))
-    _, head, x, y, *rows = csv.reader(part.split("\r\n"), delimiter=";")
-    assert head == ["MAP", "sedan_shift", "sedan_z"]
-    found = {
-        (float(z), float(s)): float(value)
-        for z, row in zip(y[2:], rows, strict=False)
-        for s, value in zip(x[2:], row[2:], strict=True)
-    }
+    parts = written(mapped, "inca-csv")[1].decode().split("\r\n\r\n")
+    found = {}
+    for i, slip in enumerate(SLIP):
+        part = next(p for p in parts if p.startswith(f";sedan_change_s{i + 1}\r\n"))
+        _, head, x, y, *rows = csv.reader(part.split("\r\n"), delimiter=";")
+        assert head == ["MAP", "sedan_shift", "sedan_z"]
+        found |= {
+            (float(z), float(s), slip): float(value)
+            for z, row in zip(y[2:], rows, strict=False)
+            for s, value in zip(x[2:], row[2:], strict=True)
+        }
     assert near(found, "change")
 
 
@@ -174,12 +195,13 @@ def shown(data, label):
     whole = data.bits is not None
     value = "{0}_origin + {0}_step * (double){0}{1}" if whole else "(double){0}{1}"
     texts = [value.format(f"{data.prefix}_{n}", at) for n, at in
-             (("z", "[i]"), ("shift", "[j]"), (label, "[i][j]"))]  # fmt: skip
+             (("z", "[i]"), ("shift", "[j]"), ("slip_apart", "[k]"), (label, "[i][j][k]"))]  # fmt: skip
     first = data.prefix.upper()
     return (
         f"for (unsigned i = 0U; i < {first}_Z_SIZE; i++) "
         f"for (unsigned j = 0U; j < {first}_SHIFT_SIZE; j++) "
-        f'{{ printf("%.17g %.17g %.17g\\n", {", ".join(texts)}); }}'
+        f"for (unsigned k = 0U; k < {first}_SLIP_APART_SIZE; k++) "
+        f'{{ printf("%.17g %.17g %.17g %.17g\\n", {", ".join(texts)}); }}'
     )
 
 
@@ -189,14 +211,14 @@ def test_a_compiler_reads_the_map_as_validate_judges_it(mapped, tmp_path, how):
     """To the last bit what `as_exported` holds, and near the closed form at the rounded places."""
     data, _ = written(mapped, "c-header", **how)
     lines = printed(tmp_path, data, shown(data, "change_upper")).splitlines()
-    z, shift, value = np.array([line.split() for line in lines], dtype=float).T
+    z, shift, slip, value = np.array([line.split() for line in lines], dtype=float).T
     held = as_exported(mapped.table, Precision(**how)).map
-    for seen, column in ((z, held.z), (shift, held.shift), (value, held.change_upper)):
-        assert seen.tolist() == column.tolist()
+    for seen, name in ((z, "z"), (shift, "shift"), (slip, "slip"), (value, "change_upper")):
+        assert seen.tolist() == getattr(held, name).tolist()
     bits = how.get("bits", 24 if how else 53)
-    true = A + B_Z * z + B_SHIFT * np.clip(shift, SHIFT[0], SHIFT[-1]) - 0.05 + 0.2
+    true = A + B_Z * z + B_SHIFT * np.clip(shift, SHIFT[0], SHIFT[-1]) + B_SLIP * slip + 0.15
     assert np.abs(value - true).max() <= 2.0 ** (1 - bits)
-    assert np.abs(z.reshape(4, 5)[:, 0] - Z).max() <= 2.0 ** (1 - bits)
+    assert np.abs(z.reshape(4, 5, 3)[:, 0, 0] - Z).max() <= 2.0 ** (1 - bits)
 
 
 @needs_a2ltool
@@ -213,21 +235,16 @@ def test_a_program_holds_what_the_a2l_says(mapped, tmp_path, how):
     module = read_a2l(content).one("MODULE")
     found = cells(module, memory_of(elf), "sedan_ratio_lower")
     held = as_exported(mapped.table, Precision(**how)).map
-    true = zip(zip(held.shift, held.z, strict=True), held.ratio_lower, strict=True)
-    assert found == dict(true)
+    places = zip(held.slip, held.shift, held.z, strict=True)
+    assert found == dict(zip(places, held.ratio_lower, strict=True))
+    flat = cells(module, memory_of(elf), "sedan_log_slip")
+    places = zip(held.shift, held.z, strict=True)
+    assert flat == dict(zip(places, held.log_slip, strict=True))
     mass = decoded(module, memory_of(elf))["sedan_mass"][0]
     assert mass == pytest.approx(1744.0, rel=4e-5)  # 16 bits at least
     level = decoded(module, memory_of(elf))["sedan_level"]
     exported = as_exported(mapped.table, Precision(**how)).level_map
     assert level == exported.level.tolist()
-
-
-@pytest.mark.parametrize("form", FORMATS)
-def test_the_map_of_a_sensor_that_an_ecu_lacks_is_not_in_its_formats(mapped, form):
-    content = written(mapped, form)[1]
-    assert (b"sedan_v_ratio" in content) == (form in ("json", "csv", "parquet", "cdfx"))
-    assert b"sedan_ratio" in content
-    assert b"sedan_level" in content
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -249,31 +266,34 @@ def test_it_comes_back_and_agrees(mapped, tmp_path, form, points):
     assert found.content == data.content()
     assert found.unchanged is True
     assert difference(found, mapped) == Difference([])
-    over, values = found.content.maps["sedan_ratio"]
+    over, values = found.content.maps["sedan_log_slip"]
     assert len(values) == len(over[0]) * len(over[1]) == (9 if points else 20)
-    true = truth()
-    for at, value in zip(product(*over), values, strict=True):
-        assert value == pytest.approx(true[at], abs=1e-12)
+    for (z, x), value in zip(product(*over), values, strict=True):
+        assert value == pytest.approx(z - 3.0 - x, abs=1e-12)
 
 
 @pytest.mark.parametrize("form", ["dcm", "cdfx"])
 def test_one_changed_cell_is_found_and_where(mapped, tmp_path, form):
-    head, name, rest = written(mapped, form)[1].decode().partition("sedan_ratio_upper")
-    old = repr(float(made_map().grid("ratio_upper")[2, 3]))
+    name, place, at = {
+        "dcm": ("sedan_ratio_upper_s2", "(0.45, 0.007)", (2, 3, 1)),
+        "cdfx": ("sedan_ratio_upper", "(0.1, 0.007, -1.0)", (0, 3, 0)),
+    }[form]
+    head, name, rest = written(mapped, form)[1].decode().partition(name)
+    old = repr(float(made_map().grid("ratio_upper")[at]))
     (tmp_path / "a").write_text(head + name + rest.replace(old, "0.25", 1))
     wrong = difference(read_back(tmp_path / "a"), mapped).wrong
     assert len(wrong) == 2
-    assert wrong[1].startswith("sedan_ratio_upper at (0.45, 0.007): 0.25,")
+    assert wrong[1].startswith(f"{name} at {place}: 0.25,")
 
 
 DAMAGE = [
     ("dcm", "  ST/Y 0.45\n", ""),
     ("dcm", "*SSTY sedan_z\n", ""),
-    ("dcm", "KENNFELD sedan_ratio 5 4", "KENNFELD sedan_ratio 4 5"),
-    ("dcm", "KENNFELD sedan_ratio 5 4", "KENNFELD sedan_ratio 20"),
-    ("cdfx", "                <VG>\n", "                <VG><V>0.1</V>\n"),
+    ("dcm", "KENNFELD sedan_ratio_s1 5 4", "KENNFELD sedan_ratio_s1 4 5"),
+    ("dcm", "KENNFELD sedan_ratio_s1 5 4", "KENNFELD sedan_ratio_s1 20"),
+    ("cdfx", "                  <VG>\n", "                  <VG><V>0.1</V>\n"),
     ("cdfx", ">sedan_shift</SW-INSTANCE-REF>", ">sedan_z</SW-INSTANCE-REF>"),
-    ("cdfx", "<CATEGORY>MAP<", "<CATEGORY>CUBOID<"),
+    ("cdfx", "<CATEGORY>CUBOID<", "<CATEGORY>MAP<"),
 ]
 
 
@@ -291,8 +311,8 @@ def test_an_export_says_what_its_breakpoints_cost(mapped, tmp_path):
     axes = {axis["label"]: axis for axis in made.to_dict()["axes"]}
     assert axes["sedan_shift"]["maps"] == [f"sedan_{name}" for name in made_map().names]
     assert (axes["sedan_z"]["points"], axes["sedan_z"]["rows"]) == (3, 4)
-    assert axes["sedan_z"]["worst"] < 0.01  # a plane: only the ends of rounded axes are off
-    assert axes["sedan_z_level"]["curves"] == [f"sedan_level{e}" for e in ("", "_lower", "_upper")]
+    assert axes["sedan_z"]["worst"] < 0.02  # a plane: only the ends of rounded axes are off
+    assert axes["sedan_z_level"]["curves"][:2] == ["sedan_level", "sedan_level_lower"]
     assert "maps" not in axes["sedan_eta"]
     single = export(mapped, tmp_path / "b.h", single=True, unreleased=True)
     text = single.content.decode()

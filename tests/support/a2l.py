@@ -1,12 +1,13 @@
 """Objects of an A2L file, decoded from the memory of a program; a2ltool judges its grammar."""
 
+import itertools
 import math
 import re
 import struct
 from dataclasses import dataclass, field
 
 TYPES = {"SBYTE": "b", "SWORD": "h", "SLONG": "i", "FLOAT32_IEEE": "f", "FLOAT64_IEEE": "d"}
-AXES = {"VALUE": 0, "CURVE": 1, "MAP": 2}
+AXES = {"VALUE": 0, "CURVE": 1, "MAP": 2, "CUBOID": 3}
 
 
 @dataclass
@@ -96,12 +97,9 @@ def decoded(module, memory):
 
 
 def cells(module, memory, name):
-    """Values of a map by their place (x, y), X the first axis that it describes."""
+    """Values of a map by their place (x, y) or (x, y, z), X the first axis that it describes."""
     found = decoded(module, memory)
     _, layout, _, _, axes = objects(module)[name]
-    x, y = (found[axis.given[0]] for axis in axes)
-    places = {
-        "ROW_DIR": [(a, b) for b in y for a in x],
-        "COLUMN_DIR": [(a, b) for a in x for b in y],
-    }[module.named("RECORD_LAYOUT")[layout].given[4]]
-    return dict(zip(places, found[name], strict=True))
+    assert module.named("RECORD_LAYOUT")[layout].given[4] == "ROW_DIR"  # X runs fastest
+    places = itertools.product(*(found[axis.given[0]] for axis in reversed(axes)))
+    return {place[::-1]: value for place, value in zip(places, found[name], strict=True)}
