@@ -25,6 +25,7 @@ def export(
     out: Path = option("File to write.", "FILE", writes=""),
     points: int | None = option("Breakpoints on each axis, least error; else all rows.", "N"),
     bits: int | None = option("8, 16 or 32; for c-header, a2l.", "BITS", "--fixed-point"),
+    single: bool = option("Single precision; for c-header, a2l.", None, "--float"),
     elf: Path | None = option("Linked program (ELF), for addresses of an a2l.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     unreleased: bool = option("Also a version that is not released; the file then says so."),
@@ -45,8 +46,10 @@ def export(
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED
-    how: dict[str, Any] = {"points": points, "bits": bits, "elf": elf, "unreleased": unreleased}
-    with at_option("--format, --points, --fixed-point, --elf", ExchangeError), writing(out):
+    how: dict[str, Any] = {"points": points, "bits": bits, "single": single, "elf": elf}
+    how["unreleased"] = unreleased
+    options = "--format, --points, --fixed-point, --float, --elf"
+    with at_option(options, ExchangeError), writing(out):
         written = write(stored, out, form, quality=quality, **how)
     for axis in written.data.axes:
         say(f"{axis.label}: {axis.placed}")

@@ -8,6 +8,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from calib.base.bounded import PROGRAM, bytes_of
 from calib.base.errors import ProgramError
 from calib.exports.dataset import Addresses, Dataset, Object
@@ -72,7 +74,9 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
 
 
 def _check_same(path: Path, data: Dataset, one: Object, elf: Any, symbol: Any) -> None:
-    values = one.values if one.fixed is None else one.fixed.raw.astype(f"i{one.fixed.bits // 8}")
+    values = one.values.astype(np.float32) if data.single else one.values
+    if one.fixed is not None:
+        values = one.fixed.raw.astype(f"i{one.fixed.bits // 8}")
     kind = values.dtype.newbyteorder("<" if elf.little_endian else ">")
     size, held = symbol["st_size"], _held(path, elf, symbol)
     if size != values.nbytes or held not in (None, values.astype(kind).tobytes()):
@@ -80,8 +84,8 @@ def _check_same(path: Path, data: Dataset, one: Object, elf: Any, symbol: Any) -
             f"holds other numbers in {one.label}, {size} bytes",
             where=path,
             expected=f"those of {data.id}, {values.nbytes} bytes",
-            do="export the version that the program holds, with --points and --fixed-point of its "
-            "C header, or build the program again",
+            do="export the version that the program holds, with --points, --fixed-point or --float "
+            "of its C header, or build the program again",
         )
     if symbol["st_value"] > _LARGEST_ADDRESS:
         what = f"{one.label} is at 0x{symbol['st_value']:X}"

@@ -3,13 +3,15 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
-from calib.exports.dataset import Content, build, prefix
-from calib.exports.read import Returned
+from calib.exports.dataset import Content, Numbers, build, prefix
+from calib.exports.read import CDF, Returned
+from calib.exports.write import FORMATS
 from calib.store.folders import names_in
 from calib.store.store import Store
 from calib.store.version import Stored
@@ -122,7 +124,8 @@ def difference(found: Returned, stored: Stored | None) -> Difference:
     if stored is None:
         rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
-    content = build(stored).content()
+    form = "cdfx" if found.format == CDF else "dcm"
+    content = build(stored, most_axes=FORMATS[form].most_axes).content()
     rounded, changed = _best_rounding(list(_pairs(found.content, content)))
     wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
     wrong = [*([] if rounded else edited), *wrong, *_gaps(found, content)]
@@ -136,18 +139,24 @@ def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
     """Every number of the labels that both have, with that of the nearest row of the table."""
     for name in sorted(found.scalars.keys() & whole.scalars.keys()):
         yield Pair(name, found.scalars[name], whole.scalars[name])
-    axes, rows = (
+    axes, theirs = (
         one.axes | {f"{name}, axis": x for name, (x, _) in one.curves.items()}
         for one in (found, whole)
     )
-    for name in sorted(axes.keys() & rows.keys()):
-        near = _nearest(axes[name], rows[name])
+    for name in sorted(axes.keys() & theirs.keys()):
+        near = _nearest(axes[name], theirs[name])
         yield from (Pair(name, x, row) for x, row in zip(axes[name], near, strict=True))
     for name in sorted(found.curves.keys() & whole.curves.keys()):
         x, y = found.curves[name]
         table = dict(zip(*whole.curves[name], strict=True))
         for at, value, row in zip(x, y, _nearest(x, [*table]), strict=True):
             yield Pair(f"{name} at {at!r}", value, table[row])
+    for name in sorted(found.maps.keys() & whole.maps.keys()):
+        (over, values), (whole_over, cells) = found.maps[name], whole.maps[name]
+        held = dict(zip(product(*whole_over), cells, strict=True))
+        rows = product(*(_nearest(x, row) for x, row in zip(over, whole_over, strict=True)))
+        for place, value, cell in zip(product(*over), values, rows, strict=True):
+            yield Pair(f"{name} at {place}", value, held[cell])
 
 
 def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
@@ -166,15 +175,22 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
     theirs = _labels(whole)
     gaps = [f"{name}: only in the file" for name in ours - theirs]
     gaps += [f"{name}: only in the table" for name in theirs - ours]
-    for name in found.content.curves.keys() & whole.curves.keys():
-        x, rows = found.content.curves[name][0], whole.curves[name][0]
-        row = _nearest(x, rows)
-        if (row[0], row[-1]) != (rows[0], rows[-1]):
-            gaps.append(f"{name}: does not reach both ends of the table")
-        elif len(set(row)) != len(row):
-            gaps.append(f"{name}: two of its points are one row of the table")
+    ours_over, theirs_over = _over(found.content), _over(whole)
+    for name in ours_over.keys() & theirs_over.keys():
+        for x, rows in zip(ours_over[name], theirs_over[name], strict=True):
+            row = _nearest(x, rows)
+            if (row[0], row[-1]) != (rows[0], rows[-1]):
+                gaps.append(f"{name}: does not reach both ends of the table")
+            elif len(set(row)) != len(row):
+                gaps.append(f"{name}: two of its points are one row of the table")
     return sorted(gaps)
 
 
+def _over(content: Content) -> dict[str, tuple[Numbers, ...]]:
+    """The axes of every curve and map."""
+    curves = {name: (x,) for name, (x, _) in content.curves.items()}
+    return {**curves, **{name: axes for name, (axes, _) in content.maps.items()}}
+
+
 def _labels(content: Content) -> set[str]:
-    return {*content.axes, *content.curves, *content.scalars}
+    return {*content.axes, *content.curves, *content.maps, *content.scalars}

@@ -1,4 +1,4 @@
-"""A version of a table as calibration tools use it: axes, curves over them, scalars, their origin.
+"""A version of a table as calibration tools use it: axes, curves and maps, scalars, their origin.
 
 Every format writes one `Dataset`, on all rows of the table or on the best selection of them, in
 double or in fixed point.
@@ -15,14 +15,15 @@ from typing import ClassVar
 import numpy as np
 
 from calib.base.arrays import Array, Index
-from calib.base.errors import ExchangeError
 from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
-from calib.exports.breakpoints import FEWEST, Misfit, misfit, place
-from calib.exports.fixed_point import Fixed, fixed_axis, to_fixed
 from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
+from calib.table.breakpoints import Misfit, misfit
+from calib.table.exported import Precision, WrittenMap, written_map
+from calib.table.fixed_point import Fixed
+from calib.table.maps import MAPS
 from calib.table.table import Table
 
 LONGEST, LONGEST_PREFIX = 31, 16
@@ -167,12 +168,68 @@ class Curve(Object):
         return np.concatenate((self.values, self.lower, self.upper))
 
     @property
+    def axes(self) -> tuple[Axis]:
+        """The one axis."""
+        return (self.axis,)
+
+    @property
     def fixed_misfit(self) -> float | None:
         """Largest error of the curve over its axis when both are rounded; None in double."""
         if self.fixed is None or self.axis.fixed is None:
             return None
         x, y = self.axis.fixed.values, self.fixed.values
         return misfit(self.axis.values, self.values[None], x, y[None]).worst
+
+
+@dataclass(frozen=True)
+class Grid(Object):
+    """Values (n,) over every combination of ``axes``, row-major, the first axis the slowest.
+
+    ``column`` of the table's map; ``bounds`` its 95 % bounds, if it has any.
+    """
+
+    axes: tuple[Axis, ...]
+    column: str
+    bounds: tuple[Array, Array] | None
+
+    @property
+    def axis(self) -> Axis:
+        """The axis along which the values lie side by side."""
+        return self.axes[-1]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of breakpoints of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def is_bound(self) -> bool:
+        """Whether it is a bound of another grid."""
+        return self.column.endswith(("_lower", "_upper"))
+
+
+class LineGrid(Grid):
+    """Over one axis."""
+
+    kind = "CURVE"
+
+
+class PlaneGrid(Grid):
+    """Over two axes."""
+
+    kind = "MAP"
+
+
+class CubeGrid(Grid):
+    """Over three axes."""
+
+    kind = "CUBOID"
+
+
+_GRIDS = {1: LineGrid, 2: PlaneGrid, 3: CubeGrid}
+
+MOST_AXES = max(_GRIDS)
+"""Number of axes of the largest map."""
 
 
 @dataclass(frozen=True)
@@ -193,15 +250,19 @@ Numbers = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Content:
-    """The bare numbers: shared axes, curves as (x, y), scalars, each by label."""
+    """The bare numbers: shared axes, curves as (x, y), scalars, each by label.
+
+    ``maps`` as their axes, the slowest first, and their values.
+    """
 
     axes: dict[str, Numbers]
     curves: dict[str, tuple[Numbers, Numbers]]
     scalars: dict[str, float]
+    maps: dict[str, tuple[tuple[Numbers, ...], Numbers]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Number of the objects."""
-        return len(self.axes) + len(self.curves) + len(self.scalars)
+        return len(self.axes) + len(self.curves) + len(self.scalars) + len(self.maps)
 
     @property
     def checksum(self) -> str:
@@ -209,6 +270,8 @@ class Content:
         lines = [f"scalar {n} {float(v).hex()}" for n, v in sorted(self.scalars.items())]
         lines += [f"axis {n} {_hex(v)}" for n, v in sorted(self.axes.items())]
         lines += [f"curve {n} {_hex(x)} of {_hex(y)}" for n, (x, y) in sorted(self.curves.items())]
+        for n, (over, y) in sorted(self.maps.items()):
+            lines.append(f"map {n} {' by '.join(map(_hex, over))} of {_hex(y)}")
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
@@ -218,7 +281,7 @@ def _hex(values: Numbers) -> str:
 
 @dataclass(frozen=True)
 class Dataset:
-    """The exported data of ``stored``, in integers of ``bits`` or in double.
+    """The exported data of ``stored``, in integers of ``bits``, in ``single`` precision or double.
 
     ``date`` of the export, for CDF: a table has none. ``addresses`` for A2L.
     """
@@ -227,9 +290,11 @@ class Dataset:
     prefix: str
     axes: tuple[Axis, ...]
     curves: tuple[Curve, ...]
+    grids: tuple[Grid, ...]
     scalars: tuple[Scalar, ...]
     quality: Quality
     bits: int | None
+    single: bool
     date: str
     addresses: Addresses = Addresses()
 
@@ -240,20 +305,35 @@ class Dataset:
 
     @property
     def objects(self) -> tuple[Object, ...]:
-        """Axes, curves, scalars."""
-        return (*self.axes, *self.curves, *self.scalars)
+        """Axes, curves, maps, scalars."""
+        return (*self.axes, *self.curves, *self.grids, *self.scalars)
+
+    @property
+    def lines(self) -> tuple[Curve | Grid, ...]:
+        """What has one axis: curves, and maps of one axis."""
+        return (*self.curves, *(one for one in self.grids if len(one.axes) == 1))
+
+    @property
+    def maps(self) -> tuple[Grid, ...]:
+        """Maps of more axes."""
+        return tuple(one for one in self.grids if len(one.axes) > 1)
 
     @property
     def numbers(self) -> str:
         """How the numbers of a file for an ECU are written."""
-        return f"int{self.bits}_t, value = origin + step * raw" if self.bits else "double"
+        floating = "float" if self.single else "double"
+        return f"int{self.bits}_t, value = origin + step * raw" if self.bits else floating
 
     def content(self) -> Content:
         """The bare numbers."""
         return Content(
             {a.label: tuple(a.numbers) for a in self.axes if a.shared},
-            {c.label: (tuple(c.axis.numbers), tuple(c.numbers)) for c in self.curves},
+            {c.label: (tuple(c.axis.numbers), tuple(c.numbers)) for c in self.lines},
             {s.label: s.numbers[0] for s in self.scalars},
+            {
+                m.label: (tuple(tuple(a.numbers) for a in m.axes), tuple(m.numbers))
+                for m in self.maps
+            },
         )
 
     def facts(self) -> dict[str, str]:
@@ -284,13 +364,17 @@ def build(
     quality: Quality = UNPROVED,
     bits: int | None = None,
     date: str = "",
+    *,
+    single: bool = False,
+    most_axes: int = MOST_AXES,
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
-    Raises ExchangeError for more points than rows, a width that C does not have, and a rounded axis
-    that does not increase.
+    ``most_axes`` of a map that the format can hold: one of more is written in slices. Raises
+    ExchangeError for more points than rows, a width that C does not have, and a rounded axis that
+    does not increase.
     """
-    table, first = stored.table, prefix(stored.name)
+    table, first, how = stored.table, prefix(stored.name), Precision(points, bits, single)
     p, d, g = table.paper, table.difference, table.tyre
     ratio = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
     force = "normalised force over slip, common tyre curve"
@@ -303,17 +387,20 @@ def build(
     over_eta = [("eta", p.eta, [*paper, *gap])]
     if not np.array_equal(p.eta, d.eta):
         over_eta = [("eta", p.eta, paper), ("eta_D", d.eta, gap)]
-    group = partial(_group, first, points, bits)
+    group = partial(_group, first, how)
     groups = [group((name, ratio, x, True, 1.0), over) for name, x, over in over_eta]
     groups.append(group(("slip", "slip of the wheel", g.slip, False, 0.0), tyre))
+    maps = [*_maps(table, first, how, most_axes)]
     return Dataset(
         stored=stored,
         prefix=first,
-        axes=tuple(axis for axis, _ in groups),
+        axes=(*(axis for axis, _ in groups), *(axis for axes, _ in maps for axis in axes)),
         curves=tuple(curve for _, curves in groups for curve in curves),
-        scalars=tuple(_scalars(table, stored.version, first, bits)),
+        grids=tuple(grid for _, grids in maps for grid in grids),
+        scalars=tuple(_scalars(table, stored.version, first, how)),
         quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
         bits=bits,
+        single=single,
         date=date,
     )
 
@@ -324,44 +411,127 @@ _Row = tuple[str, str, Array, Array, Array, Array, Array]
 
 def _group(
     first: str,
-    points: int | None,
-    bits: int | None,
+    how: Precision,
     axis: tuple[str, str, Array, bool, float],
     over: list[_Row],
 ) -> tuple[Axis, list[Curve]]:
     """An axis (name, meaning, values, shared, origin) and its curves, on the rows that are kept."""
     name, meaning, x, shared, origin = axis
     y = np.array([values for _, _, values, *_ in over])
-    name, kept = label(first, name), np.arange(len(x))
-    if points is not None:
-        if not FEWEST <= points <= len(x):
-            raise ExchangeError(
-                f"{points} breakpoints",
-                where=name,
-                expected=f"{FEWEST} to {len(x)}, the rows of the table",
-            )
-        kept = place(x, y, points)
-    fixed = None if bits is None else fixed_axis(name, x[kept], bits, origin)
-    error = misfit(x, y, x[kept], y[:, kept])
-    made = Axis(name, meaning, UNIT, x[kept], fixed, shared, origin, len(x), error)
-    return made, [_curve(first, bits, made, kept, *row) for row in over]
+    name = label(first, name)
+    kept = how.rows(name, x, y)
+    error, written = misfit(x, y, x[kept], y[:, kept]), how.axis(name, x[kept], origin)
+    made = Axis(name, meaning, UNIT, *written, shared, origin, len(x), error)
+    return made, [_curve(first, how, made, kept, *row) for row in over]
 
 
 def _curve(
-    first: str, bits: int | None, axis: Axis, kept: Index, name: str, meaning: str, *columns: Array
+    first: str, how: Precision, axis: Axis, kept: Index, name: str, meaning: str, *columns: Array
 ) -> Curve:
     values, *others = (column[kept] for column in columns)
-    fixed = None if bits is None else to_fixed(values, bits)
-    return Curve(label(first, name), meaning, UNIT, values, fixed, axis, *others)
+    return Curve(label(first, name), meaning, UNIT, *how.numbers(values), axis, *others)
 
 
-def _scalars(table: Table, version: int, first: str, bits: int | None) -> Iterator[Scalar]:
+_AXES = {
+    "z": "z, brake force that the deceleration demands over M g, zeroed while rolling",
+    "shift": "(eta - 1)/z",
+    "slip": "ln(slip/z) less log_slip, over log_slip_sigma",
+}
+_COLUMNS = {
+    "ratio": "ln of the pads' ratio, front over rear, over that of mu_n_f and mu_n_r",
+    "change": "ln of the pads' ratio over that of the ramp",
+    "level": "ln of the brake force over that which z demands",
+    "log_slip": "mean of ln(slip/z)",
+    "log_slip_sigma": "standard deviation of ln(slip/z)",
+    "prior": "share of the ratio that is prior",
+}
+_BOUNDS = ("_lower", "_upper")
+
+_FLAT = {"log_slip", "log_slip_sigma"}
+"""Columns that are the same along the last axis, and are written without it."""
+
+
+def _name(part: str, name: str) -> str:
+    """An axis or a column of a map in its label.
+
+    >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
+    ('slip_apart', 'z_level', 'ratio_0_lower')
+    """
+    if part == "level_map":
+        of, _, end = name.partition("_")
+        return {"z": "z_level", "level": name}.get(of, f"{of}_0_{end}".rstrip("_"))
+    return "slip_apart" if name == "slip" else name
+
+
+def _maps(
+    table: Table, first: str, how: Precision, most_axes: int
+) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
+    """Axes and columns of each map; those with more axes than a format holds in slices."""
+    for part in MAPS:
+        if (held := getattr(table, part)) is None:
+            continue
+        made = written_map(held, how, label(first, part))
+        axes = tuple(
+            Axis(
+                label(first, _name(part, name)), _AXES[name], UNIT, *written,
+                shared=True, origin=0.0, rows=rows, misfit=made.misfit[name],
+            )
+            for (name, written), rows in zip(made.axes.items(), held.shape, strict=True)
+        )  # fmt: skip
+        whole = [_grid(label(first, _name(part, x)), x, axes, made) for x in made.columns]
+        slices = [_slices(one) if len(one.axes) > most_axes else [one] for one in whole]
+        yield axes, [one for some in slices for one in some]
+
+
+def _grid(name: str, column: str, axes: tuple[Axis, ...], made: WrittenMap) -> Grid:
+    end = next((end for end in _BOUNDS if column.endswith(end)), "")
+    of = _COLUMNS[column.removesuffix(end)]
+    meaning = f"{end[1:]} 95 % bound of {of}" if end else of
+    ends = [made.columns[column + e].values for e in _BOUNDS if column + e in made.columns]
+    bounds = (ends[0], ends[1]) if ends else None
+    whole = _GRIDS[len(axes)](name, meaning, UNIT, *made.columns[column], axes, column, bounds)
+    return _cut(whole, 0) if column in _FLAT else whole
+
+
+def _cut(one: Grid, at: int) -> Grid:
+    """A map at one value of its last axis, without that axis."""
+    step = one.shape[-1]
+    fixed, bounds = one.fixed, one.bounds
+    return _GRIDS[len(one.axes) - 1](
+        one.label,
+        one.meaning,
+        one.unit,
+        one.values[at::step],
+        fixed and replace(fixed, raw=fixed.raw[at::step]),
+        one.axes[:-1],
+        one.column,
+        bounds and (bounds[0][at::step], bounds[1][at::step]),
+    )
+
+
+def _slices(one: Grid) -> list[Grid]:
+    """A map at each value of its last axis: NAME_s1 at the first, and so on."""
+    return [
+        replace(
+            _cut(one, i), label=label(one.label, f"s{i + 1}"),
+            meaning=f"{one.meaning}, at {one.axis.label} {x!r}",
+        )
+        for i, x in enumerate(one.axis.numbers)
+    ]  # fmt: skip
+
+
+_LEAST_BITS = 16
+"""Least bits of a scalar of a table with maps: 8 would be 0.8 % off in the mass, and so in all."""
+
+
+def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator[Scalar]:
     car, pads, tyre = table.vehicle, table.calibration, table.posterior
+    mapped = table.map is not None
+    wide = replace(how, bits=max(how.bits, _LEAST_BITS)) if how.bits and mapped else how
 
     def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
-        values = np.array([float(value)])
-        fixed = None if bits is None else to_fixed(values, bits)
-        return Scalar(label(first, name), what, unit, values, fixed, sigma)
+        written = wide.numbers(np.array([float(value)]))
+        return Scalar(label(first, name), what, unit, *written, sigma)
 
     yield scalar("version", "version of the table", "1", version)
     yield scalar("mass", "M_v, vehicle mass", "kg", car.mass)
@@ -377,6 +547,9 @@ def _scalars(table: Table, version: int, first: str, bits: int | None) -> Iterat
     for a, mu in (("f", pads.pad_friction_f), ("r", pads.pad_friction_r)):
         what = f"{AXLE_NAMES[a]} pad friction of the calibration"
         yield scalar(f"mu_{a}", what, "1", mu.value, mu.sigma)
+    for a, axle in (("f", car.front), ("r", car.rear)) if mapped else ():
+        what = f"{AXLE_NAMES[a]} pad friction of the vehicle file"
+        yield scalar(f"mu_n_{a}", what, "1", axle.pad_friction)
     for name in tyre.names:
         yield scalar(name, f"{name} of the tyre", "1", tyre.value(name), tyre.sigma(name))
     for of in effect_figures(table):

@@ -10,7 +10,7 @@ from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
 from calib.exports.addresses import find_addresses
-from calib.exports.dataset import Dataset, build
+from calib.exports.dataset import Axis, Dataset, build
 from calib.exports.write import FORMATS
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
@@ -65,7 +65,8 @@ class Exported:
         data = self.data
         axes = [
             {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
-            | {"curves": [one.label for one in data.curves if one.axis.label == axis.label]}
+            | {"curves": [one.label for one in data.lines if one.axis.label == axis.label]}
+            | ({"maps": over} if (over := _over(data, axis)) else {})
             | {"worst": axis.misfit.worst, "worst_at": axis.misfit.at, "rms": axis.misfit.rms}
             for axis in data.axes
         ]
@@ -83,6 +84,11 @@ class Exported:
         }
 
 
+def _over(data: Dataset, axis: Axis) -> list[str]:
+    """Labels of the maps over an axis."""
+    return [one.label for one in data.maps if axis.label in [a.label for a in one.axes]]
+
+
 def export(
     stored: Stored,
     path: Path | str,
@@ -90,6 +96,7 @@ def export(
     *,
     points: int | None = None,
     bits: int | None = None,
+    single: bool = False,
     elf: Path | str | None = None,
     quality: Quality = UNPROVED,
     date: str | None = None,
@@ -103,6 +110,7 @@ def export(
     form : one of `ENDINGS`; else by the ending of ``path``.
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
+    single : in single precision; for c-header and a2l.
     elf : linked program with the C header (ELF), for the addresses of an a2l.
     quality : result of a validation, see `calib.store.evidence.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
@@ -134,11 +142,19 @@ def export(
         )
     path = Path(path)
     form = _form_of(path, form)
-    for given, has, what in ((bits, "fixed", "fixed point"), (elf, "addressed", "addresses")):
-        if given is not None and not getattr(FORMATS[form], has):
+    if single and bits is not None:
+        raise ExchangeError("single precision and fixed point", expected="one of both")
+    for given, has, what in (
+        (bits is not None, "fixed", "fixed point"),
+        (single, "fixed", "single precision"),
+        (elf is not None, "addressed", "addresses"),
+    ):
+        if given and not getattr(FORMATS[form], has):
             fit = [name for name, one in FORMATS.items() if getattr(one, has)]
             raise ExchangeError(f"{form} has no {what}", expected=", ".join(fit))
-    data = build(stored, points, quality, bits, date or datetime.now(UTC).date().isoformat())
+    date = date or datetime.now(UTC).date().isoformat()
+    most = FORMATS[form].most_axes
+    data = build(stored, points, quality, bits, date, single=single, most_axes=most)
     if elf is not None:
         data = replace(data, addresses=find_addresses(Path(elf), data))
     content = FORMATS[form].write(data)

@@ -4,6 +4,7 @@ A tool that saves a file keeps labels and numbers, and seldom the head; so a fil
 this program when it names a table, in its head or by its labels.
 """
 
+import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,6 +17,10 @@ from calib.exports.dataset import Content, Numbers
 
 VERSION = "_version"
 """How the label of the scalar ends that holds the version of the table."""
+
+
+DCM, CDF = "DCM", "CDF"
+"""Formats that are read back."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +51,14 @@ def read_back(path: Path) -> Returned:
     """
     data = bytes_of(path, CALIBRATION, ExchangeError, "DCM or CDF")
     if data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):
-        return _returned(path, "CDF", *_read_cdf(path, data))
+        return _returned(path, CDF, *_read_cdf(path, data))
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ExchangeError(
             f"not text ({error.reason})", where=path, expected="DCM or CDF"
         ) from error
-    return _returned(path, "DCM", *_read_dcm(path, text))
+    return _returned(path, DCM, *_read_dcm(path, text))
 
 
 def _returned(
@@ -79,22 +84,29 @@ def _returned(
 
 
 _AXIS, _VALUE = "STUETZSTELLENVERTEILUNG", "FESTWERT"
-_GROUP, _LINE = "GRUPPENKENNLINIE", "KENNLINIE"
+_GROUP, _LINE, _MAP = "GRUPPENKENNLINIE", "KENNLINIE", "GRUPPENKENNFELD"
 _FORMAT, _FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
-_X, _Y = "ST/X", "WERT"
-_ARRAYS = {_AXIS: (_X,), _GROUP: (_X, _Y), _LINE: (_X, _Y), _VALUE: (_Y,), _FUNCTIONS: ()}
+_X, _Y, _Z = "ST/X", "WERT", "ST/Y"
+_ARRAYS = {
+    _AXIS: (_X,),
+    _GROUP: (_X, _Y),
+    _LINE: (_X, _Y),
+    _MAP: (_X, _Z, _Y),
+    _VALUE: (_Y,),
+    _FUNCTIONS: (),
+}
 """Arrays that an object of each kind must have."""
 
-_TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
+_TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_Y", "EINHEIT_W", "FKT")
 
 
 @dataclass(frozen=True)
 class _Block:
-    """One object of a DCM file; ``over`` names the axis of a curve."""
+    """One object of a DCM file; ``over`` names the axes of a curve or map by their arrays."""
 
     kind: str
     name: str
-    over: str
+    over: dict[str, str]
     unit: str
     numbers: dict[str, Numbers]
 
@@ -114,13 +126,18 @@ def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Co
     units = _once(path, ((b.name, b.unit) for b in blocks))
     axes = {b.name: b.numbers[_X] for b in blocks if b.kind == _AXIS}
     curves = [b for b in blocks if b.kind in (_GROUP, _LINE)]
-    for b in curves:
-        if b.kind == _GROUP and axes.get(b.over) != b.numbers[_X]:
-            what = f"{b.name} is over {b.over or 'no axis'}, which is missing or differs"
+    maps = [b for b in blocks if b.kind == _MAP]
+    shared = [(b, _X) for b in curves if b.kind == _GROUP]
+    for b, array in [*shared, *((b, array) for b in maps for array in (_X, _Z))]:
+        if axes.get(over := b.over.get(array, "")) != b.numbers[array]:
+            what = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
             raise _bad(path, what, f"the axis it repeats, as {_AXIS}")
+    fields: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {
+        b.name: ((b.numbers[_Z], b.numbers[_X]), b.numbers[_Y]) for b in maps
+    }
     pairs = {b.name: (b.numbers[_X], b.numbers[_Y]) for b in curves}
     return facts, units, Content(
-        axes, pairs, {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}
+        axes, pairs, {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}, fields
     )  # fmt: skip
 
 
@@ -145,12 +162,20 @@ def _block(path: Path, part: str) -> _Block:
         elif word == ("EINHEIT_X" if kind == _AXIS else "EINHEIT_W"):
             unit = " ".join(rest).strip('"')
     numbers = {word: _floats(where, texts) for word, texts in arrays.items()}
-    size = "1" if kind == _VALUE else first[-1]
+    sizes = _sizes(kind, first)
     for word, found in numbers.items():
-        if str(len(found)) != size:
+        if str(len(found)) != (size := sizes.get(word, "")):
             raise _bad(where, f"{len(found)} of {size} numbers {word}", "as many as it says")
-    over = re.findall(r"^\*SSTX.*\s(\S+)$", part, flags=re.MULTILINE)
-    return _Block(kind, name, over[-1] if over else "", unit, numbers)
+    over = re.findall(r"^\*SST([XY]).*\s(\S+)$", part, flags=re.MULTILINE)
+    return _Block(kind, name, {f"ST/{axis}": label for axis, label in over}, unit, numbers)
+
+
+def _sizes(kind: str, first: list[str]) -> dict[str, str]:
+    """How many numbers each array of an object must have, by its first line."""
+    if kind != _MAP:
+        return dict.fromkeys((_X, _Y), "1" if kind == _VALUE else first[-1])
+    x, y = first[2:] if len(first) == 4 and all(map(str.isdecimal, first[2:])) else ("0", "0")
+    return {_X: x, _Z: y, _Y: str(int(x) * int(y))}
 
 
 def _once(path: Path, units: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -188,19 +213,27 @@ def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], 
     objects = [(one.findtext("SHORT-NAME", ""), one) for one in tree.findall("SW-INSTANCE")]
     unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
     units = _once(path, ((name, one.findtext(unit, "")) for name, one in objects))
-    values: dict[str, dict[str, Numbers]] = {"COM_AXIS": {}, "CURVE": {}, "VALUE": {}}
+    kinds = ("COM_AXIS", "CURVE", "MAP", "CUBOID", "VALUE")
+    values: dict[str, dict[str, Numbers]] = {kind: {} for kind in kinds}
     for name, one in objects:
         kind = one.findtext("CATEGORY", "")
         if kind not in values:
             raise _bad(f"{path}: {name}", f"category {kind}", ", ".join(values))
         values[kind][name] = _values(path, name, one.find("SW-VALUE-CONT"))
     axes, named = values["COM_AXIS"], dict(objects)
-    curves = {n: (_over(path, n, named[n], axes), y) for n, y in values["CURVE"].items()}
-    for name, (x, y) in curves.items():
-        if len(x) != len(y):
-            what = f"{len(y)} values over an axis of {len(x)}"
+    grids = {
+        n: (_over(path, n, named[n], axes, count), y)
+        for kind, count in (("CURVE", 1), ("MAP", 2), ("CUBOID", 3))
+        for n, y in values[kind].items()
+    }
+    for name, (over, y) in grids.items():
+        if len(y) != math.prod(map(len, over)):
+            what = f"{len(y)} values over axes of {' by '.join(str(len(x)) for x in over)}"
             raise ExchangeError(what, where=f"{path}: {name}")
-    return facts, units, Content(axes, curves, {n: v[0] for n, v in values["VALUE"].items()})
+    curves = {n: (grids[n][0][0], y) for n, y in values["CURVE"].items()}
+    maps = {n: found for n, found in grids.items() if n not in curves}
+    scalars = {n: v[0] for n, v in values["VALUE"].items()}
+    return facts, units, Content(axes, curves, scalars, maps)
 
 
 def _root(path: Path, text: bytes) -> ET.Element:
@@ -215,10 +248,19 @@ def _root(path: Path, text: bytes) -> ET.Element:
         ) from error
 
 
-def _over(path: Path, curve: str, one: ET.Element, axes: dict[str, Numbers]) -> Numbers:
-    """The axis of a curve: its own, or one that it names."""
-    axis = one.find("SW-AXIS-CONTS/SW-AXIS-CONT")
-    name = None if axis is None else axis.findtext("SW-INSTANCE-REF")
+def _over(
+    path: Path, curve: str, one: ET.Element, axes: dict[str, Numbers], count: int
+) -> tuple[Numbers, ...]:
+    """The axes of a curve or map, the slowest first: X is the first in the file."""
+    conts = one.findall("SW-AXIS-CONTS/SW-AXIS-CONT")
+    if len(conts) != count:
+        raise ExchangeError(f"has {len(conts)} of {count} axes", where=f"{path}: {curve}")
+    return tuple(_axis(path, curve, axis, axes) for axis in reversed(conts))
+
+
+def _axis(path: Path, curve: str, axis: ET.Element, axes: dict[str, Numbers]) -> Numbers:
+    """An axis of a curve: its own, or one that it names."""
+    name = axis.findtext("SW-INSTANCE-REF")
     if name is None:
         return _values(path, curve, axis)
     if name not in axes:
@@ -227,7 +269,7 @@ def _over(path: Path, curve: str, one: ET.Element, axes: dict[str, Numbers]) -> 
 
 
 def _values(path: Path, name: str, part: ET.Element | None) -> Numbers:
-    texts = [] if part is None else [v.text or "" for v in part.findall("SW-VALUES-PHYS/V")]
+    texts = [] if part is None else [v.text or "" for v in part.findall("SW-VALUES-PHYS//V")]
     if not texts:
         raise ExchangeError("no SW-VALUES-PHYS with a V", where=f"{path}: {name}")
     return _floats(f"{path}: {name}", texts)

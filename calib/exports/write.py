@@ -10,6 +10,9 @@
     a2l       ASAM MCD-2 MC 1.7.1: what the objects of the C header are, where, and how to read
               them; without values and interface, to be merged into the A2L of the ECU
 
+A map of three axes is a CUBOID; DCM and INCA know two, and have one map for each value of the
+third.
+
 Every number is written so that it reads back to the last bit.
 """
 
@@ -22,13 +25,14 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
 
 from calib.base.errors import ExchangeError
-from calib.exports.dataset import UNIT, Axis, Curve, Dataset, Object, Scalar, label
+from calib.exports.dataset import MOST_AXES, UNIT, Axis, Curve, Dataset, Grid, Object, Scalar, label
 
 _FUNCTION = "brake_torque"
 """Name of the function that the objects belong to."""
@@ -42,7 +46,10 @@ COLUMNS = (
 """``value`` [unit] of ``label`` at ``x`` on ``axis``; ``lower``, ``upper`` 95 % band; None where
 there is none."""
 
-TEXTS = ("label", "axis", "unit", "meaning")
+MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")
+"""Columns behind the `COLUMNS` where a table has maps."""
+
+TEXTS = ("label", "axis", "unit", "meaning", "axis_2", "axis_3")
 """Columns of text; all others are float64 in the row's unit."""
 
 _LONGEST_TEXT = 255
@@ -51,8 +58,8 @@ _LONGEST_TEXT = 255
 _BOM = b"\xef\xbb\xbf"
 """Mark of UTF-8, which A2L demands where a file is not ASCII."""
 
-_TYPES = {None: "FLOAT64_IEEE", 8: "SBYTE", 16: "SWORD", 32: "SLONG"}
-"""Data type of A2L by width of the fixed point; None is double."""
+_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}
+"""Data type of A2L by width of the fixed point."""
 
 _DIGITS = 7
 """Significant digits that a tool shows of the largest number of an object in double."""
@@ -77,6 +84,7 @@ def _write_json(data: Dataset) -> bytes:
             | of(c, *named[1:], "values", "lower", "upper", "count", "flag")
             for c in data.curves
         ],
+        **({"maps": [_map(m) for m in data.grids if not m.is_bound]} if data.grids else {}),
         "scalars": [of(s, *named) | {"value": s.numbers[0], "sigma": s.sigma}
                     for s in data.scalars],
         "record": data.stored.table.content()[0],
@@ -84,26 +92,51 @@ def _write_json(data: Dataset) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False, default=_plain) + "\n").encode()
 
 
+def _map(one: Grid) -> dict[str, Any]:
+    """A map with its bounds, nested as its axes are."""
+    found = {"label": one.label, "axes": [axis.label for axis in one.axes]}
+    bounds = dict(zip(("lower", "upper"), one.bounds or (), strict=False))
+    values = {name: x.reshape(one.shape) for name, x in ({"values": one.values} | bounds).items()}
+    return {**found, "meaning": one.meaning, "unit": one.unit, **values}
+
+
 def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else vars(value)
 
 
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
-    """Cells of the `COLUMNS`."""
+    """Cells of the columns; the bounds of a map stand beside its medians."""
+    none = (None,) * len(MORE_AXES) if data.grids else ()
     for c in data.curves:
         arrays = (c.axis.values, c.values, c.lower, c.upper, c.count, c.flag)
         for x, value, *rest in np.column_stack(arrays).tolist():
-            yield (c.label, c.axis.label, x, value, c.unit, *rest, c.meaning)
+            yield (c.label, c.axis.label, x, value, c.unit, *rest, c.meaning, *none)
+    for one in data.grids:
+        if not one.is_bound:
+            yield from _cells(one)
     for s in data.scalars:
         band = (None, None) if s.sigma is None else s.band.tolist()
-        yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning)
+        yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning, *none)
+
+
+def _cells(one: Grid) -> Iterator[tuple[str | float | None, ...]]:
+    places = product(*([(axis.label, x) for x in axis.numbers] for axis in one.axes))
+    low, high = (x.tolist() for x in one.bounds or np.full((2, one.values.size), None))
+    for place, value, *band in zip(places, one.numbers, low, high, strict=True):
+        (axis, x), *more = place
+        over = [cell for pair in more for cell in pair] + [None] * (2 * (MOST_AXES - len(place)))
+        yield (one.label, axis, x, value, one.unit, *band, None, None, one.meaning, *over)
+
+
+def _columns(data: Dataset) -> tuple[str, ...]:
+    return COLUMNS + (MORE_AXES if data.grids else ())
 
 
 def _write_csv(data: Dataset) -> bytes:
     text = io.StringIO()
     text.writelines(f"# {key}: {printable(fact)}\n" for key, fact in data.facts().items())
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(COLUMNS)
+    table.writerow(_columns(data))
     table.writerows([_BARE if cell == UNIT else cell for cell in row] for row in _rows(data))
     return text.getvalue().encode()
 
@@ -112,8 +145,9 @@ def _write_parquet(data: Dataset) -> bytes:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    kinds = {name: pa.string() if name in TEXTS else pa.float64() for name in COLUMNS}
-    rows = [dict(zip(COLUMNS, row, strict=True)) for row in _rows(data)]
+    names = _columns(data)
+    kinds = {name: pa.string() if name in TEXTS else pa.float64() for name in names}
+    rows = [dict(zip(names, row, strict=True)) for row in _rows(data)]
     schema = pa.schema(list(kinds.items()), metadata=data.facts())
     table = pa.Table.from_pylist(rows, schema=schema)
     sink = pa.BufferOutputStream()
@@ -142,6 +176,9 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
         "type_limits": _type_limits,
         "display_format": _display_format,
         "constants": _constants,
+        "nested": _nested,
+        "over": _over,
+        "type": partial(_type, single=data.single),
     }
     made.filters |= filters
     stored = data.stored
@@ -153,7 +190,6 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
         digest=stored.digest,
         program=stored.table.provenance.program,
         vehicle=stored.table.vehicle.name,
-        type=_TYPES[data.bits],
     )
     return written.encode()
 
@@ -193,13 +229,28 @@ def _ascii(text: str) -> str:
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
 
 
+def _over(one: Object) -> tuple[Axis, ...]:
+    """The axes of a curve or map, the slowest first."""
+    return one.axes if isinstance(one, Curve | Grid) else ()
+
+
+def _nested(one: Grid) -> Any:
+    """The values of a map, nested as its axes are."""
+    return one.values.reshape(one.shape).tolist()
+
+
+def _type(one: Object, single: bool) -> str:
+    """Data type of A2L."""
+    floating = "FLOAT32_IEEE" if single else "FLOAT64_IEEE"
+    return floating if one.fixed is None else _TYPES[one.fixed.bits]
+
+
 def _made(one: Object) -> str:
     """How an object came about, for its history in CDF."""
     if isinstance(one, Scalar):
         return "fitted" + ("" if one.sigma is None else f"; one standard deviation {one.sigma!r}")
-    axis = one.axis if isinstance(one, Curve) else one
-    assert isinstance(axis, Axis)
-    return f"fitted; {one.span}; {axis.placed}"
+    axes = (one,) if isinstance(one, Axis) else _over(one)
+    return "; ".join(("fitted", one.span, *(axis.placed for axis in axes)))
 
 
 def _type_limits(one: Object) -> tuple[float, float]:
@@ -229,12 +280,21 @@ def _display_format(one: Object) -> str:
 
 @dataclass(frozen=True)
 class _Constant:
-    """A constant of the C header, as it is declared; ``array`` if it has several values."""
+    """A constant of the C header, as it is declared; ``array`` if it has several values.
+
+    ``shape`` of an array of several dimensions.
+    """
 
     declared: str
     values: list[str]
     remarks: tuple[str, ...] = ()
     array: bool = False
+    shape: tuple[int, ...] = ()
+
+    @property
+    def nested(self) -> Any:
+        """The values, nested as the array is."""
+        return np.array(self.values, dtype=object).reshape(self.shape).tolist()
 
 
 def _constants(data: Dataset) -> Iterator[_Constant]:
@@ -243,8 +303,10 @@ def _constants(data: Dataset) -> Iterator[_Constant]:
         escaped = "".join(map(_escaped, held))
         declared = f"char {data.prefix}_{name}[{len(held) + 1}]"
         yield _Constant(declared, [f'"{escaped}"'], (name,))
+    floating, behind = ("float", "F") if data.single else ("double", "")
     for one in data.objects:
         says, size = f"{one.meaning} [{one.unit}]", ""
+        shape: tuple[int, ...] = ()
         if isinstance(one, Axis):
             says, size = f"{says}, strictly increasing", f"[{one.label.upper()}_SIZE]"
         elif isinstance(one, Curve):
@@ -252,14 +314,20 @@ def _constants(data: Dataset) -> Iterator[_Constant]:
             size = f"[{one.axis.label.upper()}_SIZE]"
             if one.fixed_misfit is not None:
                 says += f"; read over the rounded axis at most {one.fixed_misfit:.3g} off"
+        elif isinstance(one, Grid):
+            says += f" over {' and '.join(axis.label for axis in one.axes)}, clamped at their ends"
+            size = "".join(f"[{axis.label.upper()}_SIZE]" for axis in one.axes)
+            shape = one.shape if len(one.axes) > 1 else ()
         fixed, name = one.fixed, one.label + size
         if fixed is None:
-            yield _Constant(f"double {name}", [*map(repr, one.numbers)], (says,), bool(size))
+            numbers = one.values.astype(np.float32 if data.single else np.float64)
+            values = [f"{x!s}{behind}" for x in numbers]
+            yield _Constant(f"{floating} {name}", values, (says,), bool(size), shape)
             continue
         how = f"origin {fixed.origin!r}, step 2^{-fixed.shift}"
         how += f", rounding error at most {fixed.error:.3g}"
         raw = [f"{v}{'L' * (fixed.bits == 32)}" for v in fixed.raw.tolist()]
-        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), bool(size))
+        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), bool(size), shape)
         for part, value in (("origin", fixed.origin), ("step", fixed.step)):
             yield _Constant(f"double {label(one.label, part)}", [repr(value)])
 
@@ -283,23 +351,25 @@ def _write_a2l(data: Dataset) -> bytes:
 class _Format:
     """``ending`` of the file name; ``write`` makes the whole file.
 
-    ``fixed``: can be in fixed point; ``addressed``: holds addresses of the ECU's memory.
+    ``fixed``: can be in fixed point and in single precision; ``addressed``: holds addresses of the
+    ECU's memory; ``most_axes`` of a map in it.
     """
 
     ending: str
     write: Callable[[Dataset], bytes]
     fixed: bool = False
     addressed: bool = False
+    most_axes: int = MOST_AXES
 
 
 FORMATS = {
     "json": _Format("json", _write_json),
     "csv": _Format("csv", _write_csv),
     "parquet": _Format("parquet", _write_parquet),
-    "dcm": _Format("dcm", partial(_filled, "dcm", _quoted)),
+    "dcm": _Format("dcm", partial(_filled, "dcm", _quoted), most_axes=2),
     "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x)))),
     "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
     "c-header": _Format("h", partial(_filled, "h", _ascii), fixed=True),
-    "inca-csv": _Format("inca.csv", _write_inca_csv),
+    "inca-csv": _Format("inca.csv", _write_inca_csv, most_axes=2),
 }
 """A new one is a template and a line here."""

@@ -248,6 +248,7 @@ def returned_document(found: Returned, stored: Stored | None, told: FromFile) ->
         "facts": found.facts,
         "axes": found.content.axes,
         "curves": {n: {"x": x, "y": y} for n, (x, y) in found.content.curves.items()},
+        "maps": {n: {"axes": x, "y": y} for n, (x, y) in found.content.maps.items()},
         "scalars": found.content.scalars,
         "units": found.units,
         "in_store": stored is not None,
@@ -260,7 +261,8 @@ def returned_document(found: Returned, stored: Stored | None, told: FromFile) ->
 def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:
     """What a file of a calibration tool holds, and whether it agrees with the table it names."""
     content, units = found.content, found.units
-    arrays = {**content.axes, **{name: y for name, (_, y) in content.curves.items()}}
+    over = {**content.curves, **content.maps}
+    arrays = {**content.axes, **{name: y for name, (_, y) in over.items()}}
     cells = [
         (name, str(len(y)), f"{min(y):.6g}", f"{max(y):.6g}", units[name])
         for name, y in arrays.items()

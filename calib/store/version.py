@@ -4,7 +4,7 @@
           difference.parquet    D(eta)
           paper.parquet         f1(eta), f2(eta)
           tyre.parquet          g(slip)
-          map.parquet           and speed_map, level_map, draws, where the table has them
+          map.parquet           and level_map, draws, where the table has them
 
 ``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
 the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed. ``states``

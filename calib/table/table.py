@@ -6,7 +6,7 @@ canonical content, so it does not depend on how a file format packs it.
     record  {schema, name, vehicle, calibration, posterior, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
              "tyre": {slip, force, ...}}
-            and "map", "speed_map", "level_map", "draws" where the table has them
+            and "map", "level_map", "draws" where the table has them
 """
 
 import json
@@ -298,8 +298,8 @@ class Table:
     ``effects`` holds drag and rolling resistance with their sigma; other known effects are in the
     vehicle; ``noise`` long-run noise density of each sensor [unit * s^0.5]; ``quality`` metrics of
     the fit; ``budget`` what the pads rest on; ``spread`` how the cars of a mean table differ.
-    ``map`` is for the sensors of an ECU, ``speed_map`` for logs with a speed, ``draws`` a part of
-    the ensemble that the maps are made of; all are None in tables made before them.
+    ``map`` says what the pads are given what is seen, ``level_map`` what is known before, ``draws``
+    are a part of the ensemble that both are made of; all are None in tables made before them.
     """
 
     name: str

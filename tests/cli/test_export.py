@@ -57,6 +57,8 @@ def test_the_ending_names_the_format_and_folders_are_made(tables, tmp_path):
         ("--format", "dcm", "--out", "a", "--fixed-point", "16"),
         ("--format", "c-header", "--out", "a", "--fixed-point", "12"),
         ("--format", "c-header", "--out", "a", "--elf", "ecu.elf"),
+        ("--format", "csv", "--out", "a", "--float"),
+        ("--format", "c-header", "--out", "a", "--float", "--fixed-point", "16"),
         ("--format", "a2l", "--out", "a", "--elf", "a"),
         ("--format", "dcm", "--out", "a", "--points", "22"),
         ("--out", "a"),

@@ -57,11 +57,11 @@ def test_maps_are_shown_and_compared_like_curves(tables, two):
     shown = told(tables("show", "sedan@3", "--json"))
     assert shown["curves"]["map"]["ratio"] == made_map().ratio.tolist()
     assert len(shown["curves"]["draws"]["peak"]) == 40
-    assert "4 x 5 cells, z 0.1 to 0.8" in tables("show", "sedan@3").out
+    assert "4 x 5 x 3 cells, z 0.1 to 0.8" in tables("show", "sedan@3").out
     found = told(tables("diff", "sedan@1", "sedan@3", "--json"))
-    assert found["apart"] == ["map", "speed_map", "level_map", "draws"]
+    assert found["apart"] == ["map", "level_map", "draws"]
     assert told(tables("diff", "sedan@3", "sedan@3", "--json"))["identical"] is True
-    assert "speed_map: no common axis" in tables("diff", "sedan@3", "sedan@1").out
+    assert "level_map: no common axis" in tables("diff", "sedan@3", "sedan@1").out
 
 
 def test_diff_gives_the_gap_of_the_curves(tables, two):

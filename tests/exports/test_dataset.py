@@ -12,10 +12,10 @@ from hypothesis.extra.numpy import arrays
 from calib.base.errors import ExchangeError
 from calib.estimation.lookup import difference, paper
 from calib.exports.dataset import LONGEST, LONGEST_PREFIX, build, label, prefix
-from calib.exports.fixed_point import BITS, fixed_axis, to_fixed
 from calib.exports.write import printable
 from calib.store.evidence import Quality
 from calib.store.store import Store
+from calib.table.fixed_point import BITS, fixed_axis, to_fixed
 from tests.support.tables import made_table
 
 # C99, 6.4.2.1, without the names that C and C++ keep for themselves.

@@ -192,7 +192,7 @@ def test_no_text_of_a_csv_can_be_taken_for_a_number(stored):
     ]
     for row in csv.DictReader(body):
         assert row["unit"]
-        for name in TEXTS:
+        for name in row.keys() & TEXTS:
             assert re.fullmatch(r"[-+0-9.eE]*[0-9][-+0-9.eE]*", row[name]) is None
 
 

@@ -1,10 +1,13 @@
 """Objects of an A2L file, decoded from the memory of a program; a2ltool judges its grammar."""
 
+import itertools
+import math
 import re
 import struct
 from dataclasses import dataclass, field
 
-TYPES = {"SBYTE": "b", "SWORD": "h", "SLONG": "i", "FLOAT64_IEEE": "d"}
+TYPES = {"SBYTE": "b", "SWORD": "h", "SLONG": "i", "FLOAT32_IEEE": "f", "FLOAT64_IEEE": "d"}
+AXES = {"VALUE": 0, "CURVE": 1, "MAP": 2, "CUBOID": 3}
 
 
 @dataclass
@@ -52,30 +55,37 @@ def read_a2l(content):
 
 
 def objects(module):
-    """Axes and characteristics as name: (address, layout, method, limits, axis block or None)."""
+    """Axes and characteristics as name: (address, layout, method, limits, axis blocks, X first).
+
+    An axis is its own axis.
+    """
     found = {}
     for b in module.all("AXIS_PTS"):
         name, _, at, _, layout, _, method, _, low, high = b.given[:10]
-        found[name] = (int(at, 0), layout, method, (float(low), float(high)), b)
+        found[name] = (int(at, 0), layout, method, (float(low), float(high)), [b])
     axes = module.named("AXIS_PTS")
     for b in module.all("CHARACTERISTIC"):
         name, _, kind, at, layout, _, method, low, high = b.given[:9]
         over = b.all("AXIS_DESCR")
-        assert (kind, len(over)) in (("CURVE", 1), ("VALUE", 0))
-        axis = axes[over[0].after("AXIS_PTS_REF")[0]] if over else None
-        found[name] = (int(at, 0), layout, method, (float(low), float(high)), axis)
+        assert len(over) == AXES[kind]
+        named = [axes[one.after("AXIS_PTS_REF")[0]] for one in over]
+        assert [one.given[3] for one in over] == [axis.given[7] for axis in named]
+        found[name] = (int(at, 0), layout, method, (float(low), float(high)), named)
     return found
 
 
 def decoded(module, memory):
-    """Values of every object by name; ``memory(address, size)`` gives the bytes of the program."""
+    """Values of every object by name; ``memory(address, size)`` gives the bytes of the program.
+
+    Those of a map are in the order in which they lie there.
+    """
     order = {"MSB_LAST": "<", "MSB_FIRST": ">"}[module.one("MOD_COMMON").after("BYTE_ORDER")[0]]
     layouts, methods = module.named("RECORD_LAYOUT"), module.named("COMPU_METHOD")
     found = {}
-    for name, (at, layout, method, _, axis) in objects(module).items():
+    for name, (at, layout, method, _, axes) in objects(module).items():
         _, _, position, kind, _, how = layouts[layout].given
         assert (position, how) == ("1", "DIRECT")
-        form = f"{order}{1 if axis is None else int(axis.given[7])}{TYPES[kind]}"
+        form = f"{order}{math.prod(int(axis.given[7]) for axis in axes)}{TYPES[kind]}"
         raw = struct.unpack(form, memory(at, struct.calcsize(form)))
         conversion = methods[method]
         if conversion.given[2] == "IDENTICAL":
@@ -84,3 +94,12 @@ def decoded(module, memory):
             a, b = map(float, conversion.after("COEFFS_LINEAR", 2))
             found[name] = [a * v + b for v in raw]
     return found
+
+
+def cells(module, memory, name):
+    """Values of a map by their place (x, y) or (x, y, z), X the first axis that it describes."""
+    found = decoded(module, memory)
+    _, layout, _, _, axes = objects(module)[name]
+    assert module.named("RECORD_LAYOUT")[layout].given[4] == "ROW_DIR"  # X runs fastest
+    places = itertools.product(*(found[axis.given[0]] for axis in reversed(axes)))
+    return {place[::-1]: value for place, value in zip(places, found[name], strict=True)}

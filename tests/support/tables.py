@@ -2,7 +2,7 @@
 
 D = C (eta - 1) on a ramp along which z = K (eta - 1); f1, f2 follow from (18) with the load split
 written out here from the wheelbase; the tyre is g = C slip. ln of the pads' ratio in the maps is
-A + B_Z z + B_SHIFT shift.
+A + B_Z z + B_SHIFT shift + B_SLIP slip.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle, Vehicle
 from calib.store.record_file import Record, table_of
 from calib.store.version import Stored
-from calib.table.maps import FORMS, Draws, LevelMap, PadMap, SpeedMap
+from calib.table.maps import FORMS, Draws, LevelMap, PadMap
 from calib.table.table import (
     EXTRAPOLATED,
     INTERPOLATED,
@@ -39,8 +39,8 @@ C = 27.0
 K = 60.0
 """Deceleration per eta - 1 on the ramp [1]."""
 
-A, B_Z, B_SHIFT = 0.02, -0.3, 18.0
-"""ln of the pads' ratio [1]: at z = shift = 0, per z and per (eta - 1)/z."""
+A, B_Z, B_SHIFT, B_SLIP = 0.02, -0.3, 18.0, 0.07
+"""ln of the pads' ratio [1] in the origin, per z, per (eta - 1)/z and along the slip."""
 
 VEHICLE = Vehicle(
     name="sedan",
@@ -122,10 +122,19 @@ def _bounded(ratio):
     }
 
 
-def made_map(z=(0.1, 0.3, 0.45, 0.8), shift=(-0.004, 0.0, 0.003, 0.007, 0.02)):
-    """The closed form A + B_Z z + B_SHIFT shift; a cell of it is exact however it is read."""
-    axes = [np.array(z), np.array(shift)]
-    return PadMap.of(axes, **_bounded(A + B_Z * axes[0][:, None] + B_SHIFT * axes[1]))
+Z, SHIFT, SLIP = (0.1, 0.3, 0.45, 0.8), (-0.004, 0.0, 0.003, 0.007, 0.02), (-1.0, 0.5, 2.0)
+"""Values of the axes of `made_map`, in uneven steps."""
+
+
+def made_map(z=Z, shift=SHIFT, slip=SLIP):
+    """The closed form A + B_Z z + B_SHIFT shift + B_SLIP slip: exact however it is read.
+
+    The mean of ln(slip/z) is z - 3 - shift, its sigma 0.2 + z.
+    """
+    axes = [np.array(z), np.array(shift), np.array(slip)]
+    x, y, s = np.meshgrid(*axes, indexing="ij")
+    seen = {"log_slip": x - 3.0 - y, "log_slip_sigma": 0.2 + x}
+    return PadMap.of(axes, **_bounded(A + B_Z * x + B_SHIFT * y + B_SLIP * s), **seen)
 
 
 def made_draws(n=40):
@@ -149,14 +158,16 @@ def made_draws(n=40):
 
 
 def mapped_table(**changes) -> Table:
-    """`made_table` with all maps and draws; ``changes`` of other parts."""
-    axes = [np.array([0.1, 0.8]), np.array([-0.2, 0.1, 0.6]), np.array([-4.0, -3.0, -2.5, -1.5])]
-    grid = A + B_Z * axes[0][:, None, None] + axes[1][:, None] * np.ones(4)
+    """`made_table` with maps and draws; ``changes`` of other parts.
+
+    The level is 0.01 z, +- 0.02.
+    """
     z = np.array([0.1, 0.4, 0.8])
+    before = _bounded(A + B_Z * z)
+    del before["prior"]
     maps = {
         "map": made_map(),
-        "speed_map": SpeedMap.of(axes, **_bounded(grid)),
-        "level_map": LevelMap(z, 0.01 * z, 0.01 * z - 0.02, 0.01 * z + 0.02),
+        "level_map": LevelMap(z, 0.01 * z, 0.01 * z - 0.02, 0.01 * z + 0.02, **before),
         "draws": made_draws(),
     }
     return replace(made_table(), **maps | changes)

@@ -14,28 +14,37 @@ from calib.table.compare import diff, same
 from calib.table.invariants import require_finite, violations
 from calib.table.maps import PadMap
 from calib.table.table import COLUMNS, CURVES
-from tests.support.tables import B_SHIFT, B_Z, A, from_content, made_map, made_table, mapped_table
+from tests.support.tables import (
+    B_SHIFT,
+    B_SLIP,
+    B_Z,
+    A,
+    from_content,
+    made_map,
+    made_table,
+    mapped_table,
+)
 
-PARTS = ("map", "speed_map", "level_map", "draws")
+PARTS = ("map", "level_map", "draws")
 
 
 def test_rows_are_every_combination_and_a_grid_has_the_shape_of_the_axes():
     made = made_map()
-    assert made.shape == (4, 5)
+    assert made.shape == (4, 5, 3)
     assert made.axes["shift"].tolist() == [-0.004, 0.0, 0.003, 0.007, 0.02]
-    assert made.z.tolist() == sorted([0.1, 0.3, 0.45, 0.8] * 5)
-    assert made.grid("ratio")[2, 4] == A + B_Z * 0.45 + B_SHIFT * 0.02
+    assert made.z.tolist() == sorted([0.1, 0.3, 0.45, 0.8] * 15)
+    assert made.grid("ratio")[2, 4, 1] == A + B_Z * 0.45 + B_SHIFT * 0.02 + B_SLIP * 0.5
     assert made.bounded == ("ratio", "change")
 
 
 def test_it_is_read_linearly_along_each_axis_and_clamped():
     """The other reader is that of scipy, on numbers without any order."""
     rng = np.random.default_rng(3)
-    axes = [np.sort(rng.random(n)) for n in (4, 5)]
-    values = rng.normal(size=(4, 5))
-    names = [one.name for one in fields(PadMap)][2:]
+    axes = [np.sort(rng.random(n)) for n in (4, 5, 3)]
+    values = rng.normal(size=(4, 5, 3))
+    names = [one.name for one in fields(PadMap)][3:]
     made = PadMap.of(axes, **dict.fromkeys(names, values))
-    at = [np.linspace(-0.2, 1.2, 9), np.linspace(-0.1, 1.1, 7)]
+    at = [np.linspace(-0.2, 1.2, 9), np.linspace(-0.1, 1.1, 7), np.linspace(0.0, 1.0, 5)]
     points = np.meshgrid(*(np.clip(x, a[0], a[-1]) for x, a in zip(at, axes, strict=True)),
                          indexing="ij")  # fmt: skip
     true = RegularGridInterpolator(axes, values)(np.stack(points, axis=-1))
@@ -50,7 +59,7 @@ def test_a_table_without_maps_has_no_key_of_them():
     assert replace(mapped_table(), **dict.fromkeys(PARTS)).digest == table.digest
 
 
-@pytest.mark.parametrize("without", [(), ("speed_map",), ("draws", "level_map")])
+@pytest.mark.parametrize("without", [(), ("draws",), ("draws", "level_map")])
 def test_maps_come_back_to_the_bit(tmp_path, without):
     table = mapped_table(**dict.fromkeys(without))
     assert from_content(*table.content()).digest == table.digest
@@ -63,7 +72,7 @@ def test_maps_come_back_to_the_bit(tmp_path, without):
             frame = pd.read_parquet(saved.path / f"{name}.parquet")
             pd.testing.assert_frame_equal(frame, pd.DataFrame(vars(getattr(table, name))))
     assert read.map is not None
-    assert read.map.shape == (4, 5)
+    assert read.map.shape == (4, 5, 3)
     assert Store(tmp_path).save(table).version == 1
 
 
@@ -92,7 +101,7 @@ def test_sound_maps_have_no_violations():
 @pytest.mark.parametrize(
     ("column", "row", "value", "says"),
     [
-        ("shift", 3, 0.003, "map: its rows are not every combination of z, shift once"),
+        ("shift", 3, 0.003, "map: its rows are not every combination of z, shift, slip once"),
         ("ratio_lower", 7, 3.0, "map.ratio: outside its own 95 % band"),
         ("change", 7, 3.0, "map.change: outside its own 95 % band"),
     ],
@@ -118,8 +127,9 @@ def test_every_number_of_a_map_must_be_finite(part):
 
 def test_two_maps_differ_by_their_closed_form():
     """On other axes, too: the other map is read exactly, and 0.04 z is largest at the end."""
-    table, other = mapped_table(), made_map(z=(0.2, 0.6), shift=(-0.002, 0.01))
-    tilt = {name: getattr(other, name) + 0.04 * other.z for name in other.names if name != "prior"}
+    table, other = mapped_table(), made_map((0.2, 0.6), (-0.002, 0.01), (-2.0, 0.0, 1.0))
+    moved = ("ratio", "ratio_lower", "ratio_upper")
+    tilt = {name: getattr(other, name) + 0.04 * other.z for name in moved}
     found = diff(table, replace(table, map=replace(other, **tilt)))
     gap = next(one for one in found.curves if one.curve == "map ratio")
     assert (gap.start, gap.end, gap.at) == (0.2, 0.6, 0.6)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from calib.exports.breakpoints import misfit, place
+from calib.table.breakpoints import misfit, place
 
 
 @st.composite

@@ -43,6 +43,25 @@ def place(x: Array, curves: Array, points: int) -> Index:
     return _path(back, count, n)
 
 
+def place_evenly(x: Array, curves: Array, points: int) -> Index:
+    """Rows of ``x`` (n,) as in `place`, with the least sum of squared errors at all rows.
+
+    For ``curves`` (k, n) that are slices of a map: its corners, which few draws reach, must not
+    take them all.
+    """
+    n = len(x)
+    if points >= n:
+        return np.arange(n)
+    square = np.full((n, n), np.inf)
+    for i in range(n - 1):
+        for j in range(i + 1, n):
+            share = (x[i : j + 1] - x[i]) / (x[j] - x[i])
+            line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
+            square[i, j] = np.sum((curves[:, i : j + 1] - line) ** 2)
+    reach, back = _least(square, points, np.add)
+    return _path(back, FEWEST + int(np.argmin(reach[FEWEST:, n - 1])), n)
+
+
 def misfit(x: Array, curves: Array, at: Array, values: Array) -> Misfit:
     """Error of ``values`` (k, m) read linearly between ``at`` (m,), against ``curves`` (k, n) on x.
 

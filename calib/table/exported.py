@@ -1,0 +1,161 @@
+"""A table as an ECU reads it: on fewer breakpoints, in integers or in single precision.
+
+`calib.exports` writes these numbers, and `as_exported` gives them as a table, so that what is
+proved is what is handed out. The axes of a map are rounded first and its cells are those that the
+whole map has there, so that a coarse axis costs no error of its own.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from calib.base.arrays import Array, Index
+from calib.base.errors import ExchangeError
+from calib.table.breakpoints import FEWEST, Misfit, place, place_evenly
+from calib.table.fixed_point import Fixed, fixed_axis, to_fixed
+from calib.table.maps import MAPS, Map
+from calib.table.table import DifferenceCurve, PaperCurves, Table, TyreCurve
+
+_Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
+
+
+class Written(NamedTuple):
+    """Numbers (n,), in double or rounded to single precision, and their integers if there are."""
+
+    values: Array
+    fixed: Fixed | None = None
+
+    @property
+    def read(self) -> Array:
+        """The numbers as an ECU reads them."""
+        return self.values if self.fixed is None else self.fixed.values
+
+
+@dataclass(frozen=True)
+class Precision:
+    """How a table is written: in integers of ``bits``, in ``single`` precision, else in double.
+
+    ``points`` breakpoints on each axis, at those rows where they miss the table least; all rows if
+    not given.
+    """
+
+    points: int | None = None
+    bits: int | None = None
+    single: bool = False
+
+    def numbers(self, values: Array) -> Written:
+        """Numbers as they are written. Raises ExchangeError for a width that C does not have."""
+        if self.bits is not None:
+            return Written(values, to_fixed(values, self.bits))
+        return Written(values.astype(np.float32).astype(np.float64) if self.single else values)
+
+    def axis(self, name: str, values: Array, origin: float = 0.0) -> Written:
+        """An axis, counted from ``origin``. Raises ExchangeError if it no longer increases."""
+        if self.bits is not None:
+            return Written(values, fixed_axis(name, values, self.bits, origin))
+        written = self.numbers(values)
+        if np.any(np.diff(written.values) <= 0.0):
+            raise ExchangeError(
+                "in single precision some breakpoints become equal",
+                where=name,
+                expected="an axis that increases strictly",
+                do="take fewer points, or double precision",
+            )
+        return written
+
+    def rows(self, name: str, x: Array, curves: Array) -> Index:
+        """Rows of ``curves`` (k, n) over ``x`` (n,) to keep.
+
+        Raises ExchangeError for more points than rows, or fewer than an axis has ends.
+        """
+        if self.points is None:
+            return np.arange(len(x))
+        if not FEWEST <= self.points <= len(x):
+            raise ExchangeError(
+                f"{self.points} breakpoints",
+                where=name,
+                expected=f"{FEWEST} to {len(x)}, the rows of the table",
+            )
+        return place(x, curves, self.points)
+
+
+@dataclass(frozen=True)
+class WrittenMap:
+    """A map as it is written: ``axes`` and ``columns`` by name; ``misfit`` of each axis.
+
+    The misfit is that of the breakpoints alone, over the cells of the whole map.
+    """
+
+    axes: dict[str, Written]
+    columns: dict[str, Written]
+    misfit: dict[str, Misfit]
+
+
+def written_map(held: Map, how: Precision, label: str) -> WrittenMap:
+    """A map on at most ``how.points`` values of each axis; ``label`` names it in an error."""
+    kept = {name: x[_rows(held, i, how.points)] for i, (name, x) in enumerate(held.axes.items())}
+    axes = {name: how.axis(f"{label}, {name}", x) for name, x in kept.items()}
+    at = held.on([axis.read for axis in axes.values()])
+    columns = {name: how.numbers(getattr(at, name)) for name in held.names}
+    return WrittenMap(axes, columns, _misfit(held, at))
+
+
+def _rows(held: Map, i: int, points: int | None) -> Index:
+    """Values of axis ``i`` to keep, by all slices along it of every column but the prior."""
+    x = [*held.axes.values()][i]
+    if points is None:
+        return np.arange(x.size)
+    names = [name for name in held.names if name != "prior"]
+    slices = [np.moveaxis(held.grid(name), i, -1).reshape(-1, x.size) for name in names]
+    return place_evenly(x, np.concatenate(slices), max(points, FEWEST))
+
+
+def _misfit(held: Map, reduced: Map) -> dict[str, Misfit]:
+    """Errors of a reduced map at the cells of the whole one, the same for each axis but its place.
+
+    Both are linear along each axis between these cells, so the largest error is at one of them.
+    """
+    again = reduced.on([*held.axes.values()])
+    bounded = [name + end for name in held.bounded for end in ("_lower", "", "_upper")]
+    gaps = np.array([getattr(again, name) - getattr(held, name) for name in bounded])
+    row = int(np.argmax(np.abs(gaps))) % held.z.size
+    worst, rms = float(np.abs(gaps).max()), float(np.sqrt(np.mean(gaps**2, axis=1).max()))
+    return {name: Misfit(worst, float(getattr(held, name)[row]), rms) for name in held.AXES}
+
+
+def as_exported(table: Table, how: Precision) -> Table:
+    """The curves and maps of a table as an ECU reads them in an export of this precision.
+
+    Bands, counts and flags of the curves are those of the rows that are kept. Mass, lengths and
+    pads are not rounded here: of a table with maps they have 16 bits or more, 0.003 % at most.
+    Raises ExchangeError as `Precision`.
+    """
+    p, d, g = table.paper, table.difference, table.tyre
+    f = np.array([p.f1, p.f2])
+    together = np.array_equal(p.eta, d.eta)
+    first = how.rows("eta", p.eta, np.concatenate((f, d.D[None])) if together else f)
+    second = first if together else how.rows("eta_D", d.eta, d.D[None])
+    third = how.rows("slip", g.slip, g.force[None])
+    maps = {}
+    for name in MAPS:
+        if (held := getattr(table, name)) is not None:
+            made = written_map(held, how, name)
+            columns = {key: one.read for key, one in made.columns.items()}
+            maps[name] = held.of([axis.read for axis in made.axes.values()], **columns)
+    return replace(
+        table,
+        paper=_curve(p, first, how, "eta", 1.0, "f1", "f2"),
+        difference=_curve(d, second, how, "eta", 1.0, "D"),
+        tyre=_curve(g, third, how, "slip", 0.0, "force"),
+        **maps,
+    )
+
+
+def _curve(
+    held: _Curve, rows: Index, how: Precision, axis: str, origin: float, *names: str
+) -> _Curve:
+    """The kept rows of a curve, its axis and the columns ``names`` as they are read."""
+    columns = {name: column[rows] for name, column in vars(held).items()}
+    read = {name: how.numbers(columns[name]).read for name in names}
+    return type(held)(**{**columns, **read, axis: how.axis(axis, columns[axis], origin).read})

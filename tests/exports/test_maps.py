@@ -1,0 +1,320 @@
+"""Maps in every format as readers of others see them, and as a compiler and a program have them.
+
+ln of the pads' ratio is A + B_Z z + B_SHIFT shift + B_SLIP slip; the axes have 4, 5 and 3 values.
+"""
+
+import csv
+import io
+import json
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from lxml import etree
+
+from calib.base.errors import ExchangeError
+from calib.exports.addresses import find_addresses
+from calib.exports.compare import Difference, difference
+from calib.exports.dataset import build
+from calib.exports.export import export
+from calib.exports.read import read_back
+from calib.exports.write import COLUMNS, FORMATS, TEXTS
+from calib.store.store import Store
+from calib.table.exported import Precision, as_exported
+from tests.exports.test_a2l import a2ltool, needs_a2ltool
+from tests.exports.test_c_header import needs_compiler, printed
+from tests.exports.test_formats import TREE
+from tests.support.a2l import cells, decoded, read_a2l
+from tests.support.programs import linked, memory_of, needs_gcc
+from tests.support.tables import (
+    B_SHIFT,
+    B_SLIP,
+    B_Z,
+    SHIFT,
+    SLIP,
+    A,
+    Z,
+    made_map,
+    mapped_table,
+)
+
+OFF = {"ratio": 0.0, "ratio_lower": -0.1, "ratio_upper": 0.2, "change": -0.05}
+"""What a column is over the ratio."""
+
+
+@pytest.fixture
+def mapped(tmp_path):
+    return Store(tmp_path / "mapped").save(mapped_table())
+
+
+def truth(column="ratio"):
+    """Values by (z, shift, slip)."""
+    return {
+        (z, x, s): A + B_Z * z + B_SHIFT * x + B_SLIP * s + OFF[column]
+        for z, x, s in product(Z, SHIFT, SLIP)
+    }
+
+
+def near(found, column="ratio"):
+    """Whether every cell stands at its place, and no other."""
+    true = truth(column)
+    return found.keys() == true.keys() and all(abs(found[at] - true[at]) <= 1e-12 for at in true)
+
+
+def written(stored, form, **how):
+    data = build(stored, most_axes=FORMATS[form].most_axes, date="2026-05-04", **how)
+    return data, FORMATS[form].write(data)
+
+
+DCM_READER = """
+import json, logging, sys
+from dcmReader.dcm_reader import DcmReader
+logging.disable(logging.NOTSET)
+d = DcmReader()
+d.read(sys.argv[1])
+print(json.dumps([
+    [m.name, m.x_mapping, m.y_mapping, m.x_dimension, m.y_dimension, m.unit_values,
+     [[float(y), float(x), float(v)] for y, row in m.values.items() for x, v in row.items()]]
+    for m in d.get_group_characteristic_maps()
+]))
+"""
+
+
+def test_dcmReader_sees_each_map_over_its_two_distributions(mapped, tmp_path):
+    (tmp_path / "table.dcm").write_bytes(written(mapped, "dcm")[1])
+    run = subprocess.run(
+        [sys.executable, "-c", DCM_READER, tmp_path / "table.dcm"],
+        capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    assert run.stderr == ""
+    maps = {name: rest for name, *rest in json.loads(run.stdout)}
+    flat = {"sedan_log_slip", "sedan_log_slip_sigma"}
+    thick = {name for name in made_map().names if f"sedan_{name}" not in flat}
+    assert maps.keys() == flat | {f"sedan_{name}_s{i}" for name in thick for i in (1, 2, 3)}
+    for column in OFF:
+        found = {}
+        for i, slip in enumerate(SLIP):
+            *head, rows = maps[f"sedan_{column}_s{i + 1}"]
+            assert head == ["sedan_shift", "sedan_z", 5, 4, "1"]
+            found |= {(z, x, slip): value for z, x, value in rows}
+        assert near(found, column)
+    for z, x, value in maps["sedan_log_slip"][-1]:
+        assert value == pytest.approx(z - 3.0 - x, abs=1e-12)
+
+
+def nested(element):
+    """The values of a group, as deep as its groups are."""
+    inner = element.findall("VG")
+    return [nested(one) for one in inner] if inner else [float(v.text) for v in element]
+
+
+def test_lxml_sees_maps_and_a_cuboid_in_a_cdf(mapped):
+    root = etree.fromstring(written(mapped, "cdfx")[1])
+    found = {i.findtext("SHORT-NAME"): i for i in root.findall(f"{TREE}/SW-INSTANCE")}
+    axis = "SW-AXIS-CONTS/SW-AXIS-CONT/SW-INSTANCE-REF"
+    value = "SW-VALUE-CONT/SW-VALUES-PHYS"
+    kinds = {name: one.findtext("CATEGORY") for name, one in found.items()}
+    names = ("ratio", "log_slip", "level", "shift", "slip_apart")
+    assert [kinds[f"sedan_{n}"] for n in names] == [
+        "CUBOID", "MAP", "CURVE", "COM_AXIS", "COM_AXIS",
+    ]  # fmt: skip
+    one, flat = found["sedan_change"], found["sedan_log_slip"]
+    over = ["sedan_slip_apart", "sedan_shift", "sedan_z"]
+    assert [ref.text for ref in one.findall(axis)] == over
+    assert [ref.text for ref in flat.findall(axis)] == over[1:]
+    cells = nested(one.find(value))  # a group is a row over X, the first axis
+    at = product(range(4), range(5), range(3))
+    assert near({(Z[i], SHIFT[j], SLIP[k]): cells[i][j][k] for i, j, k in at}, "change")
+    true = np.array(Z)[:, None] - 3.0 - np.array(SHIFT)
+    np.testing.assert_allclose(nested(flat.find(value)), true, atol=1e-12)
+
+
+def test_json_has_maps_nested_with_their_bounds(mapped):
+    document = json.loads(written(mapped, "json")[1])
+    maps = {one["label"]: one for one in document["maps"]}
+    axes = {one["label"]: one["values"] for one in document["axes"]}
+    one = maps["sedan_ratio"]
+    assert [axes[axis] for axis in one["axes"]] == [[*Z], [*SHIFT], [*SLIP]]
+    for name, column in (("values", "ratio"), ("lower", "ratio_lower"), ("upper", "ratio_upper")):
+        flat = np.ravel(one[name]).tolist()
+        assert near(dict(zip(product(Z, SHIFT, SLIP), flat, strict=True)), column)
+    assert np.shape(maps["sedan_log_slip"]["values"]) == (4, 5)
+    assert maps["sedan_change_0"]["axes"] == maps["sedan_level"]["axes"] == ["sedan_z_level"]
+    assert "lower" not in maps["sedan_prior"]
+
+
+@pytest.mark.parametrize("form", ["csv", "parquet"])
+def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped, form):
+    content = io.BytesIO(written(mapped, form)[1])
+    if form == "csv":  # as text first: pandas reads some numbers one bit off
+        frame = pd.read_csv(content, comment="#", dtype=str)
+        numbers = [name for name in frame if name not in TEXTS]
+        frame = frame.astype(dict.fromkeys(numbers, float))
+    else:
+        frame = pq.read_table(content, use_threads=False).to_pandas()
+    one = frame[frame["label"] == "sedan_ratio"]
+    axes = one["axis"] + one["axis_2"] + one["axis_3"]
+    assert set(axes) == {"sedan_zsedan_shiftsedan_slip_apart"}
+    for cell, column in (("value", "ratio"), ("lower", "ratio_lower"), ("upper", "ratio_upper")):
+        places = zip(one["x"], one["x_2"], one["x_3"], strict=True)
+        assert near(dict(zip(places, one[cell], strict=True)), column)
+    flat = frame[frame["label"] == "sedan_log_slip"]
+    assert (len(flat), flat["x_3"].notna().sum()) == (20, 0)
+    level = frame[frame["label"] == "sedan_level"]
+    assert (level["value"] / level["x"]).tolist() == pytest.approx([0.01] * 3)
+    assert (level["upper"] - level["lower"]).tolist() == pytest.approx([0.04] * 3)
+    assert not [name for name in frame["label"] if "lower" in name]
+
+
+def test_inca_has_a_row_for_each_value_of_y(mapped):
+    parts = written(mapped, "inca-csv")[1].decode().split("\r\n\r\n")
+    found = {}
+    for i, slip in enumerate(SLIP):
+        part = next(p for p in parts if p.startswith(f";sedan_change_s{i + 1}\r\n"))
+        _, head, x, y, *rows = csv.reader(part.split("\r\n"), delimiter=";")
+        assert head == ["MAP", "sedan_shift", "sedan_z"]
+        found |= {
+            (float(z), float(s), slip): float(value)
+            for z, row in zip(y[2:], rows, strict=False)
+            for s, value in zip(x[2:], row[2:], strict=True)
+        }
+    assert near(found, "change")
+
+
+WIDTHS = [{}, {"single": True}, {"bits": 8}, {"bits": 16}, {"bits": 32}]
+
+
+def shown(data, label):
+    """C code that prints a map with the values of its axes."""
+    whole = data.bits is not None
+    value = "{0}_origin + {0}_step * (double){0}{1}" if whole else "(double){0}{1}"
+    texts = [value.format(f"{data.prefix}_{n}", at) for n, at in
+             (("z", "[i]"), ("shift", "[j]"), ("slip_apart", "[k]"), (label, "[i][j][k]"))]  # fmt: skip
+    first = data.prefix.upper()
+    return (
+        f"for (unsigned i = 0U; i < {first}_Z_SIZE; i++) "
+        f"for (unsigned j = 0U; j < {first}_SHIFT_SIZE; j++) "
+        f"for (unsigned k = 0U; k < {first}_SLIP_APART_SIZE; k++) "
+        f'{{ printf("%.17g %.17g %.17g %.17g\\n", {", ".join(texts)}); }}'
+    )
+
+
+@needs_compiler
+@pytest.mark.parametrize("how", WIDTHS, ids=str)
+def test_a_compiler_reads_the_map_as_validate_judges_it(mapped, tmp_path, how):
+    """To the last bit what `as_exported` holds, and near the closed form at the rounded places."""
+    data, _ = written(mapped, "c-header", **how)
+    lines = printed(tmp_path, data, shown(data, "change_upper")).splitlines()
+    z, shift, slip, value = np.array([line.split() for line in lines], dtype=float).T
+    held = as_exported(mapped.table, Precision(**how)).map
+    for seen, name in ((z, "z"), (shift, "shift"), (slip, "slip"), (value, "change_upper")):
+        assert seen.tolist() == getattr(held, name).tolist()
+    bits = how.get("bits", 24 if how else 53)
+    true = A + B_Z * z + B_SHIFT * np.clip(shift, SHIFT[0], SHIFT[-1]) + B_SLIP * slip + 0.15
+    assert np.abs(value - true).max() <= 2.0 ** (1 - bits)
+    assert np.abs(z.reshape(4, 5, 3)[:, 0, 0] - Z).max() <= 2.0 ** (1 - bits)
+
+
+@needs_a2ltool
+@needs_gcc
+@pytest.mark.parametrize("how", WIDTHS, ids=str)
+def test_a_program_holds_what_the_a2l_says(mapped, tmp_path, how):
+    """a2ltool accepts it, finds the same types in the program, and the bytes are the map."""
+    data, header = written(mapped, "c-header", **how)
+    elf = linked(tmp_path, header, data.prefix)
+    content = FORMATS["a2l"].write(replace(data, addresses=find_addresses(elf, data)))
+    update = ("--elffile", elf, "--update", "FULL", "--update-mode", "STRICT")
+    ours = a2ltool(tmp_path, content)
+    assert a2ltool(tmp_path, FORMATS["a2l"].write(data), *update) == ours
+    module = read_a2l(content).one("MODULE")
+    found = cells(module, memory_of(elf), "sedan_ratio_lower")
+    held = as_exported(mapped.table, Precision(**how)).map
+    places = zip(held.slip, held.shift, held.z, strict=True)
+    assert found == dict(zip(places, held.ratio_lower, strict=True))
+    flat = cells(module, memory_of(elf), "sedan_log_slip")
+    places = zip(held.shift, held.z, strict=True)
+    assert flat == dict(zip(places, held.log_slip, strict=True))
+    mass = decoded(module, memory_of(elf))["sedan_mass"][0]
+    assert mass == pytest.approx(1744.0, rel=4e-5)  # 16 bits at least
+    level = decoded(module, memory_of(elf))["sedan_level"]
+    exported = as_exported(mapped.table, Precision(**how)).level_map
+    assert level == exported.level.tolist()
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_table_without_maps_has_nothing_of_them(stored, form):
+    data, content = written(stored, form)
+    assert data.grids == ()
+    for word in (b"sedan_ratio", b"sedan_mu_n_f", b"axis_2", b'"maps"', b"ROW_DIR", b"KENNFELD"):
+        assert word not in content
+    if form == "csv":
+        assert f"\n{','.join(COLUMNS)}\n" in content.decode()
+
+
+@pytest.mark.parametrize("form", ["dcm", "cdfx"])
+@pytest.mark.parametrize("points", [None, 3])
+def test_it_comes_back_and_agrees(mapped, tmp_path, form, points):
+    data, content = written(mapped, form, points=points)
+    (tmp_path / "a").write_bytes(content)
+    found = read_back(tmp_path / "a")
+    assert found.content == data.content()
+    assert found.unchanged is True
+    assert difference(found, mapped) == Difference([])
+    over, values = found.content.maps["sedan_log_slip"]
+    assert len(values) == len(over[0]) * len(over[1]) == (9 if points else 20)
+    for (z, x), value in zip(product(*over), values, strict=True):
+        assert value == pytest.approx(z - 3.0 - x, abs=1e-12)
+
+
+@pytest.mark.parametrize("form", ["dcm", "cdfx"])
+def test_one_changed_cell_is_found_and_where(mapped, tmp_path, form):
+    name, place, at = {
+        "dcm": ("sedan_ratio_upper_s2", "(0.45, 0.007)", (2, 3, 1)),
+        "cdfx": ("sedan_ratio_upper", "(0.1, 0.007, -1.0)", (0, 3, 0)),
+    }[form]
+    head, name, rest = written(mapped, form)[1].decode().partition(name)
+    old = repr(float(made_map().grid("ratio_upper")[at]))
+    (tmp_path / "a").write_text(head + name + rest.replace(old, "0.25", 1))
+    wrong = difference(read_back(tmp_path / "a"), mapped).wrong
+    assert len(wrong) == 2
+    assert wrong[1].startswith(f"{name} at {place}: 0.25,")
+
+
+DAMAGE = [
+    ("dcm", "  ST/Y 0.45\n", ""),
+    ("dcm", "*SSTY sedan_z\n", ""),
+    ("dcm", "KENNFELD sedan_ratio_s1 5 4", "KENNFELD sedan_ratio_s1 4 5"),
+    ("dcm", "KENNFELD sedan_ratio_s1 5 4", "KENNFELD sedan_ratio_s1 20"),
+    ("cdfx", "                  <VG>\n", "                  <VG><V>0.1</V>\n"),
+    ("cdfx", ">sedan_shift</SW-INSTANCE-REF>", ">sedan_z</SW-INSTANCE-REF>"),
+    ("cdfx", "<CATEGORY>CUBOID<", "<CATEGORY>MAP<"),
+]
+
+
+@pytest.mark.parametrize(("form", "old", "new"), DAMAGE)
+def test_a_damaged_map_is_refused(mapped, tmp_path, form, old, new):
+    text = written(mapped, form)[1].decode()
+    assert old in text
+    (tmp_path / "a").write_text(text.replace(old, new, 1))
+    with pytest.raises(ExchangeError):
+        read_back(tmp_path / "a")
+
+
+def test_an_export_says_what_its_breakpoints_cost(mapped, tmp_path):
+    made = export(mapped, tmp_path / "a.h", points=3, bits=8, unreleased=True)
+    axes = {axis["label"]: axis for axis in made.to_dict()["axes"]}
+    assert axes["sedan_shift"]["maps"] == [f"sedan_{name}" for name in made_map().names]
+    assert (axes["sedan_z"]["points"], axes["sedan_z"]["rows"]) == (3, 4)
+    assert axes["sedan_z"]["worst"] < 0.02  # a plane: only the ends of rounded axes are off
+    assert axes["sedan_z_level"]["curves"][:2] == ["sedan_level", "sedan_level_lower"]
+    assert "maps" not in axes["sedan_eta"]
+    single = export(mapped, tmp_path / "b.h", single=True, unreleased=True)
+    text = single.content.decode()
+    assert re.search(r"const float sedan_mass = 1744\.0F;", text)
+    assert "numbers: float" in text

@@ -1,0 +1,132 @@
+"""Tables as an ECU reads them: breakpoints of maps, their rounding, and what it costs."""
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from calib.base.errors import ExchangeError
+from calib.exports.dataset import build
+from calib.table.breakpoints import place_evenly
+from calib.table.exported import Precision, as_exported, written_map
+from calib.table.maps import PadMap
+from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map, mapped_table, stored_as
+
+WIDTHS = [{}, {"single": True}, {"bits": 8}, {"bits": 16}, {"bits": 32}]
+
+
+def curved():
+    """A map of the size and shape of a fitted one: a saddle that levels off on both sides."""
+    axes = np.linspace(0.06, 0.85, 8), np.linspace(-0.004, 0.05, 19), np.linspace(-1.5, 1.5, 4)
+    z, shift, slip = np.meshgrid(*axes, indexing="ij")
+    ratio = 0.6 * np.tanh((shift - 0.012 + 0.02 * z) / 0.015) + 0.04 * slip
+    half = 0.12 + 0.3 * np.exp(-(((shift - 0.03) / 0.02) ** 2)) * (1.0 + z)
+    ends = {"_lower": ratio - half, "": ratio, "_upper": ratio + 1.3 * half}
+    columns = {f"{name}{end}": x for name in ("ratio", "change") for end, x in ends.items()}
+    seen = {"log_slip": -3.0 - z + 9.0 * shift, "log_slip_sigma": 0.1 + 0.5 * z}
+    return PadMap.of(axes, **columns, **seen, prior=half)
+
+
+def test_in_double_on_all_rows_nothing_changes():
+    table = mapped_table()
+    assert as_exported(table, Precision()).digest == table.digest
+
+
+def test_breakpoints_are_those_where_the_map_bends():
+    """Linear between two values of z and three of shift: those are kept, and nothing is lost."""
+    bent = PadMap.of(
+        [np.array([0.1, 0.4, 0.8]), np.array([-0.004, 0.003, 0.008, 0.02]), np.zeros(1)],
+        **dict.fromkeys(
+            made_map().names, np.outer([1.0, 0.2, 0.5], [0.3, -0.2, 0.4, 0.5])[..., None]
+        ),
+    )
+    fine = bent.on([np.linspace(0.1, 0.8, 15), np.linspace(-0.004, 0.02, 25), np.zeros(1)])
+    made = written_map(fine, Precision(points=4), "map")
+    assert made.axes["z"].values[[0, -1]].tolist() == [0.1, 0.8]
+    assert {0.4} <= set(made.axes["z"].values.round(12))
+    assert made.axes["shift"].values == pytest.approx([-0.004, 0.003, 0.008, 0.02])
+    assert made.misfit["z"].worst < 1e-12
+
+
+@pytest.mark.parametrize("points", [2, 5, 9])
+def test_the_placement_of_least_squares_is_the_best_there_is(points):
+    rng = np.random.default_rng(points)
+    x, curves = np.sort(rng.random(11)), rng.normal(size=(6, 11)).cumsum(axis=1)
+
+    def error(kept):
+        return sum(np.sum((np.interp(x, x[kept], y[kept]) - y) ** 2) for y in curves)
+
+    every = [[0, *c, 10] for k in range(points - 1) for c in combinations(range(1, 10), k)]
+    kept = place_evenly(x, curves, points)
+    assert error(kept) == pytest.approx(min(map(error, every)), abs=1e-12)
+
+
+@pytest.mark.parametrize("how", WIDTHS, ids=str)
+def test_a_plane_costs_no_more_than_its_rounding(how):
+    """Read at the rounded places, so that a coarse axis costs nothing within its ends."""
+    plane = made_map(z=np.linspace(0.05, 0.85, 9), shift=np.linspace(-0.004, 0.02, 9))
+    held = as_exported(mapped_table(map=plane), Precision(points=5, **how)).map
+    ends = ((name, x[0], x[-1]) for name, x in plane.axes.items())
+    inside = np.logical_and.reduce(
+        [(low <= getattr(held, name)) & (getattr(held, name) <= high) for name, low, high in ends]
+    )
+    true = plane.on([*held.axes.values()])
+    bits = how.get("bits", 24 if how else 53)
+    assert np.abs(held.ratio_upper - true.ratio_upper)[inside].max() <= 2.0**-bits
+    form = A + B_Z * held.z + B_SHIFT * held.shift + B_SLIP * held.slip
+    assert np.abs(held.ratio - form)[inside].max() <= 2.0**-bits
+
+
+@pytest.mark.parametrize("how", WIDTHS, ids=str)
+@pytest.mark.parametrize("points", [None, 7])
+def test_every_format_has_the_numbers_of_the_exported_table(how, points):
+    table = stored_as("sedan@1").table
+    t = as_exported(mapped_table(map=curved()), Precision(points, **how))
+    data = build(replace(stored_as("sedan@1"), table=mapped_table(map=curved())), points, **how)
+    held = {
+        one.label: one.values if one.fixed is None else one.fixed.values for one in data.objects
+    }
+    for name, column in (
+        ("eta", t.paper.eta), ("f1", t.paper.f1), ("f2", t.paper.f2), ("D", t.difference.D),
+        ("slip", t.tyre.slip), ("g", t.tyre.force), ("ratio", t.map.ratio),
+        ("prior", t.map.prior), ("change_0_upper", t.level_map.change_upper),
+        ("level_lower", t.level_map.level_lower), ("shift", t.map.axes["shift"]),
+        ("z_level", t.level_map.z), ("slip_apart", t.map.axes["slip"]),
+        ("log_slip", t.map.grid("log_slip")[..., 0].ravel()),
+        ("log_slip_sigma", t.map.grid("log_slip_sigma")[..., -1].ravel()),
+    ):  # fmt: skip
+        assert held[f"sedan_{name}"].tolist() == column.tolist(), name
+    assert t.paper.f1_lower.size == t.paper.f1.size
+    assert t.vehicle == table.vehicle
+
+
+def test_600_bytes_hold_the_map():
+    """6 by 6 by 4 cells in 8 bits: ratio and bounds, log_slip and sigma, and the axes."""
+    how = Precision(points=6, bits=8)
+    table = replace(stored_as("sedan@1"), table=mapped_table(map=curved()))
+    kept = ("z", "shift", "slip_apart", "ratio", "ratio_lower", "ratio_upper", "log_slip")
+    labels = {f"sedan_{name}" for name in (*kept, "log_slip_sigma")}
+    objects = [one for one in build(table, 6, bits=8).objects if one.label in labels]
+    assert len(objects) == len(labels)
+    assert sum(one.fixed.raw.size * one.fixed.bits // 8 for one in objects) <= 600
+    table = as_exported(mapped_table(map=curved()), how)
+    draw = np.random.default_rng(1)
+    places = [np.sort(draw.uniform(*ends, 30)) for ends in ((0.1, 0.8), (0.0, 0.04), (-1.0, 1.0))]
+    gap = table.map.on(places).ratio - curved().on(places).ratio
+    assert np.sqrt(np.mean(gap**2)) < 0.015
+
+
+def test_points_that_an_axis_lacks_are_all_of_its_own():
+    made = written_map(made_map(), Precision(points=16), "map")
+    assert [len(axis.values) for axis in made.axes.values()] == [4, 5, 3]
+
+
+def test_an_axis_that_no_longer_increases_is_refused():
+    close = made_map(shift=(-0.004, 0.0, 1e-6, 0.02))
+    for how in (Precision(bits=8), Precision(bits=12)):
+        with pytest.raises(ExchangeError):
+            as_exported(mapped_table(map=close), how)
+    near = made_map(z=(0.1, 0.1 + 1e-9, 0.8))
+    with pytest.raises(ExchangeError, match="map, z"):
+        as_exported(mapped_table(map=near), Precision(single=True))
