@@ -110,8 +110,9 @@ class Constants:
     radius: float
     late: float
     block: float
-    memory: float = 0.5  # of the means that go into the map [s]
-    before_bite: float = 0.3  # time that no zero rests on [s]: pads may touch
+    memory: float = 0.3  # of the means that go into the map [s]
+    before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
+    untouched: float = 7e4  # pressure up to which they do not [Pa]
     settle: float = 0.3  # time of braking before an answer stands [s]
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
@@ -129,6 +130,7 @@ class Constants:
     scale: float = 0.009  # a_x reads too much while braking, scale and pitch; and its sigma
     scale_sigma: float = 0.01
     ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
+    unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
     slip_rough: float = 0.04  # of the slip of a block, relative
     log_slip: float = -3.2  # ln(slip/z) before any braking, 0.04, and its sigma [1]
     log_slip_sigma: float = 0.7
@@ -215,6 +217,8 @@ class State:
     released: float = 0.0
     sums: list[float] = field(default_factory=lambda: [0.0] * 4)
     best: list[float] | None = None
+    age: float = 0.0
+    level_then: float = 1.0
 
 
 def started(c: Constants) -> State:
@@ -264,7 +268,8 @@ def _roll(c: Constants, s: State, x: Sample) -> None:
         if old.v == old.v:
             slip = 1.0 - _rim(s, old) / old.v
             s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
-    if abs(x.z) < STEADY and x.rim > MOVING and not x.disturbed:
+    free = x.pressure < c.untouched and abs(x.z) < STEADY
+    if free and x.rim > MOVING and not x.disturbed:
         s.waiting.append(x)
     else:
         s.waiting.clear()
@@ -353,8 +358,8 @@ def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, floa
     prior, sigma = read[SLIP], read[SLIP + 1]
     both = [row[3] for row in m.P]
     gain, rest = 1.0 / (both[3] + sigma**2), prior - m.x[3]
-    e, ee = m.x[2] + gain * both[2] * rest, m.P[2][2] - gain * both[2] ** 2
-    return e, ee, m.x[3] + gain * both[3] * rest, m.P[3][3] - gain * both[3] ** 2
+    e, ee = m.x[2] + gain * both[2] * rest, max(m.P[2][2] - gain * both[2] ** 2, 0.0)
+    return e, ee, m.x[3] + gain * both[3] * rest, max(m.P[3][3] - gain * both[3] ** 2, 0.0)
 
 
 LEVEL = ("level", "level_lower", "level_upper")
@@ -371,26 +376,43 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
     read = c.ratio(z, shift / z, 0.0)
     assert s.motion is not None
     e, ee, log_slip, left = _with_map(s.motion, read)
-    noise, accelerometer = s.level.P[0][0] / s.level.x[0] ** 2, s.demand.variance / z**2 + ee
+    noise, accelerometer = (
+        max(s.level.P[0][0], 0.0) / s.level.x[0] ** 2,
+        s.demand.variance / z**2 + ee,
+    )
     noisy = Z95 * math.sqrt(noise + accelerometer)
     level = math.log(a * (1.0 - e)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
     now = _ratio(c, s, (z, shift), apart, before[len(LEVEL) :])
-    if s.best is not None:
-        grown = Z95 * c.ageing * math.sqrt(c.block)
-        for k in (1, 2, 4, 5):
-            s.best[k] = math.hypot(s.best[k], grown)
-        s.best[6] += (grown / Z95) ** 2
-    if s.best is None or now[1] + now[2] <= s.best[1] + s.best[2]:
-        s.best = now
-    ratio, below, above, change, change_below, change_above, zeros = s.best
+    if s.best is None or now[1] + now[2] <= sum(_aged(c, s, a)[1:3]):
+        s.best, s.age, s.level_then = now, 0.0, a
+    ratio, below, above, change, change_below, change_above, zeros = _aged(c, s, a)
+    s.age += c.block
     return Answer(
         level, level - down, level + up,
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
         noise, accelerometer, zeros, s.level.x[1], _reason(c, s, x),
     )  # fmt: skip
+
+
+def _aged(c: Constants, s: State, level: float) -> list[float]:
+    """The kept ratio as it is known now: pads warm up, and those that changed did so unlike."""
+    assert s.best is not None
+    changed = c.unlike * math.log(max(level, 0.02) / max(s.level_then, 0.02))
+    variance = c.ageing**2 * s.age + changed**2
+    more = Z95 * math.sqrt(variance)
+    ratio, below, above, change, change_below, change_above, zeros = s.best
+    return [
+        ratio,
+        math.hypot(below, more),
+        math.hypot(above, more),
+        change,
+        math.hypot(change_below, more),
+        math.hypot(change_above, more),
+        zeros + variance,
+    ]
 
 
 def _ratio(
