@@ -21,7 +21,7 @@ from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
 from calib.table.breakpoints import Misfit, misfit
-from calib.table.exported import Precision, WrittenMap, written_map
+from calib.table.exported import LEAST_BITS, Precision, WrittenMap, written_map
 from calib.table.fixed_point import Fixed
 from calib.table.maps import MAPS
 from calib.table.table import Table
@@ -322,7 +322,10 @@ class Dataset:
     def numbers(self) -> str:
         """How the numbers of a file for an ECU are written."""
         floating = "float" if self.single else "double"
-        return f"int{self.bits}_t, value = origin + step * raw" if self.bits else floating
+        if self.bits is None:
+            return floating
+        wide = "; scalars and axes of maps int16_t" * (self.maps != () and self.bits < LEAST_BITS)
+        return f"int{self.bits}_t, value = origin + step * raw{wide}"
 
     def content(self) -> Content:
         """The bare numbers."""
@@ -520,14 +523,10 @@ def _slices(one: Grid) -> list[Grid]:
     ]  # fmt: skip
 
 
-_LEAST_BITS = 16
-"""Least bits of a scalar of a table with maps: 8 would be 0.8 % off in the mass, and so in all."""
-
-
 def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator[Scalar]:
     car, pads, tyre = table.vehicle, table.calibration, table.posterior
     mapped = table.map is not None
-    wide = replace(how, bits=max(how.bits, _LEAST_BITS)) if how.bits and mapped else how
+    wide = how.wide if mapped else how
 
     def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
         written = wide.numbers(np.array([float(value)]))
