@@ -194,13 +194,8 @@ def shown(data, label):
     """C code that prints a map with the values of its axes."""
     whole = data.bits is not None
     value = "{0}_origin + {0}_step * (double){0}{1}" if whole else "(double){0}{1}"
-<<<<<<< HEAD
-    places = {"z": "[i]", "shift": "[j]", "slip_apart": "[k]", label: "[i][j][k]"}
-    texts = [value.format(f"{data.prefix}_{n}", at) for n, at in places.items()]
-=======
     axes = {"z": "[i]", "shift": "[j]", "slip_apart": "[k]", label: "[i][j][k]"}
     texts = [value.format(f"{data.prefix}_{name}", at) for name, at in axes.items()]
->>>>>>> maps
     first = data.prefix.upper()
     return (
         f"for (unsigned i = 0U; i < {first}_Z_SIZE; i++) "
