@@ -144,10 +144,6 @@ class TableNotFound(StoreError):
     exit_code = 2
 
 
-class OlderTable(StoreError):
-    """A table of an older program that can be shown and exported, but not used."""
-
-
 class DamagedTable(StoreError):
     """The content of a table file does not match its digest."""
 

@@ -49,7 +49,6 @@ from calib.run.filters import block_mean, block_slope
 from calib.run.lateral import lateral
 from calib.run.noise import SensorNoise
 from calib.table.budget import front_share
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -220,7 +219,6 @@ def estimate(
     with_laws : without, the only baseline is nominal pads.
     read : `signals` of the log with the table's vehicle, where they are known.
 
-    Raises OlderTable for a table made before the maps.
     Without a lead-in the radii are those of the vehicle, within one per cent: eta says little then.
 
     >>> import calib
@@ -234,7 +232,6 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
-    require_maps({table.name: table})
     car = with_effects(table, vehicle, mass)
     ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)

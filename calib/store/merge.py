@@ -55,9 +55,10 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
 
     Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
     twice, different vehicles, means or tables corrected by hand, a range of eta far too short.
-    OlderTable names those made before the maps.
+    StoreError names one made before the maps.
     """
-    require_maps({p.id: p.table for p in parents})
+    for parent in parents:
+        require_maps(parent.table, parent.id)
     flaws = [*_each(parents), *_pairs(parents)]
     if len(parents) < 2:
         flaws = [f"a mean needs two cars or more, {len(parents)} was given"]

@@ -1,24 +1,25 @@
-"""Tables made before the maps: read, verified, shown and exported, but no longer estimated with."""
+"""Which generation a table is of: those of before have no maps, and no estimate is made of them."""
 
-from collections.abc import Mapping
-
-from calib.base.errors import OlderTable
+from calib.base.errors import StoreError
 from calib.table.table import Table
 
 
-def require_maps(tables: Mapping[str, Table]) -> None:
-    """Raise OlderTable for those of ``tables``, by their names, that have no maps.
+def require_maps(table: Table, where: object = None) -> None:
+    """Raise StoreError for a table without maps, with what it was made of; ``where`` names it.
 
-    Figures of two generations of the estimator are not of one kind: nothing mixes them.
+    Such a table is shown, verified and exported as it is.
     """
-    older = {name: table for name, table in tables.items() if table.level_map is None}
-    if older:
-        raise OlderTable(
-            f"{', '.join(older)}: made by an older program, without the maps that estimate",
-            do="fit again, with `brake-cal fit` and the logs of these SHA-256",
-            lines=tuple(
-                f"{name}: {log.role} {log.name} {log.digest}"
-                for name, table in older.items()
-                for log in table.provenance.logs
-            ),
-        )
+    if table.map is not None and table.level_map is not None:
+        return
+    made_of = table.provenance
+    parents = [(one.id, one.digest) for one in made_of.parents]
+    raise StoreError(
+        f"was made by {made_of.program} and has no maps, which estimates rest on",
+        where=table.name if where is None else where,
+        expected="a table with maps",
+        do="fit again from",
+        lines=tuple(
+            f"{name}, SHA-256 {digest}"
+            for name, digest in [(one.name, one.digest) for one in made_of.logs] + parents
+        ),
+    )

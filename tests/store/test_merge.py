@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import t
 
-from calib.base.errors import OlderTable, RevisionError
+from calib.base.errors import RevisionError, StoreError
 from calib.estimation.estimator import estimate
 from calib.model.parameters import RampParameters, tyres_of
 from calib.store.merge import merge
@@ -218,7 +218,7 @@ def test_what_has_no_mean_is_refused(parents):
 
 def test_a_table_without_maps_has_no_part_in_a_mean():
     older = replace(PAIR[1].table, map=None, level_map=None, draws=None)
-    with pytest.raises(OlderTable) as error:
+    with pytest.raises(StoreError) as error:
         merge([PAIR[0], version(older, 2)], "mean")
     assert error.value.exit_code == 4
     assert older.provenance.logs[0].digest in str(error.value)

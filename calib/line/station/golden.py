@@ -31,7 +31,6 @@ from calib.store.mean import (
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.budget import pad_levels
-from calib.table.generation import require_maps
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5
@@ -41,10 +40,9 @@ _OVERLAP = 0.5
 def golden_table(store: Store, reference: str) -> Stored:
     """The table by which others are measured: released, or a draft that is named by its version.
 
-    Raises StoreError for another one, and OlderTable for one of an older program.
+    Raises StoreError for another one.
     """
     found = store.released(reference)
-    require_maps({found.id: found.table})
     if not (found.state.usable and found.state.known):
         raise StoreError(
             f"is {found.state.words}; no car is measured by it",
