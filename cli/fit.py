@@ -20,8 +20,6 @@ READ_BENCH = "calib.model.roller_bench_file:read_roller_bench"
 Bench = Annotated["RollerBench | None", option(BENCH, "B.toml", typed=Path | None, make=READ_BENCH)]
 
 
-AGAIN = "Make this table again, with its vehicle, from its logs in the files and folders LOG."
-Again = Annotated["str | None", option(AGAIN, "TABLE", autocompletion=options.table_names)]
 FITTED = "Vehicle file; else that of the settings, or of the table of --again."
 Fitted = Annotated[
     "Vehicle | None",
@@ -43,7 +41,11 @@ def fit(
     effect: OwnEffects,
     mass: Mass,
     bench: Bench,
-    again: Again,
+    again: str | None = option(
+        "Make this table again, with its vehicle, from its logs in the files and folders LOG.",
+        "TABLE",
+        autocompletion=options.table_names,
+    ),
     store: Tables,
     channel_map: Map,
 ) -> Answer:
