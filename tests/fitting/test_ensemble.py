@@ -1,18 +1,16 @@
 """What draws of a car make of forces: loads, slips and shares in closed form."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from calib.car.tyre_forms import FORMS
 from calib.fitting.ensemble import (
     PRIORS,
-    Ensemble,
     brake_share,
     spread_evenly,
     unit_slips,
 )
+from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 
 L, L_F, H = 2.805, 1.1556, 0.615
@@ -23,31 +21,13 @@ TABLE_I = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 """Share of the front axle in the brake force at one pressure and one friction."""
 
 
-def car(form="brush", **other):
-    """An ensemble of one car as its file has it, with tyres of one form."""
-    one = np.ones(1)
-    usual = Ensemble(
-        forms=np.eye(len(FORMS))[[FORMS.index(form)]],
-        load_exponent=0.0 * one,
-        peak_load_exponent=0.0 * one,
-        peak=0.9 * one,
-        log_pad_ratio=0.0 * one,
-        cg_to_front_axle=one,
-        cg_height=one,
-        compliance_f=0.04 * one,
-        compliance_r=0.04 * one,
-        radius_load=0.0 * one,
-    )
-    return replace(usual, **{name: value * one for name, value in other.items()})
-
-
 def loads(z):
     """(6), (7): of front and rear axle over the weight."""
     return (L - L_F + H * z) / L, (L_F - H * z) / L
 
 
 def test_loads_are_those_of_the_paper():
-    e = car()
+    e = one_car()
     assert (CAR.wheelbase, CAR.cg_to_front_axle, CAR.cg_height) == pytest.approx((L, L_F, H))
     unit = unit_slips(CAR, e, Z, 0.5 * Z[None], 0.5 * Z[None])
     front, rear = loads(Z)
@@ -61,7 +41,7 @@ def test_a_brush_slips_as_its_formula_says():
     """Forward: F/N = m (1 - (1 - slip/(3 c m))^3) of the slip gives the force back."""
     share = 0.7
     front, rear = share * Z, (1.0 - share) * Z
-    e = car()
+    e = one_car()
     unit = unit_slips(CAR, e, Z, front[None], rear[None])
     for slips, force, load in ((unit.front, front, loads(Z)[0]), (unit.rear, rear, loads(Z)[1])):
         slip = 0.04 * slips[0]
@@ -73,7 +53,7 @@ def test_a_brush_slips_as_its_formula_says():
 def test_small_forces_slip_by_the_compliance_of_every_form():
     small = np.array([1e-4])
     for form in FORMS:
-        unit = unit_slips(CAR, car(form), small, 0.7 * small[None], 0.3 * small[None])
+        unit = unit_slips(CAR, one_car(form), small, 0.7 * small[None], 0.3 * small[None])
         assert unit.front[0] == pytest.approx(0.7 * small / loads(small)[0], rel=1e-3)
 
 
@@ -81,7 +61,9 @@ def test_compliance_grows_and_the_peak_falls_with_the_load():
     """At the load N over half the weight: c N^q, m N^-p, and similarity in m."""
     q, p = 0.2, 0.1
     forces = 0.7 * Z[None], 0.3 * Z[None]
-    unit = unit_slips(CAR, car("exponential", load_exponent=q, peak_load_exponent=p), Z, *forces)
+    unit = unit_slips(
+        CAR, one_car("exponential", load_exponent=q, peak_load_exponent=p), Z, *forces
+    )
     for slips, force, load in zip((unit.front, unit.rear), forces, loads(Z), strict=True):
         relative = 2.0 * load
         most = 0.9 * relative**-p
@@ -91,24 +73,24 @@ def test_compliance_grows_and_the_peak_falls_with_the_load():
 
 def test_a_road_of_half_the_peak_is_a_tyre_of_half_the_peak():
     forces = 0.4 * Z[None], 0.1 * Z[None]
-    road = unit_slips(CAR, car(), Z, *forces, peak=np.array([0.5]))
-    tyre = unit_slips(CAR, car(peak=0.45), Z, *forces)
+    road = unit_slips(CAR, one_car(), Z, *forces, peak=np.array([0.5]))
+    tyre = unit_slips(CAR, one_car(peak=0.45), Z, *forces)
     assert road.front == pytest.approx(tyre.front)
     assert road.rear == pytest.approx(tyre.rear)
 
 
 def test_without_force_nothing_slips():
-    unit = unit_slips(CAR, car(), Z, np.zeros((1, 3)), Z[None])
+    unit = unit_slips(CAR, one_car(), Z, np.zeros((1, 3)), Z[None])
     assert np.all(unit.front == 0.0)
     assert np.all(unit.rear > 0.0)
 
 
 def test_beyond_the_peak_or_off_the_road_a_wheel_does_not_roll():
     front, rear = loads(Z)
-    assert not unit_slips(CAR, car(), Z, 0.9 * front[None], 0.1 * Z[None]).rolls.any()
-    assert not unit_slips(CAR, car(), Z, 0.1 * Z[None], 0.9 * rear[None]).rolls.any()
+    assert not unit_slips(CAR, one_car(), Z, 0.9 * front[None], 0.1 * Z[None]).rolls.any()
+    assert not unit_slips(CAR, one_car(), Z, 0.1 * Z[None], 0.9 * rear[None]).rolls.any()
     lifting = np.array([L_F / H])  # where the rear load is zero
-    assert not unit_slips(CAR, car(), lifting, np.zeros((1, 1)), np.zeros((1, 1))).rolls.any()
+    assert not unit_slips(CAR, one_car(), lifting, np.zeros((1, 1)), np.zeros((1, 1))).rolls.any()
 
 
 def test_share_of_the_front_brakes():
@@ -125,12 +107,13 @@ def test_share_of_the_front_brakes():
 
 
 def test_taking_draws_takes_all_of_each():
-    n = 7
-    e = Ensemble(np.arange(5.0 * n).reshape(n, 5), *(i + 0.1 * np.arange(n) for i in range(9)))
+    ratio = 0.1 * np.arange(7.0)
+    e = one_car(log_pad_ratio=ratio)
     two = e.take(np.array([5, 1]))
-    assert (e.size, two.size) == (n, 2)
-    assert two.forms[0] == pytest.approx(e.forms[5])
-    assert two.radius_load == pytest.approx(e.radius_load[[5, 1]])
+    assert (e.size, two.size) == (7, 2)
+    assert two.log_pad_ratio == pytest.approx([0.5, 0.1])
+    assert {x.shape[0] for x in vars(two).values()} == {2}
+    assert e.take(ratio > 0.35).log_pad_ratio == pytest.approx([0.4, 0.5, 0.6])
 
 
 @pytest.mark.parametrize("dimension", [1, 6, 11])

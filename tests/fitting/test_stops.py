@@ -8,31 +8,16 @@ import pytest
 
 from calib.base.plain import rows
 from calib.car.mass import WEIGHED
-from calib.car.tyre_forms import FORMS
-from calib.fitting.ensemble import Ensemble
+from calib.fitting.ensemble import DEPART_AT
 from calib.fitting.stops import scenarios, seen
+from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 
 LIST = rows("stops.csv", "calib.fitting")
 COUNT = 8192
 
 
-def one_car(**other):
-    """An ensemble of one car as its file has it, with brush tyres on a road of a peak of 0.95."""
-    one = np.ones(1)
-    usual = Ensemble(
-        forms=np.eye(len(FORMS))[[FORMS.index("brush")]],
-        load_exponent=0.0 * one,
-        peak_load_exponent=0.0 * one,
-        peak=0.95 * one,
-        log_pad_ratio=0.0 * one,
-        cg_to_front_axle=one,
-        cg_height=one,
-        compliance_f=0.04 * one,
-        compliance_r=0.05 * one,
-        radius_load=0.002 * one,
-    )
-    return replace(usual, **{name: value * one for name, value in other.items()})
+TYRES = {"peak": 0.95, "compliance_r": 0.05, "radius_load": 0.002}
 
 
 def cases(name):
@@ -51,12 +36,12 @@ def moments(name):
 
 @pytest.fixture(scope="module")
 def loose():
-    return scenarios(replace(CAR, mass_tolerance=0.02), one_car(), COUNT)
+    return scenarios(replace(CAR, mass_tolerance=0.02), one_car(**TYRES), COUNT)
 
 
 @pytest.fixture(scope="module")
 def drawn():
-    return scenarios(replace(CAR, mass_tolerance=WEIGHED), one_car(), COUNT)
+    return scenarios(replace(CAR, mass_tolerance=WEIGHED), one_car(**TYRES), COUNT)
 
 
 @pytest.mark.parametrize("name", sorted({row["name"] for row in LIST}))
@@ -88,8 +73,7 @@ def test_tails_of_the_pads_are_those_of_a_mixture(drawn):
 
 def test_the_ratio_in_the_stop_is_that_of_the_ramp_and_its_change():
     ratio = np.array([-0.1, 0.0, 0.2])
-    e = Ensemble(*(np.repeat(x, 3, axis=0) for x in vars(one_car()).values()))
-    s = scenarios(CAR, replace(e, log_pad_ratio=ratio), 300)
+    s = scenarios(CAR, one_car(log_pad_ratio=ratio), 300)
     assert s.log_pad_ratio - s.change == pytest.approx(np.tile(ratio, 100))
 
 
@@ -134,7 +118,7 @@ def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
 
 def still(count=1, **other):
     """Stops that bring nothing, but for ``other``."""
-    usual = scenarios(CAR, one_car(), count)
+    usual = scenarios(CAR, one_car(**TYRES), count)
     zero, one = np.zeros(count), np.ones(count)
     usual = replace(usual, change=zero, peak=one, stiff_f=zero, stiff_r=zero, scale=zero)
     usual = replace(usual, offset=zero, mass=zero)
@@ -188,6 +172,19 @@ def test_level_holds_mass_and_offset_of_a_x():
     """A twentieth of the deceleration that is none, and 2 % more mass."""
     at = seen(CAR, still(offset=0.015, mass=0.02), 0.3)
     assert at.level == pytest.approx(math.log(0.95) + 0.02)
+
+
+def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
+    """Relative, linear between the decelerations at which it is kept: here 0.1 z and -0.2 z."""
+    usual = still()
+    along = replace(
+        usual,
+        of=replace(usual.of, depart_eta=0.1 * DEPART_AT[None], depart_slip=-0.2 * DEPART_AT[None]),
+    )
+    for z in (0.1, 0.33, 0.6):
+        plain, at = seen(CAR, usual, z), seen(CAR, along, z)
+        assert at.shift / plain.shift == pytest.approx(1.0 + 0.1 * z)
+        assert at.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)
 
 
 def test_a_road_that_cannot_carry_the_force_is_told():
