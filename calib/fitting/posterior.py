@@ -344,6 +344,8 @@ _MOVES, _MOST_MOVES = 0.8, 6  # accepted moves of a draw between two steps, and 
 def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Generator) -> Array:
     """Draws ``x`` (n, d) of a standard normal carried to the posterior."""
     log, power = log_evidence(x), 0.0
+    if not np.any(np.isfinite(log)):
+        raise ValueError("no draw of the prior explains the ramps")
     while power < 1.0:
         step = _step(log, 1.0 - power)
         weight = np.exp(step * (log - log.max()))
