@@ -25,7 +25,7 @@ from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.block_level import block_level
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
-from calib.estimation.gates import WIDE, Gates, disturbed, validity
+from calib.estimation.gates import Gates, disturbed, validity
 from calib.estimation.jolts import without_jolts
 from calib.estimation.lookup import smoothed
 from calib.estimation.odds_by_level import odds_by_level
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
 
 
 _PADS = ("pad_friction_f", "pad_friction_r")
@@ -71,7 +72,7 @@ _OUT = {
     **dict.fromkeys(_with_bounds(*_PADS), "1"),
     **dict.fromkeys(_with_bounds(*_TORQUES), "N*m"),
     "valid": "1",
-    **dict.fromkeys(_with_bounds(*_CHANGES, "pad_level"), "1"),
+    **dict.fromkeys(_with_bounds(*_CHANGES, "pad_level", "pad_ratio"), "1"),
     **dict.fromkeys(_with_bounds("brake_torque_sum"), "N*m"),
 }
 
@@ -107,9 +108,8 @@ class Estimate:
     ``split`` and ``blocks`` the filter's own record; ``eta_zero`` what was zeroed [1];
     ``accelerometer`` its scale and offset, by block; ``factor_f``, ``factor_r`` what known effects
     did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
-    ``basis`` what an uncertainty budget is made from; ``motor`` variance of the logarithm of the
-    pad friction, front and rear, that a motor adds to it, (n,) each [1]; ``load`` that of a load,
-    ``late`` that of brakes that follow late.
+    ``basis`` level and input of the split filter; ``best`` what the step makes of all channels,
+    ``ecu`` without a speed.
     """
 
     plan: Plan
@@ -140,9 +140,6 @@ class Estimate:
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
     basis: Basis | None = None
-    motor: tuple[Array, Array] | None = None
-    load: tuple[Array, Array] | None = None
-    late: tuple[Array, Array] | None = None
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
@@ -158,15 +155,8 @@ class Estimate:
 
     @property
     def telling(self) -> Mask:
-        """The valid samples (n,); without any, those that are too uncertain and nothing else.
-
-        Where the ratio of the pads is not known their level still is, and what keeps them from
-        being known.
-        """
-        if self.valid.any():
-            return self.valid
-        others = [mask for why, mask in self.refused.items() if WIDE not in why]
-        return np.asarray(self.braked & ~np.logical_or.reduce(others))
+        """The valid samples (n,); without any, those in which the pads bite."""
+        return self.valid if self.valid.any() else self.braked
 
     @cached_property
     def response(self) -> BrakeResponse | None:
@@ -174,13 +164,13 @@ class Estimate:
         forces = brake_balance(self.plan.nominal, self.plan.known.effects, self.read)
         return brake_response(self.read, forces)
 
-    def columns(self) -> dict[str, Array | Mask]:
+    def columns(self) -> dict[str, Array | Mask | Index]:
         """The samples by the names of `COLUMNS`, (n,) each.
 
         Pad friction and its bounds are per axle, torque is per wheel: both wheels of an axle have
         the same.
         """
-        values = {
+        values: dict[str, Array | Mask | Index] = {
             "time": self.time,
             "z": self.z,
             "eta": self.eta,
@@ -263,21 +253,22 @@ def estimate(
     weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
     demand = _demand_of(plan, s, b, level, weighed)
     answer = split_of(plan, b, demand)
-    front, rear = estimate_axles(plan, s, forces, weighed, answer, b)
-    driven = drive_slips(used, forces.balance)
-    zero = zero_of_eta(s, driven, plan.noise, plan.nominal)
-    eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
-    run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, s, forces, eta, plan.priors)
-    others = baselines(run, laws=with_laws)
-    slips = zeroed_slips(s, driven, plan.noise)
-    greatest = float(table.tyre.force[-1])
-    cornering = _cornering(table, plan.nominal, ran.log, s, rear)
+    witness = estimate_axles(plan, s, forces, weighed, answer, b)
+    cornering = _cornering(table, plan.nominal, ran.log, s, witness[1])
     held = disturbed(plan.gates, ran.log, s, cornering)
     filed = with_pads(ran.vehicle, table.vehicle)
     best, ecu = (
         read_out(table, filed, plan.known, noise, read, held, with_v=with_v)
         for noise, with_v in ((plan.noise, True), (SensorNoise(**table.noise), False))
     )
+    driven = drive_slips(used, forces.balance)
+    zero = zero_of_eta(s, driven, plan.noise, plan.nominal)
+    eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
+    run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, s, forces, eta, plan.priors)
+    others = baselines(run, laws=with_laws)
+    front, rear = _axles(plan, s, forces, best)
+    slips = zeroed_slips(s, driven, plan.noise)
+    greatest = float(table.tyre.force[-1])
     judged = validity(plan.gates, ran.log, s, (front, rear), forces.active, greatest, cornering)
     return Estimate(
         plan=plan,
@@ -309,6 +300,32 @@ def estimate(
         notes=others.notes,
         basis=Basis(weighed, demand),
     )
+
+
+def _axles(
+    plan: Plan, s: Signals, forces: BrakeBalance, best: Readout
+) -> tuple[AxleEstimate, AxleEstimate]:
+    """The answer of the step as that of each axle."""
+    road = forces.balance
+    out = []
+    for axle, pads, torque, change, moment, load in (
+        (plan.nominal.front, best.pads_f, best.torque_f, best.change_f, road.moment_f, road.load_f),
+        (plan.nominal.rear, best.pads_r, best.torque_r, best.change_r, road.moment_r, road.load_r),
+    ):
+        brake = 2.0 * torque.value / axle.rolling_radius
+        out.append(
+            AxleEstimate(
+                pad_friction=pads.value,
+                lower=pads.lower,
+                upper=pads.upper,
+                torque=torque.value,
+                normalised_force=(brake + moment) / smoothed(s, load, plan.priors),
+                change=change.value,
+                change_lower=change.lower,
+                change_upper=change.upper,
+            )
+        )
+    return out[0], out[1]
 
 
 def _cornering(table: Table, car: Vehicle, log: Log, s: Signals, rear: AxleEstimate) -> Array:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.names import WHEELS
-from calib.base.plain import bound
 from calib.car.braking import MOVING
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.logs.log import Log
@@ -18,8 +17,7 @@ Mask = NDArray[np.bool_]
 
 LOCKS = "a wheel locks, or ABS works"
 NO_PAD = "no pad has such a friction"
-WIDE = "interval is wider than"
-"""Names of these reasons for a sample that is not valid; `WIDE` is a part of two."""
+"""Names of these reasons for a sample that is not valid."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +30,6 @@ class Gates:
     """Speed [m/s] below which slip is noise."""
     settle: float = 0.3
     """Time of braking [s] before the level is trusted: half its memory has passed by then."""
-    interval_f: float = bound("interval_f", "warn_high", of_stop=True)
-    """Relative half width of the front's 95 % interval beyond which the number is no use: 0.12 for
-    the pads alone, 0.06 for a mass that is known to 3 %, and 0.05 for what the ramp leaves open
-    of the pads' ratio."""
-    interval_r: float = bound("interval_r", "warn_high", of_stop=True)
-    """The same of the rear, which eta shows more faintly."""
     beyond: float = 1.2
     """Normalised force over the greatest one of the ramp up to which the tyre's curve is continued:
     rear brakes that are held leave the front ones more than the ramp had. The curvature of the
@@ -89,7 +81,6 @@ def validity(
             "the car is slow": s.speed > gates.speed,
             "the brake has just been applied": since(s.time, ~active) > gates.settle,
             LOCKS: since(s.time, _locked(log, s, gates)) > gates.recover,
-            **_narrow_enough(gates, axles),
             NO_PAD: _possible(front, gates) & _possible(rear, gates),
             "the tyres carry more than on the ramp": np.maximum(
                 front.normalised_force, rear.normalised_force
@@ -108,33 +99,6 @@ def disturbed(gates: Gates, log: Log, s: Signals, cornering: Array) -> Mask:
     locks = since(s.time, _locked(log, s, gates)) <= gates.recover
     bends = (np.abs(cornering) >= gates.lateral) | (np.abs(steered) >= gates.steering)
     return np.asarray(locks | bends)
-
-
-def still_narrow(
-    gates: Gates, valid: Mask, refused: dict[str, Mask], axles: tuple[AxleEstimate, AxleEstimate]
-) -> _Validity:
-    """What is left of ``valid`` where the intervals of ``axles`` have become wider since.
-
-    ``valid``, ``refused`` as `validity` has them.
-    """
-    good = _narrow_enough(gates, axles)
-    active = np.logical_or.reduce([valid, *refused.values()])
-    wide = {why: active & ~ok for why, ok in good.items()}
-    return _Validity(np.logical_and.reduce([valid, *good.values()]), {**refused, **wide})
-
-
-def _narrow_enough(gates: Gates, axles: tuple[AxleEstimate, AxleEstimate]) -> dict[str, Mask]:
-    """Where the intervals are narrow enough, by what is said where they are not."""
-    front, rear = axles
-    return {
-        f"the front {WIDE} {100 * gates.interval_f:g} %": _narrow(front, gates.interval_f),
-        f"the rear {WIDE} {100 * gates.interval_r:g} %": _narrow(rear, gates.interval_r),
-    }
-
-
-def _narrow(axle: AxleEstimate, width: float) -> Mask:
-    """Where the 95 % interval is narrower than ``width`` to either side, relative [1]."""
-    return np.asarray(axle.upper - axle.lower < 2.0 * width * axle.pad_friction)
 
 
 def _possible(axle: AxleEstimate, gates: Gates) -> Mask:

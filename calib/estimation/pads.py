@@ -1,7 +1,5 @@
 """From level and ratio to the pad friction of each axle, its interval, torque and force."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,41 +67,6 @@ def estimate_axles(
 def _half_width(sigma: Array) -> Array:
     """Half width of the 95 % interval of a logarithm; a factor of e^5 either way is no answer."""
     return np.minimum(Z95 * sigma, 5.0)
-
-
-def lowered(axle: AxleEstimate, variance: Array) -> AxleEstimate:
-    """The same with more ``variance`` (n,) of the logarithm of pad friction and change, downwards.
-
-    The lower ends of the intervals move, the upper ones stay.
-    """
-    return replace(
-        axle,
-        lower=axle.pad_friction / _moved(axle.pad_friction / axle.lower, variance),
-        change_lower=axle.change / _moved(axle.change / axle.change_lower, variance),
-    )
-
-
-def raised(axle: AxleEstimate, variance: Array) -> AxleEstimate:
-    """The same upwards: the upper ends of the intervals move, the lower ones stay."""
-    return replace(
-        axle,
-        upper=axle.pad_friction * _moved(axle.upper / axle.pad_friction, variance),
-        change_upper=axle.change * _moved(axle.change_upper / axle.change, variance),
-    )
-
-
-def grown(now: AxleEstimate, before: AxleEstimate) -> Array:
-    """What the variance of the logarithm of pad friction has grown by (n,) [1].
-
-    Not below zero by rounding.
-    """
-    return np.maximum((now.half_width / Z95) ** 2 - (before.half_width / Z95) ** 2, 0.0)
-
-
-def _moved(ratio: Array, variance: Array) -> Array:
-    """Ratio of an interval's end and its middle, above 1, with more ``variance`` (n,)."""
-    sigma = np.log(ratio) / Z95
-    return np.asarray(np.exp(_half_width(np.sqrt(sigma**2 + variance))))
 
 
 def _changes(

@@ -56,7 +56,8 @@ class Readout:
     ``level`` sum of the brake torques over that of the file's pads, ``pads_f``, ``pads_r`` pad
     friction, ``change_f``, ``change_r`` pad friction over that of the ramp, all [1];
     ``torque_f``, ``torque_r`` of one wheel, ``torque_sum`` of all [N m]; ``reason`` a `Reason`;
-    ``delay`` of the brakes [s]; ``log_ratio`` of the pads over that of the file [1].
+    ``lag`` of the brakes [s]; ``ratio`` front pads over rear ones [1]; ``noise``,
+    ``accelerometer`` variance of ln of the level, ``zeros`` of that of the ratio by sensors.
     """
 
     level: Bounded
@@ -67,8 +68,11 @@ class Readout:
     torque_f: Bounded
     torque_r: Bounded
     torque_sum: Bounded
-    log_ratio: Bounded
-    delay: Array
+    ratio: Bounded
+    noise: Array
+    accelerometer: Array
+    zeros: Array
+    lag: Array
     reason: Index
 
     @property
@@ -84,6 +88,7 @@ class Readout:
             "pad_change_f": self.change_f,
             "pad_change_r": self.change_r,
             "pad_level": self.level,
+            "pad_ratio": self.ratio,
             "brake_torque_fl": self.torque_f,
             "brake_torque_fr": self.torque_f,
             "brake_torque_rl": self.torque_r,
@@ -96,9 +101,13 @@ class Readout:
         return out
 
 
+_PARTS = ("noise", "accelerometer", "zeros", "lag")
+
+
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
-    assert table.map is not None and table.level_map is not None
+    assert table.map is not None
+    assert table.level_map is not None
     return Constants(
         ratio=Reader(table.map, COLUMNS),
         level=Reader(table.level_map, (*LEVEL, *PADS)),
@@ -106,6 +115,7 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         noise_z=noise.z,
         noise_v=noise.v,
         radius=table.vehicle.front.rolling_radius,
+        late=table.posterior.value("clock_offset"),
         block=block,
     )
 
@@ -168,8 +178,8 @@ def _per_sample(
     nominal = 2.0 * (f.pad_friction * gains[0] + r.pad_friction * gains[1])
     torque_f, torque_r = pads_f.times(gains[0]), pads_r.times(gains[1])
     total = 2.0 * (torque_f.value + torque_r.value)
-    share = np.divide(total, nominal, out=level_of(level).value[at], where=nominal > 0.0)
-    known = level_of(level).at(at)
+    share = np.divide(total, nominal, out=_exp(level).value[at], where=nominal > 0.0)
+    known = _exp(level).at(at)
     relative = known.lower / known.value, known.upper / known.value
     return Readout(
         level=Bounded(share, share * relative[0], share * relative[1]),
@@ -180,14 +190,14 @@ def _per_sample(
         torque_f=torque_f,
         torque_r=torque_r,
         torque_sum=Bounded(total, total * relative[0], total * relative[1]),
-        log_ratio=ratio.at(at),
-        delay=a[:, Answer._fields.index("delay")][at],
+        ratio=_exp(ratio).at(at).times(f.pad_friction / r.pad_friction),
+        **{name: a[:, Answer._fields.index(name)][at] for name in _PARTS},
         reason=a[:, Answer._fields.index("reason")][at].astype(np.int64),
     )
 
 
-def level_of(level: Bounded) -> Bounded:
-    """The level itself from its logarithm."""
+def _exp(level: Bounded) -> Bounded:
+    """A quantity from its logarithm."""
     return Bounded(np.exp(level.value), np.exp(level.lower), np.exp(level.upper))
 
 
@@ -212,7 +222,7 @@ def _pads(car: Vehicle, level: Bounded, ratio: Bounded) -> tuple[Bounded, Bounde
     for middle, low, high in ((front, front_low, front_high), (rear, rear_low, rear_high)):
         value = level.value + middle
         out.append(
-            level_of(
+            _exp(
                 Bounded(
                     value,
                     value - np.hypot(below, middle - low),

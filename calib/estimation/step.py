@@ -3,7 +3,7 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
     rolling   zeros of deceleration, eta and slip            a scalar Kalman filter each
     always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
                                                              on, the wheels and v measure it
-    braking   d - d_0 = a u - b du/dt                        level a and delay b/a, a Kalman filter
+    braking   d - d_0 = a u, u behind a lag of first order   level a and lag, a Kalman filter
               means of z and eta - 1 that forget  -> map     ln of the pads' ratio, given the slip
     answer    level and ratio, each with 95 % bounds
 
@@ -97,7 +97,10 @@ def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
 
 @dataclass(frozen=True)
 class Constants:
-    """What the step takes from a table, and its tuned numbers."""
+    """What the step takes from a table, and its tuned numbers.
+
+    ``late`` time by which v comes after the wheel speeds [s].
+    """
 
     ratio: Reader
     level: Reader
@@ -105,23 +108,29 @@ class Constants:
     noise_z: float
     noise_v: float
     radius: float
+    late: float
     block: float
-    memory: float = 0.5  # of the means that go into the map [s]
-    before_bite: float = 0.3  # time that no zero rests on [s]: pads may touch
+    memory: float = 0.3  # of the means that go into the map [s]
+    before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
+    untouched: float = 7e4  # pressure up to which they do not [Pa]
     settle: float = 0.3  # time of braking before an answer stands [s]
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.03  # [1/sqrt(s)]
     level_rough: float = 0.012  # of a block, relative: road and body
-    delay: float = 0.02  # of the brakes [s], and its sigma
-    delay_sigma: float = 0.06
+    lag: float = 0.03  # time constant of the brakes [s], and its sigma
+    lag_sigma: float = 0.04
+    least_lag: float = 0.004
+    apart: float = 0.02  # of the clocks of a_x and speeds [s]
     zero: float = 0.01  # sigma of a zero before any rolling [1]
     offset: float = 0.03  # sigma of bias and slope together before any rolling [1]
+    bias_walk: float = 1e-4  # of a_x as it warms up [1/sqrt(s)]
     grade_walk: float = 0.001  # of bias and slope [1/sqrt(s)]
     scale: float = 0.009  # a_x reads too much while braking, scale and pitch; and its sigma
     scale_sigma: float = 0.01
     ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
+    unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
     slip_rough: float = 0.04  # of the slip of a block, relative
     log_slip: float = -3.2  # ln(slip/z) before any braking, 0.04, and its sigma [1]
     log_slip_sigma: float = 0.7
@@ -162,7 +171,11 @@ class Gaussian:
 
 
 class Answer(NamedTuple):
-    """Level and ratio, each ln with 95 % bounds; ``change`` of the ratio since the ramp."""
+    """Level and ratio, each ln with 95 % bounds; ``change`` of the ratio since the ramp.
+
+    ``noise``, ``accelerometer`` variance of the level by sensors, ``zeros`` of the ratio by what is
+    read.
+    """
 
     level: float
     level_lower: float
@@ -173,7 +186,10 @@ class Answer(NamedTuple):
     change: float
     change_lower: float
     change_upper: float
-    delay: float
+    noise: float
+    accelerometer: float
+    zeros: float
+    lag: float
     reason: Reason
 
 
@@ -182,7 +198,7 @@ class State:
     """All that the estimator remembers.
 
     ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z) over that of the map; ``level``
-    level and level times delay; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
+    level and lag [s]; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
     """
 
     demand: Zero
@@ -190,14 +206,19 @@ class State:
     slip: Zero
     level: Gaussian
     motion: Gaussian | None = None
+    anchored: bool = False
     waiting: deque[Sample] = field(default_factory=deque)
     nominal: float = 0.0
+    acting: float = 0.0
+    by_lag: float = 0.0
     z: float = 0.0
     mean_z: float = 0.0
     braked: float = 0.0
     released: float = 0.0
     sums: list[float] = field(default_factory=lambda: [0.0] * 4)
     best: list[float] | None = None
+    age: float = 0.0
+    level_then: float = 1.0
 
 
 def started(c: Constants) -> State:
@@ -206,21 +227,16 @@ def started(c: Constants) -> State:
         demand=Zero(0.0, c.zero**2),
         eta=Zero(1.0, c.zero**2),
         slip=Zero(0.0, c.zero**2),
-        level=_level_before(c, c.delay, c.delay_sigma**2),
+        level=Gaussian([1.0, c.lag], [[c.level_sigma**2, 0.0], [0.0, c.lag_sigma**2]]),
     )
-
-
-def _level_before(c: Constants, delay: float, variance: float) -> Gaussian:
-    """Level, and level times delay, before a braking."""
-    aa = c.level_sigma**2
-    return Gaussian([1.0, delay], [[aa, delay * aa], [delay * aa, variance + delay**2 * aa]])
 
 
 def step(c: Constants, s: State, x: Sample) -> Answer:
     """Take in a block, and answer. Changes the state."""
-    for zero, walk in ((s.demand, c.grade_walk), (s.eta, WALK), (s.slip, WALK)):
+    for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
         zero.variance = min(zero.variance + walk**2 * c.block, c.zero**2)
     braking = x.pressure > BITE
+    _follow(c, s, x.nominal)
     if braking:
         s.waiting.clear()
         s.braked += c.block
@@ -232,7 +248,7 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
             _forget_stop(c, s)
         _roll(c, s, x)
     _move(c, s, x, braking)
-    s.nominal, s.z = x.nominal, x.z
+    s.z = x.z
     return _answer(c, s, x)
 
 
@@ -252,7 +268,8 @@ def _roll(c: Constants, s: State, x: Sample) -> None:
         if old.v == old.v:
             slip = 1.0 - _rim(s, old) / old.v
             s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
-    if abs(x.z) < STEADY and x.rim > MOVING and not x.disturbed:
+    free = x.pressure < c.untouched and abs(x.z) < STEADY
+    if free and x.rim > MOVING and not x.disturbed:
         s.waiting.append(x)
     else:
         s.waiting.clear()
@@ -264,25 +281,33 @@ def _rim(s: State, x: Sample) -> float:
 
 
 def _forget_stop(c: Constants, s: State) -> None:
-    """What is only of the last stop; the delay is the car's."""
-    (a, b), ((aa, ab), (_, bb)) = s.level.x, s.level.P
-    delay = b / a
-    variance = max(bb - 2.0 * delay * ab + delay**2 * aa, 0.0) / a**2
-    s.level = _level_before(c, delay, variance)
+    """What is only of the last stop; the lag is the car's."""
+    lag, variance = s.level.x[1], s.level.P[1][1]
+    s.level = Gaussian([1.0, lag], [[c.level_sigma**2, 0.0], [0.0, variance]])
     s.braked, s.best, s.sums = 0.0, None, [0.0] * 4
 
 
+def _follow(c: Constants, s: State, nominal: float) -> None:
+    """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
+    lag = max(s.level.x[1], c.least_lag)
+    left = math.exp(-c.block / lag)
+    rate = (nominal - s.nominal) / c.block
+    behind = s.acting - s.nominal + lag * rate
+    s.by_lag = -rate + (s.by_lag + rate) * left + behind * left * c.block / lag**2
+    s.acting = nominal - lag * rate + behind * left
+    s.nominal = nominal
+
+
 def _brake(c: Constants, s: State, x: Sample) -> None:
-    """Level and delay; means of what goes into the map."""
+    """Level and lag; means of what goes into the map."""
     if x.disturbed or x.rim <= MOVING:
         return
-    level, rate = s.level, (x.nominal - s.nominal) / c.block
-    y = x.demand - s.demand.value
+    level, y = s.level, x.demand - s.demand.value
     level.P[0][0] += (c.level_walk * level.x[0]) ** 2 * c.block
-    # a shift of the pressure is -b du/dt in the first order only
-    variance = c.noise_z**2 / c.block + (c.level_rough * y) ** 2 + (0.3 * rate * c.block) ** 2
-    a, b = level.x
-    level.measured(y - (a * x.nominal - b * rate), [x.nominal, -rate], variance)
+    a = level.x[0]
+    H = [s.acting, a * s.by_lag]
+    level.measured(y - a * s.acting, H, c.noise_z**2 / c.block + (c.level_rough * y) ** 2)
+    level.x[1] = max(level.x[1], 0.0)
     keep = math.exp(-c.block / c.memory)
     new = (1.0, y, x.eta / s.eta.value - 1.0, y * y)
     s.sums = [keep * old + one for old, one in zip(s.sums, new, strict=True)]
@@ -290,10 +315,12 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
 
 def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip."""
-    if s.motion is None:
+    if not s.anchored:  # radii that are made equal now would look like a speed that jumps
         P = [[0.0] * 4 for _ in range(4)]
         P[0][0], P[1][1], P[2][2] = 1.0, c.offset**2, c.scale_sigma**2
         s.motion = Gaussian([_rim(s, x), 0.0, c.scale, 0.0], P)
+        s.anchored = braking or s.eta.variance < 0.5 * c.zero**2
+    assert s.motion is not None
     m, dt = s.motion, c.block
     z, (mean_z, _) = 0.5 * (x.z + s.z), _means(s)
     v, o, e, slip = m.x
@@ -305,7 +332,7 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     m.P[0] = [sum(f * p for f, p in zip(to_v, PF, strict=True)), *PF[1:]]
     for i in (1, 2, 3):
         m.P[i][0] = PF[i]
-    m.P[0][0] += (G * c.noise_z) ** 2 * dt
+    m.P[0][0] += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
     m.P[1][1] += c.grade_walk**2 * dt
     m.P[3][3] += c.slip_walk**2 * dt + c.slip_bends * abs(mean_z - s.mean_z)
     s.mean_z = mean_z
@@ -322,7 +349,8 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
-        m.measured(x.v * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
+        in_time = x.v - G * x.z * c.late
+        m.measured(in_time * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
 
 
 def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, float]:
@@ -330,8 +358,8 @@ def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, floa
     prior, sigma = read[SLIP], read[SLIP + 1]
     both = [row[3] for row in m.P]
     gain, rest = 1.0 / (both[3] + sigma**2), prior - m.x[3]
-    e, ee = m.x[2] + gain * both[2] * rest, m.P[2][2] - gain * both[2] ** 2
-    return e, ee, m.x[3] + gain * both[3] * rest, m.P[3][3] - gain * both[3] ** 2
+    e, ee = m.x[2] + gain * both[2] * rest, max(m.P[2][2] - gain * both[2] ** 2, 0.0)
+    return e, ee, m.x[3] + gain * both[3] * rest, max(m.P[3][3] - gain * both[3] ** 2, 0.0)
 
 
 LEVEL = ("level", "level_lower", "level_upper")
@@ -341,31 +369,50 @@ SLIP = COLUMNS.index("log_slip")
 
 
 def _answer(c: Constants, s: State, x: Sample) -> Answer:
-    a, b = s.level.x
-    a = max(a, 0.02)
+    # friction as it is now, of the pressure as it is now
+    a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
     z, shift = _means(s)
     before = c.level(z)
     read = c.ratio(z, shift / z, 0.0)
     assert s.motion is not None
     e, ee, log_slip, left = _with_map(s.motion, read)
-    noisy = Z95 * math.sqrt(s.level.P[0][0] / a**2 + s.demand.variance / z**2 + ee)
+    noise, accelerometer = (
+        max(s.level.P[0][0], 0.0) / s.level.x[0] ** 2,
+        s.demand.variance / z**2 + ee,
+    )
+    noisy = Z95 * math.sqrt(noise + accelerometer)
     level = math.log(a * (1.0 - e)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
     now = _ratio(c, s, (z, shift), apart, before[len(LEVEL) :])
-    if s.best is not None:
-        grown = Z95 * c.ageing * math.sqrt(c.block)
-        for k in (1, 2, 4, 5):
-            s.best[k] = math.hypot(s.best[k], grown)
-    if s.best is None or now[1] + now[2] <= s.best[1] + s.best[2]:
-        s.best = now
-    ratio, below, above, change, change_below, change_above = s.best
+    if s.best is None or now[1] + now[2] <= sum(_aged(c, s, a)[1:3]):
+        s.best, s.age, s.level_then = now, 0.0, a
+    ratio, below, above, change, change_below, change_above, zeros = _aged(c, s, a)
+    s.age += c.block
     return Answer(
         level, level - down, level + up,
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
-        b / a, _reason(c, s, x),
+        noise, accelerometer, zeros, s.level.x[1], _reason(c, s, x),
     )  # fmt: skip
+
+
+def _aged(c: Constants, s: State, level: float) -> list[float]:
+    """The kept ratio as it is known now: pads warm up, and those that changed did so unlike."""
+    assert s.best is not None
+    changed = c.unlike * math.log(max(level, 0.02) / max(s.level_then, 0.02))
+    variance = c.ageing**2 * s.age + changed**2
+    more = Z95 * math.sqrt(variance)
+    ratio, below, above, change, change_below, change_above, zeros = s.best
+    return [
+        ratio,
+        math.hypot(below, more),
+        math.hypot(above, more),
+        change,
+        math.hypot(change_below, more),
+        math.hypot(change_above, more),
+        zeros + variance,
+    ]
 
 
 def _ratio(
@@ -400,11 +447,12 @@ def _ratio(
             more = 0.5 * Z95 * spread * (high[column] - low[column])
             out[column + 1] = math.hypot(out[column + 1], more)
             out[column + 2] = math.hypot(out[column + 2], more)
+            out[6] += (more / Z95) ** 2 * (column == 0)
     return out if out[1] + out[2] < prior[1] + prior[2] else prior
 
 
 def _around(read: list[float]) -> list[float]:
-    """Medians of ratio and change, each with the distances to its bounds."""
+    """Medians of ratio and change, each with the distances to its bounds; no part by reading."""
     ratio, lower, upper, change, change_lower, change_upper = read[:6]
     return [
         ratio,
@@ -413,6 +461,7 @@ def _around(read: list[float]) -> list[float]:
         change,
         change - change_lower,
         change_upper - change,
+        0.0,
     ]
 
 

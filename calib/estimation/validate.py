@@ -19,12 +19,9 @@ from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
 from calib.estimation.axles import axles_warnings, crossed_warnings, crossed_wheels, judge_axles
 from calib.estimation.budget import budget
-from calib.estimation.delay import with_delay
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
-from calib.estimation.load import with_load
 from calib.estimation.metrics import baseline_errors, score, truth_of
-from calib.estimation.motor import with_motor
 from calib.estimation.plan import as_used
 from calib.estimation.roads import Road, roads_of
 from calib.estimation.settings import SETTINGS
@@ -228,8 +225,6 @@ def validate_one(
         *saturated(log.name, seen),
         *crossed_warnings(log.name, crossed),
     )
-    result = with_delay(with_motor(log, result, _of_ramps(table)), result.response)
-    result = with_load(result, stated=mass is not None)
     if other is not None and other.log_odds > SETTINGS.axles_sure:
         result = _without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if crossed is not None and crossed.sure:
@@ -251,12 +246,6 @@ def validate_one(
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )
-
-
-def _of_ramps(table: Table) -> list[PlausibilityWarning]:
-    """What the fit of a table said of its ramps."""
-    ramps = {log.name for log in table.provenance.logs if log.role == "ramp"}
-    return [warning for warning in table.warnings if warning.log in ramps]
 
 
 def _without_answer(result: Estimate, why: str) -> Estimate:

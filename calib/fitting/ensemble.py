@@ -94,8 +94,14 @@ def unit_slips(
         rolls &= (use < NEAR_PEAK) & (load > _LEAST_LOAD)
         x = np.einsum("nkf,nf->nk", inverse_forms(use), e.forms)
         slips.append(most * x * np.exp(e.load_exponent[:, None] * relative))
-    grown = (loads[0] * L / (L - l_f) - 1.0, loads[1] * L / l_f - 1.0)
-    return UnitSlips(*slips, *grown, share=loads[0], rolls=rolls)
+    return UnitSlips(
+        front=slips[0],
+        rear=slips[1],
+        grown_f=loads[0] * L / (L - l_f) - 1.0,
+        grown_r=loads[1] * L / l_f - 1.0,
+        share=loads[0],
+        rolls=rolls,
+    )
 
 
 def brake_share(car: Vehicle, log_ratio: Array, log_odds: Array | float = 0.0) -> Array:

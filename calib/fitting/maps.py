@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import PRIORS, Ensemble
+from calib.fitting.ensemble import Ensemble
 from calib.fitting.stops import scenarios, seen
 from calib.table.maps import LevelMap, PadMap
 
@@ -27,6 +27,7 @@ SLIP = np.array([-1.5, -0.5, 0.5, 1.5])
 QUANTILES = (0.025, 0.5, 0.975)
 
 _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
+_FORM = 0.01  # of eta - 1, relative: what a tyre departs by is in the ensemble
 _PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is wide
 _NEAR = 0.4  # standard deviation about a place along the slip, in those of the slip
 _EMPTY = 1.0  # scenarios that any cell has of the prior: one that nobody sees has nothing else
@@ -62,7 +63,7 @@ def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
         one = _bounded("level", np.quantile(at.level, QUANTILES))
         for name, of in asked.items():
             one |= _bounded(name, of.quantiles(rolls)[0])
-        form = PRIORS["form_error_eta"][0] * at.shift
+        form = _FORM * at.shift
         error = np.sqrt(form**2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
         near = np.exp(-0.5 * ((at.shift[:, None] - SHIFT * z) / error) ** 2) / error * rolls
         near += _EMPTY * float(np.max(near)) / near.shape[0] * rolls

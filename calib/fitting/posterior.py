@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Index, Mask
 from calib.base.names import G
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
@@ -33,6 +33,7 @@ DRAWS = 2048
 _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of them
 _ZERO = 3.0  # time before the bite over which eta and slip are zeroed [s]
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
+_GRADE = 0.001  # walk of bias and slope [1/sqrt(s)]
 _CLOCK = 0.01  # sigma of the time by which v is late against the wheels [s]
 _WALKED = 5e-5  # sigma of what the zero of eta walked since the lead-in [1]
 _SLOW = 5.0  # speed below which a ramp tells little [m/s]
@@ -54,8 +55,10 @@ class _Ramp:
 
     ``brake`` brake force of both axles over the weight, ``moment_f``, ``moment_r`` other moments;
     ``log_odds`` of the axles' pressures; ``alone`` share of the front axle where one axle brakes
-    alone, else None; ``late`` slip per second by which v is late [1/s]; ``slip`` None without v;
-    variances are those of the sensors, ``zero_eta``, ``zero_slip`` sigma of the zeros.
+    alone, else None. ``own`` (k, m) is what else moves the slip, linearly, with ``own_mean`` and
+    ``own_sigma`` (m,): with v its zero and the time by which v is late; without v the slip is what
+    the wheels lose against the speed that a_x carries on: scale and offset of a_x and that speed.
+    Variances are those of the sensors, ``zero_eta`` sigma of the zero of eta.
     """
 
     z: Array
@@ -66,11 +69,12 @@ class _Ramp:
     alone: float | None
     eta: Array
     eta_variance: Array
-    slip: Array | None
-    slip_variance: Array
-    late: Array
+    slip: Array
+    slip_covariance: Array
+    own: Array
+    own_mean: Array
+    own_sigma: Array
     zero_eta: float
-    zero_slip: float
 
 
 def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
@@ -86,12 +90,18 @@ def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
     def zeroed(x: Array) -> Array:
         return mean(x) - np.mean(x[lead])
 
-    speed = mean(b.speed)
-    wheels, v = noise.omega / mean(b.omega_f), noise.v / speed
-    zero_wheels, zero_v = (
-        density / np.mean(x[lead]) / np.sqrt(rolled)
-        for density, x in ((noise.omega, b.omega_f), (noise.v, b.speed))
-    )
+    wheels = noise.omega / mean(b.omega_f)
+    zero_wheels = noise.omega / np.mean(b.omega_f[lead]) / np.sqrt(rolled)
+    eta_zero = float(np.mean(b.eta[lead]))
+    if run.slip is None:
+        slip, covariance, own, own_mean, own_sigma = _carried_on(car, run, lead, groups, eta_zero)
+    else:
+        speed = mean(b.speed)
+        slip, own_mean = zeroed(run.slip), np.zeros(2)
+        covariance = np.diag((wheels**2 + (noise.v / speed) ** 2) / time)
+        own = np.stack([np.ones_like(speed), G * mean(b.z) / speed], axis=1)
+        zero_v = noise.v / np.mean(b.speed[lead]) / np.sqrt(rolled)
+        own_sigma = np.array([np.hypot(zero_wheels, zero_v), _CLOCK])
     B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
     return _Ramp(
         z=mean(b.z),
@@ -100,14 +110,47 @@ def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
         moment_r=zeroed(run.moment_r) / car.weight,
         log_odds=np.log(B_f / B_r),
         alone={None: None, "f": 1.0, "r": 0.0}[run.only],
-        eta=mean(b.eta) / np.mean(b.eta[lead]) - 1.0,
+        eta=mean(b.eta) / eta_zero - 1.0,
         eta_variance=2.0 * wheels**2 / time,
-        slip=None if run.slip is None else zeroed(run.slip),
-        slip_variance=(wheels**2 + v**2) / time,
-        late=G * mean(b.z) / speed,
+        slip=slip,
+        slip_covariance=covariance,
+        own=own,
+        own_mean=own_mean,
+        own_sigma=own_sigma,
         zero_eta=float(np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED)),
-        zero_slip=float(np.hypot(zero_wheels, zero_v)),
     )
+
+
+def _carried_on(
+    car: Vehicle, run: RampRun, lead: Index, groups: list[Index], eta_zero: float
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Slip by a speed that a_x carries on from the lead-in, as `_Ramp` has it.
+
+    v = v_0 - g int (1 - e) (z - o) dt, and the wheels turn at v (1 - slip): as v goes to zero the
+    slip's part vanishes and that of the scale e does not.
+    """
+    b, noise, R = run.blocks, run.noise, car.front.rolling_radius
+    rear = 1.0 - run.load_f / car.weight
+    rim = R * b.omega_f * (1.0 + rear * (b.eta / eta_zero - 1.0))
+    time = b.end - b.end[lead[-1]]
+    slope, v_0 = np.polyfit(time[lead], rim[lead], 1)
+    offset = np.mean(b.z[lead]) + slope / G
+    lost = np.cumsum(np.where(time > 0.0, G * (b.z - offset) * b.length, 0.0))
+    t, gone, u = (np.array([np.mean(x[g]) for g in groups]) for x in (time, lost, rim))
+    length = np.array([g.size for g in groups]) * b.length
+    v = u * (1.0 + PRIORS["compliance"][0] * np.array([np.mean(b.z[g]) for g in groups]))
+    wheel = noise.omega * R
+    sooner, later = np.minimum(t[:, None], t), np.maximum(t[:, None], t)
+    walk = _GRADE**2 * (sooner**3 / 3.0 + sooner**2 * (later - sooner) / 2.0)
+    covariance = G**2 * (noise.z**2 * sooner + walk) / np.outer(v, v)
+    covariance += np.diag((wheel / v) ** 2 / length)
+    rolled = lead.size * b.length
+    slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
+    own = np.stack([-gone / v, -G * t / v, 1.0 / v], axis=1)
+    scale = PRIORS["a_x_scale"]
+    mean = np.array([scale[0], 0.0, 0.0])
+    sigma = np.array([scale[1], slope_sigma, 2.0 * wheel / np.sqrt(rolled)])
+    return (v_0 - gone - u) / v, covariance, own, mean, sigma
 
 
 def _from_normal(x: Array, ratio: Value) -> Ensemble:
@@ -144,36 +187,39 @@ class _Regression:
 
     def __init__(self, car: Vehicle, ramps: list[_Ramp]) -> None:
         self.car, self.ramps = car, ramps
-        self.with_v = [r for r in ramps if r.slip is not None]
-        size = 3 + len(ramps) + 2 * len(self.with_v)
+        sizes = [r.own_sigma.size for r in ramps]
+        size = 3 + len(ramps) + sum(sizes)
         mean, sigma = PRIORS["compliance"]
         apart = PRIORS["log_tyre_ratio"][1] * mean
         prior = np.zeros((size, size))
         prior[:2, :2] = sigma**2 + 0.25 * apart**2 * np.array([[1.0, -1.0], [-1.0, 1.0]])
         prior[2, 2] = PRIORS["radius_load"][1] ** 2
-        own = [r.zero_eta for r in ramps] + [s for r in self.with_v for s in (r.zero_slip, _CLOCK)]
-        prior[np.arange(3, size), np.arange(3, size)] = np.square(own)
+        own = np.concatenate([[r.zero_eta for r in ramps], *(r.own_sigma for r in ramps)])
+        prior[np.arange(3, size), np.arange(3, size)] = own**2
         self.precision = np.linalg.inv(prior)
         self.start = np.zeros(size)
         self.start[:3] = mean, mean, PRIORS["radius_load"][0]
+        self.start[3 + len(ramps) :] = np.concatenate([r.own_mean for r in ramps])
         self.white = np.linalg.inv(np.linalg.cholesky(self._covariance()))
 
     def _covariance(self) -> Array:
         """Of the rows: sensors, and the correlated error of the form over the deceleration."""
-        rows = [(r, r.eta, r.eta_variance, "eta") for r in self.ramps]
-        rows += [(r, r.slip, r.slip_variance, "slip") for r in self.ramps if r.slip is not None]
-        z = np.concatenate([r.z for r, *_ in rows])
-        size = np.concatenate(
-            [np.maximum(np.abs(x), _FINEST) * PRIORS[f"form_error_{of}"][0] for _, x, _, of in rows]
-        )
-        kinds = [(of, r.alone) for r, *_, of in rows]
-        kind = np.repeat([kinds.index(k) for k in kinds], [r.z.size for r, *_ in rows])
-        near = np.exp(-0.5 * ((z[:, None] - z) / PRIORS["form_length"][0]) ** 2)
-        noise = np.concatenate([variance for _, _, variance, _ in rows])
-        alike = kind[:, None] == kind
-        return np.asarray(size[:, None] * size * near * alike + np.diag(noise + _ROUGH * size**2))
+        from scipy.linalg import block_diag
 
-    def rows(self, e: Ensemble) -> tuple[Array, Array, Array]:
+        parts = [(r, r.eta, "eta") for r in self.ramps] + [(r, r.slip, "slip") for r in self.ramps]
+        z = np.concatenate([r.z for r, *_ in parts])
+        size = np.concatenate(
+            [np.maximum(np.abs(x), _FINEST) * PRIORS[f"form_error_{of}"][0] for _, x, of in parts]
+        )
+        kinds = [(of, r.alone) for r, _, of in parts]
+        kind = np.repeat([kinds.index(k) for k in kinds], [r.z.size for r, *_ in parts])
+        near = np.exp(-0.5 * ((z[:, None] - z) / PRIORS["form_length"][0]) ** 2)
+        near = near * (kind[:, None] == kind) + _ROUGH * np.eye(z.size)
+        sensors = [np.diag(r.eta_variance) for r in self.ramps]
+        sensors += [r.slip_covariance for r in self.ramps]
+        return np.asarray(size[:, None] * size * near + block_diag(*sensors))
+
+    def rows(self, e: Ensemble) -> tuple[Array, Array, Mask]:
         """Design (n, k, p), data (n, k), and whether all forces are below the peaks (n,)."""
         etas, slips, data_eta, data_slip = [], [], [], []
         rolls = np.ones(e.size, dtype=bool)
@@ -194,13 +240,11 @@ class _Regression:
             one[..., 2], one[..., 3 + i] = unit.grown_r - unit.grown_f, 1.0
             etas.append(one)
             data_eta.append(r.eta * (1.0 - PRIORS["compliance"][0] * unit.front))
-            if r.slip is None:
-                continue
             two = np.zeros_like(one)
             two[..., 0], two[..., 1] = unit.share * unit.front, (1.0 - unit.share) * unit.rear
             two[..., 2] = -unit.share * unit.grown_f - (1.0 - unit.share) * unit.grown_r
-            two[..., own], two[..., own + 1] = 1.0, r.late
-            own += 2
+            two[..., own : own + r.own_sigma.size] = r.own
+            own += r.own_sigma.size
             slips.append(two)
             data_slip.append(np.broadcast_to(r.slip, unit.front.shape))
         return np.concatenate(etas + slips, 1), np.concatenate(data_eta + data_slip, 1), rolls
@@ -214,7 +258,7 @@ class _Regression:
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("np,np->n", g, mean)
         log = -0.5 * (square + np.linalg.slogdet(A)[1])
-        possible = rolls & (mean[:, :2] > 0.0).all(axis=1)
+        possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.plain import rows
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
@@ -94,7 +94,7 @@ class Seen:
     shift: Array
     slip: Array
     level: Array
-    rolls: Array
+    rolls: Mask
 
 
 def seen(car: Vehicle, s: Scenarios, z: float) -> Seen:

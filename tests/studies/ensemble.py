@@ -37,12 +37,14 @@ class Stop:
 
 @dataclass(frozen=True)
 class Case:
-    """One car: what the program is told, its ramp, its stops; ``coast`` where one was asked for."""
+    """One car: what the program is told, its ramp, its stops; ``coast`` where one was asked for;
+    ``tyre`` names its form where the plant has several."""
 
     vehicle: Vehicle
     ramp: Log
     stops: tuple[Stop, ...]
     coast: Log | None = None
+    tyre: str = ""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ Result = TypeVar("Result")
 
 def arguments(doc: str | None, *flags: str, **defaults: object) -> argparse.Namespace:
     """The options of a study: ``flags`` are off, the others have a default of their type; a list
-    is that of the names of which any number may be chosen, all of them unless told otherwise."""
+    is that of the names of which any number may be chosen, all of them unless told otherwise; a
+    tuple is any number of words."""
     parser = argparse.ArgumentParser(
         description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -27,6 +28,8 @@ def arguments(doc: str | None, *flags: str, **defaults: object) -> argparse.Name
         option = f"--{name.replace('_', '-')}"
         if isinstance(value, list):
             parser.add_argument(option, action="append", choices=value, metavar="NAME")
+        elif isinstance(value, tuple):
+            parser.add_argument(option, nargs="*", default=value)
         else:
             parser.add_argument(option, type=type(value), default=value)
     for name in flags:

@@ -1,0 +1,151 @@
+"""An estimate against the truth of its stop, over all braked samples, whether it calls them valid.
+
+Counted are the samples from 0.3 s after the first bite on, above 2 bar and 3 m/s. A sample without
+an answer is one of ``answered``; errors and coverage are those of the others. All figures are means
+over the samples, but the half widths, which are medians.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from calib.base.arrays import Array
+from calib.base.names import WHEELS, G
+from calib.car.vehicle import Vehicle
+from calib.logs.log import Log
+
+BITE, SETTLED, SLOW = 2e5, 0.3, 3.0
+"""Pressure [Pa] and speed [m/s] below which nothing is counted, and the time after the bite [s]."""
+
+DECELERATIONS = {"< .2 g": (0.0, 0.2), ".2-.4 g": (0.2, 0.4), "> .4 g": (0.4, np.inf)}
+"""By the brakes' own part of it [g]."""
+
+QUANTITIES = ("level", "ratio", "front", "rear", "torque")
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What the brakes of a stop did, (n,) each: ``counted`` samples; the ``quantities`` by name,
+    that is torque over that of nominal pads, pad friction front over rear, of each axle [1], torque
+    of all four brakes [N m]; ``braking`` what it decelerates the car by [g]."""
+
+    time: Array
+    counted: np.ndarray
+    quantities: dict[str, Array]
+    braking: Array
+
+    @classmethod
+    def of(cls, log: Log, car: Vehicle) -> "Truth":
+        """From ``true_Tb_*`` and ``true_mu_pad_*``; these, if they are not there, from the torque
+        over the pressure as logged."""
+        p = log["p_mc"]
+        bitten = log.time[np.argmax(p > BITE)]
+        speed = log["v"] if "v" in log else car.rear.rolling_radius * log["omega_rl"]
+        torques = {w: log.truth[f"true_Tb_{w}"] for w in WHEELS}
+        pads = {}
+        for side, axle in (("f", car.front), ("r", car.rear)):
+            mean = 0.5 * (torques[f"{side}l"] + torques[f"{side}r"])
+            by_torque = mean / (axle.torque_gain * np.maximum(p, BITE))
+            pads[side] = log.truth.get(f"true_mu_pad_{side}", by_torque)
+        total = np.sum(list(torques.values()), axis=0)
+        return cls(
+            time=log.time,
+            counted=(p > BITE) & (log.time > bitten + SETTLED) & (speed > SLOW),
+            quantities={
+                "level": level(car, pads["f"], pads["r"]),
+                "ratio": pads["f"] / np.where(pads["r"] > 0.0, pads["r"], np.nan),
+                "front": pads["f"],
+                "rear": pads["r"],
+                "torque": total,
+            },
+            braking=total / (car.front.rolling_radius * car.mass * G),
+        )
+
+
+def level(car: Vehicle, front: Array, rear: Array) -> Array:
+    """Torque of pads (n,) over that of nominal pads at the same pressure [1]."""
+    gain_f, gain_r = car.front.torque_gain, car.rear.torque_gain
+    nominal = gain_f * car.front.pad_friction + gain_r * car.rear.pad_friction
+    return (gain_f * front + gain_r * rear) / nominal
+
+
+def answer(frame: pd.DataFrame, prefix: str, car: Vehicle) -> dict[str, tuple[Array, Array, Array]]:
+    """Value and 95 % bounds of each of `QUANTITIES`, (n,) each; bounds without a column are NaN.
+
+    ``frame`` is that of an estimate, ``prefix`` of its columns "" or "ecu_".
+    """
+
+    def column(name: str) -> Array | None:
+        found = f"{prefix}{name}"
+        return np.asarray(frame[found], dtype=float) if found in frame else None
+
+    def bounded(name: str, value: Array | None = None) -> tuple[Array, Array, Array]:
+        own = column(name)
+        middle = value if own is None else own
+        nothing = np.full(len(frame), np.nan)
+        low, high = column(f"{name}_lower"), column(f"{name}_upper")
+        return middle, nothing if low is None else low, nothing if high is None else high
+
+    front, rear = bounded("pad_friction_f"), bounded("pad_friction_r")
+    total = np.sum([column(f"brake_torque_{w}") for w in WHEELS], axis=0)
+    return {
+        "level": bounded("pad_level", level(car, front[0], rear[0])),
+        "ratio": bounded("pad_ratio", front[0] / rear[0]),
+        "front": front,
+        "rear": rear,
+        "torque": bounded("brake_torque_sum", total),
+    }
+
+
+def estimators(columns: Iterable[str]) -> dict[str, str]:
+    """Prefixes of the estimators that the columns of an estimate are of, by the estimators' names:
+    ``today`` before there was a ``pad_level``, ``best`` since, ``ecu`` where there is one."""
+    prefixes = {"best" if "pad_level" in columns else "today": "", "ecu": "ecu_"}
+    return {name: x for name, x in prefixes.items() if f"{x}pad_friction_f" in columns}
+
+
+def scored(
+    frame: pd.DataFrame, prefix: str, car: Vehicle, truth: Truth
+) -> Iterator[dict[str, float | str]]:
+    """Figures of one estimator on one stop: of all counted samples, then by deceleration."""
+    answers = answer(frame, prefix, car)
+    valid = np.asarray(frame[f"{prefix}valid"], dtype=bool)
+    every = {"all": (0.0, np.inf), **DECELERATIONS}
+    for name, (low, high) in every.items():
+        counted = truth.counted & (truth.braking >= low) & (truth.braking < high)
+        if counted.any():
+            yield {"deceleration": name, **figures(answers, valid, truth, counted)}
+
+
+def figures(
+    answers: dict[str, tuple[Array, Array, Array]], valid: Array, truth: Truth, counted: Array
+) -> dict[str, float]:
+    """Of the ``counted`` samples (n,): shares answered and valid; for each of `QUANTITIES` the mean
+    square of the relative error, its mean, the half width over the value and the share that the
+    bounds hold, also of the valid samples [1]. NaN where nothing is known."""
+    values = np.array([value for name in ("front", "rear") for value in answers[name]])
+    told = counted & np.isfinite(values).all(axis=0) & np.isfinite(answers["torque"][0])
+    out = {
+        "samples": float(counted.sum()),
+        "answered": float(told.sum() / counted.sum()),
+        "valid": float((valid & counted).sum() / counted.sum()),
+    }
+    for name, (value, low, high) in answers.items():
+        true = truth.quantities[name]
+        error = value[told] / true[told] - 1.0
+        has_bounds = bool(np.isfinite(low[told]).any())
+        held = (low <= true) & (true <= high)
+        out[f"square {name}"] = mean(error**2)
+        out[f"bias {name}"] = mean(error)
+        out[f"held {name}"] = mean(held[told]) if has_bounds else np.nan
+        out[f"held valid {name}"] = mean(held[told & valid]) if has_bounds else np.nan
+        half = 0.5 * (high - low)[told] / value[told]
+        out[f"half {name}"] = float(np.median(half)) if has_bounds else np.nan
+    return out
+
+
+def mean(values: Array) -> float:
+    """NaN of nothing, without a warning."""
+    return float(np.mean(values)) if values.size else np.nan
