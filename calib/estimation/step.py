@@ -99,7 +99,7 @@ def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
 class Constants:
     """What the step takes from a table, and its tuned numbers.
 
-    ``late`` time by which v comes after the wheel speeds [s].
+    ``late`` time by which v comes after the wheel speeds [s], with its sigma.
     """
 
     ratio: Reader
@@ -109,6 +109,7 @@ class Constants:
     noise_v: float
     radius: float
     late: float
+    late_sigma: float
     block: float
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
@@ -118,7 +119,7 @@ class Constants:
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.03  # [1/sqrt(s)]
-    level_rough: float = 0.012  # of a block, relative: road and body
+    level_rough: float = 0.007  # of a block, relative: road and body
     lag: float = 0.03  # time constant of the brakes [s], and its sigma
     lag_sigma: float = 0.04
     least_lag: float = 0.004
@@ -349,6 +350,7 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
+        variance += (G * x.z * c.late_sigma) ** 2
         in_time = x.v - G * x.z * c.late
         m.measured(in_time * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
 
@@ -432,6 +434,8 @@ def _ratio(
     if not weight or z < c.least_z:
         return prior
     at = shift / z
+    if not c.ratio.axes[1][0] <= at <= c.ratio.axes[1][-1]:
+        return prior
     noise = c.noise_omega * c.radius / max(s.motion.x[0], 1.0) / math.sqrt(2.0 * c.block * weight)
     # a mean over decelerations that differ is not the curve at their mean
     bent = shift * max(s.sums[3] / weight / z**2 - 1.0, 0.0)

@@ -26,6 +26,7 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
         peak=kept.peak,
         **dict(zip(FORMS, kept.forms.T, strict=True)),
         radius_load=kept.radius_load,
+        v_late=kept.v_late,
         cg_to_front_axle=kept.cg_to_front_axle * car.cg_to_front_axle,
         cg_height=kept.cg_height * car.cg_height,
         weight=np.full(KEPT, car.weight),
