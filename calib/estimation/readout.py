@@ -115,7 +115,8 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         noise_z=noise.z,
         noise_v=noise.v,
         radius=table.vehicle.front.rolling_radius,
-        late=table.posterior.value("clock_offset"),
+        late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
+        late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
         block=block,
     )
 
