@@ -10,7 +10,7 @@ pads: with them the rear pads keep their friction.
     else         weighed: the log as given against the log with its wheel speeds exchanged
 
 On a car near ideal balance eta hardly rises. What tells the axles there is how eta goes with
-pressure, deceleration and speed over the whole stop, and whether the pads are those of the ramp
+the deceleration over the whole stop, and whether the pads are those of the ramp
 (`calib.estimation.exchanged`).
 """
 
@@ -58,9 +58,11 @@ def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
         and r.expected > SETTINGS.eta_rises
         and r.eta - 4.0 * r.error > SETTINGS.axles_reversed * r.expected
     )
-    if right or e.basis is None:
+    if right:
         return None
-    other = exchanged(e, e.basis)
+    other = exchanged(e)
+    if other is None:
+        return None
     given, swapped = map(abs, other.log_pad_ratio)
     if given < SETTINGS.ratio_kept and swapped > SETTINGS.ratio_apart:
         return None
@@ -170,7 +172,7 @@ def crossed_warnings(log: str, crossed: _CrossedStop | None) -> Iterator[Plausib
 def _holds(e: Estimate, other: Exchanged) -> bool:
     """Whether the interval of the pads' ratio holds what the log says with its axles exchanged."""
     as_given, swapped = other.log_pad_ratio
-    return abs(swapped - as_given) < Z95 * float(e.split.sigma[other.block])
+    return abs(swapped - as_given) < Z95 * other.sigma
 
 
 def _rise(table: Table, b: Blocks) -> Rise | None:

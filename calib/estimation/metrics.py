@@ -92,7 +92,7 @@ def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
             out[f"pad_friction_{side}"] = float(np.mean(mu))
             out[f"pad_friction_drift_{side}"] = abs(float(drift))
             out[f"interval_{side}"] = float(np.median(width))
-    innovation = e.split.innovation_eta[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
+    innovation = e.best.innovation[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
     innovation = innovation[np.isfinite(innovation)]
     if innovation.size > 10:
         out["innovation_rms"] = float(np.sqrt(np.mean(innovation**2)))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
+from calib.base.errors import InputError
 from calib.car.balance import brake_forces
 from calib.car.vehicle import Vehicle
 from calib.estimation.step import (
@@ -56,8 +57,10 @@ class Readout:
     ``level`` sum of the brake torques over that of the file's pads, ``pads_f``, ``pads_r`` pad
     friction, ``change_f``, ``change_r`` pad friction over that of the ramp, all [1];
     ``torque_f``, ``torque_r`` of one wheel, ``torque_sum`` of all [N m]; ``reason`` a `Reason`;
-    ``lag`` of the brakes [s]; ``ratio`` front pads over rear ones [1]; ``noise``,
-    ``accelerometer`` variance of ln of the level, ``zeros`` of that of the ratio by sensors.
+    ``lag`` of the brakes [s]; ``ratio`` front pads over rear ones [1], ``change`` its ln over that
+    of the ramp; ``noise``, ``accelerometer`` variance of ln of the level, ``zeros`` of that of the
+    ratio by sensors; ``slip`` ln(slip/z) with its ``slip_sigma``. ``innovation`` of the wheels is
+    of each block, in standard deviations (k,).
     """
 
     level: Bounded
@@ -69,10 +72,14 @@ class Readout:
     torque_r: Bounded
     torque_sum: Bounded
     ratio: Bounded
+    change: Bounded
     noise: Array
     accelerometer: Array
     zeros: Array
     lag: Array
+    slip: Array
+    slip_sigma: Array
+    innovation: Array
     reason: Index
 
     @property
@@ -101,13 +108,20 @@ class Readout:
         return out
 
 
-_PARTS = ("noise", "accelerometer", "zeros", "lag")
+_PARTS = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
-    """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
-    assert table.map is not None
-    assert table.level_map is not None
+    """What the step takes from a ``table``; ``noise`` of the sensors.
+
+    Raises InputError for a table without maps.
+    """
+    if table.map is None or table.level_map is None:
+        raise InputError(
+            f"the table of {table.name} has no maps: it was fitted by an older program",
+            expected="a table with map and level_map",
+            do="fit it again from its logs",
+        )
     return Constants(
         ratio=Reader(table.map, COLUMNS),
         level=Reader(table.level_map, (*LEVEL, *PADS)),
@@ -191,6 +205,8 @@ def _per_sample(
         torque_r=torque_r,
         torque_sum=Bounded(total, total * relative[0], total * relative[1]),
         ratio=_exp(ratio).at(at).times(f.pad_friction / r.pad_friction),
+        change=change.at(at),
+        innovation=a[:, Answer._fields.index("innovation")],
         **{name: a[:, Answer._fields.index(name)][at] for name in _PARTS},
         reason=a[:, Answer._fields.index("reason")][at].astype(np.int64),
     )

@@ -40,29 +40,13 @@ class _ValidationSettings:
     """Share of the braked samples with a wheel at its limit past which nothing is weighed: the
     filter knows no wheel that locks."""
 
-    # load.py
-    pads_repeat: float = 0.02
-    """Standard deviation of pads of one temperature from run to run [1],
-    `calib.plausibility.pads`."""
-    load_behind: float = 2.0
-    """Mean square of what a load does to the rear pads over that of all pads [1]: of a boot it is
-    4."""
-
-    # motor.py
-    motor_front: float = 0.7
-    """Share of the motors that brake the front axle [1]: most cars with a small one are driven
-    there (our estimate). One at the rear makes its pads seem a third better, and is named for
-    that."""
-    motor_on_ramp: float = 0.5
-    """Chance that what a fit has named on a ramp is a motor [1]: 0.4 at least, and a force
-    that is not there on one of ten good cars (`tests/studies/coverage_by_cause.py`, seed 6613)."""
-    motor_least: float = 1.0
-    """Brake force of an axle [N] below which it is counted as this: one that is not braked."""
-
     # roads.py
     roads_apart: float = 2.5
     """Difference of two stiffnesses from which they are of two roads [sigma]: by chance in one pair
     of eighty on the same road."""
+    any_road: float = 0.35
+    """Sigma of ln of the stiffness of a road of which nothing is known [1]: tile to dry asphalt
+    spans factors of 0.6 to 1.1."""
 
     # validate.py
     named: float = 0.1

@@ -159,8 +159,11 @@ class Gaussian:
     x: list[float]
     P: list[list[float]]
 
-    def measured(self, y: float, H: list[float], variance: float) -> None:
-        """Take in a reading ``y`` of ``H`` x; ``y`` is what is left of it over the prediction."""
+    def measured(self, y: float, H: list[float], variance: float) -> float:
+        """Take in a reading of ``H`` x, and return what it is off by, in standard deviations.
+
+        ``y`` is what is left of it over the prediction.
+        """
         PH = [sum(p * h for p, h in zip(row, H, strict=True)) for row in self.P]
         gain = 1.0 / (sum(h * p for h, p in zip(H, PH, strict=True)) + variance)
         self.x = [x + gain * p * y for x, p in zip(self.x, PH, strict=True)]
@@ -168,13 +171,15 @@ class Gaussian:
             [old - gain * p * q for old, q in zip(row, PH, strict=True)]
             for row, p in zip(self.P, PH, strict=True)
         ]
+        return y * math.sqrt(gain)
 
 
 class Answer(NamedTuple):
     """Level and ratio, each ln with 95 % bounds; ``change`` of the ratio since the ramp.
 
     ``noise``, ``accelerometer`` variance of the level by sensors, ``zeros`` of the ratio by what is
-    read.
+    read. ``slip`` ln(slip/z) with its ``slip_sigma``; ``innovation`` how far the wheels were from
+    the speed that was carried on, in standard deviations, NaN where they do not count.
     """
 
     level: float
@@ -190,6 +195,9 @@ class Answer(NamedTuple):
     accelerometer: float
     zeros: float
     lag: float
+    slip: float
+    slip_sigma: float
+    innovation: float
     reason: Reason
 
 
@@ -247,9 +255,9 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
         if s.braked > 0.0 and s.released > 1.0:
             _forget_stop(c, s)
         _roll(c, s, x)
-    _move(c, s, x, braking)
+    innovation = _move(c, s, x, braking)
     s.z = x.z
-    return _answer(c, s, x)
+    return _answer(c, s, x, innovation)
 
 
 def _means(s: State) -> tuple[float, float]:
@@ -313,8 +321,11 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     s.sums = [keep * old + one for old, one in zip(s.sums, new, strict=True)]
 
 
-def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
-    """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip."""
+def _move(c: Constants, s: State, x: Sample, braking: bool) -> float:
+    """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip.
+
+    Returns the innovation of the wheels.
+    """
     if not s.anchored:  # radii that are made equal now would look like a speed that jumps
         P = [[0.0] * 4 for _ in range(4)]
         P[0][0], P[1][1], P[2][2] = 1.0, c.offset**2, c.scale_sigma**2
@@ -342,15 +353,17 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
             m.P[3][i] = m.P[i][3] = 0.0
         m.P[3][3] = c.log_slip_sigma**2
     if x.disturbed or x.rim <= MOVING:
-        return
+        return math.nan
     slip = max(x.demand - s.demand.value, 0.0) * math.exp(slip) if braking else 0.0
     rest, variance = _rim(s, x) - v * (1.0 - slip), (c.noise_omega * c.radius) ** 2 / dt
-    m.measured(rest, [1.0 - slip, 0.0, 0.0, -v * slip], variance + (c.slip_rough * slip * v) ** 2)
+    variance += (c.slip_rough * slip * v) ** 2
+    innovation = m.measured(rest, [1.0 - slip, 0.0, 0.0, -v * slip], variance)
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
         in_time = x.v - G * x.z * c.late
         m.measured(in_time * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
+    return innovation
 
 
 def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, float]:
@@ -368,7 +381,7 @@ COLUMNS = (*PADS, "log_slip", "log_slip_sigma")
 SLIP = COLUMNS.index("log_slip")
 
 
-def _answer(c: Constants, s: State, x: Sample) -> Answer:
+def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
     # friction as it is now, of the pressure as it is now
     a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
     z, shift = _means(s)
@@ -393,7 +406,8 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
         level, level - down, level + up,
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
-        noise, accelerometer, zeros, s.level.x[1], _reason(c, s, x),
+        noise, accelerometer, zeros, s.level.x[1],
+        log_slip, math.sqrt(left), innovation, _reason(c, s, x),
     )  # fmt: skip
 
 

@@ -30,3 +30,19 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
         cg_height=kept.cg_height * car.cg_height,
         weight=np.full(KEPT, car.weight),
     )
+
+
+def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
+    """The ensemble of which a table of ``car`` kept these draws."""
+    return Ensemble(
+        forms=np.stack([getattr(draws, name) for name in FORMS], axis=1),
+        load_exponent=draws.load_exponent,
+        peak_load_exponent=draws.peak_load_exponent,
+        peak=draws.peak,
+        log_pad_ratio=draws.log_pad_ratio,
+        cg_to_front_axle=draws.cg_to_front_axle / car.cg_to_front_axle,
+        cg_height=draws.cg_height / car.cg_height,
+        compliance_f=draws.compliance_f,
+        compliance_r=draws.compliance_r,
+        radius_load=draws.radius_load,
+    )

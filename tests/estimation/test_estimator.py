@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from calib.estimation.priors import Priors
 
 from calib.base.names import WHEELS, G
 from calib.car.balance import brake_forces
@@ -12,7 +13,6 @@ from calib.car.effects.effects import Effects
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import LOCKS, Gates
 from calib.estimation.plan import calibrated
-from calib.estimation.priors import Priors
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise

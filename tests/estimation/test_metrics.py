@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calib.estimation.pad_level import PadLevel
+from calib.estimation.pad_ratio import PadRatio
 
 from calib.base.names import G
 from calib.estimation.axle_estimate import AxleEstimate
@@ -15,8 +17,6 @@ from calib.estimation.metrics import (
     score,
     truth_of,
 )
-from calib.estimation.pad_level import PadLevel
-from calib.estimation.pad_ratio import PadRatio
 from calib.logs.log import Log
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Blocks

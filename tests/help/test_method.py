@@ -6,7 +6,6 @@ import pytest
 import calib
 from calib.car.forces import axle_loads
 from calib.estimation.lookup import paper, smoothed
-from calib.estimation.priors import Priors
 from calib.help.page import FOLDER
 
 PAGE = (FOLDER / "method.md").read_text()
@@ -32,8 +31,8 @@ def computed() -> dict[str, tuple[float, float]]:
     log = calib.read_log(LOGS / "stop_noisy.parquet")
     found = calib.estimate(table, log)
     at, s, axles = int(np.argmin(np.abs(found.time - AT))), found.read, (car.front, car.rear)
-    z, eta = (smoothed(s, x, Priors()) for x in (found.z, found.eta))
-    spin = [np.gradient(smoothed(s, w, Priors()), s.time)[at] for w in (s.omega_f, s.omega_r)]
+    z, eta = (smoothed(s, x) for x in (found.z, found.eta))
+    spin = [np.gradient(smoothed(s, w), s.time)[at] for w in (s.omega_f, s.omega_r)]
     load = [float(F_z[at]) for F_z in axle_loads(car, z)]
     read = paper(table, z, eta, z)
     assert read.inside[at]
