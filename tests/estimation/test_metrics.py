@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calib.estimation.pad_level import PadLevel
-from calib.estimation.pad_ratio import PadRatio
+from calib.estimation.readout import Bounded, Readout
 
 from calib.base.names import G
 from calib.estimation.axle_estimate import AxleEstimate
@@ -18,7 +17,6 @@ from calib.estimation.metrics import (
     truth_of,
 )
 from calib.logs.log import Log
-from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR
 
@@ -42,8 +40,9 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
     blocks = 100
     one = np.ones(blocks)
     noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
-    split = PadRatio(
-        *9 * [one], noise, np.full(blocks, np.nan), one, changes=(2.5,), bumps=((3.0, 3.2),)
+    told = Bounded(*3 * [np.ones(N)])
+    answer = Readout(
+        *10 * [told], *6 * [np.zeros(N)], innovation=noise, reason=np.zeros(N, dtype=int)
     )
     values = {
         "plan": None,
@@ -59,15 +58,14 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         "braked": np.ones(N, bool),
         "covered": np.ones(N, bool),
         "baselines": {"nominal": (np.full(N, 0.38), np.full(N, 0.38))},
-        "split": split,
+        "best": answer,
+        "ecu": answer,
         "blocks": Blocks(
             end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
             omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
             lead_in=one < 0.0, samples=10, length=0.05,
         ),
-        "level": PadLevel(np.ones(N), np.ones(N)),
         "eta_zero": -0.001,
-        "accelerometer": Accelerometer(*np.zeros((12, blocks))),
         "pressure_f": p,
         "pressure_r": p,
     }  # fmt: skip
