@@ -118,7 +118,7 @@ class Constants:
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.03  # [1/sqrt(s)]
-    level_rough: float = 0.012  # of a block, relative: road and body
+    level_rough: float = 0.007  # of a block, relative: road and body
     lag: float = 0.03  # time constant of the brakes [s], and its sigma
     lag_sigma: float = 0.04
     least_lag: float = 0.004
@@ -446,6 +446,8 @@ def _ratio(
     if not weight or z < c.least_z:
         return prior
     at = shift / z
+    if not c.ratio.axes[1][0] <= at <= c.ratio.axes[1][-1]:
+        return prior
     noise = c.noise_omega * c.radius / max(s.motion.x[0], 1.0) / math.sqrt(2.0 * c.block * weight)
     # a mean over decelerations that differ is not the curve at their mean
     bent = shift * max(s.sums[3] / weight / z**2 - 1.0, 0.0)

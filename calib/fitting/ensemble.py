@@ -19,6 +19,9 @@ PRIORS = {
 }
 """Mean and sigma of each prior by name; the file has their sources."""
 
+DEPART_AT = np.linspace(0.05, 0.95, 10)
+"""Decelerations at which the departure of a tyre from its form is kept [1]."""
+
 _LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
 
 
@@ -31,7 +34,8 @@ class Ensemble:
     ``log_pad_ratio`` front over rear, over that of the vehicle file; ``cg_to_front_axle``,
     ``cg_height`` over those of the file; ``compliance_f``, ``compliance_r`` slip per normalised
     force at small slip and half the weight; ``radius_load`` share by which a rolling radius falls
-    when the load of its axle doubles.
+    when the load of its axle doubles; ``depart_eta``, ``depart_slip`` (n, k) what eta - 1 and the
+    mean slip depart from all that by, relative, at the decelerations `DEPART_AT` (k,).
     """
 
     forms: Array
@@ -44,6 +48,8 @@ class Ensemble:
     compliance_f: Array
     compliance_r: Array
     radius_load: Array
+    depart_eta: Array
+    depart_slip: Array
 
     @property
     def size(self) -> int:

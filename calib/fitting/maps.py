@@ -12,20 +12,22 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble
-from calib.fitting.stops import scenarios, seen
+from calib.fitting.stops import Seen, scenarios, seen
 from calib.table.maps import LevelMap, PadMap
 
 Z = np.array([0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.6, 0.85])
 """Demanded brake forces over the weight [1]."""
 
-SHIFT = 0.004 * np.sinh(np.linspace(-1.0, 4.6, 19))
-"""(eta - 1)/z [1]: wet tile has 0.06 to 0.12."""
+SHIFTS = 21
+"""Number of values of (eta - 1)/z, from the least to the greatest that the scenarios show."""
 
 SLIP = np.array([-1.5, -0.5, 0.5, 1.5])
 """ln(slip/z) from its mean in a place, in standard deviations."""
 
 QUANTILES = (0.025, 0.5, 0.975)
 
+_DENSE = 0.004  # (eta - 1)/z up to which its values stand evenly, beyond in equal ratios [1]
+_SEEN = (0.005, 0.995)  # quantiles of what the scenarios show between which the axis reaches
 _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
 _FORM = 0.01  # of eta - 1, relative: what a tyre departs by is in the ensemble
 _PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is wide
@@ -57,15 +59,16 @@ def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
     asked = {"ratio": _Sorted(s.log_pad_ratio), "change": _Sorted(s.change)}
     rows: list[dict[str, Array]] = []
     before: list[dict[str, Array]] = []
-    for z in Z:
-        at = seen(car, s, float(z))
+    shown = [seen(car, s, float(z)) for z in Z]
+    axis = _shifts(shown)
+    for z, at in zip(Z, shown, strict=True):
         rolls = at.rolls[:, None].astype(float)
         one = _bounded("level", np.quantile(at.level, QUANTILES))
         for name, of in asked.items():
             one |= _bounded(name, of.quantiles(rolls)[0])
         form = _FORM * at.shift
         error = np.sqrt(form**2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
-        near = np.exp(-0.5 * ((at.shift[:, None] - SHIFT * z) / error) ** 2) / error * rolls
+        near = np.exp(-0.5 * ((at.shift[:, None] - axis * z) / error) ** 2) / error * rolls
         near += _EMPTY * float(np.max(near)) / near.shape[0] * rolls
         log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
         mean, sigma = _moments(near, log_slip)
@@ -75,7 +78,7 @@ def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
         row = {"log_slip": _along(mean), "log_slip_sigma": _along(sigma)}
         for name, of in asked.items():
             found = of.quantiles(both.reshape(log_slip.size, -1))
-            row |= _bounded(name, found.reshape(SHIFT.size, SLIP.size, 3))
+            row |= _bounded(name, found.reshape(axis.size, SLIP.size, 3))
         width = (row["ratio_upper"] - row["ratio_lower"]) / (
             one["ratio_upper"] - one["ratio_lower"]
         )
@@ -84,10 +87,20 @@ def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
         before.append(one)
     return (
         PadMap.of(
-            (Z, SHIFT, SLIP), **{name: np.stack([row[name] for row in rows]) for name in rows[0]}
+            (Z, axis, SLIP), **{name: np.stack([row[name] for row in rows]) for name in rows[0]}
         ),
         LevelMap.of((Z,), **{name: np.array([row[name] for row in before]) for name in before[0]}),
     )
+
+
+def _shifts(shown: list[Seen]) -> Array:
+    """Axis of (eta - 1)/z."""
+    ends = [
+        np.quantile(np.arcsinh(at.shift[at.rolls] / z / _DENSE), _SEEN)
+        for z, at in zip(Z, shown, strict=True)
+    ]
+    low, high = np.min(ends), np.max(ends)
+    return np.asarray(_DENSE * np.sinh(np.linspace(low, high, SHIFTS)))
 
 
 def _along(x: Array) -> Array:

@@ -23,7 +23,14 @@ from calib.base.arrays import Array, Index, Mask
 from calib.base.names import G
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import PRIORS, Ensemble, brake_share, spread_evenly, unit_slips
+from calib.fitting.ensemble import (
+    DEPART_AT,
+    PRIORS,
+    Ensemble,
+    brake_share,
+    spread_evenly,
+    unit_slips,
+)
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
@@ -175,6 +182,8 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
         compliance_f=one,
         compliance_r=one,
         radius_load=one,
+        depart_eta=np.zeros((one.size, DEPART_AT.size)),
+        depart_slip=np.zeros((one.size, DEPART_AT.size)),
     )
 
 
@@ -213,8 +222,12 @@ class _Regression:
         )
         kinds = [(of, r.alone) for r, _, of in parts]
         kind = np.repeat([kinds.index(k) for k in kinds], [r.z.size for r, *_ in parts])
-        near = np.exp(-0.5 * ((z[:, None] - z) / PRIORS["form_length"][0]) ** 2)
-        near = near * (kind[:, None] == kind) + _ROUGH * np.eye(z.size)
+        near = _near(z, z) * (kind[:, None] == kind) + _ROUGH * np.eye(z.size)
+        self.departs = {
+            of: size * np.repeat([k == (of, None) for k in kinds], [r.z.size for r, *_ in parts])
+            for of in ("eta", "slip")
+        }
+        self.places = z
         sensors = [np.diag(r.eta_variance) for r in self.ramps]
         sensors += [r.slip_covariance for r in self.ramps]
         return np.asarray(size[:, None] * size * near + block_diag(*sensors))
@@ -261,6 +274,24 @@ class _Regression:
         possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
 
+    def departures(self, e: Ensemble, linear: Array) -> dict[str, Array]:
+        """Relative departure of eta - 1 and slip from the forms at `DEPART_AT`, (n, k) each.
+
+        The mean of the correlated error, given what the draws with ``linear`` (n, p) leave.
+        """
+        H, y, _ = self.rows(e)
+        left = (y - np.einsum("nkp,np->nk", H, linear)) @ self.white.T @ self.white
+        near = _near(self.places, DEPART_AT)
+        return {
+            of: PRIORS[f"form_error_{of}"][0] * (left * size) @ near
+            for of, size in self.departs.items()
+        }
+
+
+def _near(x: Array, y: Array) -> Array:
+    """How alike a tyre departs from its form at two decelerations, (n, k)."""
+    return np.asarray(np.exp(-0.5 * ((x[:, None] - y) / PRIORS["form_length"][0]) ** 2))
+
 
 def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAWS) -> Ensemble:
     """The ensemble given the ramps ``runs``; ``ratio`` what is known of the pads' ratio before.
@@ -283,9 +314,17 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
+    departs = regression.departures(e, found)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
     return Ensemble(
-        **{**vars(e), "compliance_f": front, "compliance_r": rear, "radius_load": found[:, 2]}
+        **{
+            **vars(e),
+            "compliance_f": front,
+            "compliance_r": rear,
+            "radius_load": found[:, 2],
+            "depart_eta": departs["eta"],
+            "depart_slip": departs["slip"],
+        }
     )
 
 

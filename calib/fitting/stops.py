@@ -11,7 +11,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.plain import rows
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, brake_share, spread_evenly, unit_slips
+from calib.fitting.ensemble import DEPART_AT, Ensemble, brake_share, spread_evenly, unit_slips
 
 _LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
@@ -116,9 +116,14 @@ def seen(car: Vehicle, s: Scenarios, z: float) -> Seen:
     grown_f, grown_r, part = unit.grown_f[:, 0], unit.grown_r[:, 0], unit.share[:, 0]
     fall = s.of.radius_load
     front, rear = (1.0 - slip_f) * np.exp(fall * grown_f), (1.0 - slip_r) * np.exp(fall * grown_r)
+    k = min(max(int(np.searchsorted(DEPART_AT, z)) - 1, 0), DEPART_AT.size - 2)
+    w = float(np.clip((z - DEPART_AT[k]) / (DEPART_AT[k + 1] - DEPART_AT[k]), 0.0, 1.0))
+    eta, slip = (
+        1.0 + (1.0 - w) * x[:, k] + w * x[:, k + 1] for x in (s.of.depart_eta, s.of.depart_slip)
+    )
     return Seen(
-        shift=rear / front - 1.0,  # (22)
-        slip=1.0 - part * front - (1.0 - part) * rear,
+        shift=(rear / front - 1.0) * eta,  # (22)
+        slip=(1.0 - part * front - (1.0 - part) * rear) * slip,
         level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
         rolls=unit.rolls[:, 0] & (np.maximum(slip_f, slip_r) < 0.3),
     )
