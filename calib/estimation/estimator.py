@@ -23,6 +23,7 @@ from calib.estimation.gates import Gates, disturbed, validity
 from calib.estimation.lookup import smoothed
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
+from calib.estimation.step import Reason
 from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
@@ -230,7 +231,10 @@ def estimate(
     front, rear = _axles(plan, read, forces, best)
     slips = zeroed_slips(read, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
-    judged = validity(plan.gates, ran.log, read, (front, rear), forces.active, greatest, cornering)
+    on_map = best.reason != Reason.BEYOND_MAP
+    judged = validity(
+        plan.gates, ran.log, read, (front, rear), forces.active, greatest, cornering, on_map
+    )
     return Estimate(
         plan=plan,
         read=read,

@@ -11,10 +11,6 @@ class _ValidationSettings:
     axles_reversed: float = 0.5
     """Share of the table's rise of eta by which eta must fall for the axles to count as
     reversed."""
-    axles_gain: float = 1.1
-    """Friction of the rear pads over that on the ramp [1] that no weak front pads explain. Swapped
-    wheel speeds need 1.2 or more, beside weak front pads the rear ones keep theirs
-    (`tests/studies/results/swapped_stops.md`)."""
     eta_rises: float = 1e-3
     """Rise of eta by the table [1] from which its sign alone tells the axles: usual cars make 2e-3,
     and radii, tyres and pads of the day move it by less than a half of that."""
@@ -30,9 +26,6 @@ class _ValidationSettings:
     """The same from which no sample is valid. Front pads that lost half of their friction reach 17
     without v, four stops of five 10; swapped wheel speeds 11 to 240
     (`tests/studies/results/swapped_stops.md`)."""
-    axles_mostly: float = 0.5
-    """Share of the braked samples with a friction that no pad has, past which weak pads are not
-    why."""
     brakes_kept: float = 0.88
     """Brakes over those of the ramp [1] above which front pads are not so weak that eta stays flat,
     as it would in a bend with such pads."""

@@ -41,6 +41,7 @@ class Reason(IntEnum):
     JUST_APPLIED = 3
     DISTURBED = 4
     NO_ZERO = 5
+    BEYOND_MAP = 6
 
 
 class Sample(NamedTuple):
@@ -446,7 +447,7 @@ def _ratio(
     if not weight or z < c.least_z:
         return prior
     at = shift / z
-    if not c.ratio.axes[1][0] <= at <= c.ratio.axes[1][-1]:
+    if not _on_map(c, s):
         return prior
     noise = c.noise_omega * c.radius / max(s.motion.x[0], 1.0) / math.sqrt(2.0 * c.block * weight)
     # a mean over decelerations that differ is not the curve at their mean
@@ -465,6 +466,12 @@ def _ratio(
             out[column + 2] = math.hypot(out[column + 2], more)
             out[6] += (more / Z95) ** 2 * (column == 0)
     return out if out[1] + out[2] < prior[1] + prior[2] else prior
+
+
+def _on_map(c: Constants, s: State) -> bool:
+    """Whether a stop of the list shows such an eta."""
+    z, shift = _means(s)
+    return bool(c.ratio.axes[1][0] <= shift / z <= c.ratio.axes[1][-1])
 
 
 def _around(read: list[float]) -> list[float]:
@@ -488,5 +495,6 @@ def _reason(c: Constants, s: State, x: Sample) -> Reason:
         (s.braked <= c.settle, Reason.JUST_APPLIED),
         (x.disturbed, Reason.DISTURBED),
         (s.eta.variance >= 0.9 * c.zero**2, Reason.NO_ZERO),
+        (not _on_map(c, s), Reason.BEYOND_MAP),
     )
     return next((reason for applies, reason in checks if applies), Reason.VALID)

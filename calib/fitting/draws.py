@@ -3,7 +3,7 @@
 import numpy as np
 
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble
+from calib.fitting.ensemble import DEPART_AT, Ensemble
 from calib.table.maps import FORMS, Draws
 from calib.table.table import Calibration
 
@@ -45,4 +45,6 @@ def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
         compliance_f=draws.compliance_f,
         compliance_r=draws.compliance_r,
         radius_load=draws.radius_load,
+        depart_eta=np.zeros((draws.peak.size, DEPART_AT.size)),
+        depart_slip=np.zeros((draws.peak.size, DEPART_AT.size)),
     )

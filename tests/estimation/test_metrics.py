@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calib.estimation.readout import Bounded, Readout
 
 from calib.base.names import G
 from calib.estimation.axle_estimate import AxleEstimate
@@ -16,6 +15,7 @@ from calib.estimation.metrics import (
     score,
     truth_of,
 )
+from calib.estimation.readout import Bounded, Readout
 from calib.logs.log import Log
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR

@@ -11,21 +11,17 @@ from tests.estimation.test_metrics import made_estimate
 from tests.support.tables import made_table
 
 
-def stops(*stiffness, sigma=0.04):
-    """Stops at 0.3 g on roads whose tyres slip less than those of the ramp by these logarithms."""
-    estimate, table = made_estimate(), made_table()
-    on_ramp = np.interp(0.3, table.tyre.force, table.tyre.slip) / 0.3
+def on_road(estimate, stiffness, sigma=0.04):
+    """The estimate on a road whose tyres are stiffer than those of the ramp by this logarithm."""
+    tyre = made_table().tyre
     one = np.ones_like(estimate.time)
-    return [
-        replace(
-            estimate,
-            plan=SimpleNamespace(table=table),
-            best=replace(
-                estimate.best, slip=(np.log(on_ramp) - value) * one, slip_sigma=sigma * one
-            ),
-        )
-        for value in stiffness
-    ]
+    slip = np.log(tyre.slip[-1] / tyre.force[-1]) - stiffness
+    told = replace(estimate.best, slip=slip * one, slip_sigma=sigma * one)
+    return replace(estimate, plan=SimpleNamespace(table=made_table()), best=told)
+
+
+def stops(*stiffness, sigma=0.04):
+    return [on_road(made_estimate(), value, sigma) for value in stiffness]
 
 
 def groups(estimates):
@@ -38,7 +34,8 @@ def test_stops_of_different_stiffness_are_of_two_roads():
 
 def test_a_stiffness_is_that_of_the_slip():
     (stop,) = stops(-0.2)
-    assert stiffness(stop) == pytest.approx((-0.2, 0.04))
+    told = np.array(stiffness(stop))
+    assert told == pytest.approx(np.array([-0.2, 0.04]))
 
 
 def test_stops_of_one_road_are_rarely_parted():
