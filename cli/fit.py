@@ -3,12 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from cli import options
 from cli.command import Answer, command
-from cli.console import progress, say, this_run
+from cli.console import misuse, progress, say, this_run
 from cli.logs import read_all
-from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
+from cli.options import KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
 
 if TYPE_CHECKING:
+    from calib.car.vehicle import Vehicle
     from calib.model.roller_bench import RollerBench
     from calib.show.origin import PageOrigin
     from calib.store.version import Stored
@@ -18,19 +20,32 @@ READ_BENCH = "calib.model.roller_bench_file:read_roller_bench"
 Bench = Annotated["RollerBench | None", option(BENCH, "B.toml", typed=Path | None, make=READ_BENCH)]
 
 
+FITTED = "Vehicle file; else that of the settings, or of the table of --again."
+Fitted = Annotated[
+    "Vehicle | None",
+    options.vehicle(FITTED, setting="vehicle", when=lambda asked: not asked.params.get("again")),
+]
+
+
 @command(
     "brake-cal fit sample_logs/sedan/ramp_wet_asphalt.csv sample_logs/sedan/coast.csv "
     "--vehicle sample_logs/sedan/vehicle.toml",
+    "brake-cal fit --again sedan-2up@1 sample_logs",
     report=True,
 )
 def fit(
     logs: list[Path] = logs_by_name("Ramps, also with one axle only, and coast logs."),
     *,
-    vehicle: Car,
+    vehicle: Fitted,
     model: KnownModel,
     effect: OwnEffects,
     mass: Mass,
     bench: Bench,
+    again: str | None = option(
+        "Make this table again, with its vehicle, from its logs in the files and folders LOG.",
+        "TABLE",
+        autocompletion=options.table_names,
+    ),
     store: Tables,
     channel_map: Map,
 ) -> Answer:
@@ -38,8 +53,11 @@ def fit(
 
     From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
     file or of --model are removed from the logs first. The table goes into the store as a new
-    version; the same logs give the same version again.
+    version; the same logs give the same version again. A table of an older program, which can no
+    longer be validated, is made anew by --again; give --mass or --bench again, if it had them.
     """
+    from dataclasses import replace
+
     from calib.base.plain import counted
     from calib.car.mass import mass_used
     from calib.car.model import with_model
@@ -48,7 +66,13 @@ def fit(
     from calib.fitting.fit import fit as fit_table
     from calib.show.fit import document, facts, report
     from calib.show.html import page_of
+    from calib.store.logs_again import logs_again
 
+    before = store.load(again) if again else None
+    if before:
+        logs, vehicle = logs_again(before, logs), vehicle or before.table.vehicle
+    elif vehicle is None:
+        raise misuse(f"missing; {options.NO_VEHICLE}", "--vehicle")
     car = with_own(vehicle, effect)
     say(f"fitting {car.name} from {counted(len(logs), 'log')}")
     car = with_model(car, read_model(model, car)) if model else car
@@ -56,6 +80,9 @@ def fit(
         runs = read_all(logs, channel_map, step, more=1)
         step(f"fitting {car.name}", len(logs), len(logs) + 1)
         table = fit_table(car, runs, mass, bench)
+    if before:
+        of_car = before.table.provenance.identity
+        table = replace(table, provenance=replace(table.provenance, identity=of_car))
     stored, used = store.save(table), mass_used(car, mass)
     tell_kin(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, Ensemble
-from calib.table.maps import FORMS, Draws
+from calib.fitting.ensemble import Ensemble
+from calib.table.maps import DEPARTS, FORMS, Draws
 from calib.table.table import Calibration
 
 KEPT = 400
@@ -29,13 +30,19 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
         cg_to_front_axle=kept.cg_to_front_axle * car.cg_to_front_axle,
         cg_height=kept.cg_height * car.cg_height,
         weight=np.full(KEPT, car.weight),
+        **dict(zip(DEPARTS["eta"], kept.depart_eta.T, strict=True)),
+        **dict(zip(DEPARTS["slip"], kept.depart_slip.T, strict=True)),
     )
 
 
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
     """The ensemble of which a table of ``car`` kept these draws."""
+
+    def together(names: tuple[str, ...]) -> Array:
+        return np.stack([getattr(draws, name) for name in names], axis=1)
+
     return Ensemble(
-        forms=np.stack([getattr(draws, name) for name in FORMS], axis=1),
+        forms=together(FORMS),
         load_exponent=draws.load_exponent,
         peak_load_exponent=draws.peak_load_exponent,
         peak=draws.peak,
@@ -45,6 +52,6 @@ def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
         compliance_f=draws.compliance_f,
         compliance_r=draws.compliance_r,
         radius_load=draws.radius_load,
-        depart_eta=np.zeros((draws.peak.size, DEPART_AT.size)),
-        depart_slip=np.zeros((draws.peak.size, DEPART_AT.size)),
+        depart_eta=together(DEPARTS["eta"]),
+        depart_slip=together(DEPARTS["slip"]),
     )

@@ -25,6 +25,7 @@ from calib.show.style import (
     DASH_DOT,
     DOTTED,
     FRONT,
+    IDENTIFIED,
     LAW,
     LEVEL,
     MEAN,
@@ -44,6 +45,8 @@ from calib.table.table import Table
 _TIME = "time [s]"
 _SHADED = "Grey: the sample is not valid, and no estimate is drawn."
 _RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
+_ECU = 0.7
+"""Width of the line of what an ECU without a speed makes of the table."""
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
@@ -52,6 +55,7 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }
 """Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
+_ENDS = ("", "_lower", "_upper")
 _AXLES = (("f", "front", FRONT), ("r", "rear", REAR))
 _EVERY = 5
 """Samples between two points of a line on a page: 25 ms at 200 Hz."""
@@ -171,7 +175,7 @@ def _panels(
         torque = (values[f"brake_torque_{side}l"] + values[f"brake_torque_{side}r"]) / 1e3
         torques.append(Line(time, torque, stroke, f"{axle} compensated", mean=MEAN))
         beside = more.get(f"pad-{axle}", ())
-        lines, ends = _pad(side, values, valid, stroke, beside)
+        lines, ends = _bounded(f"pad_friction_{side}", values, valid, stroke, beside)
         title, unit = f"{axle.capitalize()} pad friction: {mean}", "pad friction [1]"
         of_pads.append(over(f"pad-{axle}", title, y=unit, lines=lines, ylim=ends, columns=2))
     z = Line(time, values["z"], BODY, "$z = -a_x/g$", mean=MEAN)
@@ -179,30 +183,36 @@ def _panels(
     eta = Line(time, ratio, _RATIO, r"$\eta - 1$, zeroed", mean=_SLIP_MEAN)
     slips = [*more.get("slip", ()), eta]
     torques += more.get("axle-torques", ())
+    levels, reached = _bounded("pad_level", values, valid, IDENTIFIED, ())
     return [
         over("deceleration", "Deceleration", y="deceleration [g]", lines=[z]),
         over("normalised-forces", "Normalised forces", y="normalised force [1]", lines=forces),
         over("slip", "Slip and speed ratio", y=r"slip, $\eta - 1$ [%]", lines=slips, where=valid),
         *of_pads,
+        over("pad-level", "Brake torque over that of the file's pads", y="pad level [1]",
+             lines=levels, ylim=reached, columns=2),
         over("axle-torques", "Axle brake torques", y="axle torque [kN m]", lines=torques,
              columns=2),
     ]  # fmt: skip
 
 
-def _pad(
-    side: str, values: Mapping[str, Any], valid: Mask, stroke: Stroke, more: Sequence[Line]
+def _bounded(
+    name: str, values: Mapping[str, Any], valid: Mask, stroke: Stroke, more: Sequence[Line]
 ) -> tuple[list[Line], tuple[float, float] | None]:
-    """Panel (d) and Fig. 9, one axle: the estimate with its interval over others; ends of y.
+    """Panel (d) and Fig. 9, one axle, or both: the estimate with its interval over others.
 
-    The valid samples set them; other methods may leave the panel, but widen it to a limit.
+    Beside it what an ECU makes of the table, thin; then the ends of y. The valid samples set them;
+    other methods may leave the panel, but widen it to a limit.
     """
-    columns = (values[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
-    pad, lower, upper = (np.where(valid, x, np.nan) for x in columns)
+    pad, lower, upper = (np.where(valid, values[f"{name}{end}"], np.nan) for end in _ENDS)
     look: Stroke = {**stroke, "linewidth": 1.7}
-    estimate = Line(values["time"], pad, look, r"estimate $\mu_{p,c}$, 95 %", (lower, upper))
-    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in more)]
+    label = r"estimate $\mu_{p,c}$, 95 %" if name != "pad_level" else "estimate, 95 %"
+    estimate = Line(values["time"], pad, look, label, (lower, upper))
+    of_ecu = np.where(np.asarray(values["ecu_valid"], bool), values[f"ecu_{name}"], np.nan)
+    ecu = Line(values["time"], of_ecu, {**stroke, "linewidth": _ECU}, "ECU, without $v$")
+    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in (*more, ecu))]
     wide = [np.percentile(y, [5, 95]) for y in known if y.size]
-    return [*more, estimate], reach(lower, upper, *wide)
+    return [*more, ecu, estimate], reach(lower, upper, *wide)
 
 
 def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:

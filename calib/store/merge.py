@@ -1,6 +1,7 @@
 """The mean table of several cars of one model: a golden table that is made, not picked.
 
     CAR@1, CAR@2, ... --> common axes --> mean and scatter of D, g, pads, tyre --> one table
+                      --> draws of one more car --> its maps
 
 The mean and its scatter are those of `calib.base.random_effects`. What the cars share (the
 vehicle file, the track, the method) is in every one of them and in their mean.
@@ -17,8 +18,10 @@ from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import NOT_OF_THE_CAR
 from calib.store.mean import inflated, mean_curves, mean_pads
+from calib.store.mixture import mean_maps
 from calib.store.version import Stored
 from calib.table.compare import changes
+from calib.table.generation import require_maps
 from calib.table.table import Array, FleetScatter, Provenance, Scatter, Table, TableReference
 
 _LEAST = ("deceleration_max", "eta_peak_is_real")
@@ -52,7 +55,10 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
 
     Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
     twice, different vehicles, means or tables corrected by hand, a range of eta far too short.
+    StoreError names one made before the maps.
     """
+    for parent in parents:
+        require_maps(parent.table, parent.id)
     flaws = [*_each(parents), *_pairs(parents)]
     if len(parents) < 2:
         flaws = [f"a mean needs two cars or more, {len(parents)} was given"]
@@ -64,6 +70,7 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     tables = [p.table for p in parents]
     curves, of_D, weights = mean_curves(tables)
     pads, of_pads = mean_pads(tables, weights)
+    pad_map, level_map, draws = mean_maps(tables, weights)
     return Table(
         name=name,
         vehicle=tables[0].vehicle,
@@ -76,6 +83,9 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
         provenance=_provenance(parents),
         warnings=tuple(dict.fromkeys(w for t in tables for w in t.warnings)),
         spread=FleetScatter(of_D.freedom + 1, _scatters(of_D), *_scatters(of_pads)),
+        map=pad_map,
+        level_map=level_map,
+        draws=draws,
     )
 
 

@@ -130,6 +130,9 @@ class LevelMap(Map):
 FORMS = tuple(f"form_{i}" for i in range(1, 6))
 """Columns of `Draws` that hold the weights of the tyre forms; they add up to 1."""
 
+DEPARTS = {of: tuple(f"depart_{of}_{i}" for i in range(1, 11)) for of in ("eta", "slip")}
+"""Columns of `Draws` that hold what a tyre departs from its form by, at ten decelerations."""
+
 
 @dataclass(frozen=True)
 class Draws:
@@ -138,7 +141,8 @@ class Draws:
     ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
     ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
     ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the `FORMS`; ``radius_load``
-    fall of the rolling radius per load [1]; ``weight`` M g of the vehicle [N]; lengths in m.
+    fall of the rolling radius per load [1]; ``weight`` M g of the vehicle [N]; lengths in m;
+    ``depart_eta_1`` and so on the `DEPARTS` of eta - 1 and of the slip, relative [1].
     """
 
     log_pad_ratio: Array
@@ -157,6 +161,26 @@ class Draws:
     cg_to_front_axle: Array
     cg_height: Array
     weight: Array
+    depart_eta_1: Array
+    depart_eta_2: Array
+    depart_eta_3: Array
+    depart_eta_4: Array
+    depart_eta_5: Array
+    depart_eta_6: Array
+    depart_eta_7: Array
+    depart_eta_8: Array
+    depart_eta_9: Array
+    depart_eta_10: Array
+    depart_slip_1: Array
+    depart_slip_2: Array
+    depart_slip_3: Array
+    depart_slip_4: Array
+    depart_slip_5: Array
+    depart_slip_6: Array
+    depart_slip_7: Array
+    depart_slip_8: Array
+    depart_slip_9: Array
+    depart_slip_10: Array
 
 
 MAPS: dict[str, type[Map]] = {"map": PadMap, "level_map": LevelMap}

@@ -198,3 +198,35 @@ def test_a_report_holds_the_inputs_and_is_refused_in_their_place(brake_cal, tmp_
     foreign.write_text("<!DOCTYPE html>")
     ran = brake_cal("fit", SEDAN / "ramp_wet_asphalt.csv", *told, "--report", foreign)
     assert (ran.code, foreign.read_text()) == (2, "<!DOCTYPE html>")
+
+
+def test_a_table_is_made_again_from_logs_that_are_still_there(brake_cal, log, store, tmp_path):
+    assert brake_cal("fit", log, "--vehicle", VEHICLE, "--store", store).code == 0
+    made = Store(store).load("sedan-2up@1").table
+    identity = {"serial": "S1"}
+    older = replace(
+        made,
+        map=None,
+        level_map=None,
+        draws=None,
+        provenance=replace(made.provenance, identity=identity),
+    )
+    assert Store(store).save(older).id == "sedan-2up@2"
+    assert brake_cal("validate", "sedan-2up@2", log, "--store", store).code == 4
+    again = ("fit", "--again", "sedan-2up@2", "--store", store)
+    ran = brake_cal(*again, tmp_path / "none")
+    assert ran.code == 3
+    assert made.provenance.logs[0].digest in ran.err
+    folder = tmp_path / "archive" / "of_2024"
+    folder.mkdir(parents=True)
+    (folder / "renamed.csv").write_bytes(log.read_bytes())
+    (folder / "another.csv").write_text("a log of another car")
+    assert brake_cal(*again, folder.parent).code == 0
+    found = Store(store).load("sedan-2up@3").table
+    assert found.provenance.identity == identity
+    assert found.provenance.logs[0].digest == made.provenance.logs[0].digest
+    assert found.level_map is not None
+
+
+def test_without_a_table_to_make_again_it_needs_a_vehicle(brake_cal, log, store):
+    assert brake_cal("fit", log, "--store", store).code == 2

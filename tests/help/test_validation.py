@@ -1,14 +1,29 @@
-"""The page on validation has the default limits, and the gates of a valid sample."""
+"""The page on validation has the columns, the default limits, and the gates of a valid sample."""
 
 import re
 
 import numpy as np
 
+from calib.estimation.estimator import COLUMNS
 from calib.estimation.gates import Gates
 from calib.estimation.limits import DEFAULTS
+from calib.estimation.step import Reason
 from calib.help.page import FOLDER
 
 PAGE = (FOLDER / "validation.md").read_text()
+
+
+def test_every_column_is_in_the_table_of_columns():
+    table = PAGE.partition("| column | unit |")[2].partition("\n\n")[0]
+    told: set[str] = set()
+    for line in table.splitlines():
+        first, *others = re.findall(r"`(\w+)`", line.split(" | ")[0]) or [""]
+        root = first.rpartition("_")[0]
+        told |= {first, *(root + name if name.startswith("_") else name for name in others)}
+    bare = {name for name in told if name.startswith(("pad_", "brake_torque"))}
+    out = {name + end for name in bare for end in ("", "_lower", "_upper")} | {"valid"}
+    assert "ecu_reason" in told
+    assert (told - {""}) | out | {f"ecu_{name}" for name in out} == set(COLUMNS)
 
 
 def test_the_default_limits_are_those_of_the_program():
@@ -21,16 +36,16 @@ def test_the_default_limits_are_those_of_the_program():
         assert numbers[axle] == bound, limit.figure
 
 
-def test_the_gates_are_those_of_the_program():
+def test_the_gates_and_the_reasons_are_those_of_the_program():
     gates = Gates()
     for words in (
         f"below {gates.pressure / 1e5:g} bar, or the car below {gates.speed:g} m/s",
         f"less than {gates.settle:g} s",
         f"and {gates.recover:g} s after it",
-        f"{100 * gates.interval_f:g} % in front or {100 * gates.interval_r:g} % behind",
         f"(below {gates.possible[0]:g} or above {gates.possible[1]:g})",
         f"more than {gates.beyond:g} times",
         f"more than {gates.lateral:g} m/s^2",
         f"more than {np.rad2deg(gates.steering):g} degrees",
+        *(f"{reason.value} {reason.name.lower().replace('_', ' ')}" for reason in Reason),
     ):
-        assert words in PAGE
+        assert words in " ".join(PAGE.split()), words

@@ -24,6 +24,7 @@ def test_panels_in_the_order_of_the_paper(drawn):
         "slip",
         "pad-front",
         "pad-rear",
+        "pad-level",
         "axle-torques",
     )
 
@@ -45,6 +46,22 @@ def test_pad_friction_with_interval_nominal_and_rivals(drawn, stopped):
     low, high = pads.ylim
     assert low < e.front.lower[e.valid].min()
     assert high > e.front.upper[e.valid].max()
+
+
+def test_level_and_pads_of_an_ecu_are_beside_those_of_all_channels(drawn, stopped):
+    e = stopped.estimate
+    for name, best, ecu in (
+        ("pad-front", e.best.pads_f, e.ecu.pads_f),
+        ("pad-rear", e.best.pads_r, e.ecu.pads_r),
+        ("pad-level", e.best.level, e.ecu.level),
+    ):
+        one = panel(drawn, name)
+        of_ecu = line(one, "ECU, without $v$")[1]
+        assert np.array_equal(of_ecu[e.ecu.valid], ecu.value[e.ecu.valid])
+        assert np.isnan(of_ecu[~e.ecu.valid]).all()
+        (estimate,) = (x for x in one.lines if x.band is not None)
+        for end, known in zip(estimate.band, (best.lower, best.upper), strict=True):
+            assert np.array_equal(end[e.valid], known[e.valid])
 
 
 def test_every_panel_over_time_marks_the_change_of_surface(drawn, stopped):
@@ -77,7 +94,7 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
     nowhere = np.zeros(stopped.estimate.time.size, bool)
     none = replace(stopped, estimate=replace(stopped.estimate, valid=nowhere))
-    assert len(stop.of_validation(sedan, "sedan@1", transition, none).overview().axes) == 7
+    assert len(stop.of_validation(sedan, "sedan@1", transition, none).overview().axes) == 8
 
 
 def test_a_simulation_shows_its_truth_beside_the_nominal_pads(simulated):

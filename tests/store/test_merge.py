@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import t
 
-from calib.base.errors import RevisionError
+from calib.base.errors import RevisionError, StoreError
 from calib.estimation.estimator import estimate
 from calib.model.parameters import RampParameters, tyres_of
 from calib.store.merge import merge
@@ -55,7 +55,7 @@ def test_every_row_of_f1_and_f2_obeys_the_constraint_at_the_mean_z():
     np.testing.assert_allclose(p.f1 - p.f2, mean.difference.D, rtol=0.0, atol=1e-15)
 
 
-@settings(max_examples=15)
+@settings(max_examples=3)
 @given(STIFFNESS, st.randoms(use_true_random=False))
 def test_the_mean_is_sound_and_the_order_of_the_cars_does_not_matter(stiffness, random):
     parents = cars(*stiffness)
@@ -214,6 +214,14 @@ def test_what_has_no_mean_is_refused(parents):
     with pytest.raises(RevisionError) as error:
         merge(parents, "mean")
     assert error.value.exit_code == 2
+
+
+def test_a_table_without_maps_has_no_part_in_a_mean():
+    older = replace(PAIR[1].table, map=None, level_map=None, draws=None)
+    with pytest.raises(StoreError) as error:
+        merge([PAIR[0], version(older, 2)], "mean")
+    assert error.value.exit_code == 4
+    assert older.provenance.logs[0].digest in str(error.value)
 
 
 def test_the_mean_is_no_version_of_a_car_and_all_reasons_come_at_once():

@@ -1,7 +1,7 @@
 """Tables of several cars of one model, each a closed form; see `tests.support.tables`.
 
 D = stiffness (eta - 1); pads are exp(level +- ratio/2) times those of the file, and none of it has
-errors of its own run unless a budget says so.
+errors of its own run unless a budget says so. Its draws lie about them.
 """
 
 import hashlib
@@ -11,13 +11,14 @@ from pathlib import Path
 
 from calib.store.version import Stored
 from calib.table.table import Calibration, LogReference, Table, Value
-from tests.support.tables import VEHICLE, C, made_table
+from tests.support.tables import VEHICLE, C, made_draws, made_table, mapped_table
 
 
 def car_table(
     number: int, stiffness: float = C, level: float = 0.0, ratio: float = 0.0, rows: int = 21
 ) -> Table:
     """The table of car ``number``: a ramp and a serial number of its own."""
+    mapped, about = mapped_table(), made_draws()
     table = made_table(stiffness, rows=rows)
     mu_f = VEHICLE.front.pad_friction * math.exp(level + 0.5 * ratio)
     mu_r = VEHICLE.rear.pad_friction * math.exp(level - 0.5 * ratio)
@@ -37,6 +38,15 @@ def car_table(
         posterior=replace(table.posterior, mean=mean),
         calibration=Calibration(
             Value(math.exp(level), 0.02), Value(ratio, 0.05), Value(mu_f, 0.01), Value(mu_r, 0.01)
+        ),
+        map=mapped.map,
+        level_map=mapped.level_map,
+        draws=replace(
+            about,
+            log_pad_ratio=about.log_pad_ratio + ratio,
+            log_pad_level=about.log_pad_level + level,
+            compliance_f=about.compliance_f * C / stiffness,
+            compliance_r=about.compliance_r * C / stiffness,
         ),
     )
 
