@@ -34,6 +34,7 @@ from calib.run.blocks import Blocks, blocks
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
 from calib.run.lateral import lateral
 from calib.run.noise import SensorNoise
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -179,6 +180,7 @@ def estimate(
     mass: float | None = None,
     with_laws: bool = True,
     read: Signals | None = None,
+    exported: Table | None = None,
 ) -> Estimate:
     """Run the estimator with a table on a log.
 
@@ -193,6 +195,9 @@ def estimate(
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
     with_laws : without, the only baseline is nominal pads.
     read : `signals` of the log with the table's vehicle, where they are known.
+    exported : the table as an ECU reads it, of which ``ecu`` then is, see `calib.table.exported`.
+
+    Raises StoreError for a table without maps.
 
     Without a lead-in the radii are those of the vehicle, within one per cent: eta says little then.
 
@@ -207,6 +212,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
+    require_maps(table)
     car = with_effects(table, vehicle, mass)
     ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)
@@ -220,8 +226,11 @@ def estimate(
     held = disturbed(plan.gates, ran.log, read, cornering)
     filed = with_pads(ran.vehicle, table.vehicle)
     best, ecu = (
-        read_out(table, filed, plan.known, noise, read, held, with_v=with_v)
-        for noise, with_v in ((plan.noise, True), (SensorNoise(**table.noise), False))
+        read_out(of, filed, plan.known, noise, read, held, with_v=with_v)
+        for of, noise, with_v in (
+            (table, plan.noise, True),
+            (exported or table, SensorNoise(**table.noise), False),
+        )
     )
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.base.errors import InputError
 from calib.car.balance import brake_forces
 from calib.car.vehicle import Vehicle
 from calib.estimation.step import (
@@ -30,6 +29,7 @@ from calib.run.axle_signals import Signals
 from calib.run.blocks import block_balance, blocks
 from calib.run.filters import block_mean
 from calib.run.noise import SensorNoise
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 
@@ -112,16 +112,10 @@ _PARTS = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
-    """What the step takes from a ``table``; ``noise`` of the sensors.
-
-    Raises InputError for a table without maps.
-    """
-    if table.map is None or table.level_map is None:
-        raise InputError(
-            f"the table of {table.name} has no maps: it was fitted by an older program",
-            expected="a table with map and level_map",
-            do="fit it again from its logs",
-        )
+    """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
+    require_maps(table)
+    assert table.map is not None
+    assert table.level_map is not None
     return Constants(
         ratio=Reader(table.map, COLUMNS),
         level=Reader(table.level_map, (*LEVEL, *PADS)),
@@ -129,7 +123,8 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         noise_z=noise.z,
         noise_v=noise.v,
         radius=table.vehicle.front.rolling_radius,
-        late=table.posterior.value("clock_offset"),
+        late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
+        late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
         block=block,
     )
 

@@ -100,7 +100,7 @@ def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
 class Constants:
     """What the step takes from a table, and its tuned numbers.
 
-    ``late`` time by which v comes after the wheel speeds [s].
+    ``late`` time by which v comes after the wheel speeds [s], with its sigma.
     """
 
     ratio: Reader
@@ -110,6 +110,7 @@ class Constants:
     noise_v: float
     radius: float
     late: float
+    late_sigma: float
     block: float
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
@@ -362,6 +363,7 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> float:
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
+        variance += (G * x.z * c.late_sigma) ** 2
         in_time = x.v - G * x.z * c.late
         m.measured(in_time * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
     return innovation

@@ -41,8 +41,8 @@ def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 
 def _pads(log: str, e: Estimate) -> Iterator[PlausibilityWarning]:
-    """How the pads changed against each other and together, at the last sample that tells it."""
-    if not e.telling.any():
+    """How the pads changed against each other and together, at the last valid sample."""
+    if not e.valid.any():
         return
     apart = pads_apart(e)
     level = pads_together(e)

@@ -182,6 +182,7 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
         compliance_f=one,
         compliance_r=one,
         radius_load=one,
+        v_late=0.0 * one,
         depart_eta=np.zeros((one.size, DEPART_AT.size)),
         depart_slip=np.zeros((one.size, DEPART_AT.size)),
     )
@@ -274,6 +275,12 @@ class _Regression:
         possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
 
+    def late(self, linear: Array) -> Array:
+        """Time by which v is late [s] (n,), mean of the runs that have v; 0 without any."""
+        at = 3 + len(self.ramps) + np.cumsum([0, *(r.own_sigma.size for r in self.ramps)])
+        with_v = [int(k) + 1 for k, r in zip(at, self.ramps, strict=False) if r.own_sigma.size == 2]
+        return np.asarray(linear[:, with_v].sum(axis=1) / max(len(with_v), 1))
+
     def departures(self, e: Ensemble, linear: Array) -> dict[str, Array]:
         """Relative departure of eta - 1 and slip from the forms at `DEPART_AT`, (n, k) each.
 
@@ -322,6 +329,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "compliance_f": front,
             "compliance_r": rear,
             "radius_load": found[:, 2],
+            "v_late": regression.late(found),
             "depart_eta": departs["eta"],
             "depart_slip": departs["slip"],
         }
@@ -336,6 +344,8 @@ _MOVES, _MOST_MOVES = 0.8, 6  # accepted moves of a draw between two steps, and 
 def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Generator) -> Array:
     """Draws ``x`` (n, d) of a standard normal carried to the posterior."""
     log, power = log_evidence(x), 0.0
+    if not np.any(np.isfinite(log)):
+        raise ValueError("no draw of the prior explains the ramps")
     while power < 1.0:
         step = _step(log, 1.0 - power)
         weight = np.exp(step * (log - log.max()))

@@ -42,12 +42,16 @@ class Precision:
     """How a table is written: in integers of ``bits``, in ``single`` precision, else in double.
 
     ``points`` breakpoints on each axis, at those rows where they miss the table least; all rows if
-    not given.
+    not given. Raises ExchangeError for integers in single precision.
     """
 
     points: int | None = None
     bits: int | None = None
     single: bool = False
+
+    def __post_init__(self) -> None:
+        if self.single and self.bits is not None:
+            raise ExchangeError("single precision and fixed point", expected="one of both")
 
     @property
     def wide(self) -> "Precision":

@@ -87,7 +87,7 @@ def test_same_logs_in_two_processes_give_the_same_bytes(tmp_path):
             env={**os.environ, "PYTHONHASHSEED": seed},
         )
         files = sorted(p for p in store.glob("*/v0001/*") if p.is_file())
-        assert len(files) == 4
+        assert len(files) == 7
         written.append({p.relative_to(store): p.read_bytes() for p in files})
     assert written[0] == written[1]
 

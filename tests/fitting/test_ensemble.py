@@ -1,0 +1,136 @@
+"""What draws of a car make of forces: loads, slips and shares in closed form."""
+
+import numpy as np
+import pytest
+
+from calib.car.tyre_forms import FORMS
+from calib.fitting.ensemble import (
+    PRIORS,
+    brake_share,
+    spread_evenly,
+    unit_slips,
+)
+from tests.support.drawn_cars import one_car
+from tests.support.reference_car import CAR
+
+L, L_F, H = 2.805, 1.1556, 0.615
+"""Wheelbase, way to the front axle, height of the centre of gravity [m]: Table I."""
+
+Z = np.array([0.05, 0.2, 0.5])
+TABLE_I = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
+"""Share of the front axle in the brake force at one pressure and one friction."""
+
+
+def loads(z):
+    """(6), (7): of front and rear axle over the weight."""
+    return (L - L_F + H * z) / L, (L_F - H * z) / L
+
+
+def test_loads_are_those_of_the_paper():
+    e = one_car()
+    assert (CAR.wheelbase, CAR.cg_to_front_axle, CAR.cg_height) == pytest.approx((L, L_F, H))
+    unit = unit_slips(CAR, e, Z, 0.5 * Z[None], 0.5 * Z[None])
+    front, rear = loads(Z)
+    still = loads(0.0)
+    assert unit.share[0] == pytest.approx(front)
+    assert unit.grown_f[0] == pytest.approx(front / still[0] - 1.0)
+    assert unit.grown_r[0] == pytest.approx(rear / still[1] - 1.0)
+
+
+def test_a_brush_slips_as_its_formula_says():
+    """Forward: F/N = m (1 - (1 - slip/(3 c m))^3) of the slip gives the force back."""
+    share = 0.7
+    front, rear = share * Z, (1.0 - share) * Z
+    e = one_car()
+    unit = unit_slips(CAR, e, Z, front[None], rear[None])
+    for slips, force, load in ((unit.front, front, loads(Z)[0]), (unit.rear, rear, loads(Z)[1])):
+        slip = 0.04 * slips[0]
+        carried = 0.9 * (1.0 - (1.0 - slip / (3.0 * 0.04 * 0.9)) ** 3)
+        assert carried == pytest.approx(force / load)
+    assert unit.rolls.all()
+
+
+def test_small_forces_slip_by_the_compliance_of_every_form():
+    small = np.array([1e-4])
+    for form in FORMS:
+        unit = unit_slips(CAR, one_car(form), small, 0.7 * small[None], 0.3 * small[None])
+        assert unit.front[0] == pytest.approx(0.7 * small / loads(small)[0], rel=1e-3)
+
+
+def test_compliance_grows_and_the_peak_falls_with_the_load():
+    """At the load N over half the weight: c N^q, m N^-p, and similarity in m."""
+    q, p = 0.2, 0.1
+    forces = 0.7 * Z[None], 0.3 * Z[None]
+    unit = unit_slips(
+        CAR, one_car("exponential", load_exponent=q, peak_load_exponent=p), Z, *forces
+    )
+    for slips, force, load in zip((unit.front, unit.rear), forces, loads(Z), strict=True):
+        relative = 2.0 * load
+        most = 0.9 * relative**-p
+        expected = relative**q * most * -np.log(1.0 - force[0] / load / most)
+        assert slips[0] == pytest.approx(expected)
+
+
+def test_a_road_of_half_the_peak_is_a_tyre_of_half_the_peak():
+    forces = 0.4 * Z[None], 0.1 * Z[None]
+    road = unit_slips(CAR, one_car(), Z, *forces, peak=np.array([0.5]))
+    tyre = unit_slips(CAR, one_car(peak=0.45), Z, *forces)
+    assert road.front == pytest.approx(tyre.front)
+    assert road.rear == pytest.approx(tyre.rear)
+
+
+def test_without_force_nothing_slips():
+    unit = unit_slips(CAR, one_car(), Z, np.zeros((1, 3)), Z[None])
+    assert np.all(unit.front == 0.0)
+    assert np.all(unit.rear > 0.0)
+
+
+def test_beyond_the_peak_or_off_the_road_a_wheel_does_not_roll():
+    front, rear = loads(Z)
+    assert not unit_slips(CAR, one_car(), Z, 0.9 * front[None], 0.1 * Z[None]).rolls.any()
+    assert not unit_slips(CAR, one_car(), Z, 0.1 * Z[None], 0.9 * rear[None]).rolls.any()
+    lifting = np.array([L_F / H])  # where the rear load is zero
+    assert not unit_slips(CAR, one_car(), lifting, np.zeros((1, 1)), np.zeros((1, 1))).rolls.any()
+
+
+def test_share_of_the_front_brakes():
+    assert brake_share(CAR, np.zeros(1)) == pytest.approx(TABLE_I)
+    odds = TABLE_I / (1.0 - TABLE_I)
+    better = brake_share(CAR, np.log([1.5]))
+    assert better / (1.0 - better) == pytest.approx(1.5 * odds)
+    assert brake_share(CAR, np.array([40.0])) == pytest.approx(1.0)  # the rear axle has no brakes
+    assert brake_share(CAR, np.array([-40.0])) == pytest.approx(0.0, abs=1e-12)
+    # half of the pressure at the rear is twice the ratio of the pads
+    assert brake_share(CAR, np.zeros(1), np.log(2.0)) == pytest.approx(
+        brake_share(CAR, np.log([2.0]))
+    )
+
+
+def test_taking_draws_takes_all_of_each():
+    ratio = 0.1 * np.arange(7.0)
+    e = one_car(log_pad_ratio=ratio)
+    two = e.take(np.array([5, 1]))
+    assert (e.size, two.size) == (7, 2)
+    assert two.log_pad_ratio == pytest.approx([0.5, 0.1])
+    assert {x.shape[0] for x in vars(two).values()} == {2}
+    assert e.take(ratio > 0.35).log_pad_ratio == pytest.approx([0.4, 0.5, 0.6])
+
+
+@pytest.mark.parametrize("dimension", [1, 6, 11])
+def test_points_are_in_the_open_cube_and_more_even_than_random_ones(dimension):
+    count = 2048
+    points = spread_evenly(count, dimension)
+    assert points.shape == (count, dimension)
+    assert 0.0 < points.min() < points.max() < 1.0
+    # Kolmogorov's distance of a random coordinate is 0.83/sqrt(n) in the median
+    even = (np.arange(count) + 0.5) / count
+    off = np.max(np.abs(np.sort(points, axis=0) - even[:, None]), axis=0) * np.sqrt(count)
+    assert np.median(off) < 0.4
+    assert np.max(off) < 1.2
+    correlation = np.corrcoef(points.T) if dimension > 1 else np.eye(1)
+    assert np.max(np.abs(correlation - np.eye(dimension))) < 0.1
+
+
+def test_priors_name_their_sources():
+    assert all(sigma >= 0.0 for _, sigma in PRIORS.values())
+    assert {"compliance", "load_exponent", "log_peak", "form_error_eta"} <= set(PRIORS)

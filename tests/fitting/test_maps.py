@@ -1,0 +1,230 @@
+"""Maps of a table: quantiles of a Gaussian toy in closed form, and bounds that hold their share."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+
+from calib.fitting import maps as module
+from calib.fitting import stops
+from calib.fitting.maps import maps
+from calib.fitting.posterior import posterior
+from calib.fitting.stops import Seen
+from calib.table.table import Value
+from tests.support.reference_car import CAR, REAL, noisy, prepared, ramp
+
+Z95 = 1.959964
+BOUNDS = ("_lower", "", "_upper")
+
+CHANGE, OF_RAMP = 0.06, 0.05
+"""Sigma of the toy's change, and of its ratio of the ramp."""
+
+BASE, RISE, NOISE = 0.02, 0.06, 0.004
+"""(eta - 1)/z = BASE + RISE ratio + NOISE, all without the map's own error."""
+
+FOLLOWS, SCATTER = 1.5, 0.1
+"""ln(slip/z) = -3 + FOLLOWS ratio + SCATTER."""
+
+
+class Toy:
+    """Stops whose ratio, eta and slip are one Gaussian; above 0.5 g eta is ``jump`` larger."""
+
+    def __init__(self, follows, jump=0.0, count=60000):
+        self.jump = jump
+        x = np.random.default_rng(7).standard_normal((4, count))
+        self.change = CHANGE * x[0]
+        self.log_pad_ratio = OF_RAMP * x[1] + self.change
+        self.shift = BASE + RISE * self.log_pad_ratio + NOISE * x[2]
+        self.log_slip = -3.0 + follows * self.log_pad_ratio + SCATTER * x[3]
+
+    def seen(self, z):
+        count = self.change.size
+        return Seen(
+            shift=z * (self.shift + (self.jump if z > 0.5 else 0.0)),
+            slip=z * np.exp(self.log_slip),
+            level=np.full(count, 0.01),
+            rolls=np.ones(count, dtype=bool),
+        )
+
+
+def made(monkeypatch, follows, jump=0.0):
+    toy = Toy(follows, jump)
+    monkeypatch.setattr(module, "scenarios", lambda car, e: toy)
+    monkeypatch.setattr(module, "seen", lambda car, s, z: s.seen(z))
+    return maps(CAR, None)
+
+
+def conditional(of, shift, slip_at, follows):
+    """Mean and sigma of ratio or change of the toy, given shift, and its own place of ln slip.
+
+    ``slip_at`` standard deviations from the mean of ln slip at that shift, with what the map takes
+    the place of a slip for; None where the slip is not asked.
+    """
+    own = {"ratio": OF_RAMP**2 + CHANGE**2, "change": CHANGE**2}[of]
+    ratio = OF_RAMP**2 + CHANGE**2
+    eta = RISE**2 * ratio + NOISE**2
+    both = RISE * follows * ratio
+    slip = follows**2 * ratio + SCATTER**2
+    left = slip - both**2 / eta  # of ln slip at a shift
+    k = np.array([RISE * own, follows * own])
+    one = np.array([[eta, both], [both, slip + module._NEAR**2 * left]])
+    there = np.array([shift - BASE, both / eta * (shift - BASE) + slip_at * math.sqrt(left)])
+    gain = np.linalg.solve(one, k)
+    return float(gain @ there), math.sqrt(own - gain @ k)
+
+
+@pytest.mark.parametrize("follows", [0.0, FOLLOWS])
+@pytest.mark.parametrize("of", ["ratio", "change"])
+def test_cells_are_the_conditional_quantiles_of_a_gaussian(monkeypatch, follows, of):
+    pad_map, _ = made(monkeypatch, follows)
+    found = [pad_map.grid(of + end) for end in BOUNDS]
+    (z, shift, slip) = pad_map.axes.values()
+    spread = math.sqrt(RISE**2 * (OF_RAMP**2 + CHANGE**2) + NOISE**2)
+    near = np.flatnonzero(np.abs(shift - BASE) < 1.3 * spread)
+    assert near.size >= 3
+    i = int(np.argmin(np.abs(z - 0.3)))
+    for j in near:
+        for k, place in enumerate(slip):
+            if abs(place) > 1.0:
+                continue
+            mean, sigma = conditional(of, shift[j], place, follows)
+            lower, middle, upper = (x[i, j, k] for x in found)
+            assert middle == pytest.approx(mean, abs=0.15 * sigma)
+            assert upper - lower == pytest.approx(2.0 * Z95 * sigma, rel=0.15)
+
+
+def test_moments_of_the_slip_are_those_of_the_toy(monkeypatch):
+    pad_map, _ = made(monkeypatch, FOLLOWS)
+    ratio = OF_RAMP**2 + CHANGE**2
+    eta = RISE**2 * ratio + NOISE**2
+    shift = pad_map.axes["shift"]
+    j = int(np.argmin(np.abs(shift - BASE)))
+    both = RISE * FOLLOWS * ratio
+    left = math.sqrt(FOLLOWS**2 * ratio + SCATTER**2 - both**2 / eta)
+    at = pad_map.grid("log_slip")[3, j], pad_map.grid("log_slip_sigma")[3, j]
+    assert at[0][0] == pytest.approx(-3.0 + both / eta * (shift[j] - BASE), abs=0.02)
+    assert at[1][0] == pytest.approx(left, rel=0.05)
+    assert np.ptp(at[0]) == np.ptp(at[1]) == 0.0
+
+
+def test_before_eta_is_read_the_ratio_is_as_drawn(monkeypatch):
+    _, before = made(monkeypatch, 0.0)
+    sigma = math.hypot(OF_RAMP, CHANGE)
+    assert before.ratio == pytest.approx(0.0, abs=0.03 * sigma)
+    assert before.ratio_upper - before.ratio_lower == pytest.approx(2 * Z95 * sigma, rel=0.03)
+    assert before.change_upper - before.change_lower == pytest.approx(2 * Z95 * CHANGE, rel=0.03)
+    assert before.level == pytest.approx(0.01)
+
+
+def test_a_cell_that_nobody_sees_has_the_prior(monkeypatch):
+    """What hard stops show alone says nothing in a soft one: the bounds of before."""
+    pad_map, before = made(monkeypatch, 0.0, jump=0.3)
+    soft = pad_map.axes["z"] < 0.5
+    far = int(np.argmin(np.abs(pad_map.axes["shift"] - BASE - 0.3)))
+    near = int(np.argmin(np.abs(pad_map.axes["shift"] - BASE)))
+    assert pad_map.grid("prior")[soft, far] == pytest.approx(1.0, abs=0.05)
+    assert np.all(pad_map.grid("prior")[soft, near] < 0.9)
+    for end in BOUNDS:
+        own = pad_map.grid(f"ratio{end}")[soft, far]
+        first = getattr(before, f"ratio{end}")[soft, None]
+        assert own == pytest.approx(np.broadcast_to(first, own.shape), abs=0.01)
+
+
+# Simulation-based calibration (Talts et al. 2018): fresh stops of the same list.
+
+
+@pytest.fixture(scope="module")
+def table():
+    e = posterior(CAR, [prepared(noisy(ramp(REAL), 1))], Value(0.0, 0.07))
+    return e, *maps(CAR, e)
+
+
+@pytest.fixture(scope="module")
+def fresh(table):
+    """Stops drawn at random, of other places than those of the map."""
+    rng = np.random.default_rng(11)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stops, "spread_evenly", lambda count, d: rng.uniform(1e-9, 1.0, (count, d)))
+        return stops.scenarios(CAR, table[0], 8192)
+
+
+def read(pad_map, z, shift, place):
+    """Columns of the map at points, linear between its cells, by another reader."""
+    axes = tuple(pad_map.axes.values())
+    ends = [np.clip(x, a[0], a[-1]) for x, a in zip((z, shift, place), axes, strict=True)]
+    points = np.stack(ends, axis=1)
+    return SimpleNamespace(
+        **{
+            name: RegularGridInterpolator(axes, pad_map.grid(name))(points)
+            for name in pad_map.names
+        }
+    )
+
+
+def mixed(cells, odds, of):
+    """Bounds of a mixture of cells with their odds, as those of a normal of its moments."""
+    middle = np.array([getattr(cell, of) for cell in cells])
+    width = np.array([getattr(c, f"{of}_upper") - getattr(c, f"{of}_lower") for c in cells])
+    mean = odds @ middle
+    sigma = np.sqrt(odds @ ((0.5 * width / Z95) ** 2 + middle**2) - mean**2)
+    return SimpleNamespace(
+        **{of + end: mean + k * sigma for end, k in zip(BOUNDS, (-Z95, 0.0, Z95), strict=True)}
+    )
+
+
+def shares(true, found, of, keep):
+    """Of the truths below the lower bound, the median and the upper one."""
+    return [float(np.mean((true <= getattr(found, of + end))[keep])) for end in BOUNDS]
+
+
+@pytest.mark.parametrize("z", [0.1, 0.28, 0.5])
+@pytest.mark.parametrize("of", ["ratio", "change"])
+@pytest.mark.parametrize("sees", [True, False], ids=["with the slip", "without"])
+def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
+    """The reading has no noise here; a map has at least its own, so bounds are a little wide."""
+    _, pad_map, _ = table
+    at = stops.seen(CAR, fresh, z)
+    true = fresh.log_pad_ratio if of == "ratio" else fresh.change
+    where, shift = np.full(true.size, z), at.shift / z
+    if sees:
+        first = read(pad_map, where, shift, 0.0 * where)
+        place = (np.log(np.maximum(at.slip, 1e-4) / z) - first.log_slip) / first.log_slip_sigma
+        found = read(pad_map, where, shift, place)
+    else:  # anywhere along the slip, which is normal there: moments of a mixture
+        odds = np.exp(-0.5 * pad_map.axes["slip"] ** 2)
+        found = mixed([read(pad_map, where, shift, x + 0.0 * where) for x in pad_map.axes["slip"]],
+                      odds / odds.sum(), of)  # fmt: skip
+    below, middle, above = shares(true, found, of, at.rolls)
+    held = above - below
+    assert 0.90 < held < 0.99
+    assert middle == pytest.approx(0.5, abs=0.05)
+    assert below < 0.06
+    assert above > 0.94
+
+
+def test_ranks_of_the_level_are_uniform(table, fresh):
+    _, _, before = table
+    for i, z in enumerate(before.z):
+        level = stops.seen(CAR, fresh, float(z)).level
+        ranks = [np.mean(level <= getattr(before, f"level{end}")[i]) for end in BOUNDS]
+        assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.015)
+
+
+def test_before_eta_is_read_bounds_hold_their_share(table, fresh):
+    _, _, before = table
+    i = int(np.argmin(np.abs(before.z - 0.3)))
+    rolls = stops.seen(CAR, fresh, float(before.z[i])).rolls
+    for of, true in (("ratio", fresh.log_pad_ratio), ("change", fresh.change)):
+        ranks = [np.mean(true[rolls] <= getattr(before, of + end)[i]) for end in BOUNDS]
+        assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.02)
+
+
+def test_the_slip_narrows(table):
+    """With v a stop says more: in a place of the slip the bounds are no wider than over all."""
+    _, pad_map, before = table
+    z, shift = pad_map.axes["z"], pad_map.axes["shift"]
+    i, j = int(np.argmin(np.abs(z - 0.3))), int(np.argmin(np.abs(shift - 0.02)))
+    width = (pad_map.grid("ratio_upper") - pad_map.grid("ratio_lower"))[i, j]
+    assert width.max() < (before.ratio_upper - before.ratio_lower)[i]

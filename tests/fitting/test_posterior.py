@@ -1,0 +1,157 @@
+"""The ensemble of a ramp: the truth of plants is inside, and what is known before stays known."""
+
+import math
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from calib.car.effects.effects import Effects
+from calib.fitting.posterior import posterior
+from calib.model.ramp import prepare
+from calib.run.axle_signals import signals
+from calib.run.blocks import blocks
+from calib.run.noise import sensor_noise
+from calib.table.table import Value
+from tests.studies import plant_r
+from tests.studies.brakings import BeyondPeakError
+from tests.support.plant import brush, magic
+from tests.support.reference_car import (
+    CAR,
+    IDEAL,
+    noisy,
+    one_axle,
+    prepared,
+    ramp,
+    with_ratio,
+    without,
+)
+
+USUAL = Value(0.0, 0.07)
+"""ln of the pads' ratio where nobody says anything: pads of a grade."""
+
+RATIO, STIFFNESS = 1.08, 25.0
+TYRES = {"magic": magic(STIFFNESS, 0.9), "brush": brush(STIFFNESS, 1.0)}
+
+
+def interval(x, share=0.95):
+    """The middle ``share`` of draws."""
+    half = 0.5 * (1.0 - share)
+    return np.quantile(x, [half, 1.0 - half])
+
+
+def sigma(e):
+    return float(np.std(e.log_pad_ratio))
+
+
+@pytest.fixture(scope="module")
+def run():
+    return noisy(ramp(with_ratio(IDEAL, RATIO)), 1)
+
+
+@pytest.fixture(scope="module")
+def seeing(run):
+    return posterior(CAR, [prepared(run)], USUAL)
+
+
+@pytest.fixture(scope="module")
+def blind(run):
+    return posterior(CAR, [prepared(without(run, "v"))], USUAL)
+
+
+@pytest.mark.parametrize("tyre", TYRES)
+@pytest.mark.parametrize("hidden", [(), ("v",)], ids=["with v", "without v"])
+def test_truth_of_a_plant_is_inside(tyre, hidden):
+    plant = replace(with_ratio(IDEAL, RATIO), tyre=TYRES[tyre])
+    e = posterior(CAR, [prepared(without(noisy(ramp(plant), 2), *hidden))], USUAL)
+    for found, true in (
+        (e.log_pad_ratio, math.log(RATIO)),
+        (e.compliance_f, 1.0 / STIFFNESS),
+        (e.compliance_r, 1.0 / STIFFNESS),
+    ):
+        low, high = interval(found, 0.98)
+        assert low < true < high
+    if not hidden:  # v shows the slip itself
+        assert np.std(np.log(e.compliance_f)) < 0.1
+
+
+def test_ratio_of_cars_of_the_second_plant_is_inside():
+    """Five forms of tyres, pads that scatter by 7 % in ratio; nine of twelve ratios are enough."""
+    inside = []
+    for number in range(6):
+        rng = np.random.default_rng([40, number])
+        try:
+            one = plant_r.case(rng)
+        except BeyondPeakError:
+            continue
+        car, truth = one.vehicle, one.ramp.truth
+        resistance = Effects(
+            {"aerodynamic_drag": {"drag_area": 0.65}, "rolling_resistance": {"coefficient": 0.011}}
+        )
+        true = np.log(truth["true_mu_pad_f"] / truth["true_mu_pad_r"])[-1]
+        filed = np.log(car.front.pad_friction / car.rear.pad_friction)
+        for hidden in ((), ("v",)):
+            log = without(one.ramp, *hidden)
+            b = blocks(signals(log, car))
+            of = prepare(car, log.name, b, sensor_noise(log, b), resistance)
+            low, high = interval(filed + posterior(car, [of], USUAL, draws=1024).log_pad_ratio)
+            inside.append(low < true < high)
+    assert len(inside) >= 8
+    assert np.mean(inside) >= 0.75
+
+
+def test_a_bench_of_one_percent_comes_back_as_it_was(run):
+    """A ramp without v says nothing that is as sure: mean and sigma stay."""
+    e = posterior(CAR, [prepared(without(run, "v"))], Value(0.05, 0.01))
+    assert np.mean(e.log_pad_ratio) == pytest.approx(0.05, abs=0.004)
+    assert 0.008 < sigma(e) < 0.0105
+
+
+def test_same_ramp_same_bits(run, seeing):
+    again = posterior(CAR, [prepared(run)], USUAL)
+    for one in fields(again):
+        assert getattr(again, one.name).tobytes() == getattr(seeing, one.name).tobytes()
+
+
+def test_v_narrows(seeing, blind):
+    assert sigma(seeing) < 1.02 * sigma(blind)
+    assert np.std(np.log(seeing.compliance_f)) < 0.5 * np.std(np.log(blind.compliance_f))
+
+
+def test_a_second_ramp_narrows(run, seeing):
+    """To 0.8 g it shows the rise of the slip that one to 0.57 g has to guess."""
+    harder = noisy(ramp(with_ratio(IDEAL, RATIO), 6e5, name="harder"), 3)
+    both = posterior(CAR, [prepared(run), prepared(harder)], USUAL)
+    assert np.std(both.compliance_f) < 1.02 * np.std(seeing.compliance_f)
+    assert sigma(both) < 1.02 * sigma(seeing)
+    assert interval(both.log_pad_ratio)[0] < math.log(RATIO) < interval(both.log_pad_ratio)[1]
+
+
+def test_ramps_with_one_axle_show_the_tyres_of_each(run, seeing):
+    """The force of an axle that brakes alone hangs on no ratio, so its slip is its compliance."""
+    alone = [
+        prepared(noisy(one_axle(with_ratio(IDEAL, RATIO), a), 5 + i)) for i, a in enumerate("fr")
+    ]
+    both = posterior(CAR, [prepared(run), *alone], USUAL)
+    apart, before = (np.log(e.compliance_f / e.compliance_r) for e in (both, seeing))
+    assert np.std(apart) < 0.85 * np.std(before)
+    assert sigma(both) < 0.9 * sigma(seeing)
+    low, high = interval(both.log_pad_ratio, 0.98)
+    assert low < math.log(RATIO) < high
+
+
+def test_draws_are_what_their_names_say(seeing, blind):
+    for e in (seeing, blind):
+        assert e.forms.sum(axis=1) == pytest.approx(1.0)
+        assert np.all(e.forms >= 0.0)
+        assert np.all(e.compliance_f > 0.0)
+        assert np.all(e.compliance_r > 0.0)
+        # the ramp carried its forces: 0.57 g need a peak above them
+        assert np.quantile(e.peak, 0.01) > 0.5
+
+
+def test_a_ramp_that_no_tyre_explains_is_refused(run):
+    """Brakes of three times the force: no draw is below its peak."""
+    strange = prepared(run)
+    with pytest.raises(ValueError, match="no draw"):
+        posterior(CAR, [replace(strange, brake_sum=3.0 * strange.brake_sum)], USUAL)

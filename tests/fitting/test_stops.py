@@ -1,0 +1,191 @@
+"""What stops bring is what the list says: shares, sizes, and what the sensors see of it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.plain import rows
+from calib.car.mass import WEIGHED
+from calib.fitting.ensemble import DEPART_AT
+from calib.fitting.stops import scenarios, seen
+from tests.support.drawn_cars import one_car
+from tests.support.reference_car import CAR
+
+LIST = rows("stops.csv", "calib.fitting")
+COUNT = 8192
+
+
+TYRES = {"peak": 0.95, "compliance_r": 0.05, "radius_load": 0.002}
+
+
+def cases(name):
+    """Shares, means and sigmas of the cases of a name."""
+    of = [row for row in LIST if row["name"] == name]
+    share, mean, sigma = (np.array([float(r[k]) for r in of]) for k in ("share", "mean", "sigma"))
+    return share / share.sum(), mean, sigma
+
+
+def moments(name):
+    """Mean and standard deviation of a mixture of normals in closed form."""
+    share, mean, sigma = cases(name)
+    middle = share @ mean
+    return middle, math.sqrt(share @ (sigma**2 + mean**2) - middle**2)
+
+
+@pytest.fixture(scope="module")
+def loose():
+    return scenarios(replace(CAR, mass_tolerance=0.02), one_car(**TYRES), COUNT)
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return scenarios(replace(CAR, mass_tolerance=WEIGHED), one_car(**TYRES), COUNT)
+
+
+@pytest.mark.parametrize("name", sorted({row["name"] for row in LIST}))
+def test_shares_of_a_name_add_up(name):
+    share = [float(row["share"]) for row in LIST if row["name"] == name]
+    assert sum(share) == pytest.approx(1.0)
+    assert all(row["source"] for row in LIST)
+
+
+@pytest.mark.parametrize(
+    ("name", "column"),
+    [("log_pad_ratio", "change"), ("a_x_scale", "scale"), ("a_x_offset", "offset")],
+)
+def test_mean_and_sigma_are_those_of_the_list(drawn, name, column):
+    mean, sigma = moments(name)
+    found = getattr(drawn, column)
+    assert np.mean(found) == pytest.approx(mean, abs=0.03 * sigma)
+    assert np.std(found) == pytest.approx(sigma, rel=0.05)
+
+
+def test_tails_of_the_pads_are_those_of_a_mixture(drawn):
+    share, mean, sigma = cases("log_pad_ratio")
+    for beyond in (0.05, 0.2, 0.4):
+        upper = 0.5 * np.array(
+            [math.erfc((beyond - m) / s / math.sqrt(2.0)) for m, s in zip(mean, sigma, strict=True)]
+        )
+        assert np.mean(drawn.change > beyond) == pytest.approx(share @ upper, abs=0.01)
+
+
+def test_the_ratio_in_the_stop_is_that_of_the_ramp_and_its_change():
+    ratio = np.array([-0.1, 0.0, 0.2])
+    s = scenarios(CAR, one_car(log_pad_ratio=ratio), 300)
+    assert s.log_pad_ratio - s.change == pytest.approx(np.tile(ratio, 100))
+
+
+def test_roads_are_the_ramp_s_or_others(drawn):
+    """Another road has a peak of its own; 0.25 of its logarithm goes with the stiffness."""
+    share, mean, sigma = cases("log_peak")
+    far = np.abs(np.log(drawn.peak) - mean[0]) > 6.0 * sigma[0]
+    # few of the other roads are by chance as the ramp's
+    assert np.mean(far) == pytest.approx(share[1], abs=0.1)
+    own = np.log(0.95 * drawn.peak[far])
+    assert np.mean(own) == pytest.approx(mean[1], abs=0.15 * sigma[1])
+    assert np.std(own) == pytest.approx(sigma[1], rel=0.15)
+    stiff = 0.5 * (drawn.stiff_f + drawn.stiff_r)[far]
+    assert np.polyfit(np.log(0.95 * drawn.peak[far] / 0.9), stiff, 1)[0] == pytest.approx(
+        0.25, abs=0.05
+    )
+
+
+def test_the_peak_of_another_road_hangs_on_no_ramp():
+    here, there = (scenarios(CAR, one_car(peak=m), 2048) for m in (0.7, 1.1))
+    other = np.abs(np.log(here.peak * 0.7 / (there.peak * 1.1))) < 1e-12
+    same = np.abs(np.log(here.peak / there.peak)) < 1e-12
+    assert np.all(other | same)
+    assert np.mean(other) == pytest.approx(cases("log_peak")[0][1], abs=0.02)
+
+
+def test_tyres_of_the_axles_move_apart_by_the_list(drawn):
+    """The road moves both alike."""
+    _, sigma = moments("log_tyre")
+    assert np.std(drawn.stiff_f - drawn.stiff_r) == pytest.approx(math.sqrt(2.0) * sigma, rel=0.05)
+
+
+def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
+    assert np.std(drawn.mass) == pytest.approx(WEIGHED, rel=0.05)
+    assert np.mean(drawn.mass) == pytest.approx(0.0, abs=0.05 * WEIGHED)
+    share, mean, sigma = cases("log_mass")
+    stated = 0.02  # of the file; the row says: times it
+    variance = share @ (np.array([stated, sigma[1]]) ** 2 + mean**2) - (share @ mean) ** 2
+    assert np.mean(loose.mass) == pytest.approx(share @ mean, abs=0.001)
+    assert np.std(loose.mass) == pytest.approx(math.sqrt(variance), rel=0.05)
+
+
+def still(count=1, **other):
+    """Stops that bring nothing, but for ``other``."""
+    usual = scenarios(CAR, one_car(**TYRES), count)
+    zero, one = np.zeros(count), np.ones(count)
+    usual = replace(usual, change=zero, peak=one, stiff_f=zero, stiff_r=zero, scale=zero)
+    usual = replace(usual, offset=zero, mass=zero)
+    return replace(usual, **{name: value * one for name, value in other.items()})
+
+
+def brush_slips(z, share):
+    """Slips by the forward formula of the brush, bisected: tyre forces at ``z`` [1] with a front
+    ``share`` of the brakes; the wheels' inertia takes a part of the brakes."""
+    L, l_f, h = CAR.wheelbase, CAR.cg_to_front_axle, CAR.cg_height
+    inert = [2.0 * a.wheel_inertia / a.rolling_radius**2 / CAR.mass for a in (CAR.front, CAR.rear)]
+    true = z / (1.0 + sum(inert))
+    loads = (L - l_f + h * true) / L, (l_f - h * true) / L
+    out = []
+    for part, own, load, c in zip((share, 1.0 - share), inert, loads, (0.04, 0.05), strict=True):
+        force, low, high = (part * z - own * true) / load, 0.0, 3.0 * c * 0.95
+        for _ in range(60):
+            slip = 0.5 * (low + high)
+            carried = 0.95 * (1.0 - (1.0 - slip / (3.0 * c * 0.95)) ** 3)
+            low, high = (slip, high) if carried < force else (low, slip)
+        out.append(slip)
+    grown = [load / at - 1.0 for load, at in zip(loads, ((L - l_f) / L, l_f / L), strict=True)]
+    return out, grown, loads[0]
+
+
+@pytest.mark.parametrize("z", [0.1, 0.5])
+def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
+    """(19), (20), (22) with radii that fall under load."""
+    share = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
+    (slip_f, slip_r), (grown_f, grown_r), part = brush_slips(z, share)
+    front, rear = (
+        (1.0 - s) * math.exp(0.002 * g) for s, g in ((slip_f, grown_f), (slip_r, grown_r))
+    )
+    at = seen(CAR, still(), z)
+    assert at.shift == pytest.approx(rear / front - 1.0, rel=1e-6)
+    assert at.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
+    assert at.level == pytest.approx(0.0)
+    assert at.rolls.all()
+
+
+def test_better_front_pads_and_softer_roads_raise_eta():
+    usual = seen(CAR, still(), 0.3).shift
+    assert seen(CAR, still(change=0.1), 0.3).shift > usual
+    assert seen(CAR, still(stiff_f=-0.2, stiff_r=-0.2), 0.3).shift > usual
+    assert seen(CAR, still(stiff_f=-0.2, stiff_r=-0.2), 0.3).slip == pytest.approx(
+        math.exp(0.2) * seen(CAR, still(), 0.3).slip, rel=0.15
+    )
+
+
+def test_level_holds_mass_and_offset_of_a_x():
+    """A twentieth of the deceleration that is none, and 2 % more mass."""
+    at = seen(CAR, still(offset=0.015, mass=0.02), 0.3)
+    assert at.level == pytest.approx(math.log(0.95) + 0.02)
+
+
+def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
+    """Relative, linear between the decelerations at which it is kept: here 0.1 z and -0.2 z."""
+    usual = still()
+    along = replace(
+        usual,
+        of=replace(usual.of, depart_eta=0.1 * DEPART_AT[None], depart_slip=-0.2 * DEPART_AT[None]),
+    )
+    for z in (0.1, 0.33, 0.6):
+        plain, at = seen(CAR, usual, z), seen(CAR, along, z)
+        assert at.shift / plain.shift == pytest.approx(1.0 + 0.1 * z)
+        assert at.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)
+
+
+def test_a_road_that_cannot_carry_the_force_is_told():
+    assert not seen(CAR, still(peak=0.3), 0.5).rolls.any()
