@@ -3,7 +3,7 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
     rolling   zeros of deceleration, eta and slip            a scalar Kalman filter each
     always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
                                                              on, the wheels and v measure it
-    braking   d - d_0 = a u, u behind a lag of first order   level a, its rate and the lag: Kalman filter
+    braking   d - d_0 = a u, u behind a lag of first order   level, its rate, lag: a Kalman filter
               means of z and eta - 1 that forget  -> map     ln of the pads' ratio, given the slip
     answer    level and ratio, each with 95 % bounds
 
