@@ -3,7 +3,7 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
     rolling   zeros of deceleration, eta and slip            a scalar Kalman filter each
     always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
                                                              on, the wheels and v measure it
-    braking   d - d_0 = a u, u behind a lag of first order   level a and lag, a Kalman filter
+    braking   d - d_0 = a u, u behind a lag of first order   level, its rate, lag: a Kalman filter
               means of z and eta - 1 that forget  -> map     ln of the pads' ratio, given the slip
     answer    level and ratio, each with 95 % bounds
 
@@ -119,7 +119,9 @@ class Constants:
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
-    level_walk: float = 0.03  # [1/sqrt(s)]
+    level_walk: float = 0.01  # [1/sqrt(s)]
+    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
+    fade_walk: float = 0.02
     level_rough: float = 0.007  # of a block, relative: road and body
     lag: float = 0.03  # time constant of the brakes [s], and its sigma
     lag_sigma: float = 0.04
@@ -207,8 +209,8 @@ class Answer(NamedTuple):
 class State:
     """All that the estimator remembers.
 
-    ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z) over that of the map; ``level``
-    level and lag [s]; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
+    ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z); ``level`` level, lag [s] and
+    rate of the level [1/s]; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
     """
 
     demand: Zero
@@ -237,7 +239,15 @@ def started(c: Constants) -> State:
         demand=Zero(0.0, c.zero**2),
         eta=Zero(1.0, c.zero**2),
         slip=Zero(0.0, c.zero**2),
-        level=Gaussian([1.0, c.lag], [[c.level_sigma**2, 0.0], [0.0, c.lag_sigma**2]]),
+        level=_level_before(c, c.lag, c.lag_sigma**2),
+    )
+
+
+def _level_before(c: Constants, lag: float, variance: float) -> Gaussian:
+    """Level, lag and rate of the level before a braking."""
+    sigmas = (c.level_sigma**2, variance, c.fade**2)
+    return Gaussian(
+        [1.0, lag, 0.0], [[x * (i == k) for k in range(3)] for i, x in enumerate(sigmas)]
     )
 
 
@@ -292,8 +302,7 @@ def _rim(s: State, x: Sample) -> float:
 
 def _forget_stop(c: Constants, s: State) -> None:
     """What is only of the last stop; the lag is the car's."""
-    lag, variance = s.level.x[1], s.level.P[1][1]
-    s.level = Gaussian([1.0, lag], [[c.level_sigma**2, 0.0], [0.0, variance]])
+    s.level = _level_before(c, s.level.x[1], s.level.P[1][1])
     s.braked, s.best, s.sums = 0.0, None, [0.0] * 4
 
 
@@ -313,9 +322,14 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     if x.disturbed or x.rim <= MOVING:
         return
     level, y = s.level, x.demand - s.demand.value
-    level.P[0][0] += (c.level_walk * level.x[0]) ** 2 * c.block
+    dt, P = c.block, level.P
+    level.x[0] += level.x[2] * dt
+    P[0][0] += dt * (2.0 * P[0][2] + dt * P[2][2]) + (c.level_walk * level.x[0]) ** 2 * dt
+    P[0][1] = P[1][0] = P[0][1] + dt * P[1][2]
+    P[0][2] = P[2][0] = P[0][2] + dt * P[2][2]
+    P[2][2] += (c.fade_walk * level.x[0]) ** 2 * dt
     a = level.x[0]
-    H = [s.acting, a * s.by_lag]
+    H = [s.acting, a * s.by_lag, 0.0]
     level.measured(y - a * s.acting, H, c.noise_z**2 / c.block + (c.level_rough * y) ** 2)
     level.x[1] = max(level.x[1], 0.0)
     keep = math.exp(-c.block / c.memory)
