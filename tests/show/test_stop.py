@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from calib.estimation.results import write_result
@@ -89,6 +90,17 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
     low, high = panel(sheet, "pad-front").ylim
     assert span < high - low < 1.3 * span
     assert before > 1.5 * span
+
+
+def test_a_result_of_an_older_program_is_drawn_without_what_it_lacks(stopped, tmp_path):
+    write_result(stopped.estimate, tmp_path / "new.parquet")
+    written = pq.read_table(tmp_path / "new.parquet")
+    kept = [name for name in written.column_names if not name.startswith(("ecu_", "pad_level"))]
+    pq.write_table(written.select(kept), tmp_path / "older.parquet")
+    new, older = (stop.of_result(read_result(tmp_path / f"{n}.parquet")) for n in ("new", "older"))
+    assert [name for name in new.names if name not in older.names] == ["pad-level"]
+    lines = [len(panel(sheet, "pad-front").lines) for sheet in (new, older)]
+    assert lines == [2, 1]
 
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
