@@ -12,7 +12,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index
 from calib.base.errors import ExchangeError
-from calib.table.breakpoints import FEWEST, Misfit, place, place_evenly
+from calib.table.breakpoints import FEWEST, Misfit, place, place_weighted
 from calib.table.fixed_point import Fixed, fixed_axis, to_fixed
 from calib.table.maps import MAPS, Map
 from calib.table.table import DifferenceCurve, PaperCurves, Table, TyreCurve
@@ -23,6 +23,10 @@ _Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
 LEAST_BITS = 16
 """Least bits of the axes of a map, and of the scalars of a table with maps: (eta - 1)/z is dense
 near 0 and reaches far, and 8 bits would be 0.8 % off in the mass, and so in every pad."""
+
+
+_NARROWEST = 1e-3
+"""Least width of bounds in the weights of the breakpoints [1]."""
 
 
 class Written(NamedTuple):
@@ -116,13 +120,22 @@ def written_map(held: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(held: Map, i: int, points: int | None) -> Index:
-    """Values of axis ``i`` to keep, by all slices along it of every column but the prior."""
+    """Values of axis ``i`` to keep, by all slices along it of every column but the prior.
+
+    An error counts over the half width of the bounds there: where they are narrow the map is read,
+    and where they are wide it says little.
+    """
     x = [*held.axes.values()][i]
     if points is None:
         return np.arange(x.size)
     names = [name for name in held.names if name != "prior"]
-    slices = [np.moveaxis(held.grid(name), i, -1).reshape(-1, x.size) for name in names]
-    return place_evenly(x, np.concatenate(slices), max(points, FEWEST))
+    lower, upper = (held.grid(held.bounded[0] + end) for end in ("_lower", "_upper"))
+    narrow = 1.0 / np.maximum(upper - lower, _NARROWEST) ** 2
+    slices, weights = (
+        np.concatenate([np.moveaxis(grid, i, -1).reshape(-1, x.size) for grid in grids])
+        for grids in ([held.grid(name) for name in names], [narrow] * len(names))
+    )
+    return place_weighted(x, slices, weights, max(points, FEWEST))
 
 
 def _misfit(held: Map, reduced: Map) -> dict[str, Misfit]:
