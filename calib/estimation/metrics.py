@@ -104,7 +104,7 @@ def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
             out[f"interval_{side}"] = float(np.median(width))
     if np.count_nonzero(valid) >= _FEWEST:
         out["pad_level"], out["interval_level"] = _mean_and_width(e.best.level, valid)
-    innovation = e.split.innovation_eta[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
+    innovation = e.best.innovation[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
     innovation = innovation[np.isfinite(innovation)]
     if innovation.size > 10:
         out["innovation_rms"] = float(np.sqrt(np.mean(innovation**2)))

@@ -400,8 +400,6 @@ def to_dict(
                 "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
                 "budget": None if r.budget is None else summary(*r.budget),
                 "not_valid": r.refused,
-                "surface_changes": list(r.estimate.split.changes),
-                "bumps": [list(of) for of in r.estimate.split.bumps],
                 "rms_error_by_method": {
                     name: {"front": _finite(f), "rear": _finite(b)}
                     for name, (f, b) in r.baselines.items()

@@ -142,7 +142,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()
         ]
-        rows += [(r.log, text) for text in on_the_way(r)]
+        rows += [(r.log, text) for text in r.estimate.notes]
         rows += [
             (f"{r.log}, {name} pads", of.words)
             for name, of in zip(AXLE_NAMES.values(), r.budget or (), strict=False)
@@ -156,20 +156,6 @@ def _limiting(results: list[Validation]) -> list[Row]:
         )
         for road in (together.roads if together else ())
         if road.spread_f is not None and road.spread_r is not None
-    ]
-
-
-def on_the_way(r: Validation) -> list[str]:
-    """Notes of the estimator, and what happened that the brakes did not do: surfaces, bumps."""
-    split = r.estimate.split
-    return [
-        *r.estimate.notes,
-        *(f"the surface changed at {time:.2f} s" for time in split.changes),
-        *(
-            f"{start:.2f} to {end:.2f} s tells nothing of the split: wheels or a_x are thrown about"
-            ", as over a bump"
-            for start, end in split.bumps
-        ),
     ]
 
 

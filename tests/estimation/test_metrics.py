@@ -20,12 +20,9 @@ from calib.estimation.metrics import (
     score,
     truth_of,
 )
-from calib.estimation.pad_level import PadLevel
-from calib.estimation.pad_ratio import PadRatio
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.step import Reason
 from calib.logs.log import Log
-from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR
 from tests.support.tables import mapped_table
@@ -54,7 +51,7 @@ def bounded(value, sigma=SIGMA):
     return Bounded(value, value * np.exp(-Z95 * sigma), value * np.exp(Z95 * sigma))
 
 
-def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None):
+def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, innovation=None):
     """What the step says of pads ``mu_f``, ``mu_r``; those of the file are 0.38."""
     torque_f, torque_r = mu_f * GAIN_F * pressure, mu_r * GAIN_R * pressure
     level = (torque_f + torque_r) / (0.38 * (GAIN_F + GAIN_R) * pressure)
@@ -62,10 +59,15 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None):
     named = {
         "level": level, "pads_f": mu_f, "pads_r": mu_r, "change_f": mu_f / 0.38,
         "change_r": mu_r / 0.38, "torque_f": torque_f, "torque_r": torque_r,
-        "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r),
+        "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r), "change": 0.0,
     }  # fmt: skip
-    parts = dict.fromkeys(("noise", "accelerometer", "zeros", "lag"), np.zeros(N))
-    return Readout(**{k: bounded(x, sigma) for k, x in named.items()}, **parts, reason=reason)
+    parts = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
+    return Readout(
+        **{k: bounded(x, sigma) for k, x in named.items()},
+        **dict.fromkeys(parts, np.zeros(N)),
+        innovation=np.zeros(100) if innovation is None else innovation,
+        reason=reason,
+    )
 
 
 def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation=None, **changed):
@@ -74,9 +76,6 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
     blocks = 100
     one = np.ones(blocks)
     noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
-    split = PadRatio(
-        *9 * [one], noise, np.full(blocks, np.nan), one, changes=(2.5,), bumps=((3.0, 3.2),)
-    )
     values = {
         "plan": SimpleNamespace(table=mapped_table()),
         "read": None,
@@ -91,17 +90,14 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         "braked": np.ones(N, bool),
         "covered": np.ones(N, bool),
         "baselines": {"nominal": (np.full(N, 0.38), np.full(N, 0.38))},
-        "best": readout(mu_f, mu_r, pressure=pressure),
+        "best": readout(mu_f, mu_r, pressure=pressure, innovation=noise),
         "ecu": readout(mu_f, mu_r, pressure=pressure),
-        "split": split,
         "blocks": Blocks(
             end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
             omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
             lead_in=one < 0.0, samples=10, length=0.05,
         ),
-        "level": PadLevel(np.ones(N), np.ones(N)),
         "eta_zero": -0.001,
-        "accelerometer": Accelerometer(*np.zeros((12, blocks))),
         "pressure_f": p,
         "pressure_r": p,
     }  # fmt: skip

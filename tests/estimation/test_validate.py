@@ -22,6 +22,7 @@ from calib.estimation.validate import (
 )
 from calib.table.exported import Precision, as_exported
 from tests.estimation.test_metrics import made_estimate
+from tests.estimation.test_roads import on_road
 from tests.support.made_runs import made_run
 from tests.support.made_runs import stop as made_stop
 from tests.support.plant import magic
@@ -58,17 +59,13 @@ MASS = MassUsed(1744.0, 0.03, False)
 
 
 def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), road=0.0, **figures):
-    estimate = made_estimate()
-    on = np.full(estimate.split.sigma.size, road)
-    split = replace(
-        estimate.split, changes=(), log_stiffness=on, log_stiffness_sigma=0.0 * on + 0.04
-    )
+    estimate = on_road(made_estimate(), road)
     values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
     return Validation(
         name,
         "ab" * 32,
         "hold-out",
-        replace(estimate, split=split),
+        estimate,
         values,
         tuple(judgements),
         {},
@@ -354,13 +351,11 @@ def test_summary_holds_everything_and_is_json(fitted, wet, passed):
 
 def test_what_is_not_finite_becomes_null():
     odd = made("a", interval_f=math.inf, judgements=[Judgement("x", math.nan, None, 1.0, False)])
-    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)}, estimate=made_estimate())
+    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)})
     log = json.loads(json.dumps(to_dict(stored_as("t@1"), [odd]), allow_nan=False))["logs"][0]
     assert log["figures"]["interval_f"] is None
     assert log["limits"][0]["value"] is None
     assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
-    assert log["surface_changes"] == [2.5]
-    assert log["bumps"] == [[3.0, 3.2]]
 
 
 def test_pads_that_no_brake_has_are_not_valid(fitted):
