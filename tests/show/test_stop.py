@@ -65,13 +65,6 @@ def test_level_and_pads_of_an_ecu_are_beside_those_of_all_channels(drawn, stoppe
             assert np.array_equal(end[e.valid], known[e.valid])
 
 
-def test_every_panel_over_time_marks_the_change_of_surface(drawn, stopped):
-    (time,) = stopped.estimate.split.changes
-    assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
-    for one in drawn.panels:
-        assert [(mark.start, mark.end) for mark in one.marks].count((time, time)) == 1
-
-
 def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
     write_result(stopped.estimate, tmp_path / "stop.parquet")
     sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
