@@ -288,7 +288,7 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
         _brake(c, s, x)
     else:
         s.released += c.block
-        if s.braked > 0.0 and s.released > 1.0:
+        if s.braked > 0.0 and s.released > 1.0 + 0.5 * c.block:
             _forget_stop(c, s)
         _roll(c, s, x)
     innovation = _move(c, s, x, braking)
@@ -304,7 +304,7 @@ def _means(s: State) -> tuple[float, float]:
 
 def _roll(c: Constants, s: State, x: Sample) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    if len(s.waiting) * c.block >= c.before_bite:
+    if len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.noise_omega * c.radius / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
@@ -535,7 +535,7 @@ def _reason(c: Constants, s: State, x: Sample) -> Reason:
     checks = (
         (x.pressure <= c.least_pressure, Reason.NOT_BRAKED),
         (x.rim <= MOVING, Reason.SLOW),
-        (s.braked <= c.settle, Reason.JUST_APPLIED),
+        (s.braked < c.settle + 0.5 * c.block, Reason.JUST_APPLIED),
         (x.disturbed, Reason.DISTURBED),
         (s.eta.variance >= 0.9 * c.zero**2, Reason.NO_ZERO),
         (not _on_map(c, s), Reason.BEYOND_MAP),
