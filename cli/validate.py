@@ -104,7 +104,7 @@ def validate(
             say(f"wrote {path}")
 
     def page() -> str:
-        return page_of(report(stored, results, origin("vehicle", "model", "limits")))
+        return page_of(report(stored, results, origin("vehicle", "model", "limits"), how))
 
     failed = FAILED * (not all(result.passed for result in results))
-    return Answer(summary, facts(stored, results), failed, page)
+    return Answer(summary, facts(stored, results, how), failed, page)

@@ -25,6 +25,7 @@ from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
+from calib.table.exported import Precision
 
 _BY_STOP = "What an ECU makes of the table, beside the best estimate; 95 % intervals."
 _PROOFS = {
@@ -34,8 +35,8 @@ _PROOFS = {
 }
 
 
-def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
-    """A table judged by logs; each warning that speaks against it is among them."""
+def facts(stored: Stored, results: Sequence[Validation], how: Precision | None = None) -> Facts:
+    """A table judged by logs, as exported (``how``) or in full; each warning is among them."""
     found = list(results)
     warnings = all_warnings(stored.table.warnings, found)
     failed, proof = not all(result.passed for result in found), proof_of(found)
@@ -49,6 +50,7 @@ def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
         rows=[
             ("Judged by", _PROOFS[proof]),
             ("Table", f"{stored.id}, {stored.state.why}"),
+            *([] if how is None else [("As exported", str(how))]),
             ("Vehicle", stored.table.vehicle.name),
             ("Mass", str(found[0].mass)),
             *_limiting(found),
@@ -58,11 +60,16 @@ def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
     )
 
 
-def report(stored: Stored, results: Sequence[Validation], origin: PageOrigin) -> Facts:
+def report(
+    stored: Stored,
+    results: Sequence[Validation],
+    origin: PageOrigin,
+    how: Precision | None = None,
+) -> Facts:
     """The facts with a part for each stop, and with their origin."""
     logs = [(r.role, r.log, r.digest) for r in results]
     parts = [*map(_stop, results), origin_of(origin, stored, logs)]
-    return replace(facts(stored, results), parts=parts)
+    return replace(facts(stored, results, how), parts=parts)
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:

@@ -57,6 +57,11 @@ class Precision:
         if self.single and self.bits is not None:
             raise ExchangeError("single precision and fixed point", expected="one of both")
 
+    def __str__(self) -> str:
+        points = "all rows" if self.points is None else f"{self.points} breakpoints"
+        width = "single" if self.single else "double"
+        return f"{points}, {self.bits} bits" if self.bits else f"{points}, {width} precision"
+
     @property
     def wide(self) -> "Precision":
         """The same with `LEAST_BITS` or more: for the few numbers on which all others count."""
