@@ -183,14 +183,17 @@ def _panels(
     eta = Line(time, ratio, _RATIO, r"$\eta - 1$, zeroed", mean=_SLIP_MEAN)
     slips = [*more.get("slip", ()), eta]
     torques += more.get("axle-torques", ())
-    levels, reached = _bounded("pad_level", values, valid, IDENTIFIED, ())
+    levels = []
+    if "pad_level" in values:
+        lines, ends = _bounded("pad_level", values, valid, IDENTIFIED, ())
+        title = "Brake torque over that of the file's pads"
+        levels = [over("pad-level", title, y="pad level [1]", lines=lines, ylim=ends, columns=2)]
     return [
         over("deceleration", "Deceleration", y="deceleration [g]", lines=[z]),
         over("normalised-forces", "Normalised forces", y="normalised force [1]", lines=forces),
         over("slip", "Slip and speed ratio", y=r"slip, $\eta - 1$ [%]", lines=slips, where=valid),
         *of_pads,
-        over("pad-level", "Brake torque over that of the file's pads", y="pad level [1]",
-             lines=levels, ylim=reached, columns=2),
+        *levels,
         over("axle-torques", "Axle brake torques", y="axle torque [kN m]", lines=torques,
              columns=2),
     ]  # fmt: skip
@@ -208,11 +211,13 @@ def _bounded(
     look: Stroke = {**stroke, "linewidth": 1.7}
     label = r"estimate $\mu_{p,c}$, 95 %" if name != "pad_level" else "estimate, 95 %"
     estimate = Line(values["time"], pad, look, label, (lower, upper))
-    of_ecu = np.where(np.asarray(values["ecu_valid"], bool), values[f"ecu_{name}"], np.nan)
-    ecu = Line(values["time"], of_ecu, {**stroke, "linewidth": _ECU}, "ECU, without $v$")
-    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in (*more, ecu))]
+    if "ecu_valid" in values:
+        of_ecu = np.where(np.asarray(values["ecu_valid"], bool), values[f"ecu_{name}"], np.nan)
+        thin: Stroke = {**stroke, "linewidth": _ECU}
+        more = (*more, Line(values["time"], of_ecu, thin, "ECU, without $v$"))
+    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in more)]
     wide = [np.percentile(y, [5, 95]) for y in known if y.size]
-    return [*more, ecu, estimate], reach(lower, upper, *wide)
+    return [*more, estimate], reach(lower, upper, *wide)
 
 
 def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:
