@@ -179,7 +179,7 @@ def ecu_errors(e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]) -> dict[str, f
     """Metrics of what is handed out against truth, over the valid samples of the ECU.
 
     The normalised errors are over the sigma of each sample. Samples of a stop share their error, so
-    it is one draw: one stop in 20 is beyond 2, and one in 400 beyond 3. None without a sample in
+    it is one draw: one stop in 22 is beyond 2, and one in 370 beyond 3. None without a sample in
     which the truth is known and positive.
     """
     ecu = e.ecu

@@ -11,6 +11,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.car.balance import brake_forces
+from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.estimation.step import (
     COLUMNS,
@@ -24,6 +25,7 @@ from calib.estimation.step import (
     started,
     step,
 )
+from calib.estimation.zeros import drive_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
 from calib.run.blocks import block_balance, blocks
@@ -149,18 +151,20 @@ def read_out(
     forces = block_balance(car, known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     R = car.front.rolling_radius
+    driven = drive_slips(table, forces)
     columns = (
         forces.demanded / car.weight,
         (B_f + B_r) / car.weight,
         np.maximum(b.p_f, b.p_r),
         b.z,
-        b.eta,
-        np.maximum(R * b.omega_f, 0.3),
+        b.eta / speed_ratio(*driven),
+        np.maximum(R * b.omega_f / (1.0 - driven[0]), 0.3),
         forces.load_r / car.weight,
         b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
         block_mean(disturbed.astype(float), b.samples) > 0.0,
     )
-    c = constants(table, noise, b.length)
+    # by the mean of its sample times a log that goes on would have another length
+    c = constants(table, noise, round(b.length, 9))
     state = started(c)
     answers = [
         step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)

@@ -20,7 +20,8 @@ from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, NamedTuple
+from operator import mul
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,24 +76,47 @@ class Reader:
     def cell(self, axis: int, x: float) -> float:
         """Width of the cell of an axis in which ``x`` lies."""
         points = self.axes[axis]
-        i = min(max(bisect_right(points, x) - 1, 0), len(points) - 2)
+        i, _ = _place(points, x)
         return float(points[i + 1] - points[i])
 
-    def __call__(self, *point: float) -> list[float]:
+    def __call__(self, z: float) -> list[float]:
+        """All columns of a map over z alone."""
+        i, w = _place(self.axes[0], z)
+        return _between(self.cells[i], self.cells[i + 1], w)
+
+    def at(self, z: float) -> "Plane":
+        """The map at one deceleration, over its other two axes."""
+        return Plane(self, *_place(self.axes[0], z))
+
+
+class Plane:
+    """A map of three axes at one value of the first, which many points share."""
+
+    def __init__(self, reader: Reader, i: int, w: float) -> None:
+        self.axes = reader.axes[1:]
+        self.low, self.high, self.w = reader.cells[i], reader.cells[i + 1], w
+        self.corners: dict[tuple[int, int], list[float]] = {}
+
+    def _corner(self, j: int, k: int) -> list[float]:
+        if (j, k) not in self.corners:
+            self.corners[j, k] = _between(self.low[j][k], self.high[j][k], self.w)
+        return self.corners[j, k]
+
+    def __call__(self, shift: float, slip: float) -> list[float]:
         """All columns at a point, linear along each axis."""
-        cells = self.cells
-        places = []
-        for x, axis in zip(point, self.axes, strict=True):
-            i = min(max(bisect_right(axis, x) - 1, 0), len(axis) - 2)
-            places.append((i, min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)))
-        return _between(cells, places)
+        (j, u), (k, v) = _place(self.axes[0], shift), _place(self.axes[1], slip)
+        corners = [self._corner(*one) for one in ((j, k), (j, k + 1), (j + 1, k), (j + 1, k + 1))]
+        a, b, c, d = (1.0 - u) * (1.0 - v), (1.0 - u) * v, u * (1.0 - v), u * v
+        return [a * p + b * q + c * r + d * s for p, q, r, s in zip(*corners, strict=True)]
 
 
-def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
-    if not places:
-        return cells
-    (i, w), *rest = places
-    low, high = _between(cells[i], rest), _between(cells[i + 1], rest)
+def _place(axis: list[float], x: float) -> tuple[int, float]:
+    """Cell of an axis in which ``x`` lies, and where in it, 0 to 1; held at the ends."""
+    i = min(max(bisect_right(axis, x) - 1, 0), len(axis) - 2)
+    return i, min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)
+
+
+def _between(low: list[float], high: list[float], w: float) -> list[float]:
     return [a + w * (b - a) for a, b in zip(low, high, strict=True)]
 
 
@@ -168,8 +192,8 @@ class Gaussian:
 
         ``y`` is what is left of it over the prediction.
         """
-        PH = [sum(p * h for p, h in zip(row, H, strict=True)) for row in self.P]
-        gain = 1.0 / (sum(h * p for h, p in zip(H, PH, strict=True)) + variance)
+        PH = [sum(map(mul, row, H)) for row in self.P]
+        gain = 1.0 / (sum(map(mul, H, PH)) + variance)
         self.x = [x + gain * p * y for x, p in zip(self.x, PH, strict=True)]
         self.P = [
             [old - gain * p * q for old, q in zip(row, PH, strict=True)]
@@ -264,7 +288,7 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
         _brake(c, s, x)
     else:
         s.released += c.block
-        if s.braked > 0.0 and s.released > 1.0:
+        if s.braked > 0.0 and s.released > 1.0 + 0.5 * c.block:
             _forget_stop(c, s)
         _roll(c, s, x)
     innovation = _move(c, s, x, braking)
@@ -280,7 +304,7 @@ def _means(s: State) -> tuple[float, float]:
 
 def _roll(c: Constants, s: State, x: Sample) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    if len(s.waiting) * c.block >= c.before_bite:
+    if len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.noise_omega * c.radius / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
@@ -355,8 +379,8 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> float:
     v -= G * k * (z - o) * dt
     m.x[0] = v
     to_v = [1.0, G * k * dt, G * (z - o) * dt * braking, 0.0]
-    PF = [sum(p * f for p, f in zip(row, to_v, strict=True)) for row in m.P]
-    m.P[0] = [sum(f * p for f, p in zip(to_v, PF, strict=True)), *PF[1:]]
+    PF = [sum(map(mul, row, to_v)) for row in m.P]
+    m.P[0] = [sum(map(mul, to_v, PF)), *PF[1:]]
     for i in (1, 2, 3):
         m.P[i][0] = PF[i]
     m.P[0][0] += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
@@ -403,7 +427,8 @@ def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
     a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
     z, shift = _means(s)
     before = c.level(z)
-    read = c.ratio(z, shift / z, 0.0)
+    here = c.ratio.at(z)
+    read = here(shift / z, 0.0)
     assert s.motion is not None
     e, ee, log_slip, left = _with_map(s.motion, read)
     noise, accelerometer = (
@@ -414,7 +439,7 @@ def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
     level = math.log(a * (1.0 - e)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
-    now = _ratio(c, s, (z, shift), apart, before[len(LEVEL) :])
+    now = _ratio(c, s, here, (z, shift), apart, before[len(LEVEL) :])
     if s.best is None or now[1] + now[2] <= sum(_aged(c, s, a)[1:3]):
         s.best, s.age, s.level_then = now, 0.0, a
     ratio, below, above, change, change_below, change_above, zeros = _aged(c, s, a)
@@ -449,13 +474,15 @@ def _aged(c: Constants, s: State, level: float) -> list[float]:
 def _ratio(
     c: Constants,
     s: State,
+    here: Plane,
     mean: tuple[float, float],
     slip: tuple[float, float],
     before: list[float],
 ) -> list[float]:
     """ln of the ratio with the distances of its bounds, then the same of its change.
 
-    ``mean`` of z and eta - 1; ``slip`` and its sigma, along the axis of the map.
+    ``here`` the map at the mean z; ``mean`` of z and eta - 1; ``slip`` and its sigma, along the
+    axis of the map.
     """
     (z, shift), prior = mean, _around(before)
     weight = s.sums[0]
@@ -469,12 +496,12 @@ def _ratio(
     # a mean over decelerations that differ is not the curve at their mean
     bent = shift * max(s.sums[3] / weight / z**2 - 1.0, 0.0)
     sigma = math.hypot(math.sqrt(2.0) * noise, math.sqrt(s.eta.variance), bent) / z
-    out = _around(c.ratio(z, at, slip[0]))
+    out = _around(here(at, slip[0]))
     h = min(sigma, c.ratio.cell(1, at))
     k = min(slip[1], 1.0)
     for low, high, spread in (
-        (c.ratio(z, at - h, slip[0]), c.ratio(z, at + h, slip[0]), sigma / h),
-        (c.ratio(z, at, slip[0] - k), c.ratio(z, at, slip[0] + k), slip[1] / k),
+        (here(at - h, slip[0]), here(at + h, slip[0]), sigma / h),
+        (here(at, slip[0] - k), here(at, slip[0] + k), slip[1] / k),
     ):
         for column in (0, 3):
             more = 0.5 * Z95 * spread * (high[column] - low[column])
@@ -508,7 +535,7 @@ def _reason(c: Constants, s: State, x: Sample) -> Reason:
     checks = (
         (x.pressure <= c.least_pressure, Reason.NOT_BRAKED),
         (x.rim <= MOVING, Reason.SLOW),
-        (s.braked <= c.settle, Reason.JUST_APPLIED),
+        (s.braked < c.settle + 0.5 * c.block, Reason.JUST_APPLIED),
         (x.disturbed, Reason.DISTURBED),
         (s.eta.variance >= 0.9 * c.zero**2, Reason.NO_ZERO),
         (not _on_map(c, s), Reason.BEYOND_MAP),
