@@ -253,6 +253,7 @@ class State:
     released: float = 0.0
     sums: list[float] = field(default_factory=lambda: [0.0] * 4)
     best: list[float] | None = None
+    held: Answer | None = None
     age: float = 0.0
     level_then: float = 1.0
 
@@ -293,7 +294,9 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
         _roll(c, s, x)
     innovation = _move(c, s, x, braking)
     s.z = x.z
-    return _answer(c, s, x, innovation)
+    if s.held is None or braking:
+        s.held = _answer(c, s, x)
+    return s.held._replace(innovation=innovation, reason=_reason(c, s, x))
 
 
 def _means(s: State) -> tuple[float, float]:
@@ -327,7 +330,7 @@ def _rim(s: State, x: Sample) -> float:
 def _forget_stop(c: Constants, s: State) -> None:
     """What is only of the last stop; the lag is the car's."""
     s.level = _level_before(c, s.level.x[1], s.level.P[1][1])
-    s.braked, s.best, s.sums = 0.0, None, [0.0] * 4
+    s.braked, s.best, s.held, s.sums = 0.0, None, None, [0.0] * 4
 
 
 def _follow(c: Constants, s: State, nominal: float) -> None:
@@ -422,7 +425,7 @@ COLUMNS = (*PADS, "log_slip", "log_slip_sigma")
 SLIP = COLUMNS.index("log_slip")
 
 
-def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
+def _answer(c: Constants, s: State, x: Sample) -> Answer:
     # friction as it is now, of the pressure as it is now
     a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
     z, shift = _means(s)
@@ -449,7 +452,7 @@ def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
         noise, accelerometer, zeros, s.level.x[1],
-        log_slip, math.sqrt(left), innovation, _reason(c, s, x),
+        log_slip, math.sqrt(left), math.nan, Reason.VALID,
     )  # fmt: skip
 
 

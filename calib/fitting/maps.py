@@ -32,7 +32,7 @@ _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
 _FORM = 0.01  # of eta - 1, relative: what a tyre departs by is in the ensemble
 _PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is wide
 _NEAR = 0.4  # standard deviation about a place along the slip, in those of the slip
-_EMPTY = 1.0  # scenarios that any cell has of the prior: one that nobody sees has nothing else
+_EMPTY = 0.1  # scenarios that any cell has of the prior: one that nobody sees has nothing else
 _GROUPS = 256  # of scenarios alike in what is asked, in which the weights are added up
 
 
