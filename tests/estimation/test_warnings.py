@@ -102,7 +102,7 @@ def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
     assert not result.passed
     assert result.figures["valid_share"] == 0.0
     (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
-    assert told.figures["valid_share"] > 0.7
+    assert told.figures["valid_share"] > 0.6
     assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
 
 
