@@ -225,13 +225,9 @@ def estimate(
     cornering = _cornering(table, plan.nominal, ran.log, read, forces)
     held = disturbed(plan.gates, ran.log, read, cornering)
     filed = with_pads(ran.vehicle, table.vehicle)
-    best, ecu = (
-        read_out(of, filed, plan.known, noise, read, held, with_v=with_v)
-        for of, noise, with_v in (
-            (table, plan.noise, True),
-            (exported or table, SensorNoise(**table.noise), False),
-        )
-    )
+    best = read_out(table, filed, plan.known, plan.noise, read, held)
+    own, sensed = SensorNoise(**table.noise), _sensed(car, log, read)
+    ecu = read_out(exported or table, filed, plan.known, own, sensed, held, with_v=False)
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
@@ -270,6 +266,16 @@ def estimate(
         factor_r=ran.factor_r,
         notes=others.notes,
     )
+
+
+def _sensed(car: Vehicle, log: Log, read: Signals) -> Signals:
+    """The signals by the pressure of the master cylinder alone, as an ECU has it."""
+    wheels = {f"p_{w}" for w in WHEELS}
+    if wheels.isdisjoint(log.channels):
+        return read
+    channels = {name: x for name, x in log.channels.items() if name not in wheels}
+    ran = remove_known_effects(car, replace(log, channels=channels))
+    return signals(ran.log, ran.vehicle)
 
 
 def _axles(
