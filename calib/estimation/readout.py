@@ -11,6 +11,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.car.balance import brake_forces
+from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.estimation.step import (
@@ -162,6 +163,7 @@ def read_out(
         forces.load_r / car.weight,
         b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
         block_mean(disturbed.astype(float), b.samples) > 0.0,
+        np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
     )
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
@@ -169,21 +171,33 @@ def read_out(
     answers = [
         step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)
     ]
-    return _per_sample(table, car, s, answers, b.last_complete(s.time))
+    biting = np.maximum(b.p_f, b.p_r) > BITE
+    share = np.where(biting, B_f / np.maximum(B_f + B_r, 1.0), _equal_share(car))
+    return _per_sample(table, car, s, (np.array(answers), share), b.last_complete(s.time))
+
+
+def _equal_share(car: Vehicle) -> float:
+    """Share of the front axle in the brake force of the file's pads at one pressure [1]."""
+    one = np.ones(())
+    B_f, B_r = brake_forces(car, one, one)
+    return float(B_f / (B_f + B_r))
 
 
 def _per_sample(
-    table: Table, car: Vehicle, s: Signals, answers: list[Answer], at: Index
+    table: Table, car: Vehicle, s: Signals, answers: tuple[Array, Array], at: Index
 ) -> Readout:
-    """From level and ratio of each block to pads and torques of each sample."""
-    a = np.array(answers)
+    """From level and ratio of each block to pads and torques of each sample.
+
+    ``answers`` of the step (k, ...), and the share of the front axle with the file's pads (k,).
+    """
+    a, share_f = answers
     level, ratio, change = (Bounded(*a[:, k : k + 3].T) for k in (0, 3, 6))
     pads = table.calibration
     then = pads.pad_log_ratio.value
-    front, rear = _pads(car, level, ratio)
+    front, rear = _pads(share_f, level, ratio)
     # over the ramp's pads: the tyres are those of today, and fall out
     changed = _pads(
-        car, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper)))
+        share_f, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper)))
     )
     f, r = car.front, car.rear
     gains = [axle.torque_gain * np.maximum(p, 0.0) for axle, p in ((f, s.p_f), (r, s.p_r))]
@@ -216,14 +230,12 @@ def _exp(level: Bounded) -> Bounded:
     return Bounded(np.exp(level.value), np.exp(level.lower), np.exp(level.upper))
 
 
-def _pads(car: Vehicle, level: Bounded, ratio: Bounded) -> tuple[Bounded, Bounded]:
+def _pads(share: Array, level: Bounded, ratio: Bounded) -> tuple[Bounded, Bounded]:
     """Front and rear pads over those of the file [1] from ln of level and ratio.
 
-    Level and ratio err on their own: their distances to the bounds add up as squares.
+    ``share`` of the front axle with the file's pads. Level and ratio err on their own: their
+    distances to the bounds add up as squares.
     """
-    one = np.ones(())
-    B_f, B_r = brake_forces(car, one, one)
-    share = B_f / (B_f + B_r)
 
     def more(x: Array) -> tuple[Array, Array]:
         whole = np.log(share * np.exp(x) + 1.0 - share)

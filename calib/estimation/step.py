@@ -51,7 +51,7 @@ class Sample(NamedTuple):
     ``demand`` brake force that the deceleration ``z`` demands, ``nominal`` that of nominal pads,
     over the weight [1]; ``pressure`` [Pa]; ``eta`` [1] as read; ``rim`` speed of the front wheels'
     rims [m/s]; ``rear_share`` of the load [1]; ``v`` [m/s], NaN where not logged; ``disturbed``
-    while a wheel locks or the car corners.
+    while a wheel locks or the car corners; ``log_odds`` ln of the front pressure over the rear one.
     """
 
     demand: float
@@ -63,6 +63,7 @@ class Sample(NamedTuple):
     rear_share: float
     v: float
     disturbed: bool
+    log_odds: float = 0.0
 
 
 class Reader:
@@ -443,6 +444,7 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
     now = _ratio(c, s, here, (z, shift), apart, before[len(LEVEL) :])
+    now[0] -= x.log_odds  # of the brake forces, as the map has it, to that of the pads
     if s.best is None or now[1] + now[2] <= sum(_aged(c, s, a)[1:3]):
         s.best, s.age, s.level_then = now, 0.0, a
     ratio, below, above, change, change_below, change_above, zeros = _aged(c, s, a)

@@ -17,7 +17,7 @@ from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
-from calib.fitting.maps import maps
+from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics
 from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
@@ -114,7 +114,7 @@ def fit(
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
     ensemble = posterior(car, runs, ratio or UNSAID)
-    pad_map, level_map = maps(car, ensemble)
+    pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
