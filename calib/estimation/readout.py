@@ -128,6 +128,9 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         radius=table.vehicle.front.rolling_radius,
         late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
         late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
+        ramp_ratio=float(
+            table.level_map.ratio[0] if table.draws is None else np.mean(table.draws.log_pad_ratio)
+        ),
         block=block,
     )
 

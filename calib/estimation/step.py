@@ -125,7 +125,8 @@ def _between(low: list[float], high: list[float], w: float) -> list[float]:
 class Constants:
     """What the step takes from a table, and its tuned numbers.
 
-    ``late`` time by which v comes after the wheel speeds [s], with its sigma.
+    ``late`` time by which v comes after the wheel speeds [s], with its sigma; ``ramp_ratio`` ln of
+    the pads' ratio on the ramp [1].
     """
 
     ratio: Reader
@@ -136,6 +137,7 @@ class Constants:
     radius: float
     late: float
     late_sigma: float
+    ramp_ratio: float
     block: float
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
@@ -444,7 +446,10 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
     now = _ratio(c, s, here, (z, shift), apart, before[len(LEVEL) :])
-    now[0] -= x.log_odds  # of the brake forces, as the map has it, to that of the pads
+    # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
+    moved = x.log_odds - (before[len(LEVEL)] - c.ramp_ratio)
+    open_share = (now[1] + now[2]) / (before[len(LEVEL) + 2] - before[len(LEVEL) + 1])
+    now[0] += open_share**2 * moved - x.log_odds
     if s.best is None or now[1] + now[2] <= sum(_aged(c, s, a)[1:3]):
         s.best, s.age, s.level_then = now, 0.0, a
     ratio, below, above, change, change_below, change_above, zeros = _aged(c, s, a)

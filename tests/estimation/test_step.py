@@ -45,6 +45,7 @@ def constants(**changed):
             "radius": 0.322,
             "late": 0.0,
             "late_sigma": 1e-3,
+            "ramp_ratio": 0.0,
             "block": DT,
             **changed,
         }
