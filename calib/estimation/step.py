@@ -315,7 +315,7 @@ def _roll(c: Constants, s: State, x: Sample) -> None:
         wheels = c.noise_omega * c.radius / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
         s.eta.measured(old.eta, 2.0 * wheels**2 / c.block)
-        if old.v == old.v:
+        if old.v > MOVING:  # not where v is missing: NaN is not
             slip = 1.0 - _rim(s, old) / old.v
             s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
     free = x.pressure < c.untouched and abs(x.z) < STEADY
@@ -404,6 +404,7 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> float:
     rest, variance = _rim(s, x) - v * (1.0 - slip), (c.noise_omega * c.radius) ** 2 / dt
     variance += (c.slip_rough * slip * v) ** 2
     innovation = m.measured(rest, [1.0 - slip, 0.0, 0.0, -v * slip], variance)
+    m.x[3] = min(max(m.x[3], _SLIPS[0]), _SLIPS[1])
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
@@ -422,6 +423,12 @@ def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, floa
     return e, ee, m.x[3] + gain * both[3] * rest, max(m.P[3][3] - gain * both[3] ** 2, 0.0)
 
 
+_LEAST = 0.02
+"""Level, or share of the pressure that acts, below which there is none [1]."""
+
+_SLIPS = (-8.0, 0.0)
+"""Least and greatest ln(slip/z) of any tyre."""
+
 LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "ratio_lower", "ratio_upper", "change", "change_lower", "change_upper")
 COLUMNS = (*PADS, "log_slip", "log_slip_sigma")
@@ -430,19 +437,19 @@ SLIP = COLUMNS.index("log_slip")
 
 def _answer(c: Constants, s: State, x: Sample) -> Answer:
     # friction as it is now, of the pressure as it is now
-    a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
+    acts = s.acting / x.nominal if x.pressure > BITE else 1.0
+    steady = max(s.level.x[0], _LEAST)
+    a = steady * min(max(acts, _LEAST), 1.0 / _LEAST)
     z, shift = _means(s)
     before = c.level(z)
     here = c.ratio.at(z)
     read = here(shift / z, 0.0)
     assert s.motion is not None
     e, ee, log_slip, left = _with_map(s.motion, read)
-    noise, accelerometer = (
-        max(s.level.P[0][0], 0.0) / s.level.x[0] ** 2,
-        s.demand.variance / z**2 + ee,
-    )
+    noise = min(max(s.level.P[0][0], 0.0) / steady**2, 1.0)
+    accelerometer = s.demand.variance / z**2 + ee
     noisy = Z95 * math.sqrt(noise + accelerometer)
-    level = math.log(a * (1.0 - e)) + before[0]
+    level = math.log(a * max(1.0 - e, _LEAST)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
     now = _ratio(c, s, here, (z, shift), apart, before[len(LEVEL) :])
@@ -466,7 +473,7 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
 def _aged(c: Constants, s: State, level: float) -> list[float]:
     """The kept ratio as it is known now: pads warm up, and those that changed did so unlike."""
     assert s.best is not None
-    changed = c.unlike * math.log(max(level, 0.02) / max(s.level_then, 0.02))
+    changed = c.unlike * math.log(max(level, _LEAST) / max(s.level_then, _LEAST))
     variance = c.ageing**2 * s.age + changed**2
     more = Z95 * math.sqrt(variance)
     ratio, below, above, change, change_below, change_above, zeros = s.best

@@ -214,3 +214,26 @@ def test_in_the_limit_of_no_noise_the_forces_are_exact():
     answers, _ = run(stop(lag=quiet.lag), quiet)
     assert answers[-1].level == pytest.approx(math.log(0.8), abs=2e-4)
     assert answers[-1].ratio == pytest.approx(A + B_Z * 0.32 + B_SHIFT * SHIFT, abs=5e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_whatever_is_read_the_answer_is_finite(seed):
+    """Sensors that fail: any number, for as long as they like."""
+    rng = np.random.default_rng(seed)
+    size = 10.0 ** rng.uniform(-3.0, 1.0, 9)
+    blocks = []
+    for _ in range(400):
+        if rng.random() < 0.05:
+            size = 10.0 ** rng.uniform(-3.0, 1.0, 9)
+        x = size * rng.standard_normal(9)
+        pressure = 1e6 * max(x[2], 0.0)
+        v = math.nan if rng.random() < 0.5 else 20.0 * x[6]
+        blocks.append(
+            Sample(x[0], pressure / 1e7, pressure, x[3], math.exp(0.1 * x[4]),
+                   max(20.0 * x[5], 0.3), 0.4, v, bool(rng.random() < 0.1), x[7])
+        )  # fmt: skip
+    answers, _ = run(blocks)
+    told = np.array([answer[:15] for answer in answers], dtype=float)
+    assert np.all(np.isfinite(told))
+    for at in (0, 3, 6):
+        assert np.all((told[:, at + 1] <= told[:, at]) & (told[:, at] <= told[:, at + 2]))
