@@ -20,7 +20,7 @@ from calib.base.names import WHEELS
 from calib.car.vehicle import Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import BaselineRun, baselines
-from calib.estimation.gates import Gates, disturbed, validity
+from calib.estimation.gates import Gates, undisturbed, validity
 from calib.estimation.lookup import smoothed
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
@@ -224,11 +224,14 @@ def estimate(
     plan = plan_for(used, ran.log, read, nominal, gates)
     forces = brake_balance(plan.nominal, plan.known.effects, read)
     cornering = _cornering(table, plan.nominal, ran.log, read, forces)
-    held = disturbed(plan.gates, ran.log, read, cornering)
+    calm = undisturbed(plan.gates, ran.log, read, cornering)
+    held = ~np.logical_and.reduce([*calm.values()])
     filed = with_pads(ran.vehicle, table.vehicle)
-    best = read_out(table, filed, plan.known, plan.noise, read, held)
+    means = blocks(read)
+    best = read_out(table, filed, plan.known, plan.noise, read, means, held)
     own, sensed = SensorNoise(**table.noise), _sensed(car, log, read)
-    ecu = read_out(exported or table, filed, plan.known, own, sensed, held, with_v=False)
+    of = means if sensed is read else blocks(sensed)
+    ecu = read_out(exported or table, filed, plan.known, own, sensed, of, held, with_v=False)
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
@@ -238,9 +241,7 @@ def estimate(
     slips = zeroed_slips(read, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
     on_map = best.reason != Reason.BEYOND_MAP
-    judged = validity(
-        plan.gates, ran.log, read, (front, rear), forces.active, greatest, cornering, on_map
-    )
+    judged = validity(plan.gates, read, (front, rear), forces.active, greatest, calm, on_map)
     return Estimate(
         plan=plan,
         read=read,
@@ -257,7 +258,7 @@ def estimate(
         baselines=others.pads,
         best=best,
         ecu=ecu,
-        blocks=blocks(read),
+        blocks=means,
         eta_zero=zero,
         pressure_f=read.p_f,
         pressure_r=read.p_r,

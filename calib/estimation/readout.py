@@ -29,9 +29,10 @@ from calib.estimation.step import (
 from calib.estimation.zeros import drive_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
-from calib.run.blocks import block_balance, blocks
+from calib.run.blocks import Blocks, block_balance
 from calib.run.filters import block_mean
 from calib.run.noise import SensorNoise
+from calib.table.budget import front_share
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
@@ -141,17 +142,17 @@ def read_out(
     known: Resistance,
     noise: SensorNoise,
     s: Signals,
+    b: Blocks,
     disturbed: Mask,
     *,
     with_v: bool = True,
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
-    ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance;
-    ``disturbed`` samples (n,) in which a wheel locks or the car corners; ``with_v`` whether the
-    reference speed is used where it is logged.
+    ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance; ``b``
+    means of the signals over blocks; ``disturbed`` samples (n,) in which a wheel locks or the car
+    corners; ``with_v`` whether the reference speed is used where it is logged.
     """
-    b = blocks(s)
     forces = block_balance(car, known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     R = car.front.rolling_radius
@@ -175,15 +176,8 @@ def read_out(
         step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)
     ]
     biting = np.maximum(b.p_f, b.p_r) > BITE
-    share = np.where(biting, B_f / np.maximum(B_f + B_r, 1.0), _equal_share(car))
+    share = np.where(biting, B_f / np.maximum(B_f + B_r, 1.0), front_share(car, 0.0))
     return _per_sample(table, car, s, (np.array(answers), share), b.last_complete(s.time))
-
-
-def _equal_share(car: Vehicle) -> float:
-    """Share of the front axle in the brake force of the file's pads at one pressure [1]."""
-    one = np.ones(())
-    B_f, B_r = brake_forces(car, one, one)
-    return float(B_f / (B_f + B_r))
 
 
 def _per_sample(
@@ -195,6 +189,7 @@ def _per_sample(
     """
     a, share_f = answers
     level, ratio, change = (Bounded(*a[:, k : k + 3].T) for k in (0, 3, 6))
+    known = _exp(level).at(at)
     pads = table.calibration
     then = pads.pad_log_ratio.value
     front, rear = _pads(share_f, level, ratio)
@@ -208,8 +203,7 @@ def _per_sample(
     nominal = 2.0 * (f.pad_friction * gains[0] + r.pad_friction * gains[1])
     torque_f, torque_r = pads_f.times(gains[0]), pads_r.times(gains[1])
     total = 2.0 * (torque_f.value + torque_r.value)
-    share = np.divide(total, nominal, out=_exp(level).value[at], where=nominal > 0.0)
-    known = _exp(level).at(at)
+    share = np.divide(total, nominal, out=known.value.copy(), where=nominal > 0.0)
     relative = known.lower / known.value, known.upper / known.value
     return Readout(
         level=Bounded(share, share * relative[0], share * relative[1]),

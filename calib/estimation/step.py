@@ -28,6 +28,7 @@ import numpy as np
 from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
+from calib.estimation.gates import Gates
 from calib.run.driving_record import STEADY
 from calib.run.noise import WALK
 from calib.table.maps import Map
@@ -71,7 +72,6 @@ class Reader:
 
     def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
         self.axes = [axis.tolist() for axis in m.axes.values()]
-        self.columns = columns
         self.cells = np.stack([m.grid(name) for name in columns], axis=-1).tolist()
 
     def cell(self, axis: int, x: float) -> float:
@@ -142,8 +142,8 @@ class Constants:
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
     untouched: float = 7e4  # pressure up to which they do not [Pa]
-    settle: float = 0.3  # time of braking before an answer stands [s]
-    least_pressure: float = 2e5  # [Pa]
+    settle: float = Gates.settle  # time of braking before an answer stands [s]
+    least_pressure: float = Gates.pressure  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.01  # [1/sqrt(s)]
