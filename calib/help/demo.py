@@ -18,10 +18,11 @@ from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.written.document import to_dict as document_of
+from calib.estimation.agreement import Agreement, agreement
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import truth_of
-from calib.estimation.results import write_results
-from calib.estimation.validate import Agreement, Validation, agreement, to_dict, validate
+from calib.estimation.results import to_dict, write_results
+from calib.estimation.validate import Validation, validate
 from calib.fitting.fit import fit
 from calib.help.samples import sample_logs
 from calib.logs.log import Log

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, signed_percent
+from calib.estimation.agreement import agreement
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
@@ -12,7 +13,6 @@ from calib.estimation.validate import (
     REFERENCE,
     TRUTH,
     Validation,
-    agreement,
     all_warnings,
     proof_of,
 )
@@ -55,7 +55,7 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
             ("Mass", str(found[0].mass)),
             *_limiting(found),
         ],
-        notes=advice_lines(of for result in found for of in result.limiting or ()),
+        notes=advice_lines(of for result in found for of in result.budget or ()),
         warnings=warnings,
     )
 
