@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from calib.base.intervals import Z95
 from calib.base.plain import meanings
 from calib.car.vehicle import Axle, Vehicle
-from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded
 from calib.logs.log import Log
@@ -270,22 +269,19 @@ def _rms(x: Array) -> float:
 
 
 def baseline_errors(
-    vehicle: Vehicle, e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]
+    e: Estimate, truth: tuple[_AxleTruth, _AxleTruth] | None
 ) -> dict[str, tuple[float, float]]:
-    """Rms relative error of the pad friction of each method, front and rear, over valid samples."""
-    methods: dict[str, tuple[Array, Array]] = {
-        "kalman": (_mu(e.front), _mu(e.rear)),
-        "ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value),
-        **e.baselines,
-    }
-    return {
-        name: (
-            _rms((front / truth[0].pad_friction - 1.0)[e.valid]),
-            _rms((rear / truth[1].pad_friction - 1.0)[e.valid]),
-        )
-        for name, (front, rear) in methods.items()
-    }
+    """Rms relative error of the pad friction of each method, front and rear, over valid samples.
 
-
-def _mu(axle: AxleEstimate) -> Array:
-    return axle.pad_friction
+    Without a truth it is against the best estimate, where that has seen v; else there are none.
+    """
+    best = e.best.pads_f.value, e.best.pads_r.value
+    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **e.baselines}
+    if truth is not None:
+        methods = {"estimate": best, **methods}
+    true = np.array(best if truth is None else [axle.pad_friction for axle in truth])
+    known = e.valid & np.isfinite(true).all(axis=0)
+    if not known.any() or (truth is None and e.blocks.v is None):
+        return {}
+    errors = {name: (np.array(pads) / true - 1.0)[:, known] for name, pads in methods.items()}
+    return {name: (_rms(front), _rms(rear)) for name, (front, rear) in errors.items()}

@@ -55,7 +55,7 @@ NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves not
 
 @dataclass(frozen=True)
 class Validation:
-    """One log: its estimate, its metrics, its judgements, the baselines' errors if truth is known.
+    """One log: its estimate, its metrics, its judgements, errors of the ``baselines``.
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it is reported,
     but validates nothing, so it does not pass. ``mass`` is what the estimate rests on; ``warnings``
@@ -118,6 +118,11 @@ class Validation:
                 if self.figures[metric] is not None:
                     return proof
         return NONE
+
+    @property
+    def compared_with(self) -> str:
+        """What the errors of the baselines are against: `TRUTH`, `REFERENCE` or `NONE`."""
+        return TRUTH if "estimate" in self.baselines else REFERENCE if self.baselines else NONE
 
     @property
     def word(self) -> str:
@@ -266,8 +271,6 @@ def validate_one(
     if (wrong := wrong_speed(warnings)) is not None:
         result = _without_answer(result, NO_SPEED[wrong.code])
     figures = score(log, car, result)
-    compared = baselines and bool(result.valid.any())
-    truth = truth_of(log, car, result) if compared else None
     return Validation(
         log=log.name,
         digest=log.digest,
@@ -275,7 +278,7 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        baselines={} if truth is None else baseline_errors(car, result, truth),
+        baselines=baseline_errors(result, truth_of(log, car, result)) if baselines else {},
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )
@@ -400,6 +403,7 @@ def to_dict(
                 "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
                 "budget": None if r.budget is None else summary(*r.budget),
                 "not_valid": r.refused,
+                "rms_error_against": r.compared_with,
                 "rms_error_by_method": {
                     name: {"front": _finite(f), "rear": _finite(b)}
                     for name, (f, b) in r.baselines.items()
