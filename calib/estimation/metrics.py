@@ -217,16 +217,19 @@ def _rms(x: Array) -> float:
 
 
 def baseline_errors(
-    e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]
+    e: Estimate, truth: tuple[_AxleTruth, _AxleTruth] | None
 ) -> dict[str, tuple[float, float]]:
-    """Rms relative error of the pad friction of each method, front and rear, over valid samples."""
-    methods: dict[str, tuple[Array, Array]] = {
-        "kalman": (e.best.pads_f.value, e.best.pads_r.value),
-        "ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value),
-        **e.baselines,
-    }
+    """Rms relative error of the pad friction of each method, front and rear, over valid samples.
 
-    def error(pads: Array, true: _AxleTruth) -> float:
-        return _rms((pads / true.pad_friction - 1.0)[e.valid])
-
-    return {name: (error(f, truth[0]), error(r, truth[1])) for name, (f, r) in methods.items()}
+    Without a truth it is against the best estimate, where that has seen v; else there are none.
+    """
+    best = e.best.pads_f.value, e.best.pads_r.value
+    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **e.baselines}
+    if truth is not None:
+        methods = {"estimate": best, **methods}
+    true = np.array(best if truth is None else [axle.pad_friction for axle in truth])
+    known = e.valid & np.isfinite(true).all(axis=0)
+    if not known.any() or (truth is None and e.blocks.v is None):
+        return {}
+    errors = {name: (np.array(pads) / true - 1.0)[:, known] for name, pads in methods.items()}
+    return {name: (_rms(front), _rms(rear)) for name, (front, rear) in errors.items()}

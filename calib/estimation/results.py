@@ -80,6 +80,7 @@ def _of_log(r: Validation) -> dict[str, object]:
         "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
         "budget": None if r.budget is None else budget_summary(*r.budget),
         "not_valid": r.refused,
+        "rms_error_against": r.compared_with,
         "rms_error_by_method": {
             name: {"front": _finite(front), "rear": _finite(rear)}
             for name, (front, rear) in r.baselines.items()

@@ -52,7 +52,7 @@ NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves not
 
 @dataclass(frozen=True)
 class Validation:
-    """One log: its estimate, its metrics, its judgements, the baselines' errors if truth is known.
+    """One log: its estimate, its metrics, its judgements, errors of the ``baselines``.
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it is reported,
     but validates nothing, so it does not pass. ``mass`` is what the estimate rests on; ``warnings``
@@ -110,6 +110,11 @@ class Validation:
         }
         ordered = sorted(share.items(), key=lambda item: -item[1])
         return {why: x for why, x in ordered if x > _NAMED}
+
+    @property
+    def compared_with(self) -> str:
+        """What the errors of the baselines are against: `TRUTH`, `REFERENCE` or `NONE`."""
+        return TRUTH if "estimate" in self.baselines else REFERENCE if self.baselines else NONE
 
     @cached_property
     def budget(self) -> tuple[AxleBudget, AxleBudget] | None:
@@ -202,7 +207,6 @@ def validate_one(
     if (wrong := wrong_speed(warnings)) is not None:
         result = _without_answer(result, NO_SPEED[wrong.code])
     figures = score(log, car, result)
-    truth = truth_of(log, car, result) if baselines and result.valid.any() else None
     return Validation(
         log=log.name,
         digest=log.digest,
@@ -210,7 +214,7 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        baselines={} if truth is None else baseline_errors(result, truth),
+        baselines=baseline_errors(result, truth_of(log, car, result)) if baselines else {},
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )

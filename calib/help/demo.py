@@ -132,7 +132,7 @@ def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
     save({folder / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
 
 
-_METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
+_METHODS = ("nominal", "mean_gain", "gradient_paper", "gradient_map")
 
 
 def _section_four(outcome: _Outcome) -> list[_Row]:
@@ -146,7 +146,7 @@ def _section_four(outcome: _Outcome) -> list[_Row]:
     braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
     last = int(np.flatnonzero(braked)[-1])
     pads = {name: e.baselines[name] for name in _METHODS if name in e.baselines}
-    pads["kalman"] = (e.front.pad_friction, e.rear.pad_friction)
+    pads["estimate"] = (e.front.pad_friction, e.rear.pad_friction)
     rows = []
     for name, (front, rear) in pads.items():
         errors = [
