@@ -11,7 +11,7 @@ from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import METRICS, departure, score, truth_of
 from calib.estimation.readout import Bounded, Readout
-from calib.estimation.step import Reason
+from calib.estimation.state import Reason
 from calib.logs.log import Log
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR
