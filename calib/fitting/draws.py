@@ -52,6 +52,7 @@ def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
         compliance_f=draws.compliance_f,
         compliance_r=draws.compliance_r,
         radius_load=draws.radius_load,
+        clock_offset=np.zeros(draws.peak.size),  # of logs that are not there
         depart_eta=together(DEPARTS["eta"]),
         depart_slip=together(DEPARTS["slip"]),
     )

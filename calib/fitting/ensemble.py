@@ -34,7 +34,8 @@ class Ensemble:
     ``log_pad_ratio`` front over rear, over that of the vehicle file; ``cg_to_front_axle``,
     ``cg_height`` over those of the file; ``compliance_f``, ``compliance_r`` slip per normalised
     force at small slip and half the weight; ``radius_load`` share by which a rolling radius falls
-    when the load of its axle doubles; ``depart_eta``, ``depart_slip`` (n, k) what eta - 1 and the
+    when the load of its axle doubles; ``clock_offset`` by which v is
+    late in the logs of the ramps [s]; ``depart_eta``, ``depart_slip`` (n, k) what eta - 1 and the
     mean slip depart from all that by, relative, at the decelerations `DEPART_AT` (k,).
     """
 
@@ -48,6 +49,7 @@ class Ensemble:
     compliance_f: Array
     compliance_r: Array
     radius_load: Array
+    clock_offset: Array
     depart_eta: Array
     depart_slip: Array
 

@@ -1,4 +1,4 @@
-"""The ramp as the identified model has it, over z: forces, slips, and where eta turns."""
+"""The ramp as the tyre of a table's posterior has it, over z: forces and slips."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,15 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.errors import LogError
 from calib.base.names import G
-from calib.base.warning import PlausibilityWarning
 from calib.car.balance import brake_forces
 from calib.car.forces import axle_loads, speed_ratio
 from calib.car.vehicle import Vehicle
-from calib.fitting.identify import Identified
 from calib.model.parameters import RampParameters, tyres_of
-from calib.model.settings import SETTINGS
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]
@@ -22,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Path:
-    """The ramp as the identified model has it, over z. Shapes (n,), all [1]."""
+    """The ramp over z. Shapes (n,), all [1]."""
 
     z: Array
     F_f: Array
@@ -73,37 +69,6 @@ def _shared(vehicle: Vehicle, parameters: RampParameters[float], z: Array, share
     return Path(z, F_f, F_r, *slips)
 
 
-@dataclass(frozen=True)
-class Peak:
-    """Where eta turns on the ramp: ``z``, ``eta`` [1]; ``real`` if it falls by 3 sigma after it."""
-
-    z: float
-    eta: float
-    real: bool
-
-
-def find_peak(vehicle: Vehicle, found: Identified, z_max: float) -> Peak:
-    """Test whether eta peaks inside the measured range: its fall after the peak over its sigma."""
-    z = np.linspace(0.0, z_max, 201)
-    eta = path(vehicle, found.mean, z).eta
-    top = int(np.argmax(eta))
-
-    def fall(parameters: RampParameters[float]) -> Array:
-        e = path(vehicle, parameters, z).eta
-        return np.asarray([e[top] - e[-1]])
-
-    sigma = delta_sigma(fall, found.posterior)[0]
-    return Peak(float(z[top]), float(eta[top]), bool(eta[top] - eta[-1] > 3.0 * sigma))
-
-
-def readable_up_to(vehicle: Vehicle, found: Identified, z_max: float) -> float:
-    """Greatest z [1] up to which eta rises steeply enough that f1 and f2 can be read from it."""
-    z = np.linspace(0.0, z_max, 201)
-    slope = np.diff(path(vehicle, found.mean, z).eta)
-    flat = np.flatnonzero(slope < SETTINGS.flat * slope[0])
-    return float(z[flat[0]] if flat.size else z_max)
-
-
 def delta_sigma(f: Callable[[RampParameters[float]], Array], posterior: TyrePosterior) -> Array:
     """Standard deviation of f(parameters) by the delta method, central differences."""
     mean, covariance = np.asarray(posterior.mean), np.asarray(posterior.covariance)
@@ -115,27 +80,3 @@ def delta_sigma(f: Callable[[RampParameters[float]], Array], posterior: TyrePost
         columns.append((above - below) / (0.2 * sigma))
     J = np.stack(columns, axis=-1)
     return np.asarray(np.sqrt(np.einsum("...i,ij,...j->...", J, covariance, J)))
-
-
-def require_tyre(
-    vehicle: Vehicle,
-    found: Identified,
-    z_max: float,
-    sources: str,
-    warnings: tuple[PlausibilityWarning, ...],
-) -> None:
-    """Refuse ramps whose noise bends the compliance back: no tyre has less slip at more force.
-
-    ``warnings`` on the logs are told beside it: they may name the cause.
-    """
-    top = path(vehicle, found.mean, np.asarray([z_max]))
-    force = np.linspace(0.0, 1.1 * float(max(top.F_f[0], top.F_r[0])), 100)
-    if np.any(found.posterior.tyre.slope(force, 1.0) <= 0.0):
-        raise LogError(
-            "no tyre curve fits: slip would fall while force grows",
-            where=sources,
-            expected="no wheel near its limit, and wheel speeds that show a slip of 0.1 %",
-            do="end the ramp before ABS works or a wheel locks; look at the wheel speeds with "
-            "`brake-cal check`, or add a second ramp",
-            lines=tuple(map(str, warnings)),
-        )

@@ -65,7 +65,7 @@ class _Ramp:
     alone, else None. ``own`` (k, m) is what else moves the slip, linearly, with ``own_mean`` and
     ``own_sigma`` (m,): with v its zero and the time by which v is late; without v the slip is what
     the wheels lose against the speed that a_x carries on: scale and offset of a_x and that speed.
-    Variances are those of the sensors, ``zero_eta`` sigma of the zero of eta.
+    Variances are those of the sensors, ``zero_eta`` sigma of the zero of eta; ``sees`` with v.
     """
 
     z: Array
@@ -82,6 +82,7 @@ class _Ramp:
     own_mean: Array
     own_sigma: Array
     zero_eta: float
+    sees: bool
 
 
 def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
@@ -125,6 +126,7 @@ def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
         own_mean=own_mean,
         own_sigma=own_sigma,
         zero_eta=float(np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED)),
+        sees=run.slip is not None,
     )
 
 
@@ -182,6 +184,7 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
         compliance_f=one,
         compliance_r=one,
         radius_load=one,
+        clock_offset=one,
         depart_eta=np.zeros((one.size, DEPART_AT.size)),
         depart_slip=np.zeros((one.size, DEPART_AT.size)),
     )
@@ -208,6 +211,8 @@ class _Regression:
         self.precision = np.linalg.inv(prior)
         self.start = np.zeros(size)
         self.start[:3] = mean, mean, PRIORS["radius_load"][0]
+        ends = 3 + len(ramps) + np.cumsum(sizes)
+        self.clocks = [int(end) - 1 for end, r in zip(ends, ramps, strict=True) if r.sees]
         self.start[3 + len(ramps) :] = np.concatenate([r.own_mean for r in ramps])
         self.white = np.linalg.inv(np.linalg.cholesky(self._covariance()))
 
@@ -315,6 +320,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
     departs = regression.departures(e, found)
+    none = np.zeros(e.size)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
     return Ensemble(
         **{
@@ -322,6 +328,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "compliance_f": front,
             "compliance_r": rear,
             "radius_load": found[:, 2],
+            "clock_offset": found[:, regression.clocks].mean(axis=1) if regression.clocks else none,
             "depart_eta": departs["eta"],
             "depart_slip": departs["slip"],
         }

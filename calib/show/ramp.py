@@ -20,7 +20,6 @@ from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.parameters import RampParameters, parameters_of, tyres_of
 from calib.model.ramp import (
-    AS_OTHERS,
     RampRun,
     nominal_forces,
     normalised_forces,
@@ -84,7 +83,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     run = prepare(vehicle, log.name, b, noise, effects, sensor)
     parameters = parameters_of(table.posterior)
     F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    eta_model, _ = predict(vehicle, run, parameters, AS_OTHERS)
+    eta_model, _ = predict(vehicle, run, parameters)
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
