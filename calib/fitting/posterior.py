@@ -38,7 +38,6 @@ DRAWS = 2048
 """Size of the ensemble: its 2.5 % quantile is known to a tenth of a sigma."""
 
 _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of them
-_ZERO = 3.0  # time before the bite over which eta and slip are zeroed [s]
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _GRADE = 0.001  # walk of bias and slope [1/sqrt(s)]
 _CLOCK = 0.01  # sigma of the time by which v is late against the wheels [s]
@@ -87,7 +86,7 @@ class _Ramp:
 
 def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
     b, noise = run.blocks, run.noise
-    lead = np.flatnonzero(b.lead_in & run.use)[-round(_ZERO / b.length) :]
+    lead = run.rolling
     at = np.flatnonzero(run.braked & (b.speed > _SLOW))
     groups = np.array_split(at, min(_GROUPS, at.size))
     time, rolled = np.array([g.size for g in groups]) * b.length, lead.size * b.length
@@ -320,7 +319,8 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
     departs = regression.departures(e, found)
-    none = np.zeros(e.size)
+    # without v nothing says how late it would be
+    late = found[:, regression.clocks] if regression.clocks else _CLOCK * noise[:, :1, 0]
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
     return Ensemble(
         **{
@@ -328,7 +328,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "compliance_f": front,
             "compliance_r": rear,
             "radius_load": found[:, 2],
-            "clock_offset": found[:, regression.clocks].mean(axis=1) if regression.clocks else none,
+            "clock_offset": late.mean(axis=1),
             "depart_eta": departs["eta"],
             "depart_slip": departs["slip"],
         }

@@ -27,7 +27,7 @@ def remarks(
     """
     said = []
     for run, (of_eta, _) in zip(runs, left, strict=True):
-        zero = float(np.mean(run.blocks.eta[run.blocks.lead_in & run.use])) - 1.0
+        zero = float(np.mean(run.blocks.eta[run.rolling])) - 1.0
         said.append(f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)")
         said += [
             f"{run.name}: left out from {first:.2f} to {last:.2f} s, where something acts that the "

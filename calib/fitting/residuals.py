@@ -29,8 +29,8 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
         for part, moment in ((share, run.moment_f), (1.0 - share, run.moment_r))
     )
     rise, slip = (np.median(x, axis=0) for x in shown(car, some, b.z[use], *forces)[:2])
-    first = b.lead_in[use]
-    measured = b.eta[use] / np.mean(b.eta[use][first]) - 1.0
+    first = np.isin(use, run.rolling)
+    measured = b.eta[use] / np.mean(b.eta[run.rolling]) - 1.0
     of_eta = (measured - rise + np.mean(rise[first])) / _at(
         sigma_eta(run, run.since_rolling(b.eta)), use
     )
@@ -38,7 +38,7 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
         return of_eta, np.empty(0)
     speed = np.maximum(b.speed[use], SETTINGS.min_speed)
     slip = slip + G * b.z[use] * np.mean(some.clock_offset) / speed
-    left = run.slip[use] - np.mean(run.slip[use][first]) - slip + np.mean(slip[first])
+    left = run.slip[use] - np.mean(run.slip[run.rolling]) - slip + np.mean(slip[first])
     return of_eta, left / _at(sigma_slip(run, run.since_rolling(run.slip)), use)
 
 

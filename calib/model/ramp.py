@@ -31,6 +31,9 @@ from calib.run.noise import SensorNoise, aged
 Array = NDArray[np.float64]
 A = TypeVar("A", float, Array)
 
+ZEROED = 3.0
+"""Time before the bite over which eta and slip are zeroed [s]."""
+
 
 @dataclass(frozen=True)
 class RampRun:
@@ -64,6 +67,12 @@ class RampRun:
     def braked(self) -> NDArray[np.bool_]:
         """Blocks that take part and in which a brake bites (k,)."""
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
+
+    @cached_property
+    def rolling(self) -> NDArray[np.int64]:
+        """The last blocks of the lead-in that take part: where eta and slip are zero."""
+        lead = np.flatnonzero(self.blocks.lead_in & self.use)
+        return lead[-round(ZEROED / self.blocks.length) :]
 
     def since_rolling(self, measured: Array) -> Array:
         """Eta or slip [1] (k,) less what it was on the lead-in: what the brakes did to it.
