@@ -68,6 +68,7 @@ class Inputs:
         from calib.estimation.validate import require_same_vehicle
         from calib.line.fleet.results import NAME
         from calib.line.fleet.work import Job
+        from calib.table.generation import require_maps
 
         validates, fits = command is Command.VALIDATE, command is Command.FIT
         for name, value, taken, needed in (
@@ -83,6 +84,7 @@ class Inputs:
         stored = self.store.load(self.table) if self.table else None
         if stored is not None:
             say(f"{stored.id} is {stored.state.words}")
+            require_maps(stored.table, stored.id)
             require_same_vehicle(stored.table, self.vehicle, this_run().file("vehicle"))
         return Job(
             command=command,

@@ -169,7 +169,7 @@ def withdraw(table: options.Version, *, decision: _Decision) -> Answer:
 
 
 def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -> Answer:
-    from calib.store.evidence import read_evidence
+    from calib.store.evidence import CONSISTENT, read_evidence
     from calib.store.state import StateDecision
 
     before = decision.store.load(table)
@@ -187,7 +187,8 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
         "state": after.state.word,
         "why": after.state.words,
     }
-    return Answer(document, f"{after.id} is {after.state.words}; {same}")
+    told = f"; the evidence is {verdict}" * (verdict == CONSISTENT)
+    return Answer(document, f"{after.id} is {after.state.words}; {same}{told}")
 
 
 app = group(

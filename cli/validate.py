@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from cli import options
 from cli.command import FAILED, Answer, command
-from cli.console import complain, progress, say, this_run
+from cli.console import at_option, complain, progress, say, this_run
 from cli.fit import origin
 from cli.logs import named, read
 from cli.options import logs, option
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 @command(
     "brake-cal validate sedan-2up sample_logs/sedan/basalt_wet_pads.csv --out results",
     "brake-cal validate sedan-2up@1 sample_logs/sedan/*stop.csv --limits sample_logs/limits.toml",
+    "brake-cal validate sedan-2up sample_logs/sedan/*stop.csv --points 8 --fixed-point 16",
     report=True,
 )
 def validate(
@@ -32,18 +33,23 @@ def validate(
     effect: options.OwnEffects,
     mass: options.Mass,
     limits: options.StopLimits,
+    points: int | None = option("As exported with so many breakpoints on each axis.", "N"),
+    bits: int | None = option("As exported in 8, 16 or 32 bits.", "BITS", "--fixed-point"),
+    single: bool = option("As exported in single precision.", None, "--float"),
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: options.Map,
     signed: Signed,
 ) -> Answer:
-    """Run the estimator with a table on other logs, and judge it.
+    """Run the estimator with a table on other logs, and judge what an ECU makes of it.
 
+    The ECU has no speed, and the table as it is exported with the same --points, --fixed-point or
+    --float. Without true torques or a speed in the logs nothing is proved, and that is said.
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.
     """
     from dataclasses import replace
 
-    from calib.base.errors import LogError
+    from calib.base.errors import ExchangeError, LogError
     from calib.base.plain import counted
     from calib.car.model import with_effects
     from calib.car.model_file import read_model
@@ -53,16 +59,24 @@ def validate(
     from calib.run.gates import refuse_copy
     from calib.show.html import page_of
     from calib.show.validation import facts, report
+    from calib.table.exported import Precision, as_exported
+    from calib.table.generation import require_maps
 
     names = named(logs)
     if out is not None:
         check_folder(out, [*(f"{stem}.parquet" for stem in stems_of(names, "LOG")), SUMMARY])
     stored = store.load(table)
     signed.check(table, stored)
+    require_maps(stored.table, stored.id)
     require_same_vehicle(stored.table, vehicle, this_run().file("vehicle"), mass)
     car = with_own(stored.table.vehicle, effect)
     car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
     used = replace(stored.table, vehicle=car)
+    how, exported = None, None
+    if points is not None or bits is not None or single:
+        with at_option("--points, --fixed-point, --float", ExchangeError):
+            how = Precision(points, bits, single)
+            exported = as_exported(used, how)
     runs: list[Log] = []
     results: list[Validation] = []
     refused: list[LogError] = []
@@ -72,7 +86,8 @@ def validate(
             try:
                 run = read(path, channel_map)
                 refuse_copy(run, [], runs)
-                results.append(validate_one(used, run, vehicle, limits, mass=mass))
+                found = validate_one(used, run, vehicle, limits, mass=mass, exported=exported)
+                results.append(found)
                 runs.append(run)
             except LogError as error:
                 refused.append(error)
@@ -81,7 +96,7 @@ def validate(
         complain(str(wrong))
     if refused:  # without every log there are no results
         raise refused[-1]
-    summary = to_dict(stored, results)
+    summary = to_dict(stored, results, how)
     if out is not None:
         with writing(out):
             paths = write_results(results, summary, out)
@@ -89,7 +104,7 @@ def validate(
             say(f"wrote {path}")
 
     def page() -> str:
-        return page_of(report(stored, results, origin("vehicle", "model", "limits")))
+        return page_of(report(stored, results, origin("vehicle", "model", "limits"), how))
 
     failed = FAILED * (not all(result.passed for result in results))
-    return Answer(summary, facts(stored, results), failed, page)
+    return Answer(summary, facts(stored, results, how), failed, page)

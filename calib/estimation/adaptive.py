@@ -17,9 +17,20 @@ from numpy.typing import NDArray
 
 from calib.base.errors import InputError
 from calib.car.vehicle import Axle
-from calib.estimation.priors import Priors
 
 Array = NDArray[np.float64]
+
+RATE = 8.0
+"""Rate of the gradient law at `PRESSURE` [1/s]: 90 % of a step of zeta in 0.3 s."""
+
+PRESSURE = 20e5
+"""Pressure [Pa] at which it holds: a usual braking. The rate grows with its square."""
+
+MEMORY = 1.0
+"""Forgetting of the recursive least squares [s]: shorter, and eta's noise shows in the pads."""
+
+LEVEL_MEMORY = 0.5
+"""The same of a gain for both axles [s]: short against a stop, long against road noise (0.1 s)."""
 
 
 def measured_output(
@@ -43,7 +54,7 @@ def regressor(axle: Axle, pressure: Array) -> Array:
     return -axle.torque_gain * pressure  # (24)
 
 
-def gain(axle: Axle, rate: float = Priors.law_rate, pressure: float = Priors.law_pressure) -> float:
+def gain(axle: Axle, rate: float = RATE, pressure: float = PRESSURE) -> float:
     """gamma [1/(N^2 m^2 s)] that adapts at ``rate`` [1/s] at ``pressure`` [Pa] on this axle."""
     return rate / (axle.torque_gain * pressure) ** 2
 

@@ -21,16 +21,13 @@ from calib.car.forces import axle_loads
 from calib.car.vehicle import Axle, Vehicle
 from calib.estimation import adaptive
 from calib.estimation.lookup import paper
-from calib.estimation.priors import Priors
 from calib.run.axle_signals import Signals
 from calib.table.table import Table
 
 Array = NDArray[np.float64]
 
 
-def as_written(
-    table: Table, car: Vehicle, s: Signals, eta: Array, priors: Priors
-) -> tuple[Array, Array]:
+def as_written(table: Table, car: Vehicle, s: Signals, eta: Array) -> tuple[Array, Array]:
     """Pad friction mu_n + zeta of both axles [1], (n,).
 
     ``s`` the signals as read; ``eta`` zeroed (22) [1]; ``car`` has the nominal pads. Raises
@@ -38,7 +35,7 @@ def as_written(
     """
     reading = paper(table, s.z, eta, s.z)  # (11), (12)
     load_f, load_r = axle_loads(car, s.z)  # (6), (7)
-    gamma = adaptive.gain(car.front, priors.law_rate, priors.law_pressure)
+    gamma = adaptive.gain(car.front)
 
     def adapted(axle: Axle, force: Array, load: Array, omega: Array, pressure: Array) -> Array:
         spin = np.diff(omega, prepend=omega[0]) / s.sample_time

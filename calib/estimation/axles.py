@@ -1,16 +1,14 @@
 """Whether the axles of a log are those of its table, or their wheel speeds are swapped.
 
 The front wheels must slip more than the rear while braking. Where they slip less, the wheel speeds
-are swapped, a motor brakes the rear wheels, or the front pads are weak. The estimate tells weak
-pads: with them the rear pads keep their friction.
+are swapped, a motor brakes the rear wheels, or the front pads are weak.
 
-    eta rises    as the table says            the axles are right
-    eta falls    rear pads as on the ramp     weak front pads: estimated
-                 rear pads stronger           refused
-    else         weighed: the log as given against the log with its wheel speeds exchanged
+    eta rises    as the table says      the axles are right
+    else         weighed                the log as given against the log with its axles exchanged
+    eta falls    exchanged by far       refused
 
-On a car near ideal balance eta hardly rises. What tells the axles there is how eta goes with
-pressure, deceleration and speed over the whole stop, and whether the pads are those of the ramp
+On a car near ideal balance eta hardly rises. What tells the axles there is how eta goes with the
+deceleration over the whole stop, and whether the pads are those of the ramp
 (`calib.estimation.exchanged`).
 """
 
@@ -24,7 +22,7 @@ from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
 from calib.estimation.estimator import Estimate
 from calib.estimation.exchanged import Exchanged, exchanged
-from calib.estimation.gates import LOCKS, NO_PAD
+from calib.estimation.gates import LOCKS
 from calib.estimation.settings import SETTINGS
 from calib.logs.log import Log
 from calib.run.blocks import Blocks, braked_alone
@@ -58,45 +56,28 @@ def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
         and r.expected > SETTINGS.eta_rises
         and r.eta - 4.0 * r.error > SETTINGS.axles_reversed * r.expected
     )
-    if right or e.basis is None:
+    other = None if right else exchanged(e)
+    if other is None:
         return None
-    other = exchanged(e, e.basis)
     given, swapped = map(abs, other.log_pad_ratio)
     if given < SETTINGS.ratio_kept and swapped > SETTINGS.ratio_apart:
         return None
-    if (
+    if float(np.mean(e.refused[LOCKS][e.braked])) > SETTINGS.at_limit:
+        return None
+    falls = (
         r is not None
         and r.expected > 0.0
         and r.eta + 4.0 * r.error < -SETTINGS.axles_reversed * r.expected
-    ):
-        _require_weak_pads(table, log, e, r, other)
-    return None if float(np.mean(e.refused[LOCKS][e.braked])) > SETTINGS.at_limit else other
-
-
-def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exchanged) -> None:
-    """Raise LogError unless weak front pads may be why eta falls: the rear ones keep theirs.
-
-    Where all pads are weak and the axles are swapped as well, it cannot be told. Where no sample is
-    valid the log has no answer, but still says what the rear pads would need.
-    """
-    said = f"the front wheels slip less than the rear while braking: eta {100 * r.eta:+.2f} %"
-    told = e.valid if e.valid.any() else e.braked
-    if float(np.median(e.rear.change_lower[told])) >= SETTINGS.axles_gain:
-        gain = float(np.median(e.rear.change[told]))
-        said += f", as if the rear pads had {gain:.2g} times their friction on the ramp"
-    elif e.valid.any() or (other.log_odds < SETTINGS.axles_sure and not _no_pads(e)):
-        return
-    raise LogError(
-        said,
-        where=log.source,
-        expected=f"about {100 * r.expected:+.2f} % by the table of {table.name}",
-        do=what_to_check("rear"),
     )
-
-
-def _no_pads(e: Estimate) -> bool:
-    """Whether the answer is none because no pads have it, as where an axle does not brake."""
-    return float(np.mean(e.refused[NO_PAD][e.braked])) > SETTINGS.axles_mostly
+    if r is not None and falls and other.log_odds > SETTINGS.axles_sure:
+        raise LogError(
+            "the front wheels slip less than the rear while braking: "
+            f"eta {100 * r.eta:+.2f} %, as no pads of a stop make it",
+            where=log.source,
+            expected=f"about {100 * r.expected:+.2f} % by the table of {table.name}",
+            do=what_to_check("rear"),
+        )
+    return other
 
 
 def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[PlausibilityWarning]:
@@ -170,7 +151,7 @@ def crossed_warnings(log: str, crossed: _CrossedStop | None) -> Iterator[Plausib
 def _holds(e: Estimate, other: Exchanged) -> bool:
     """Whether the interval of the pads' ratio holds what the log says with its axles exchanged."""
     as_given, swapped = other.log_pad_ratio
-    return abs(swapped - as_given) < Z95 * float(e.split.sigma[other.block])
+    return abs(swapped - as_given) < Z95 * other.sigma
 
 
 def _rise(table: Table, b: Blocks) -> Rise | None:

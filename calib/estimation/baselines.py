@@ -24,7 +24,6 @@ from calib.car.vehicle import Axle, Vehicle
 from calib.estimation import adaptive
 from calib.estimation.as_written import as_written
 from calib.estimation.lookup import LOOKUPS, LookupReading, smoothed
-from calib.estimation.priors import Priors
 from calib.estimation.temperature import temperature
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
@@ -52,27 +51,24 @@ class BaselineRun:
     """One run as the methods need it.
 
     ``car`` has the nominal pads; ``known`` its known effects, which are taken out of ``log``;
-    ``read`` the signals as read, ``s`` with the accelerometer corrected; ``b`` the balance of
-    ``s``; ``eta`` zeroed (22) [1], (n,).
+    ``s`` its signals, ``b`` their balance; ``eta`` zeroed (22) [1], (n,).
     """
 
     table: Table
     car: Vehicle
     known: Effects
     log: Log
-    read: Signals
     s: Signals
     b: BrakeBalance
     eta: Array
-    priors: Priors
 
 
 def baselines(run: BaselineRun, *, laws: bool = True) -> _Baselines:
     """All methods on one run. Without ``laws`` only the nominal pads."""
-    car, s, priors = run.car, run.s, run.priors
+    car, s = run.car, run.s
     flat = np.ones_like(run.eta)
     pads = {"nominal": (car.front.pad_friction * flat, car.rear.pad_friction * flat)}
-    tyre = read(run.table, car, s, run.b, run.eta, "tyre", priors)
+    tyre = read(run.table, car, s, run.b, run.eta, "tyre")
     left_out: dict[str, list[str]] = {}
     for name, method in _methods(run, tyre).items() if laws else ():
         try:
@@ -85,30 +81,30 @@ def baselines(run: BaselineRun, *, laws: bool = True) -> _Baselines:
 
 def _methods(run: BaselineRun, tyre: LookupReading) -> dict[str, Callable[[], Pair]]:
     """The methods beside nominal pads by name, ready to be run; ``tyre`` is that look-up read."""
-    car, s, b, priors = run.car, run.s, run.b, run.priors
+    car, s, b = run.car, run.s, run.b
     methods: dict[str, Callable[[], Pair]] = {
-        "mean_gain": partial(mean_gain, car, s, b, priors),
+        "mean_gain": partial(mean_gain, car, s, b),
         "temperature": partial(temperature, car, run.log, s, run.known),
-        "gradient_as_written": partial(as_written, run.table, car, run.read, run.eta, priors),
+        "gradient_as_written": partial(as_written, run.table, car, s, run.eta),
     }
     for name in LOOKUPS:
-        known = tyre if name == "tyre" else read(run.table, car, s, b, run.eta, name, priors)
+        known = tyre if name == "tyre" else read(run.table, car, s, b, run.eta, name)
         for law in ("gradient", "rls"):
-            methods[f"{law}_{name}"] = partial(_adapt, car, s, b, known, law, priors)
+            methods[f"{law}_{name}"] = partial(_adapt, car, s, b, known, law)
     return methods
 
 
-def mean_gain(car: Vehicle, s: Signals, b: BrakeBalance, priors: Priors) -> Pair:
+def mean_gain(car: Vehicle, s: Signals, b: BrakeBalance) -> Pair:
     """Pad friction of both axles [1], (n,): nominal times one factor, the paper's [16].
 
-    Recursive least squares with forgetting over ``level_memory`` of the brake force that the
+    Recursive least squares with forgetting over `adaptive.LEVEL_MEMORY` of the brake force that the
     deceleration demands over that of nominal pads; 1 before the first braking. Of [16] the paper
     only says that its gain is found recursively, from wheel speed and pressure, and rests on the
     deceleration of the car alone. Here that is the accelerometer's, and known resistance is taken
     out. It cannot see a difference between the axles.
     """
     u = np.where(b.active, b.nominal_f + b.nominal_r, 0.0)
-    more = adaptive.least_squares(b.balance.demanded - u, u, priors.level_memory, s.sample_time)
+    more = adaptive.least_squares(b.balance.demanded - u, u, adaptive.LEVEL_MEMORY, s.sample_time)
     return car.front.pad_friction * (1.0 + more), car.rear.pad_friction * (1.0 + more)
 
 
@@ -119,16 +115,13 @@ def read(
     b: BrakeBalance,
     eta: Array,
     name: str,
-    priors: Priors,
 ) -> LookupReading:
     """Normalised forces by one look-up from filtered z and eta."""
-    z, smooth = smoothed(s, s.z, priors), smoothed(s, eta, priors)
+    z, smooth = smoothed(s, s.z), smoothed(s, eta)
     return LOOKUPS[name](table, z, smooth, z - b.balance.body / car.weight)
 
 
-def _adapt(
-    car: Vehicle, s: Signals, b: BrakeBalance, reading: LookupReading, law: str, priors: Priors
-) -> Pair:
+def _adapt(car: Vehicle, s: Signals, b: BrakeBalance, reading: LookupReading, law: str) -> Pair:
     """Pad friction of both axles by an adaptive law, "gradient" or "rls".
 
     Raises InputError if the gradient law is unstable: too high a pressure for the rate of the log.
@@ -137,15 +130,15 @@ def _adapt(
 
     def adapted(axle: Axle, force: Array, load: Array, moment: Array, pressure: Array) -> Array:
         """mu_n + zeta of one axle [1]; the inertia is already in the moment at the road."""
-        half_load = 0.5 * smoothed(s, load, priors)
+        half_load = 0.5 * smoothed(s, load)
         half_moment = 0.5 * moment * axle.rolling_radius
         spin = np.zeros_like(force)
         y = adaptive.measured_output(axle, force, half_load, spin, pressure, half_moment)
         u = np.where(b.active, adaptive.regressor(axle, pressure), 0.0)
         if law == "rls":
-            zeta = adaptive.least_squares(y, u, priors.rls_memory, s.sample_time)
+            zeta = adaptive.least_squares(y, u, adaptive.MEMORY, s.sample_time)
         else:
-            gamma = adaptive.gain(axle, priors.law_rate, priors.law_pressure)
+            gamma = adaptive.gain(axle)
             zeta = adaptive.gradient(y, u, gamma, s.sample_time)
         return axle.pad_friction + zeta
 

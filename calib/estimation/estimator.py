@@ -1,10 +1,10 @@
 r"""The estimator on one log: causal, at the log's own rate, what an ECU would give.
 
-    log -> signals -> balance -> level (sum of forces) --\
-                  \-> blocks -> split (Kalman) ----------+--> pad friction, torque, interval
-                   \-> zero of eta -> look-ups -> laws        (the baselines, shown beside it)
+    log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
+                                       \-> gates -> valid
+                                       \-> baselines, shown beside it
 
-The Kalman estimate is the product. Its baselines stand beside it, see
+The step is in `calib.estimation.step`; its baselines stand beside it, see
 `calib.estimation.baselines`: the paper's law as written, that law and recursive least squares on
 any look-up, and what the paper argues with.
 """
@@ -16,39 +16,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.car.balance import brake_forces
-from calib.car.braking import BITE
-from calib.car.forces import mean_slip
 from calib.car.vehicle import Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import BaselineRun, baselines
-from calib.estimation.block_level import block_level
-from calib.estimation.block_pitch import block_pitch
-from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, disturbed, validity
-from calib.estimation.jolts import without_jolts
 from calib.estimation.lookup import smoothed
-from calib.estimation.odds_by_level import odds_by_level
-from calib.estimation.pad_level import PadLevel, estimate_pad_level
-from calib.estimation.pad_ratio import PadRatio, RatioStep
-from calib.estimation.pads import estimate_axles
-from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
-from calib.estimation.priors import Priors
+from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
-from calib.estimation.split_filter import filter_pad_ratio
-from calib.estimation.weighed_level import WeighedLevel, weigh_level
+from calib.estimation.step import Reason
 from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.sensors import judge_accelerometer
 from calib.run.accelerometer import Accelerometer
 from calib.run.axle_signals import Signals, eta_of, signals
-from calib.run.blocks import Blocks, block_balance, blocks
+from calib.run.blocks import Blocks, blocks
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
-from calib.run.filters import block_mean, block_slope
 from calib.run.lateral import lateral
 from calib.run.noise import SensorNoise
-from calib.table.budget import front_share
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -91,25 +77,15 @@ Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is 
 
 
 @dataclass(frozen=True)
-class Basis:
-    """The level of an estimate with what is open of it, and the filter's input."""
-
-    level: WeighedLevel
-    demand: SplitInput
-
-
-@dataclass(frozen=True)
 class Estimate:
     """The estimator's answer on one log, at its rate.
 
-    ``plan`` what it started from, ``read`` the signals as read, known effects taken out; ``eta``
-    zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample, ``refused`` where
-    not, by reason; ``braked`` pads bite; ``baselines`` pad friction (front, rear) by method name;
-    ``split`` and ``blocks`` the filter's own record; ``eta_zero`` what was zeroed [1];
-    ``accelerometer`` its scale and offset, by block; ``factor_f``, ``factor_r`` what known effects
-    did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
-    ``basis`` level and input of the split filter; ``best`` what the step makes of all channels,
-    ``ecu`` without a speed.
+    ``plan`` what it started from, ``read`` the signals, known effects taken out, with their means
+    over ``blocks``; ``eta`` zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the
+    sample, ``refused`` where not, by reason; ``braked`` pads bite; ``baselines`` pad friction
+    (front, rear) by method name; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what
+    known effects did to the pad friction, which is given without them [1]; ``notes`` name the
+    baselines left out; ``best`` what the step makes of all channels, ``ecu`` without a speed.
     """
 
     plan: Plan
@@ -127,11 +103,8 @@ class Estimate:
     baselines: dict[str, tuple[Array, Array]]
     best: Readout
     ecu: Readout
-    split: PadRatio
     blocks: Blocks
-    level: PadLevel
     eta_zero: float
-    accelerometer: Accelerometer
     pressure_f: Array
     pressure_r: Array
     slip_f: Array | None = None
@@ -139,7 +112,6 @@ class Estimate:
     factor_f: Array | float = 1.0
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
-    basis: Basis | None = None
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
@@ -163,6 +135,12 @@ class Estimate:
         """How the brakes answered the pressure over the whole run; None if it tells too little."""
         forces = brake_balance(self.plan.nominal, self.plan.known.effects, self.read)
         return brake_response(self.read, forces)
+
+    @cached_property
+    def accelerometer(self) -> Accelerometer:
+        """Scale and offset of the accelerometer, block by block, by speed and resistance."""
+        plan = self.plan
+        return judge_accelerometer(plan.nominal, plan.known, self.blocks, plan.noise)
 
     def columns(self) -> dict[str, Array | Mask | Index]:
         """The samples by the names of `COLUMNS`, (n,) each.
@@ -197,27 +175,29 @@ def estimate(
     table: Table,
     log: Log,
     vehicle: Vehicle | None = None,
-    priors: Priors | None = None,
     gates: Gates | None = None,
     *,
     mass: float | None = None,
     with_laws: bool = True,
     read: Signals | None = None,
+    exported: Table | None = None,
 ) -> Estimate:
     """Run the estimator with a table on a log.
 
     Parameters
     ----------
     table : what the car was calibrated to. Its known effects are taken out of the log first, see
-        `calib.model.known_effects`; a known pitch mode goes into the split filter, which carries
-        the load that it delays.
+        `calib.model.known_effects`.
     log : the run, with an unbraked lead-in in which eta is zeroed.
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
-    priors, gates : of the split filter, and of ``valid``; by default those that were tried.
+    gates : of ``valid``; by default those that were tried.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
     with_laws : without, the only baseline is nominal pads.
     read : `signals` of the log with the table's vehicle, where they are known.
+    exported : the table as an ECU reads it, of which ``ecu`` then is, see `calib.table.exported`.
+
+    Raises StoreError for a table without maps.
 
     Without a lead-in the radii are those of the vehicle, within one per cent: eta says little then.
 
@@ -232,6 +212,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
+    require_maps(table)
     car = with_effects(table, vehicle, mass)
     ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)
@@ -239,66 +220,55 @@ def estimate(
     radius = ran.vehicle.rear.rolling_radius
     if read is None or ran.log is not log or radius != table.vehicle.rear.rolling_radius:
         read = signals(ran.log, nominal or ran.vehicle)
-    known = with_known_pitch(priors or Priors(), car)
-    plan = plan_for(used, ran.log, read, nominal, known, gates, mass_stated=mass is not None)
-    as_read = blocks(read)
-    z = without_jolts(plan, read, as_read)
-    smooth = block_mean(z, as_read.samples)
-    sensor = judge_accelerometer(plan.nominal, plan.known, as_read, plan.noise, smooth)
-    felt = sensor.at(as_read.last_complete(read.time))
-    s, sigma_z = replace(read, z=felt.corrected(z)), felt.sigma(z)
-    b = replace(as_read, z=block_mean(s.z, as_read.samples))
-    forces = brake_balance(plan.nominal, plan.known.effects, s)
-    level = level_of(plan, s, forces)
-    weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
-    demand = _demand_of(plan, s, b, level, weighed)
-    answer = split_of(plan, b, demand)
-    witness = estimate_axles(plan, s, forces, weighed, answer, b)
-    cornering = _cornering(table, plan.nominal, ran.log, s, witness[1])
-    held = disturbed(plan.gates, ran.log, s, cornering)
+    plan = plan_for(used, ran.log, read, nominal, gates)
+    forces = brake_balance(plan.nominal, plan.known.effects, read)
+    cornering = _cornering(table, plan.nominal, ran.log, read, forces)
+    held = disturbed(plan.gates, ran.log, read, cornering)
     filed = with_pads(ran.vehicle, table.vehicle)
     best, ecu = (
-        read_out(table, filed, plan.known, noise, read, held, with_v=with_v)
-        for noise, with_v in ((plan.noise, True), (SensorNoise(**table.noise), False))
+        read_out(of, filed, plan.known, noise, read, held, with_v=with_v)
+        for of, noise, with_v in (
+            (table, plan.noise, True),
+            (exported or table, SensorNoise(**table.noise), False),
+        )
     )
     driven = drive_slips(used, forces.balance)
-    zero = zero_of_eta(s, driven, plan.noise, plan.nominal)
-    eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
-    run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, s, forces, eta, plan.priors)
+    zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
+    eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
+    run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, forces, eta)
     others = baselines(run, laws=with_laws)
-    front, rear = _axles(plan, s, forces, best)
-    slips = zeroed_slips(s, driven, plan.noise)
+    front, rear = _axles(plan, read, forces, best)
+    slips = zeroed_slips(read, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
-    judged = validity(plan.gates, ran.log, s, (front, rear), forces.active, greatest, cornering)
+    on_map = best.reason != Reason.BEYOND_MAP
+    judged = validity(
+        plan.gates, ran.log, read, (front, rear), forces.active, greatest, cornering, on_map
+    )
     return Estimate(
         plan=plan,
         read=read,
-        time=s.time,
-        z=s.z,
+        time=read.time,
+        z=read.z,
         eta=eta,
-        speed=s.speed,
+        speed=read.speed,
         front=front,
         rear=rear,
         valid=judged.valid,
         refused=judged.refused,
-        braked=np.maximum(s.p_f, s.p_r) > plan.gates.pressure,
+        braked=np.maximum(read.p_f, read.p_r) > plan.gates.pressure,
         covered=others.covered,
         baselines=others.pads,
         best=best,
         ecu=ecu,
-        split=answer,
-        blocks=b,
-        level=level,
+        blocks=blocks(read),
         eta_zero=zero,
-        accelerometer=sensor,
-        pressure_f=s.p_f,
-        pressure_r=s.p_r,
+        pressure_f=read.p_f,
+        pressure_r=read.p_r,
         slip_f=slips[0] if slips else None,
         slip_r=slips[1] if slips else None,
         factor_f=ran.factor_f,
         factor_r=ran.factor_r,
         notes=others.notes,
-        basis=Basis(weighed, demand),
     )
 
 
@@ -319,7 +289,7 @@ def _axles(
                 lower=pads.lower,
                 upper=pads.upper,
                 torque=torque.value,
-                normalised_force=(brake + moment) / smoothed(s, load, plan.priors),
+                normalised_force=(brake + moment) / smoothed(s, load),
                 change=change.value,
                 change_lower=change.lower,
                 change_upper=change.upper,
@@ -328,61 +298,9 @@ def _axles(
     return out[0], out[1]
 
 
-def _cornering(table: Table, car: Vehicle, log: Log, s: Signals, rear: AxleEstimate) -> Array:
+def _cornering(table: Table, car: Vehicle, log: Log, s: Signals, forces: BrakeBalance) -> Array:
     """Lateral acceleration [m/s^2] (n,); the rear wheels slip as on the road of the ramp."""
-    carried = np.nan_to_num(rear.normalised_force)
-    slip = np.interp(carried, table.tyre.force, table.tyre.slip)
+    road, total = forces.balance, forces.nominal_f + forces.nominal_r
+    share = np.divide(forces.nominal_r, total, out=np.zeros_like(total), where=total > 0.0)
+    slip = np.interp(share * road.demanded / road.load_r, table.tyre.force, table.tyre.slip)
     return lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
-
-
-def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
-    """The common pad level of a run, before anything is said of the split."""
-    density = plan.noise.z * plan.nominal.weight
-    nominal = forces.nominal_f + forces.nominal_r
-    demanded = forces.balance.demanded
-    return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density, plan.priors)
-
-
-def _demand_of(
-    plan: Plan, s: Signals, b: Blocks, level: PadLevel, weighed: WeighedLevel
-) -> SplitInput:
-    """Input of the split filter: block means, and the level as known at the end of each block."""
-    car, p = plan.nominal, plan.priors
-    forces = block_balance(car, plan.known.effects, b)
-    B_f, B_r = brake_forces(car, b.p_f, b.p_r)
-    biting = np.maximum(b.p_f, b.p_r) > BITE
-    at = np.searchsorted(s.time, b.end)
-    known = np.where(biting, level.value[at], np.nan)
-    by_deceleration = forces.demanded / np.where(biting, B_f + B_r, np.nan)
-    now = block_level(known, by_deceleration, b, plan.noise.z, p)
-    pitch = block_pitch(car, b, p)
-    total = np.add(*brake_forces(car, s.p_f, s.p_r))
-    return SplitInput(
-        nominal_f=B_f,
-        nominal_r=B_r,
-        level=now.value,
-        level_error=now.error,
-        moment_f=forces.moment_f,
-        moment_r=forces.moment_r,
-        drive_f=forces.drive_f,
-        drive_r=forces.drive_r,
-        load_f=forces.load_f,
-        load_r=forces.load_r,
-        # the lead-in zeroes the slip: its force must not hang on an accelerometer not yet judged
-        tyre_sum=np.where(b.lead_in, forces.moment_f + forces.moment_r, forces.tyre_sum),
-        slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
-        pitch_deficit=pitch.deficit,
-        pitch_slope=pitch.slope,
-        rise=block_slope(total, b.samples) / s.sample_time,
-        odds_by_level=odds_by_level(
-            weighed.free[at], weighed.measured[at], front_share(car, 0.0), p
-        ),
-    )
-
-
-def split_of(
-    plan: Plan, b: Blocks, demand: SplitInput, steps: list[RatioStep | None] | None = None
-) -> PadRatio:
-    """Run the split filter as the plan has it; ``steps`` as in `filter_pad_ratio`."""
-    known = plan.table.posterior
-    return filter_pad_ratio(plan.nominal, b, demand, plan.noise, known, plan.priors, steps)

@@ -17,6 +17,7 @@ Mask = NDArray[np.bool_]
 
 LOCKS = "a wheel locks, or ABS works"
 NO_PAD = "no pad has such a friction"
+BEYOND_MAP = "no stop that the table knows shows such an eta"
 """Names of these reasons for a sample that is not valid."""
 
 
@@ -67,11 +68,13 @@ def validity(
     active: Mask,
     greatest: float,
     cornering: Array,
+    on_map: Mask,
 ) -> _Validity:
     """Where the estimator stands behind its answer, see `Gates`.
 
     ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
-    normalised force of the ramp [1]; ``cornering`` the lateral acceleration [m/s^2] (n,).
+    normalised force of the ramp [1]; ``cornering`` the lateral acceleration [m/s^2] (n,);
+    ``on_map`` where eta is one that the map of the table has (n,).
     """
     front, rear = axles
     steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
@@ -81,6 +84,7 @@ def validity(
             "the car is slow": s.speed > gates.speed,
             "the brake has just been applied": since(s.time, ~active) > gates.settle,
             LOCKS: since(s.time, _locked(log, s, gates)) > gates.recover,
+            BEYOND_MAP: on_map,
             NO_PAD: _possible(front, gates) & _possible(rear, gates),
             "the tyres carry more than on the ramp": np.maximum(
                 front.normalised_force, rear.normalised_force

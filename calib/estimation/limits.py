@@ -55,14 +55,13 @@ class Judgement:
 
 
 DEFAULTS: tuple[Limit, ...] = tuple(
-    Limit(key, *one.stop) for key, one in METRICS.items() if one.stop != (None,) * 4
+    Limit(key, *one.stop, one.required) for key, one in METRICS.items() if one.stop != (None,) * 4
 )
-"""Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`. Those on
-errors need a log with truth.
+"""Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`.
 
-An interval warns where `calib.estimation.gates` ends without the load that nobody stated, and fails
-past what such a load adds to it: pads that lost 15 % of their friction have 0.16 on a weighed car,
-and are right.
+They ask of what is handed out, the metrics with ``ecu_``: is it there, does it agree with truth or
+with the estimate with v by its own interval? How large an error or an interval may be is for the
+user to say: pads that differ from those of the ramp are less well known, and are right.
 """
 
 

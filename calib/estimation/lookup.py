@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.car.forces import axle_loads, split
-from calib.estimation.priors import Priors
 from calib.model.parameters import parameters_of, tyres_of
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
@@ -30,6 +29,11 @@ SETTLED = 1e-3
 
 DRIVEN = -0.05
 """Normalised force [1] below which an axle drives more than coasting wheels can: no braking."""
+
+
+_SMOOTH = 0.1
+"""Time constant of the causal filter on what goes into a look-up [s]: takes road noise out and is
+short against the change of a pad."""
 
 
 class LookupReading(NamedTuple):
@@ -96,6 +100,6 @@ LOOKUPS: dict[str, Callable[[Table, Array, Array, Array], LookupReading]] = {
 }
 
 
-def smoothed(s: Signals, x: Array, priors: Priors) -> Array:
+def smoothed(s: Signals, x: Array) -> Array:
     """A signal (n,) of a run as it goes into a look-up."""
-    return low_pass(x, s.sample_time, priors.low_pass)
+    return low_pass(x, s.sample_time, _SMOOTH)

@@ -1,5 +1,8 @@
 """Metrics of an estimate: errors against truth where the log has it, else its consistency.
 
+Those with ``ecu_`` are of what the table gives without a reference speed, over the samples that it
+calls valid: what is handed out. The others are of the best estimate, of all channels.
+
 Constancy of the pad friction within a stop, whiteness of the innovation and coverage of the table
 can be computed for any log. The force sum is reported but never judged: with (18) it equals M a_x
 for any table.
@@ -10,10 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.intervals import Z95
 from calib.base.plain import meanings
 from calib.car.vehicle import Axle, Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
+from calib.estimation.readout import Bounded
 from calib.logs.log import Log
 
 Array = NDArray[np.float64]
@@ -21,6 +26,9 @@ Mask = NDArray[np.bool_]
 
 METRICS: dict[str, str] = meanings("stop")
 """Every metric of a validation, with its meaning."""
+
+_FEWEST = 30
+"""Least number of samples of a mean."""
 
 
 @dataclass(frozen=True)
@@ -65,16 +73,18 @@ def truth_of(
 def score(log: Log, vehicle: Vehicle, estimate: Estimate) -> dict[str, float | None]:
     """All `METRICS` of one log; None where the log cannot give one."""
     figures: dict[str, float | None] = dict.fromkeys(METRICS)
-    figures |= consistency(vehicle, estimate)
+    figures |= consistency(vehicle, estimate) | of_ecu(estimate)
     truth = truth_of(log, vehicle, estimate)
-    if truth is not None and estimate.valid.any():
-        figures |= accuracy(vehicle, estimate, truth)
+    if truth is not None:
+        figures |= ecu_errors(estimate, truth)
+        if estimate.valid.any():
+            figures |= accuracy(vehicle, estimate, truth)
     return figures
 
 
 def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
     """Metrics that need no truth."""
-    counted = e.braked & (e.speed > 3.0)
+    counted = _counted(e)
     valid = e.valid & counted
     out: dict[str, float | None] = {
         # 0, not None: a stop in which nothing can be judged must not pass
@@ -85,20 +95,112 @@ def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
     }
     for side, axle in (("f", e.front), ("r", e.rear)):
         mu = axle.pad_friction[valid]
-        if mu.size >= 30:
+        if mu.size >= _FEWEST:
             third = mu.size // 3
             drift = np.mean(mu[-third:]) / np.mean(mu[:third]) - 1.0
             width = 0.5 * (axle.upper - axle.lower)[valid] / mu
             out[f"pad_friction_{side}"] = float(np.mean(mu))
             out[f"pad_friction_drift_{side}"] = abs(float(drift))
             out[f"interval_{side}"] = float(np.median(width))
-    innovation = e.split.innovation_eta[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
+    if np.count_nonzero(valid) >= _FEWEST:
+        out["pad_level"], out["interval_level"] = _mean_and_width(e.best.level, valid)
+    innovation = e.best.innovation[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
     innovation = innovation[np.isfinite(innovation)]
     if innovation.size > 10:
         out["innovation_rms"] = float(np.sqrt(np.mean(innovation**2)))
         centred = innovation - np.mean(innovation)
         out["innovation_lag1"] = float(centred[1:] @ centred[:-1] / (centred @ centred))
         out["innovation_colour"] = float(np.mean(innovation[1:] * innovation[:-1]))
+    return out
+
+
+def _counted(e: Estimate) -> Mask:
+    """Braked samples above 3 m/s, of which the shares are."""
+    return e.braked & (e.speed > 3.0)
+
+
+def _told(e: Estimate) -> Mask:
+    """Samples for which the ECU has a valid answer."""
+    return e.ecu.valid & _counted(e)
+
+
+def of_ecu(e: Estimate) -> dict[str, float | None]:
+    """Metrics of what is handed out that need no truth."""
+    told, ecu, best = _told(e), e.ecu, e.best
+    out: dict[str, float | None] = {"ecu_valid_share": _share(told, _counted(e)) or 0.0}
+    if np.count_nonzero(told) < _FEWEST:
+        return out
+    for name, side, x in (
+        ("pad_friction_f", "f", ecu.pads_f),
+        ("pad_friction_r", "r", ecu.pads_r),
+        ("pad_level", "level", ecu.level),
+    ):
+        out[f"ecu_{name}"], out[f"ecu_interval_{side}"] = _mean_and_width(x, told)
+    both = told & e.valid
+    if e.blocks.v is not None and both.any():
+        out["ecu_reference_f"] = departure(ecu.pads_f, best.pads_f, both)
+        out["ecu_reference_r"] = departure(ecu.pads_r, best.pads_r, both)
+    return out
+
+
+def _mean_and_width(x: Bounded, valid: Mask) -> tuple[float, float]:
+    """Mean of a quantity, and the median half width of its interval, relative [1]."""
+    mean, half = x.value[valid], 0.5 * (x.upper - x.lower)[valid]
+    return float(np.mean(mean)), float(np.median(half / mean))
+
+
+def _log_sigma(x: Bounded) -> Array:
+    """Standard deviation of the logarithm of a quantity (n,), by its 95 % interval."""
+    return np.log(x.upper / x.lower) / (2.0 * Z95)
+
+
+def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
+    """Rms of ln(ecu/best) over the standard deviation of this difference [1].
+
+    Both answers are means over the same draws of the ramp; the second one has seen v, too. Then by
+    the law of total variance
+
+        var(best - ecu) = var(truth given what the ECU sees) - var(truth given v, too)
+
+    since best - ecu and truth - best are uncorrelated: what is common, the errors of the ramp,
+    drops out. With it the consistency can show that v and the maps contradict each other, and
+    cannot show that the ramp was wrong.
+
+    Bounds are those of medians, from two maps between cells, and v need not narrow them. So the
+    spread is at least a quarter of the ECU's own: a difference that small against the interval
+    that is handed out does no harm. Not to be read where v is wrong: then ``best`` is.
+    """
+    own, other = _log_sigma(ecu)[valid], _log_sigma(best)[valid]
+    spread = np.sqrt(np.maximum(own**2 - other**2, (0.25 * own) ** 2))
+    return _rms(np.log(ecu.value / best.value)[valid] / spread)
+
+
+def ecu_errors(e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]) -> dict[str, float | None]:
+    """Metrics of what is handed out against truth, over the valid samples of the ECU.
+
+    The normalised errors are over the sigma of each sample. Samples of a stop share their error, so
+    it is one draw: one stop in 20 is beyond 2, and one in 400 beyond 3. None without a sample in
+    which the truth is known and positive.
+    """
+    ecu = e.ecu
+    total = 2.0 * (truth[0].torque + truth[1].torque)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        level = ecu.level.value * total / ecu.torque_sum.value
+    out: dict[str, float | None] = {}
+    for side, name, x, true, torque, true_torque in (
+        ("f", "torque_error_f", ecu.pads_f, truth[0].pad_friction, ecu.torque_f, truth[0].torque),
+        ("r", "torque_error_r", ecu.pads_r, truth[1].pad_friction, ecu.torque_r, truth[1].torque),
+        ("level", "level_error", ecu.level, level, ecu.torque_sum, total),
+    ):
+        known = _told(e) & np.isfinite(true) & (true > 0.0)
+        if not known.any():
+            continue
+        rest = np.log(x.value[known] / true[known]) / _log_sigma(x)[known]
+        mean = "true_pad_level" if side == "level" else f"true_pad_friction_{side}"
+        out[mean] = float(np.mean(true[known]))
+        error = _rms((torque.value - true_torque)[known])
+        out[f"ecu_{name}"] = _ratio(error, _rms(true_torque[known]))
+        out[f"ecu_normalised_error_{side}"] = _rms(rest)
     return out
 
 
@@ -129,7 +231,7 @@ def accuracy(
     from calib.car.forces import axle_loads
 
     valid = e.valid
-    braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
+    braked = _counted(e) & np.isfinite(e.front.pad_friction)
     out: dict[str, float | None] = {}
     inside, own, nominal = [], [], []
     loads = axle_loads(vehicle, e.z)
@@ -173,6 +275,7 @@ def baseline_errors(
     """Rms relative error of the pad friction of each method, front and rear, over valid samples."""
     methods: dict[str, tuple[Array, Array]] = {
         "kalman": (_mu(e.front), _mu(e.rear)),
+        "ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value),
         **e.baselines,
     }
     return {

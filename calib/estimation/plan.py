@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.car.balance import brake_forces
-from calib.car.effects.body import ELASTIC_SHARE, NATURAL_FREQUENCY
 from calib.car.effects.combined import as_driven
 from calib.car.effects.effects import Effects
 from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
 from calib.estimation.gates import Gates
-from calib.estimation.priors import Priors
 from calib.logs.log import Log
 from calib.model.resistance import DRAG, ROLLING, Resistance
 from calib.run.axle_signals import Signals
@@ -26,8 +24,7 @@ class Plan:
 
     ``nominal`` the car with the pads that the estimate starts from; ``known`` the resistance;
     ``noise`` of the sensors; ``ramp_level`` variance of the logarithm of the level of the nominal
-    pads [1] by part, none where the user gives these pads; ``mass_stated`` whether the mass was
-    stated for this log.
+    pads [1] by part, none where the user gives these pads.
     """
 
     table: Table
@@ -35,9 +32,7 @@ class Plan:
     known: Resistance
     noise: SensorNoise
     ramp_level: Parts
-    priors: Priors
     gates: Gates
-    mass_stated: bool = False
 
 
 def plan_for(
@@ -45,10 +40,7 @@ def plan_for(
     log: Log,
     s: Signals,
     vehicle: Vehicle | None = None,
-    priors: Priors | None = None,
     gates: Gates | None = None,
-    *,
-    mass_stated: bool = False,
 ) -> Plan:
     """The plan of a log: nominal pads of ``vehicle``, or those of the calibration."""
     return Plan(
@@ -57,40 +49,14 @@ def plan_for(
         known=known_resistance(table),
         noise=_merged_noise(table, lead_in_noise(log, s)),
         ramp_level=level_of(table) if vehicle is None else {},
-        priors=priors or Priors(),
         gates=gates or Gates(),
-        mass_stated=mass_stated,
-    )
-
-
-def with_known_pitch(priors: Priors, car: Vehicle) -> Priors:
-    """The priors with the pitch mode that the car's known effects give, if they give one.
-
-    The damping is taken as given, share and frequency with their own sigma where that is known,
-    else with a small one: the load transfer that pitch delays is then counted, and not looked for.
-    """
-    name, strength = "pitch_coupling", ELASTIC_SHARE.name
-    beat = NATURAL_FREQUENCY.name
-    if name not in car.effects:
-        return priors
-    mode = car.effects.parameters[name]
-    share, frequency = mode[strength], mode[beat]
-    usual = max(priors.known_share * share, priors.known_share_least)
-    own = car.effects.sigma.get(name, {})
-    return replace(
-        priors,
-        pitch_frequency=frequency,
-        pitch_tempo=own.get(beat, priors.known_share * frequency) / frequency,
-        pitch_damping=mode["damping"],
-        elastic_share=share,
-        elastic_sigma=own.get(strength, usual),
     )
 
 
 def calibrated(table: Table) -> Vehicle:
     """The table's vehicle with the pads of its calibration, in the nominal ratio.
 
-    Scaled so that both axles together brake as they did on the ramp; the ratio is the filter's.
+    Scaled so that both axles together brake as they did on the ramp; the ratio is the file's.
     """
     car, cal = table.vehicle, table.calibration
     B_f, B_r = brake_forces(car, np.ones(()), np.ones(()))

@@ -29,6 +29,7 @@ from calib.run.axle_signals import Signals
 from calib.run.blocks import block_balance, blocks
 from calib.run.filters import block_mean
 from calib.run.noise import SensorNoise
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 
@@ -56,8 +57,10 @@ class Readout:
     ``level`` sum of the brake torques over that of the file's pads, ``pads_f``, ``pads_r`` pad
     friction, ``change_f``, ``change_r`` pad friction over that of the ramp, all [1];
     ``torque_f``, ``torque_r`` of one wheel, ``torque_sum`` of all [N m]; ``reason`` a `Reason`;
-    ``lag`` of the brakes [s]; ``ratio`` front pads over rear ones [1]; ``noise``,
-    ``accelerometer`` variance of ln of the level, ``zeros`` of that of the ratio by sensors.
+    ``lag`` of the brakes [s]; ``ratio`` front pads over rear ones [1], ``change`` its ln over that
+    of the ramp; ``noise``, ``accelerometer`` variance of ln of the level, ``zeros`` of that of the
+    ratio by sensors; ``slip`` ln(slip/z) with its ``slip_sigma``. ``innovation`` of the wheels is
+    of each block, in standard deviations (k,).
     """
 
     level: Bounded
@@ -69,10 +72,14 @@ class Readout:
     torque_r: Bounded
     torque_sum: Bounded
     ratio: Bounded
+    change: Bounded
     noise: Array
     accelerometer: Array
     zeros: Array
     lag: Array
+    slip: Array
+    slip_sigma: Array
+    innovation: Array
     reason: Index
 
     @property
@@ -101,11 +108,12 @@ class Readout:
         return out
 
 
-_PARTS = ("noise", "accelerometer", "zeros", "lag")
+_PARTS = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
+    require_maps(table)
     assert table.map is not None
     assert table.level_map is not None
     return Constants(
@@ -115,7 +123,8 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         noise_z=noise.z,
         noise_v=noise.v,
         radius=table.vehicle.front.rolling_radius,
-        late=table.posterior.value("clock_offset"),
+        late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
+        late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
         block=block,
     )
 
@@ -191,6 +200,8 @@ def _per_sample(
         torque_r=torque_r,
         torque_sum=Bounded(total, total * relative[0], total * relative[1]),
         ratio=_exp(ratio).at(at).times(f.pad_friction / r.pad_friction),
+        change=change.at(at),
+        innovation=a[:, Answer._fields.index("innovation")],
         **{name: a[:, Answer._fields.index(name)][at] for name in _PARTS},
         reason=a[:, Answer._fields.index("reason")][at].astype(np.int64),
     )

@@ -22,7 +22,7 @@ def write_result(e: Estimate, path: Path) -> None:
 
     data = e.columns()
     fields = [
-        pa.field(name, pa.bool_() if name == "valid" else pa.float64(), metadata={"unit": unit})
+        pa.field(name, pa.from_numpy_dtype(data[name].dtype), metadata={"unit": unit})
         for name, unit in COLUMNS.items()
     ]
     table = pa.table([pa.array(data[name]) for name in COLUMNS], schema=pa.schema(fields))

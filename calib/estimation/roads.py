@@ -3,10 +3,12 @@
     tile   basalt  asphalt                        a group ends where the next stop differs
      x       x     x xx       ln of stiffness     from its mean by more than both may err
 
-A stop on which the surface changes is on a road of its own. Roads that the tyres cannot tell apart,
-such as two kinds of dry asphalt, are one road here; so are the errors that a table makes on them.
+The slip that the step found, over that of the ramp at the same deceleration. Roads that the tyres
+cannot tell apart, such as two kinds of dry asphalt, are one road here; so are the errors that a
+table makes on them. A stop over two roads is taken by its end.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,31 +20,35 @@ from calib.estimation.settings import SETTINGS
 
 @dataclass(frozen=True)
 class Road:
-    """A road: places of its ``stops`` in the sequence, ``log_stiffness`` relative to the table [1].
-
-    ``one`` is false for a stop on which the surface changes.
-    """
+    """A road: places of its ``stops`` in the sequence, ``log_stiffness`` relative to the table."""
 
     stops: tuple[int, ...]
     log_stiffness: float
-    one: bool = True
 
 
 def roads_of(estimates: Sequence[Estimate]) -> tuple[Road, ...]:
-    """The roads of the stops, from the softest to the stiffest, changing ones last."""
-    last = [(e.split.log_stiffness[-1], e.split.log_stiffness_sigma[-1]) for e in estimates]
-    steady = [i for i, e in enumerate(estimates) if not e.split.changes]
+    """The roads of the stops, from the softest to the stiffest."""
+    last = [stiffness(e) for e in estimates]
     groups: list[list[int]] = []
-    for i in sorted(steady, key=lambda i: float(last[i][0])):
+    for i in sorted(range(len(last)), key=lambda i: last[i][0]):
         if groups and _alike(last[i], [last[j] for j in groups[-1]]):
             groups[-1].append(i)
         else:
             groups.append([i])
-    changing = [i for i in range(len(estimates)) if i not in steady]
-    return (
-        *(Road(tuple(g), float(np.mean([last[i][0] for i in g]))) for g in groups),
-        *(Road((i,), float(last[i][0]), one=False) for i in changing),
-    )
+    return tuple(Road(tuple(g), float(np.mean([last[i][0] for i in g]))) for g in groups)
+
+
+def stiffness(e: Estimate) -> tuple[float, float]:
+    """ln of the tyres' stiffness over that of the ramp [1] at the last telling sample; its sigma.
+
+    Where no sample tells, it is that of the ramp, and may be any.
+    """
+    if not e.telling.any():
+        return 0.0, SETTINGS.any_road
+    i, tyre = int(np.flatnonzero(e.telling)[-1]), e.plan.table.tyre
+    z = min(max(float(e.z[i]), float(tyre.force[1])), float(tyre.force[-1]))
+    on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
+    return math.log(on_ramp) - float(e.best.slip[i]), float(e.best.slip_sigma[i])
 
 
 def _alike(stop: tuple[float, float], group: list[tuple[float, float]]) -> bool:

@@ -11,10 +11,6 @@ class _ValidationSettings:
     axles_reversed: float = 0.5
     """Share of the table's rise of eta by which eta must fall for the axles to count as
     reversed."""
-    axles_gain: float = 1.1
-    """Friction of the rear pads over that on the ramp [1] that no weak front pads explain. Swapped
-    wheel speeds need 1.2 or more, beside weak front pads the rear ones keep theirs
-    (`tests/studies/results/swapped_stops.md`)."""
     eta_rises: float = 1e-3
     """Rise of eta by the table [1] from which its sign alone tells the axles: usual cars make 2e-3,
     and radii, tyres and pads of the day move it by less than a half of that."""
@@ -30,9 +26,6 @@ class _ValidationSettings:
     """The same from which no sample is valid. Front pads that lost half of their friction reach 17
     without v, four stops of five 10; swapped wheel speeds 11 to 240
     (`tests/studies/results/swapped_stops.md`)."""
-    axles_mostly: float = 0.5
-    """Share of the braked samples with a friction that no pad has, past which weak pads are not
-    why."""
     brakes_kept: float = 0.88
     """Brakes over those of the ramp [1] above which front pads are not so weak that eta stays flat,
     as it would in a bend with such pads."""
@@ -40,29 +33,13 @@ class _ValidationSettings:
     """Share of the braked samples with a wheel at its limit past which nothing is weighed: the
     filter knows no wheel that locks."""
 
-    # load.py
-    pads_repeat: float = 0.02
-    """Standard deviation of pads of one temperature from run to run [1],
-    `calib.plausibility.pads`."""
-    load_behind: float = 2.0
-    """Mean square of what a load does to the rear pads over that of all pads [1]: of a boot it is
-    4."""
-
-    # motor.py
-    motor_front: float = 0.7
-    """Share of the motors that brake the front axle [1]: most cars with a small one are driven
-    there (our estimate). One at the rear makes its pads seem a third better, and is named for
-    that."""
-    motor_on_ramp: float = 0.5
-    """Chance that what a fit has named on a ramp is a motor [1]: 0.4 at least, and a force
-    that is not there on one of ten good cars (`tests/studies/coverage_by_cause.py`, seed 6613)."""
-    motor_least: float = 1.0
-    """Brake force of an axle [N] below which it is counted as this: one that is not braked."""
-
     # roads.py
     roads_apart: float = 2.5
     """Difference of two stiffnesses from which they are of two roads [sigma]: by chance in one pair
     of eighty on the same road."""
+    any_road: float = 0.35
+    """Sigma of ln of the stiffness of a road of which nothing is known [1]: tile to dry asphalt
+    spans factors of 0.6 to 1.1."""
 
     # validate.py
     named: float = 0.1

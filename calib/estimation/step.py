@@ -3,7 +3,7 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
     rolling   zeros of deceleration, eta and slip            a scalar Kalman filter each
     always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
                                                              on, the wheels and v measure it
-    braking   d - d_0 = a u, u behind a lag of first order   level a and lag, a Kalman filter
+    braking   d - d_0 = a u, u behind a lag of first order   level, its rate, lag: a Kalman filter
               means of z and eta - 1 that forget  -> map     ln of the pads' ratio, given the slip
     answer    level and ratio, each with 95 % bounds
 
@@ -41,6 +41,7 @@ class Reason(IntEnum):
     JUST_APPLIED = 3
     DISTURBED = 4
     NO_ZERO = 5
+    BEYOND_MAP = 6
 
 
 class Sample(NamedTuple):
@@ -99,7 +100,7 @@ def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
 class Constants:
     """What the step takes from a table, and its tuned numbers.
 
-    ``late`` time by which v comes after the wheel speeds [s].
+    ``late`` time by which v comes after the wheel speeds [s], with its sigma.
     """
 
     ratio: Reader
@@ -109,6 +110,7 @@ class Constants:
     noise_v: float
     radius: float
     late: float
+    late_sigma: float
     block: float
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
@@ -117,7 +119,9 @@ class Constants:
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
-    level_walk: float = 0.03  # [1/sqrt(s)]
+    level_walk: float = 0.01  # [1/sqrt(s)]
+    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
+    fade_walk: float = 0.02
     level_rough: float = 0.007  # of a block, relative: road and body
     lag: float = 0.03  # time constant of the brakes [s], and its sigma
     lag_sigma: float = 0.04
@@ -159,8 +163,11 @@ class Gaussian:
     x: list[float]
     P: list[list[float]]
 
-    def measured(self, y: float, H: list[float], variance: float) -> None:
-        """Take in a reading ``y`` of ``H`` x; ``y`` is what is left of it over the prediction."""
+    def measured(self, y: float, H: list[float], variance: float) -> float:
+        """Take in a reading of ``H`` x, and return what it is off by, in standard deviations.
+
+        ``y`` is what is left of it over the prediction.
+        """
         PH = [sum(p * h for p, h in zip(row, H, strict=True)) for row in self.P]
         gain = 1.0 / (sum(h * p for h, p in zip(H, PH, strict=True)) + variance)
         self.x = [x + gain * p * y for x, p in zip(self.x, PH, strict=True)]
@@ -168,13 +175,15 @@ class Gaussian:
             [old - gain * p * q for old, q in zip(row, PH, strict=True)]
             for row, p in zip(self.P, PH, strict=True)
         ]
+        return y * math.sqrt(gain)
 
 
 class Answer(NamedTuple):
     """Level and ratio, each ln with 95 % bounds; ``change`` of the ratio since the ramp.
 
     ``noise``, ``accelerometer`` variance of the level by sensors, ``zeros`` of the ratio by what is
-    read.
+    read. ``slip`` ln(slip/z) with its ``slip_sigma``; ``innovation`` how far the wheels were from
+    the speed that was carried on, in standard deviations, NaN where they do not count.
     """
 
     level: float
@@ -190,6 +199,9 @@ class Answer(NamedTuple):
     accelerometer: float
     zeros: float
     lag: float
+    slip: float
+    slip_sigma: float
+    innovation: float
     reason: Reason
 
 
@@ -197,8 +209,8 @@ class Answer(NamedTuple):
 class State:
     """All that the estimator remembers.
 
-    ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z) over that of the map; ``level``
-    level and lag [s]; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
+    ``motion`` speed [m/s], offset and scale of a_x [1], ln(slip/z); ``level`` level, lag [s] and
+    rate of the level [1/s]; ``sums`` weight and weighted sums of z, eta - 1 and z^2.
     """
 
     demand: Zero
@@ -227,7 +239,15 @@ def started(c: Constants) -> State:
         demand=Zero(0.0, c.zero**2),
         eta=Zero(1.0, c.zero**2),
         slip=Zero(0.0, c.zero**2),
-        level=Gaussian([1.0, c.lag], [[c.level_sigma**2, 0.0], [0.0, c.lag_sigma**2]]),
+        level=_level_before(c, c.lag, c.lag_sigma**2),
+    )
+
+
+def _level_before(c: Constants, lag: float, variance: float) -> Gaussian:
+    """Level, lag and rate of the level before a braking."""
+    sigmas = (c.level_sigma**2, variance, c.fade**2)
+    return Gaussian(
+        [1.0, lag, 0.0], [[x * (i == k) for k in range(3)] for i, x in enumerate(sigmas)]
     )
 
 
@@ -247,9 +267,9 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
         if s.braked > 0.0 and s.released > 1.0:
             _forget_stop(c, s)
         _roll(c, s, x)
-    _move(c, s, x, braking)
+    innovation = _move(c, s, x, braking)
     s.z = x.z
-    return _answer(c, s, x)
+    return _answer(c, s, x, innovation)
 
 
 def _means(s: State) -> tuple[float, float]:
@@ -282,8 +302,7 @@ def _rim(s: State, x: Sample) -> float:
 
 def _forget_stop(c: Constants, s: State) -> None:
     """What is only of the last stop; the lag is the car's."""
-    lag, variance = s.level.x[1], s.level.P[1][1]
-    s.level = Gaussian([1.0, lag], [[c.level_sigma**2, 0.0], [0.0, variance]])
+    s.level = _level_before(c, s.level.x[1], s.level.P[1][1])
     s.braked, s.best, s.sums = 0.0, None, [0.0] * 4
 
 
@@ -303,9 +322,14 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     if x.disturbed or x.rim <= MOVING:
         return
     level, y = s.level, x.demand - s.demand.value
-    level.P[0][0] += (c.level_walk * level.x[0]) ** 2 * c.block
+    dt, P = c.block, level.P
+    level.x[0] += level.x[2] * dt
+    P[0][0] += dt * (2.0 * P[0][2] + dt * P[2][2]) + (c.level_walk * level.x[0]) ** 2 * dt
+    P[0][1] = P[1][0] = P[0][1] + dt * P[1][2]
+    P[0][2] = P[2][0] = P[0][2] + dt * P[2][2]
+    P[2][2] += (c.fade_walk * level.x[0]) ** 2 * dt
     a = level.x[0]
-    H = [s.acting, a * s.by_lag]
+    H = [s.acting, a * s.by_lag, 0.0]
     level.measured(y - a * s.acting, H, c.noise_z**2 / c.block + (c.level_rough * y) ** 2)
     level.x[1] = max(level.x[1], 0.0)
     keep = math.exp(-c.block / c.memory)
@@ -313,8 +337,11 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     s.sums = [keep * old + one for old, one in zip(s.sums, new, strict=True)]
 
 
-def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
-    """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip."""
+def _move(c: Constants, s: State, x: Sample, braking: bool) -> float:
+    """Speed by a_x, measured by the wheels and v; what does not fit is offset, scale and slip.
+
+    Returns the innovation of the wheels.
+    """
     if not s.anchored:  # radii that are made equal now would look like a speed that jumps
         P = [[0.0] * 4 for _ in range(4)]
         P[0][0], P[1][1], P[2][2] = 1.0, c.offset**2, c.scale_sigma**2
@@ -342,15 +369,18 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> None:
             m.P[3][i] = m.P[i][3] = 0.0
         m.P[3][3] = c.log_slip_sigma**2
     if x.disturbed or x.rim <= MOVING:
-        return
+        return math.nan
     slip = max(x.demand - s.demand.value, 0.0) * math.exp(slip) if braking else 0.0
     rest, variance = _rim(s, x) - v * (1.0 - slip), (c.noise_omega * c.radius) ** 2 / dt
-    m.measured(rest, [1.0 - slip, 0.0, 0.0, -v * slip], variance + (c.slip_rough * slip * v) ** 2)
+    variance += (c.slip_rough * slip * v) ** 2
+    innovation = m.measured(rest, [1.0 - slip, 0.0, 0.0, -v * slip], variance)
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
+        variance += (G * x.z * c.late_sigma) ** 2
         in_time = x.v - G * x.z * c.late
         m.measured(in_time * (1.0 - s.slip.value) - v, [1.0, 0.0, 0.0, 0.0], variance)
+    return innovation
 
 
 def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, float]:
@@ -368,7 +398,7 @@ COLUMNS = (*PADS, "log_slip", "log_slip_sigma")
 SLIP = COLUMNS.index("log_slip")
 
 
-def _answer(c: Constants, s: State, x: Sample) -> Answer:
+def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
     # friction as it is now, of the pressure as it is now
     a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
     z, shift = _means(s)
@@ -393,7 +423,8 @@ def _answer(c: Constants, s: State, x: Sample) -> Answer:
         level, level - down, level + up,
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
-        noise, accelerometer, zeros, s.level.x[1], _reason(c, s, x),
+        noise, accelerometer, zeros, s.level.x[1],
+        log_slip, math.sqrt(left), innovation, _reason(c, s, x),
     )  # fmt: skip
 
 
@@ -432,7 +463,7 @@ def _ratio(
     if not weight or z < c.least_z:
         return prior
     at = shift / z
-    if not c.ratio.axes[1][0] <= at <= c.ratio.axes[1][-1]:
+    if not _on_map(c, s):
         return prior
     noise = c.noise_omega * c.radius / max(s.motion.x[0], 1.0) / math.sqrt(2.0 * c.block * weight)
     # a mean over decelerations that differ is not the curve at their mean
@@ -451,6 +482,12 @@ def _ratio(
             out[column + 2] = math.hypot(out[column + 2], more)
             out[6] += (more / Z95) ** 2 * (column == 0)
     return out if out[1] + out[2] < prior[1] + prior[2] else prior
+
+
+def _on_map(c: Constants, s: State) -> bool:
+    """Whether a stop of the list shows such an eta."""
+    z, shift = _means(s)
+    return bool(c.ratio.axes[1][0] <= shift / z <= c.ratio.axes[1][-1])
 
 
 def _around(read: list[float]) -> list[float]:
@@ -474,5 +511,6 @@ def _reason(c: Constants, s: State, x: Sample) -> Reason:
         (s.braked <= c.settle, Reason.JUST_APPLIED),
         (x.disturbed, Reason.DISTURBED),
         (s.eta.variance >= 0.9 * c.zero**2, Reason.NO_ZERO),
+        (not _on_map(c, s), Reason.BEYOND_MAP),
     )
     return next((reason for applies, reason in checks if applies), Reason.VALID)

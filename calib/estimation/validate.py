@@ -1,6 +1,9 @@
 """`brake-cal validate`: the estimator on hold-out logs, its metrics and the verdict.
 
 table, log -> estimate -> metrics -> judged against limits -> DIR/<stem>.parquet, summary.json
+
+The verdict rests on what an ECU makes of the table, as it is exported. Truth proves it; a reference
+speed can contradict it, but shares the ramp with it; without both it is consistent, not proved.
 """
 
 import math
@@ -33,12 +36,18 @@ from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
 from calib.run.rules import problems
 from calib.run.warnings import clock_gaps, locked_wheels, saturated
+from calib.store.evidence import CONSISTENT
 from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
+from calib.table.exported import Precision
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 HOLDOUT, CALIBRATION = "hold-out", "calibration"
 """Roles of a log in a validation."""
+
+TRUTH, REFERENCE, NONE = "truth", "reference", "none"
+"""What a log has to hold against the table, from the strongest: torques, v, or neither."""
 
 
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
@@ -66,7 +75,7 @@ class Validation:
     def __repr__(self) -> str:
         mu_f, mu_r = self.figures["pad_friction_f"], self.figures["pad_friction_r"]
         pads = "no answer" if mu_f is None or mu_r is None else f"front {mu_f:.3f}, rear {mu_r:.3f}"
-        return f"{self.log} ({self.role}): {self.verdict}, pad friction {pads}"
+        return f"{self.log} ({self.role}): {self.word}, pad friction {pads}"
 
     @property
     def passed(self) -> bool:
@@ -97,6 +106,23 @@ class Validation:
     def verdict(self) -> str:
         """`passed` or `failed`."""
         return PASSED if self.passed else FAILED
+
+    @property
+    def proof(self) -> str:
+        """What the log held against the ECU: `TRUTH`, `REFERENCE` or `NONE`."""
+        if self.role == HOLDOUT:
+            for proof, metric in (
+                (TRUTH, "ecu_normalised_error_f"),
+                (REFERENCE, "ecu_reference_f"),
+            ):
+                if self.figures[metric] is not None:
+                    return proof
+        return NONE
+
+    @property
+    def word(self) -> str:
+        """The verdict as it is told: `CONSISTENT` where nothing was there to prove it."""
+        return CONSISTENT if self.passed and self.proof == NONE else self.verdict
 
     @property
     def budget(self) -> tuple[AxleBudget, AxleBudget] | None:
@@ -161,6 +187,7 @@ def validate(
     vehicle: Vehicle | None = None,
     limits: tuple[Limit, ...] = DEFAULTS,
     mass: float | None = None,
+    exported: Table | None = None,
 ) -> list[Validation]:
     """Run, score and judge the estimator on every log.
 
@@ -171,25 +198,27 @@ def validate(
     vehicle : nominal pads other than the table's; must be the same car in all else.
     limits : of the metrics, for pass or fail.
     mass : of the car in these logs [kg], if it is not that of the table's vehicle.
+    exported : the table as an ECU reads it, see `calib.table.exported`; else its full maps.
 
     Returns
     -------
     One validation per log, in their order.
 
     Raises LogError for a log that cannot be used, and when the log is clearly of another vehicle;
-    VehicleError when ``vehicle`` is another car than the table's.
+    VehicleError when ``vehicle`` is another car than the table's; StoreError for a table without
+    maps.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
     >>> car = calib.read_vehicle(logs / "vehicle.toml")
     >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
     >>> (result,) = calib.validate(table, [calib.read_log(logs / "stop_noisy.parquet")])
-    >>> result.log, result.role, result.passed
-    ('stop_noisy', 'hold-out', True)
-    >>> abs(result.figures["torque_error_f"]) < 0.02  # against the truth in the log
+    >>> result.log, result.role, result.passed, result.proof
+    ('stop_noisy', 'hold-out', True, 'truth')
+    >>> result.figures["ecu_normalised_error_f"] < 2.0  # against the truth in the log
     True
     """
-    return [validate_one(table, log, vehicle, limits, mass=mass) for log in logs]
+    return [validate_one(table, log, vehicle, limits, mass=mass, exported=exported) for log in logs]
 
 
 def validate_one(
@@ -200,8 +229,10 @@ def validate_one(
     *,
     mass: float | None = None,
     baselines: bool = True,
+    exported: Table | None = None,
 ) -> Validation:
     """Run, score and judge one log; without ``baselines`` the other methods are left out."""
+    require_maps(table)
     seen = observe(log, full=False)
     reasons = problems(seen, "validate")
     if reasons:
@@ -214,7 +245,9 @@ def validate_one(
     require_same_vehicle(table, vehicle, mass=mass)
     read = signals(log, table.vehicle)
     require_same_wheels(table.vehicle, log, read)
-    result = estimate(table, log, vehicle, mass=mass, with_laws=baselines, read=read)
+    result = estimate(
+        table, log, vehicle, mass=mass, with_laws=baselines, read=read, exported=exported
+    )
     other = judge_axles(table, log, result)
     crossed = crossed_wheels(table, result, seen.wheels)
     warnings = (
@@ -318,10 +351,19 @@ def _on_one_road(road: Road, stops: list[str], values: NDArray[np.float64]) -> _
     return _RoadAgreement(tuple(stops), stiffness, float(mean[0]), float(mean[1]), *spreads)
 
 
-def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:
+def proof_of(results: Iterable[Validation]) -> str:
+    """The strongest proof that any of the logs gives."""
+    given = {result.proof for result in results}
+    return next((proof for proof in (TRUTH, REFERENCE) if proof in given), NONE)
+
+
+def to_dict(
+    stored: Stored, results: list[Validation], how: Precision | None = None
+) -> dict[str, object]:
     """`summary.json`: every metric, judgement and baseline of every log, and the verdict.
 
-    Its warnings begin with those of the table, which speak against every estimate with it.
+    Its warnings begin with those of the table, which speak against every estimate with it. ``how``
+    the table was taken as exported, if not in full.
     """
     together = agreement(results)
     return {
@@ -332,12 +374,15 @@ def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:
         "mass": asdict(results[0].mass) if results else None,
         "warnings": [warning_dict(w) for w in all_warnings(stored.table.warnings, results)],
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
+        "proof": proof_of(results),
+        "exported": None if how is None else asdict(how),
         "logs": [
             {
                 "log": r.log,
                 "digest": r.digest,
                 "role": r.role,
                 "verdict": r.verdict,
+                "proof": r.proof,
                 "figures": {k: _finite(v) for k, v in r.figures.items()},
                 "limits": [
                     {
@@ -355,8 +400,6 @@ def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:
                 "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
                 "budget": None if r.budget is None else summary(*r.budget),
                 "not_valid": r.refused,
-                "surface_changes": list(r.estimate.split.changes),
-                "bumps": [list(of) for of in r.estimate.split.bumps],
                 "rms_error_by_method": {
                     name: {"front": _finite(f), "rear": _finite(b)}
                     for name, (f, b) in r.baselines.items()

@@ -8,7 +8,7 @@ import numpy as np
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
 from calib.car.forces import axle_loads
-from calib.estimation.estimator import Basis, Estimate
+from calib.estimation.estimator import Estimate
 from calib.estimation.limits import Judgement
 from calib.estimation.metrics import METRICS
 from calib.logs.log import Log
@@ -41,14 +41,11 @@ def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 
 def _pads(log: str, e: Estimate) -> Iterator[PlausibilityWarning]:
-    """How the pads changed against each other and together, at the last sample that tells it."""
-    if not e.telling.any():
+    """How the pads changed against each other and together, at the last valid sample."""
+    if not e.valid.any():
         return
     apart = pads_apart(e)
-    if e.basis is None:
-        yield from change_warnings(log, *apart)
-        return
-    level = pads_together(e, e.basis)
+    level = pads_together(e)
     load = like_a_load(e, level[0], apart)
     changed = tuple(change_warnings(log, *apart, like_a_load=load))
     yield from changed
@@ -73,25 +70,29 @@ def like_a_load(e: Estimate, level: float, apart: tuple[float, float]) -> bool:
 
 
 def pads_apart(e: Estimate) -> tuple[float, float]:
-    """ln of the front pads' change over the rear ones', at the last telling sample; its sigma."""
-    last = _last(e)
-    apart = math.log(float(e.front.change[last] / e.rear.change[last]))
-    return apart, float(e.split.change_sigma[_block(e)])
+    """ln of the front pads' change over the rear ones', at the last telling sample; its sigma.
+
+    That towards no change: the two bounds are not as far from the median.
+    """
+    of, last = e.best.change, _last(e)
+    apart = float(of.value[last])
+    nearer = of.lower[last] if apart > 0.0 else of.upper[last]
+    return apart, abs(apart - float(nearer)) / Z95
 
 
-def pads_together(e: Estimate, basis: Basis) -> tuple[float, float]:
+def pads_together(e: Estimate) -> tuple[float, float]:
     """ln of the brake force over that of the ramp's pads, at the last telling sample; its sigma.
 
-    As it was measured: pads that are not the ramp's. The mass is not counted in the sigma, since
-    another load is what it would tell.
+    The mass is not counted in the sigma, since another load is what it would tell.
     """
-    last, level = _last(e), basis.level
-    share = front_share(e.plan.table.vehicle, e.plan.table.calibration.pad_log_ratio.value)
-    weighed = share * e.front.change[last] + (1.0 - share) * e.rear.change[last]
-    measured = math.log(weighed) + float(level.free[last] - math.log(level.value[last]))
-    parts = (level.noise[last], level.resistance[last], level.accelerometer[last])
-    ramp = sum(variance for part, variance in e.plan.ramp_level.items() if part != "mass")
-    return measured, math.sqrt(sum(float(part) ** 2 for part in parts) + ramp)
+    last, plan = _last(e), e.plan
+    share = front_share(plan.table.vehicle, plan.table.calibration.pad_log_ratio.value)
+    level = share * e.front.change[last] + (1.0 - share) * e.rear.change[last]
+    z = max(float(e.z[last]), 0.02)
+    resistance = float(plan.known.sigma_z(plan.nominal, e.speed[last : last + 1])[0]) / z
+    sensors = float(e.best.noise[last] + e.best.accelerometer[last])
+    ramp = sum(variance for part, variance in plan.ramp_level.items() if part != "mass")
+    return math.log(level), math.sqrt(sensors + resistance**2 + ramp)
 
 
 def _last(e: Estimate) -> int:

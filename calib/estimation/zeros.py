@@ -2,7 +2,7 @@
 
 A motor slips the wheels there too; the table's tyre curve says by how much, and only the rest is
 zeroed. Wrong by the drive's slip times what the road's stiffness differs from that of the ramp. For
-the baselines and the drawings; the split filter finds its own zeros.
+the baselines and the drawings; the step finds its own zeros.
 """
 
 import math

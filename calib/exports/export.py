@@ -142,8 +142,6 @@ def export(
         )
     path = Path(path)
     form = _form_of(path, form)
-    if single and bits is not None:
-        raise ExchangeError("single precision and fixed point", expected="one of both")
     for given, has, what in (
         (bits is not None, "fixed", "fixed point"),
         (single, "fixed", "single precision"),

@@ -27,6 +27,7 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
         peak=kept.peak,
         **dict(zip(FORMS, kept.forms.T, strict=True)),
         radius_load=kept.radius_load,
+        v_late=kept.v_late,
         cg_to_front_axle=kept.cg_to_front_axle * car.cg_to_front_axle,
         cg_height=kept.cg_height * car.cg_height,
         weight=np.full(KEPT, car.weight),
@@ -52,7 +53,7 @@ def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
         compliance_f=draws.compliance_f,
         compliance_r=draws.compliance_r,
         radius_load=draws.radius_load,
-        clock_offset=np.zeros(draws.peak.size),  # of logs that are not there
+        v_late=draws.v_late,
         depart_eta=together(DEPARTS["eta"]),
         depart_slip=together(DEPARTS["slip"]),
     )

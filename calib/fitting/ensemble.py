@@ -27,15 +27,15 @@ _LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Draws of a car, equally likely. All [1] (n,), but ``forms`` (n, 5).
+    """Draws of a car, equally likely. All (n,) [1] where no unit is said; ``forms`` (n, 5).
 
     ``forms`` weights of `calib.car.tyre_forms`; ``load_exponent`` by which the compliance grows
     with the load, ``peak_load_exponent`` by which the peak falls; ``peak`` at half the weight;
     ``log_pad_ratio`` front over rear, over that of the vehicle file; ``cg_to_front_axle``,
     ``cg_height`` over those of the file; ``compliance_f``, ``compliance_r`` slip per normalised
     force at small slip and half the weight; ``radius_load`` share by which a rolling radius falls
-    when the load of its axle doubles; ``clock_offset`` by which v is
-    late in the logs of the ramps [s]; ``depart_eta``, ``depart_slip`` (n, k) what eta - 1 and the
+    when the load of its axle doubles; ``v_late`` time by which v comes after
+    the wheel speeds [s]; ``depart_eta``, ``depart_slip`` (n, k) what eta - 1 and the
     mean slip depart from all that by, relative, at the decelerations `DEPART_AT` (k,).
     """
 
@@ -49,7 +49,7 @@ class Ensemble:
     compliance_f: Array
     compliance_r: Array
     radius_load: Array
-    clock_offset: Array
+    v_late: Array
     depart_eta: Array
     depart_slip: Array
 

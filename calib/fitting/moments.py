@@ -26,7 +26,7 @@ def tyre_posterior(e: Ensemble, greatest: float) -> TyrePosterior:
         curvature_2=bend[0],
         curvature_3=bend[1],
         load_exponent=e.load_exponent,
-        clock_offset=e.clock_offset,
+        clock_offset=e.v_late,
         log_pad_ratio=e.log_pad_ratio,
         log_tyre_ratio=np.log(e.compliance_f / e.compliance_r),
         radius_load=e.radius_load,

@@ -64,7 +64,7 @@ class _Ramp:
     alone, else None. ``own`` (k, m) is what else moves the slip, linearly, with ``own_mean`` and
     ``own_sigma`` (m,): with v its zero and the time by which v is late; without v the slip is what
     the wheels lose against the speed that a_x carries on: scale and offset of a_x and that speed.
-    Variances are those of the sensors, ``zero_eta`` sigma of the zero of eta; ``sees`` with v.
+    Variances are those of the sensors, ``zero_eta`` sigma of the zero of eta.
     """
 
     z: Array
@@ -81,7 +81,6 @@ class _Ramp:
     own_mean: Array
     own_sigma: Array
     zero_eta: float
-    sees: bool
 
 
 def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
@@ -125,7 +124,6 @@ def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
         own_mean=own_mean,
         own_sigma=own_sigma,
         zero_eta=float(np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED)),
-        sees=run.slip is not None,
     )
 
 
@@ -183,7 +181,7 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
         compliance_f=one,
         compliance_r=one,
         radius_load=one,
-        clock_offset=one,
+        v_late=0.0 * one,
         depart_eta=np.zeros((one.size, DEPART_AT.size)),
         depart_slip=np.zeros((one.size, DEPART_AT.size)),
     )
@@ -210,8 +208,6 @@ class _Regression:
         self.precision = np.linalg.inv(prior)
         self.start = np.zeros(size)
         self.start[:3] = mean, mean, PRIORS["radius_load"][0]
-        ends = 3 + len(ramps) + np.cumsum(sizes)
-        self.clocks = [int(end) - 1 for end, r in zip(ends, ramps, strict=True) if r.sees]
         self.start[3 + len(ramps) :] = np.concatenate([r.own_mean for r in ramps])
         self.white = np.linalg.inv(np.linalg.cholesky(self._covariance()))
 
@@ -278,6 +274,12 @@ class _Regression:
         possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
 
+    def late(self, linear: Array) -> Array:
+        """Time by which v is late [s] (n,), mean of the runs that have v; 0 without any."""
+        at = 3 + len(self.ramps) + np.cumsum([0, *(r.own_sigma.size for r in self.ramps)])
+        with_v = [int(k) + 1 for k, r in zip(at, self.ramps, strict=False) if r.own_sigma.size == 2]
+        return np.asarray(linear[:, with_v].sum(axis=1) / max(len(with_v), 1))
+
     def departures(self, e: Ensemble, linear: Array) -> dict[str, Array]:
         """Relative departure of eta - 1 and slip from the forms at `DEPART_AT`, (n, k) each.
 
@@ -319,8 +321,6 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
     departs = regression.departures(e, found)
-    # without v nothing says how late it would be
-    late = found[:, regression.clocks] if regression.clocks else _CLOCK * noise[:, :1, 0]
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
     return Ensemble(
         **{
@@ -328,7 +328,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "compliance_f": front,
             "compliance_r": rear,
             "radius_load": found[:, 2],
-            "clock_offset": late.mean(axis=1),
+            "v_late": regression.late(found),
             "depart_eta": departs["eta"],
             "depart_slip": departs["slip"],
         }

@@ -37,7 +37,7 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
     if run.slip is None:
         return of_eta, np.empty(0)
     speed = np.maximum(b.speed[use], SETTINGS.min_speed)
-    slip = slip + G * b.z[use] * np.mean(some.clock_offset) / speed
+    slip = slip + G * b.z[use] * np.mean(some.v_late) / speed
     left = run.slip[use] - np.mean(run.slip[run.rolling]) - slip + np.mean(slip[first])
     return of_eta, left / _at(sigma_slip(run, run.since_rolling(run.slip)), use)
 

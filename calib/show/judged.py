@@ -35,12 +35,20 @@ def word(r: Validation) -> str:
     if r.role == CALIBRATION:
         return "no hold-out"
     count = len(r.all_warnings)
-    return f"{r.verdict}, {counted(count, 'warning')}" if count else r.verdict
+    return f"{r.word}, {counted(count, 'warning')}" if count else r.word
 
 
-def pads(figures: Mapping[str, float | None], axle: str) -> str | None:
-    """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval; None without any."""
-    mean, width = figures[f"pad_friction_{axle}"], figures[f"interval_{axle}"]
+def pads(figures: Mapping[str, float | None], axle: str, of: str = "") -> str | None:
+    """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval; None without any.
+
+    ``of`` is the beginning of the metrics' names: "ecu_" of the ECU.
+    """
+    return mean_of(figures, f"{of}pad_friction_{axle}", f"{of}interval_{axle}")
+
+
+def mean_of(figures: Mapping[str, float | None], key: str, interval: str) -> str | None:
+    """A mean with its 95 % interval, by the names of both metrics; None where one is not known."""
+    mean, width = figures[key], figures[interval]
     return None if mean is None or width is None else plus_minus(mean, mean * width)
 
 

@@ -15,10 +15,16 @@ from calib.estimation.estimator import COLUMNS as WRITTEN
 COLUMNS = tuple(name for name in WRITTEN if name != "valid" and not name.startswith("pad_change"))
 """Numeric columns of a result that are drawn."""
 
+LATER = (
+    *(f"pad_level{end}" for end in ("", "_lower", "_upper")),
+    *("ecu_valid", "ecu_pad_level", "ecu_pad_friction_f", "ecu_pad_friction_r"),
+)
+"""Those that are drawn where the file has them."""
+
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Estimates of one log, shapes (n,): ``values`` by `COLUMNS`, ``valid`` per sample.
+    """Estimates of one log, shapes (n,): ``values`` by `COLUMNS` and `LATER`, ``valid``.
 
     ``name`` is the stem of the log; ``digest`` the SHA-256 of the file.
     """
@@ -62,7 +68,8 @@ def read_result(path: Path) -> StoredResult:
             expected="a result of `brake-cal validate --out`",
         )
     try:
-        values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
+        drawn = (*COLUMNS, *(name for name in LATER if name in names))
+        values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in drawn}
         valid = np.asarray(found["valid"].to_numpy(zero_copy_only=False), dtype=bool)
     except (ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"holds more than numbers ({cause})", where=path) from cause

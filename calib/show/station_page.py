@@ -31,7 +31,6 @@ from calib.show.judged import judged, pads
 from calib.show.origin import PageOrigin, origin
 from calib.show.stop import pads_over_time
 from calib.show.table import sheet
-from calib.show.validation import on_the_way
 from calib.store.evidence import read_quality
 from calib.store.store import Store
 from calib.store.version import Stored
@@ -85,7 +84,7 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 
 def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     """The facts with pads, curves, stops and origin; equal inputs give equal facts."""
-    notes = [f"{r.log}: {text}" for r in found.results for text in on_the_way(r)]
+    notes = [f"{r.log}: {text}" for r in found.results for text in r.estimate.notes]
     curves = Picture(_CURVES, sheet(found.table, stored.id), ("f1-f2", "difference"))
     stops = [pads_over_time(r) for r in found.results]
     remarks = [*found.table.remarks, *map(str, found.caveats)]

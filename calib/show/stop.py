@@ -43,13 +43,7 @@ from calib.show.style import (
 from calib.table.table import Table
 
 _TIME = "time [s]"
-_CHANGED: Stroke = {"color": BODY["color"], "linestyle": DOTTED, "linewidth": 1.0}
-_BUMP: Stroke = {"facecolor": "none", "edgecolor": "#B0B0B0", "hatch": "////"}
 _SHADED = "Grey: the sample is not valid, and no estimate is drawn."
-_MARKED = (
-    "Dotted vertical line: a change of surface was detected. Striped: wheels or a_x are thrown "
-    "about, as over a bump; left out of the split."
-)
 _RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
 _ECU = 0.7
 """Width of the line of what an ECU without a speed makes of the table."""
@@ -88,11 +82,9 @@ def of_validation(
     table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
 ) -> Sheet:
     """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``."""
-    e, split, car = result.estimate, result.estimate.split, vehicle or calibrated(table)
+    e, car = result.estimate, vehicle or calibrated(table)
     means = _means(result)
-    marks = [Mark(time, time, _CHANGED) for time in split.changes]
-    marks += [Mark(start, end, _BUMP) for start, end in split.bumps]
-    over = _over(e.time, e.valid, marks)
+    over = _over(e.time, e.valid)
     more = _beside(e, log, car, "of the table" if vehicle is None else "of the vehicle file")
     wheels = [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
     if "v" in log:  # first, so that it is drawn below the wheels
@@ -115,7 +107,6 @@ def of_validation(
             for why, lasts in refused.items()
             if lasts >= 0.05
         ),
-        *([_MARKED] if marks else ()),
     )
     told = "; ".join([word(result), *broken(result), _in_words(means)])
     return Sheet(
@@ -143,11 +134,11 @@ def _means(result: Validation) -> tuple[str, str]:
     return pads(result.figures, "f") or "none", pads(result.figures, "r") or "none"
 
 
-def _over(time: Array, valid: Mask, marks: Sequence[Mark] = ()) -> Callable[..., Panel]:
+def _over(time: Array, valid: Mask) -> Callable[..., Panel]:
     """The maker of a panel over ``time`` (n,), grey where it is not ``valid``."""
     last = time.size - 1
     grey = [Mark(time[a], time[min(b, last)], {"color": SHADE}) for a, b in runs(~valid)]
-    return partial(Panel, x=_TIME, marks=(*grey, *marks), xlim=(time[0], time[-1]))
+    return partial(Panel, x=_TIME, marks=grey, xlim=(time[0], time[-1]))
 
 
 def _pairs(panels: Sequence[Panel]) -> tuple[tuple[str, str], ...]:
@@ -192,14 +183,17 @@ def _panels(
     eta = Line(time, ratio, _RATIO, r"$\eta - 1$, zeroed", mean=_SLIP_MEAN)
     slips = [*more.get("slip", ()), eta]
     torques += more.get("axle-torques", ())
-    levels, reached = _bounded("pad_level", values, valid, IDENTIFIED, ())
+    levels = []
+    if "pad_level" in values:
+        lines, ends = _bounded("pad_level", values, valid, IDENTIFIED, ())
+        title = "Brake torque over that of the file's pads"
+        levels = [over("pad-level", title, y="pad level [1]", lines=lines, ylim=ends, columns=2)]
     return [
         over("deceleration", "Deceleration", y="deceleration [g]", lines=[z]),
         over("normalised-forces", "Normalised forces", y="normalised force [1]", lines=forces),
         over("slip", "Slip and speed ratio", y=r"slip, $\eta - 1$ [%]", lines=slips, where=valid),
         *of_pads,
-        over("pad-level", "Brake torque over that of the file's pads", y="pad level [1]",
-             lines=levels, ylim=reached, columns=2),
+        *levels,
         over("axle-torques", "Axle brake torques", y="axle torque [kN m]", lines=torques,
              columns=2),
     ]  # fmt: skip
@@ -217,11 +211,13 @@ def _bounded(
     look: Stroke = {**stroke, "linewidth": 1.7}
     label = r"estimate $\mu_{p,c}$, 95 %" if name != "pad_level" else "estimate, 95 %"
     estimate = Line(values["time"], pad, look, label, (lower, upper))
-    of_ecu = np.where(np.asarray(values["ecu_valid"], bool), values[f"ecu_{name}"], np.nan)
-    ecu = Line(values["time"], of_ecu, {**stroke, "linewidth": _ECU}, "ECU, without $v$")
-    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in (*more, ecu))]
+    if "ecu_valid" in values:
+        of_ecu = np.where(np.asarray(values["ecu_valid"], bool), values[f"ecu_{name}"], np.nan)
+        thin: Stroke = {**stroke, "linewidth": _ECU}
+        more = (*more, Line(values["time"], of_ecu, thin, "ECU, without $v$"))
+    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in more)]
     wide = [np.percentile(y, [5, 95]) for y in known if y.size]
-    return [*more, ecu, estimate], reach(lower, upper, *wide)
+    return [*more, estimate], reach(lower, upper, *wide)
 
 
 def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:

@@ -1,6 +1,6 @@
-"""Facts of a validation: the verdict, what the pads did, how well it is known, what comes next."""
+"""Facts of a validation: the verdict, the ECU beside the best estimate, what comes next."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from calib.base.names import AXLE_NAMES
@@ -8,38 +8,49 @@ from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
+    NONE,
+    REFERENCE,
+    TRUTH,
     Validation,
     agreement,
     all_warnings,
+    proof_of,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import broken, judged, pads, word
+from calib.show.judged import broken, judged, mean_of, pads, word
 from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
 from calib.show.stop import pads_over_time
+from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
+from calib.table.exported import Precision
 
-_BY_STOP = (
-    "Stop by stop: pads with 95 % intervals, their change since the ramp, errors of the torque."
-)
+_BY_STOP = "What an ECU makes of the table, beside the best estimate; 95 % intervals."
+_PROOFS = {
+    TRUTH: "the torques in the logs",
+    REFERENCE: "v, which shows a contradiction, but no error that the ramp made",
+    NONE: "nothing: the logs hold neither torques nor v",
+}
 
 
-def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
-    """A table judged by logs; each warning that speaks against it is among them."""
+def facts(stored: Stored, results: Sequence[Validation], how: Precision | None = None) -> Facts:
+    """A table judged by logs, as exported (``how``) or in full; each warning is among them."""
     found = list(results)
     warnings = all_warnings(stored.table.warnings, found)
-    failed = not all(result.passed for result in found)
+    failed, proof = not all(result.passed for result in found), proof_of(found)
     verdict = FAILED if failed else WARNING if warnings else PASSED
     return Facts(
         title=f"Validation of {stored.id}",
         headline=_outcome(stored, found),
         verdict=verdict,
-        word=WORDS[verdict],
+        word=CONSISTENT.capitalize() if proof == NONE and not failed else WORDS[verdict],
         tables=[_by_stop(stored, found)],
         rows=[
+            ("Judged by", _PROOFS[proof]),
             ("Table", f"{stored.id}, {stored.state.why}"),
+            *([] if how is None else [("As exported", str(how))]),
             ("Vehicle", stored.table.vehicle.name),
             ("Mass", str(found[0].mass)),
             *_limiting(found),
@@ -49,11 +60,16 @@ def facts(stored: Stored, results: Sequence[Validation]) -> Facts:
     )
 
 
-def report(stored: Stored, results: Sequence[Validation], origin: PageOrigin) -> Facts:
+def report(
+    stored: Stored,
+    results: Sequence[Validation],
+    origin: PageOrigin,
+    how: Precision | None = None,
+) -> Facts:
     """The facts with a part for each stop, and with their origin."""
     logs = [(r.role, r.log, r.digest) for r in results]
     parts = [*map(_stop, results), origin_of(origin, stored, logs)]
-    return replace(facts(stored, results), parts=parts)
+    return replace(facts(stored, results, how), parts=parts)
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
@@ -83,22 +99,38 @@ def _outcome(stored: Stored, results: list[Validation]) -> str:
 
 
 def _by_stop(stored: Stored, results: list[Validation]) -> Table:
-    """Pads with intervals and their change since the ramp, valid samples, errors, verdict."""
-    cal = stored.table.calibration
-    truth = [f"torque_error_{axle}" for axle in "fr"]
-    truth = truth if any(r.figures[truth[0]] is not None for r in results) else []
-    rows = []
+    """Of each stop the ECU, the best estimate, its change since the ramp, and the truth."""
+    rows, colours = [], []
     for r in results:
-        cells = []
-        for axle, ramp in (("f", cal.pad_friction_f), ("r", cal.pad_friction_r)):
-            mu = r.figures[f"pad_friction_{axle}"]
-            cells.append(pads(r.figures, axle) or "not known")
-            cells.append("" if mu is None else signed_percent(mu / ramp.value - 1.0))
-        cells += [plain(name).with_unit(r.figures[name]) for name in ("valid_share", *truth)]
-        rows.append((r.log, *cells, word(r)))
-    errors = ("error, front", "error, rear")[: len(truth)]
-    heads = ("stop", "front pads", "change", "rear pads", "change", "valid", *errors, "verdict")
-    return Table(heads, rows, _BY_STOP, [PASSED if r.passed else FAILED for r in results])
+        colour = PASSED if r.passed else FAILED
+        for cells in _of_one(stored, r):
+            rows.append((r.log, *cells))
+            colours.append(colour)
+    heads = ("stop", "", "front pads", "rear pads", "pad level", "valid", "verdict")
+    return Table(heads, rows, _BY_STOP, colours)
+
+
+def _of_one(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
+    of, cal = r.figures, stored.table.calibration
+    level = mean_of(of, "ecu_pad_level", "ecu_interval_level")
+    ecu = [pads(of, "f", "ecu_"), pads(of, "r", "ecu_"), level]
+    share = plain("valid_share").with_unit
+    yield "ECU", *_known(ecu), share(of["ecu_valid_share"]), word(r)
+    with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
+    best = [pads(of, "f"), pads(of, "r"), mean_of(of, "pad_level", "interval_level")]
+    yield with_v, *_known(best), share(of["valid_share"]), ""
+    then = {"f": cal.pad_friction_f.value, "r": cal.pad_friction_r.value}
+    now = {axle: of[f"pad_friction_{axle}"] for axle in then}
+    change = [signed_percent(x / then[axle] - 1.0) for axle, x in now.items() if x is not None]
+    if len(change) == len(then):
+        yield "since the ramp", *change, "", "", ""
+    true = [of[name] for name in ("true_pad_friction_f", "true_pad_friction_r", "true_pad_level")]
+    if any(x is not None for x in true):
+        yield "truth", *("" if x is None else f"{x:.3f}" for x in true), "", ""
+
+
+def _known(cells: Sequence[str | None]) -> list[str]:
+    return [cell or "not known" for cell in cells]
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
@@ -110,7 +142,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()
         ]
-        rows += [(r.log, text) for text in on_the_way(r)]
+        rows += [(r.log, text) for text in r.estimate.notes]
         rows += [
             (f"{r.log}, {name} pads", of.words)
             for name, of in zip(AXLE_NAMES.values(), r.budget or (), strict=False)
@@ -124,20 +156,6 @@ def _limiting(results: list[Validation]) -> list[Row]:
         )
         for road in (together.roads if together else ())
         if road.spread_f is not None and road.spread_r is not None
-    ]
-
-
-def on_the_way(r: Validation) -> list[str]:
-    """Notes of the estimator, and what happened that the brakes did not do: surfaces, bumps."""
-    split = r.estimate.split
-    return [
-        *r.estimate.notes,
-        *(f"the surface changed at {time:.2f} s" for time in split.changes),
-        *(
-            f"{start:.2f} to {end:.2f} s tells nothing of the split: wheels or a_x are thrown about"
-            ", as over a bump"
-            for start, end in split.bumps
-        ),
     ]
 
 

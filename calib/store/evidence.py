@@ -18,13 +18,17 @@ _CALIBRATED, _CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
 class Quality:
     """``state`` of CDF 2.0 and the same in ``words``; ``verdict`` None without a validation.
 
-    The last state of CDF 2.0, `completed`, is never set here: a person sets it.
+    The verdict of logs without truth and without v is `CONSISTENT`, where they break no limit. The
+    last state of CDF 2.0, `completed`, is never set here: a person sets it.
     """
 
     state: str
     words: str
     verdict: str | None = None
 
+
+CONSISTENT = "consistent, not proved"
+"""Verdict of a validation that had nothing to hold against the table."""
 
 UNPROVED = Quality(_CALIBRATED, "none given with this export")
 """Quality of a table without a validation."""
@@ -36,7 +40,7 @@ def read_quality(path: Path, stored: Stored) -> Quality:
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
-    """The evidence, and its verdict on a version: passed, warning or failed.
+    """The evidence, and its verdict on a version: passed, warning, failed or `CONSISTENT`.
 
     The file is a `summary.json` of `validate --out` or a `station.json`. Raises ExchangeError when
     it is neither, is of another table, or has no hold-out.
@@ -73,9 +77,10 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
     held = [log for log in summary.logs if log.role == "hold-out"]
     if not held:
         return Quality(_CALIBRATED, "only on logs that the table was fitted on: proves nothing")
-    verdict, outcomes = summary.verdict, [f"{log.log} {log.verdict}" for log in held]
+    passed, outcomes = summary.verdict == "passed", [f"{log.log} {log.verdict}" for log in held]
+    verdict = CONSISTENT if passed and summary.proof == "none" else summary.verdict
     words = f"{verdict} on {len(held)} hold-out log{'s' * (len(held) > 1)}: {', '.join(outcomes)}"
-    return Quality(_CHECKED if verdict == "passed" else PRELIMINARY, printable(words), verdict)
+    return Quality(_CHECKED if passed else PRELIMINARY, printable(words), verdict)
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:

@@ -86,6 +86,7 @@ class SummaryFile(FileSchema):
     table: str
     digest: str | None = None
     verdict: Literal["passed", "failed"]
+    proof: Literal["truth", "reference", "none"] | None = None
     logs: list[_LogOutcome]
 
 

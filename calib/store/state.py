@@ -36,7 +36,7 @@ class Evidence:
 class StateDecision:
     """What is said of a version, and by whom; ``by`` "" for the user of the computer.
 
-    ``verdict`` of the evidence: passed, warning or failed. ``automatic``: of a program, which
+    ``verdict`` of the evidence, see `calib.store.evidence`. ``automatic``: of a program, which
     releases nothing that was rejected and changes nothing that was withdrawn.
     """
 

@@ -43,11 +43,11 @@ def place(x: Array, curves: Array, points: int) -> Index:
     return _path(back, count, n)
 
 
-def place_evenly(x: Array, curves: Array, points: int) -> Index:
-    """Rows of ``x`` (n,) as in `place`, with the least sum of squared errors at all rows.
+def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
+    """Rows of ``x`` (n,) as in `place`, with the least weighted sum of squared errors.
 
-    For ``curves`` (k, n) that are slices of a map: its corners, which few draws reach, must not
-    take them all.
+    For ``curves`` (k, n) that are slices of a map, with the ``weights`` (k, n) of its cells: its
+    corners, which few draws reach, must not take them all.
     """
     n = len(x)
     if points >= n:
@@ -57,7 +57,8 @@ def place_evenly(x: Array, curves: Array, points: int) -> Index:
         for j in range(i + 1, n):
             share = (x[i : j + 1] - x[i]) / (x[j] - x[i])
             line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
-            square[i, j] = np.sum((curves[:, i : j + 1] - line) ** 2)
+            gaps = curves[:, i : j + 1] - line
+            square[i, j] = np.sum(weights[:, i : j + 1] * gaps**2)
     reach, back = _least(square, points, np.add)
     return _path(back, FEWEST + int(np.argmin(reach[FEWEST:, n - 1])), n)
 

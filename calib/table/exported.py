@@ -12,7 +12,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index
 from calib.base.errors import ExchangeError
-from calib.table.breakpoints import FEWEST, Misfit, place, place_evenly
+from calib.table.breakpoints import FEWEST, Misfit, place, place_weighted
 from calib.table.fixed_point import Fixed, fixed_axis, to_fixed
 from calib.table.maps import MAPS, Map
 from calib.table.table import DifferenceCurve, PaperCurves, Table, TyreCurve
@@ -23,6 +23,10 @@ _Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
 LEAST_BITS = 16
 """Least bits of the axes of a map, and of the scalars of a table with maps: (eta - 1)/z is dense
 near 0 and reaches far, and 8 bits would be 0.8 % off in the mass, and so in every pad."""
+
+
+_NARROWEST = 1e-3
+"""Least width of bounds in the weights of the breakpoints [1]."""
 
 
 class Written(NamedTuple):
@@ -42,12 +46,21 @@ class Precision:
     """How a table is written: in integers of ``bits``, in ``single`` precision, else in double.
 
     ``points`` breakpoints on each axis, at those rows where they miss the table least; all rows if
-    not given.
+    not given. Raises ExchangeError for integers in single precision.
     """
 
     points: int | None = None
     bits: int | None = None
     single: bool = False
+
+    def __post_init__(self) -> None:
+        if self.single and self.bits is not None:
+            raise ExchangeError("single precision and fixed point", expected="one of both")
+
+    def __str__(self) -> str:
+        points = "all rows" if self.points is None else f"{self.points} breakpoints"
+        width = "single" if self.single else "double"
+        return f"{points}, {self.bits} bits" if self.bits else f"{points}, {width} precision"
 
     @property
     def wide(self) -> "Precision":
@@ -112,13 +125,22 @@ def written_map(held: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(held: Map, i: int, points: int | None) -> Index:
-    """Values of axis ``i`` to keep, by all slices along it of every column but the prior."""
+    """Values of axis ``i`` to keep, by all slices along it of every column but the prior.
+
+    An error counts over the half width of the bounds there: where they are narrow the map is read,
+    and where they are wide it says little.
+    """
     x = [*held.axes.values()][i]
     if points is None:
         return np.arange(x.size)
     names = [name for name in held.names if name != "prior"]
-    slices = [np.moveaxis(held.grid(name), i, -1).reshape(-1, x.size) for name in names]
-    return place_evenly(x, np.concatenate(slices), max(points, FEWEST))
+    lower, upper = (held.grid(held.bounded[0] + end) for end in ("_lower", "_upper"))
+    narrow = 1.0 / np.maximum(upper - lower, _NARROWEST) ** 2
+    slices, weights = (
+        np.concatenate([np.moveaxis(grid, i, -1).reshape(-1, x.size) for grid in grids])
+        for grids in ([held.grid(name) for name in names], [narrow] * len(names))
+    )
+    return place_weighted(x, slices, weights, max(points, FEWEST))
 
 
 def _misfit(held: Map, reduced: Map) -> dict[str, Misfit]:

@@ -141,8 +141,9 @@ class Draws:
     ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
     ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
     ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the `FORMS`; ``radius_load``
-    fall of the rolling radius per load [1]; ``weight`` M g of the vehicle [N]; lengths in m;
-    ``depart_eta_1`` and so on the `DEPARTS` of eta - 1 and of the slip, relative [1].
+    fall of the rolling radius per load [1]; ``v_late`` by which the speed comes after the wheels
+    [s]; ``weight`` M g of the vehicle [N]; lengths in m; ``depart_eta_1`` and so on the `DEPARTS`
+    of eta - 1 and of the slip, relative [1].
     """
 
     log_pad_ratio: Array
@@ -158,6 +159,7 @@ class Draws:
     form_4: Array
     form_5: Array
     radius_load: Array
+    v_late: Array
     cg_to_front_axle: Array
     cg_height: Array
     weight: Array
@@ -186,5 +188,5 @@ class Draws:
 MAPS: dict[str, type[Map]] = {"map": PadMap, "level_map": LevelMap}
 """The maps of a table by name."""
 
-UNITS = {"cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
+UNITS = {"v_late": "s", "cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
 """Units of the columns that are not dimensionless."""

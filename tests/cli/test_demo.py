@@ -5,12 +5,16 @@ import re
 import shutil
 from pathlib import Path
 
+import matplotlib.image
+import numpy as np
 import pandas as pd
 import pytest
 import typer.main
 
 from calib.help.samples import sample_logs
+from calib.store.store import Store
 from cli.main import app
+from tests.support import sample_store
 from tests.support.manual import run
 
 ROOT = Path(__file__).parents[2]
@@ -60,6 +64,26 @@ def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
     assert (demo / "tables/sedan-2up/v0002/record.json").is_file()
     for figure in demo.glob("figures/*.png"):
         assert figure.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo: Path) -> None:
+    ours, made = Store(sample_store.STORE), Store(demo / "tables")
+    assert [one.id for one in ours.list()] == [one.id for one in made.list()]
+    for one in ours.list():
+        kept, now = ours.load(one.id).table, made.load(one.id).table
+        assert kept.provenance.logs == now.provenance.logs
+        for part in ("paper", "tyre", "level_map", "map"):
+            for name, values in vars(getattr(kept, part)).items():
+                found = getattr(getattr(now, part), name)
+                scale = np.max(np.abs(values))
+                assert found == pytest.approx(values, abs=0.02 * scale), (one.id, part, name)
+    for name, figure in sample_store.PICTURES.items():
+        kept, now = (
+            matplotlib.image.imread(path)[..., :3]
+            for path in (sample_store.picture(name), demo / "figures" / f"{figure}.png")
+        )
+        assert kept.shape == now.shape
+        assert np.mean(np.abs(kept - now)) < 0.01, name
 
 
 DEAR = re.compile("brake-cal (batch|diagnose|fleet|qualify|station)")

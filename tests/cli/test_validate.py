@@ -1,6 +1,7 @@
 """`brake-cal validate` as the shell runs it."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import pyarrow.parquet as pq
@@ -9,10 +10,21 @@ import pytest
 from calib.estimation.metrics import METRICS
 from calib.logs.write import write_csv, write_parquet
 from calib.store.store import Store
-from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, with_pads
+from tests.support.reference_car import (
+    CAR,
+    REAL,
+    SEDAN,
+    WET,
+    cut,
+    noisy,
+    ramp,
+    stop,
+    with_pads,
+    without,
+)
 from tests.support.vehicle_files import write_vehicle
 
-LOGS = ("wet.csv", "harder.parquet", "bad.csv")
+LOGS = ("wet.csv", "harder.parquet", "bad.csv", "plain.csv")
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +36,7 @@ def bench(tmp_path_factory, fitted):
     write_csv(wet, home / "wet.csv")
     write_parquet(noisy(stop(WET, pressure=30e5), 4), home / "harder.parquet")
     write_csv(cut(wet, 1.8), home / "bad.csv")
+    write_csv(without(replace(wet, truth={}), "v"), home / "plain.csv")
     return home
 
 
@@ -61,6 +74,7 @@ def test_json_is_one_document(run, tmp_path, bound, code):
     document = json.loads(ran.out)
     assert document["table"] == "sedan-2up@1"
     assert document["verdict"] == ("failed" if code else "passed")
+    assert (document["proof"], document["exported"]) == ("truth", None)
     assert set(document["logs"][0]["figures"]) == set(METRICS)
 
 
@@ -78,6 +92,69 @@ def test_out_holds_a_file_per_log_and_the_summary(run, tmp_path):
     assert table.column_names[:3] == ["time", "z", "eta"]
     assert table.column("valid").to_numpy().sum() > 1000
     assert f"wrote {out / 'wet.parquet'}" in ran.err
+
+
+def test_without_truth_and_v_it_is_consistent_and_a_release_says_so(brake_cal, bench, tmp_path):
+    store, out = tmp_path / "tables", tmp_path / "results"
+    shutil.copytree(bench / "tables", store)
+    ran = brake_cal("validate", CAR.name, bench / "plain.csv", "--store", store, "--out", out)
+    assert ran.code == 0
+    assert "onsistent, not proved" in ran.out
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["verdict"], summary["proof"]) == ("passed", "none")
+    words = ("--reason", "a test", "--evidence", out / "summary.json", "--store", store)
+    released = brake_cal("tables", "release", f"{CAR.name}@1", *words)
+    assert released.code == 0, released.err
+    assert "consistent, not proved" in released.out
+    listed = json.loads(brake_cal("tables", "list", "--store", store, "--json").out)
+    assert [row["verdict"] for row in listed["tables"]] == ["consistent, not proved"]
+
+
+def test_the_ecu_stands_beside_the_best_estimate_and_the_truth(run):
+    ran = run("wet.csv")
+    rows = [line.split() for line in ran.out.splitlines() if line.startswith("wet")]
+    found = {row[1]: row for row in rows if "," not in row[0]}
+    assert {"ECU", "best,", "truth"} <= set(found)
+    assert found["truth"][2:] == ["0.310", "0.270", "0.787"]
+
+
+@pytest.mark.parametrize("words", [("--points", 12, "--fixed-point", 16), ("--float",)])
+def test_it_is_judged_as_it_is_exported(run, words):
+    ran, whole = (run("wet.csv", "--json", *more) for more in (words, ()))
+    assert ran.code == 0, ran.err
+    document = json.loads(ran.out)
+    given = {"points": None, "bits": None, "single": "--float" in words}
+    assert document["exported"] == given | (
+        {} if "--float" in words else {"points": 12, "bits": 16}
+    )
+    one, other = (json.loads(x.out)["logs"][0]["figures"] for x in (ran, whole))
+    assert one["pad_friction_r"] == other["pad_friction_r"]
+    assert one["ecu_pad_friction_r"] != other["ecu_pad_friction_r"]
+    assert one["ecu_pad_friction_r"] == pytest.approx(other["ecu_pad_friction_r"], rel=0.1)
+
+
+@pytest.mark.parametrize(
+    "words", [("--float", "--fixed-point", 16), ("--fixed-point", 12), ("--points", 1)]
+)
+def test_no_table_is_exported_like_that(run, words):
+    assert run("wet.csv", *words).code == 2
+
+
+def test_a_table_of_before_is_to_be_fitted_again(brake_cal, bench, fitted, tmp_path):
+    store = tmp_path / "tables"
+    Store(store).save(replace(fitted, map=None, level_map=None, draws=None))
+    digest = fitted.provenance.logs[0].digest
+    where = ("--store", store)
+    for words in (
+        ("validate", CAR.name, bench / "wet.csv"),
+        ("plot", CAR.name, bench / "wet.csv", "--out", tmp_path / "a.png"),
+        ("batch", "validate", bench / "wet.csv", "--table", CAR.name, "--out", tmp_path / "b"),
+    ):
+        ran = brake_cal(*words, *where)
+        assert ran.code == 4, words
+        assert digest in ran.err
+    for words in (("show", CAR.name), ("verify",), ("diff", CAR.name, f"{CAR.name}@1")):
+        assert brake_cal("tables", *words, *where).code == 0
 
 
 @pytest.mark.parametrize("there_before", [True, False])

@@ -6,7 +6,6 @@ import pytest
 from calib.estimation import adaptive
 from calib.estimation.as_written import as_written
 from calib.estimation.estimator import estimate
-from calib.estimation.priors import Priors
 from calib.fitting.fit import fit
 from calib.run.axle_signals import Signals
 from tests.support.reference_car import CAR, IDEAL, ramp, stop, with_pads
@@ -52,7 +51,7 @@ def test_error_falls_by_the_same_gamma_u2_dt_on_both_axles():
     """theta - zeta shrinks by 1 - gamma u^2 dt a sample, however the wheels shake."""
     spin = -10.0 + 30.0 * np.random.default_rng(1).normal(size=N)
     s = run(spin)
-    found = as_written(made_table(), VEHICLE, s, np.full(N, ETA), Priors())
+    found = as_written(made_table(), VEHICLE, s, np.full(N, ETA))
     gamma = adaptive.gain(VEHICLE.front)
     for pad, axle, mu, p in zip(
         found, (VEHICLE.front, VEHICLE.rear), TRUE, (s.p_f, s.p_r), strict=True

@@ -25,8 +25,7 @@ def table():
 
 
 def weighed(table, log):
-    e = estimate(table, log)
-    return exchanged(e, e.basis)
+    return exchanged(estimate(table, log))
 
 
 @pytest.mark.parametrize(("z", "logged"), [(0.4, "with v"), (0.2, "without v")])

@@ -1,26 +1,31 @@
 """Every figure against what it must be by hand."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import (
     accuracy,
     consistency,
+    departure,
+    ecu_errors,
     force_sum_error,
+    of_ecu,
     score,
     truth_of,
 )
-from calib.estimation.pad_level import PadLevel
-from calib.estimation.pad_ratio import PadRatio
+from calib.estimation.readout import Bounded, Readout
+from calib.estimation.step import Reason
 from calib.logs.log import Log
-from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR
+from tests.support.tables import mapped_table
 
 N = 1000
 TIME = np.arange(N) / 200.0
@@ -36,17 +41,43 @@ def axle(mu, gain, pressure, width=0.05):
     )
 
 
+SIGMA = 0.02
+"""Of the logarithm of everything that is read out, unless told."""
+
+
+def bounded(value, sigma=SIGMA):
+    """A quantity with its 95 % interval, all of it log-normal."""
+    value = np.broadcast_to(np.asarray(value, float), (N,)).copy()
+    return Bounded(value, value * np.exp(-Z95 * sigma), value * np.exp(Z95 * sigma))
+
+
+def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, innovation=None):
+    """What the step says of pads ``mu_f``, ``mu_r``; those of the file are 0.38."""
+    torque_f, torque_r = mu_f * GAIN_F * pressure, mu_r * GAIN_R * pressure
+    level = (torque_f + torque_r) / (0.38 * (GAIN_F + GAIN_R) * pressure)
+    reason = np.full(N, Reason.VALID) if valid is None else np.where(valid, 0, Reason.SLOW)
+    named = {
+        "level": level, "pads_f": mu_f, "pads_r": mu_r, "change_f": mu_f / 0.38,
+        "change_r": mu_r / 0.38, "torque_f": torque_f, "torque_r": torque_r,
+        "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r), "change": 0.0,
+    }  # fmt: skip
+    parts = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
+    return Readout(
+        **{k: bounded(x, sigma) for k, x in named.items()},
+        **dict.fromkeys(parts, np.zeros(N)),
+        innovation=np.zeros(100) if innovation is None else innovation,
+        reason=reason,
+    )
+
+
 def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation=None, **changed):
     """5 s of braking at 0.3 g and 20 m/s; blocks of 50 ms, all braked."""
     p = np.full(N, pressure)
     blocks = 100
     one = np.ones(blocks)
     noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
-    split = PadRatio(
-        *9 * [one], noise, np.full(blocks, np.nan), one, changes=(2.5,), bumps=((3.0, 3.2),)
-    )
     values = {
-        "plan": None,
+        "plan": SimpleNamespace(table=mapped_table()),
         "read": None,
         "refused": {},
         "time": TIME,
@@ -59,15 +90,14 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         "braked": np.ones(N, bool),
         "covered": np.ones(N, bool),
         "baselines": {"nominal": (np.full(N, 0.38), np.full(N, 0.38))},
-        "split": split,
+        "best": readout(mu_f, mu_r, pressure=pressure, innovation=noise),
+        "ecu": readout(mu_f, mu_r, pressure=pressure),
         "blocks": Blocks(
             end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
             omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
             lead_in=one < 0.0, samples=10, length=0.05,
         ),
-        "level": PadLevel(np.ones(N), np.ones(N)),
         "eta_zero": -0.001,
-        "accelerometer": Accelerometer(*np.zeros((12, blocks))),
         "pressure_f": p,
         "pressure_r": p,
     }  # fmt: skip
@@ -222,3 +252,91 @@ def test_innovation_leaves_out_the_lead_in_and_what_was_not_measured():
     e = made_estimate(innovation=values)
     e = replace(e, blocks=replace(e.blocks, lead_in=np.arange(100) < 50))
     assert consistency(CAR, e)["innovation_rms"] == pytest.approx(1.0)
+
+
+# What is handed out.
+
+
+def with_speed(e):
+    return replace(e, blocks=replace(e.blocks, v=20.0 * np.ones(100)))
+
+
+def test_the_ecu_is_scored_over_its_own_valid_samples():
+    told = np.arange(N) < 600
+    mu = np.where(told, 0.40, 0.90)
+    e = made_estimate(ecu=readout(mu, 0.36, valid=told), speed=np.where(np.arange(N) < 800, 20, 2))
+    figures = of_ecu(e)
+    assert figures["ecu_valid_share"] == pytest.approx(600 / 800)
+    assert figures["ecu_pad_friction_f"] == pytest.approx(0.40)
+    assert figures["ecu_pad_friction_r"] == pytest.approx(0.36)
+    level = (0.40 * GAIN_F + 0.36 * GAIN_R) / (0.38 * (GAIN_F + GAIN_R))
+    assert figures["ecu_pad_level"] == pytest.approx(level)
+    for side in ("f", "r", "level"):
+        assert figures[f"ecu_interval_{side}"] == pytest.approx(np.sinh(Z95 * SIGMA))
+
+
+def test_an_ecu_without_an_answer_has_no_figures_and_no_share():
+    e = with_speed(made_estimate(ecu=readout(valid=np.zeros(N, bool))))
+    assert of_ecu(e) == {"ecu_valid_share": 0.0}
+    assert ecu_errors(e, truth_of(truth_log(), CAR, e)) == {}
+
+
+def test_errors_of_the_ecu_over_their_sigma():
+    """Front e^0.03 and rear e^-0.05 times the truth, half of the samples without an error."""
+    off = np.where(np.arange(N) % 2, 1.0, 0.0)
+    e = made_estimate(ecu=readout(0.40 * np.exp(0.03 * off), 0.36 * np.exp(-0.05 * off)))
+    log = truth_log()
+    figures = score(log, CAR, e)
+    assert figures["ecu_normalised_error_f"] == pytest.approx(0.03 / SIGMA / np.sqrt(2))
+    assert figures["ecu_normalised_error_r"] == pytest.approx(0.05 / SIGMA / np.sqrt(2))
+    assert figures["ecu_torque_error_f"] == pytest.approx(np.expm1(0.03) / np.sqrt(2))
+    assert figures["ecu_torque_error_r"] == pytest.approx(-np.expm1(-0.05) / np.sqrt(2))
+    both = 0.40 * GAIN_F + 0.36 * GAIN_R
+    total = (0.40 * GAIN_F * np.exp(0.03) + 0.36 * GAIN_R * np.exp(-0.05)) / both
+    assert figures["ecu_level_error"] == pytest.approx(abs(total - 1.0) / np.sqrt(2))
+    assert figures["ecu_normalised_error_level"] == pytest.approx(
+        abs(np.log(total)) / SIGMA / np.sqrt(2)
+    )
+    assert figures["true_pad_friction_f"] == pytest.approx(0.40)
+    assert figures["true_pad_level"] == pytest.approx(both / (0.38 * (GAIN_F + GAIN_R)))
+    assert figures["torque_error_f"] == pytest.approx(0.0, abs=1e-12)  # of the best estimate
+
+
+def test_a_truth_of_nought_is_no_proof():
+    log = truth_log()
+    log = replace(log, truth={name: np.zeros(N) for name in log.truth})
+    figures = score(log, CAR, made_estimate())
+    assert figures["ecu_normalised_error_f"] is None
+    assert figures["ecu_normalised_error_level"] is None
+
+
+@pytest.mark.parametrize(("best", "spread"), [(0.03, 0.04), (0.05, 0.0125), (0.08, 0.0125)])
+def test_what_v_adds_sets_the_scale_of_a_difference(best, spread):
+    """3, 4, 5; and a quarter of the ECU's own sigma where v adds nothing."""
+    every = np.ones(N, bool)
+    ecu, reference = bounded(0.40 * np.exp(0.02), 0.05), bounded(0.40, best)
+    assert departure(ecu, reference, every) == pytest.approx(0.02 / spread)
+
+
+def test_the_difference_of_two_posteriors_is_one_in_its_own_spread():
+    """Conjugate normals: both see the ramp, and the stop; one sees v, too."""
+    rng = np.random.default_rng(7)
+    truth = 0.10 * rng.standard_normal(N)
+    seen = [truth + s * rng.standard_normal(N) for s in (0.1, 0.05)]
+    weights = 1.0 / np.array([0.10, 0.1, 0.05]) ** 2
+    ecu = weights[1] * seen[0] / weights[:2].sum()
+    best = (weights[1] * seen[0] + weights[2] * seen[1]) / weights.sum()
+    told = departure(
+        bounded(np.exp(ecu), weights[:2].sum() ** -0.5),
+        bounded(np.exp(best), weights.sum() ** -0.5),
+        np.ones(N, bool),
+    )
+    assert told == pytest.approx(1.0, abs=4.0 / np.sqrt(2 * N))
+
+
+def test_only_a_log_with_v_has_a_reference():
+    e = made_estimate(ecu=readout(0.40 * np.exp(0.015)))
+    assert "ecu_reference_f" not in of_ecu(e)
+    figures = of_ecu(with_speed(e))
+    assert figures["ecu_reference_f"] == pytest.approx(0.015 / (0.25 * SIGMA))
+    assert figures["ecu_reference_r"] == pytest.approx(0.0, abs=1e-9)

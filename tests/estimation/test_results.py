@@ -7,37 +7,38 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from calib.base.intervals import Z95
 from calib.estimation import results
 from calib.estimation.results import write_result, write_results
 from calib.estimation.validate import to_dict
-from tests.estimation.test_metrics import N, made_estimate
+from tests.estimation.test_metrics import SIGMA, N, made_estimate
 from tests.estimation.test_validate import made
 from tests.support.tables import stored_as
 
-CONTRACT = {
-    "time": "s",
-    "z": "1",
-    "eta": "1",
-    "normalised_force_f": "1",
-    "normalised_force_r": "1",
+SEEN = ("z", "eta", "normalised_force_f", "normalised_force_r")
+BOUNDED = {
     "pad_friction_f": "1",
     "pad_friction_r": "1",
-    "pad_friction_f_lower": "1",
-    "pad_friction_f_upper": "1",
-    "pad_friction_r_lower": "1",
-    "pad_friction_r_upper": "1",
     "brake_torque_fl": "N*m",
     "brake_torque_fr": "N*m",
     "brake_torque_rl": "N*m",
     "brake_torque_rr": "N*m",
-    "valid": "1",
     "pad_change_f": "1",
-    "pad_change_f_lower": "1",
-    "pad_change_f_upper": "1",
     "pad_change_r": "1",
-    "pad_change_r_lower": "1",
-    "pad_change_r_upper": "1",
+    "pad_level": "1",
+    "pad_ratio": "1",
+    "brake_torque_sum": "N*m",
 }
+OUT = {"valid": "1"} | {
+    f"{name}{end}": unit for name, unit in BOUNDED.items() for end in ("", "_lower", "_upper")
+}
+CONTRACT = (
+    {"time": "s"}
+    | dict.fromkeys(SEEN, "1")
+    | OUT
+    | {f"ecu_{name}": unit for name, unit in OUT.items()}
+    | {"ecu_reason": "1"}
+)
 """As the brief has them, and what was added after them: others read these files."""
 
 
@@ -45,10 +46,12 @@ def test_columns_are_those_of_the_contract(tmp_path):
     path = tmp_path / "a.parquet"
     write_result(made_estimate(), path)
     schema = pq.read_schema(path)
-    assert schema.names == list(CONTRACT)
+    assert set(schema.names) == set(CONTRACT)
+    assert schema.names[:5] == ["time", *SEEN]
     assert {f.name: f.metadata[b"unit"].decode() for f in schema} == CONTRACT
     kinds = {f.name: str(f.type) for f in schema}
-    assert kinds.pop("valid") == "bool"
+    assert [kinds.pop(name) for name in ("valid", "ecu_valid")] == ["bool", "bool"]
+    assert kinds.pop("ecu_reason") == "int64"
     assert set(kinds.values()) == {"double"}
 
 
@@ -63,8 +66,10 @@ def test_one_row_per_sample_with_the_numbers_of_the_estimate(tmp_path):
     assert np.array_equal(read["time"], e.time)
     assert np.array_equal(read["valid"], valid)
     assert read["pad_friction_f"] == pytest.approx(np.full(N, 0.41))
-    assert read["pad_friction_r_lower"] == pytest.approx(np.full(N, 0.35 * 0.95))
-    assert read["pad_friction_f_upper"] == pytest.approx(np.full(N, 0.41 * 1.05))
+    ends = np.exp(Z95 * SIGMA)
+    assert read["pad_friction_r_lower"] == pytest.approx(np.full(N, 0.35 / ends))
+    assert read["pad_friction_f_upper"] == pytest.approx(np.full(N, 0.41 * ends))
+    assert np.array_equal(read["ecu_reason"], e.ecu.reason)
     # per wheel, positive when it brakes: (2) with Table I
     assert read["brake_torque_fl"] == pytest.approx(np.full(N, 2 * 0.41 * 28.84e-4 * 0.1309 * 20e5))
     assert np.array_equal(read["brake_torque_fl"], read["brake_torque_fr"])
@@ -111,7 +116,7 @@ def test_a_frame_has_the_columns_of_the_file_and_their_units(tmp_path):
     e = made_estimate(0.41, 0.35, valid=np.arange(N) % 3 == 0)
     write_result(e, tmp_path / "a.parquet")
     frame = e.to_frame()
-    assert list(frame.columns) == list(CONTRACT)
+    assert list(frame.columns) == pq.read_schema(tmp_path / "a.parquet").names
     assert frame.attrs["units"] == CONTRACT
     read = pq.read_table(tmp_path / "a.parquet")
     for name in CONTRACT:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import LogError, VehicleError
+from calib.base.errors import LogError, StoreError, VehicleError
 from calib.base.intervals import Z95
 from calib.car.mass import MassUsed
 from calib.car.vehicle import Axle
@@ -20,7 +20,9 @@ from calib.estimation.validate import (
     to_dict,
     validate,
 )
+from calib.table.exported import Precision, as_exported
 from tests.estimation.test_metrics import made_estimate
+from tests.estimation.test_roads import on_road
 from tests.support.made_runs import made_run
 from tests.support.made_runs import stop as made_stop
 from tests.support.plant import magic
@@ -57,17 +59,13 @@ MASS = MassUsed(1744.0, 0.03, False)
 
 
 def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), road=0.0, **figures):
-    estimate = made_estimate()
-    on = np.full(estimate.split.sigma.size, road)
-    split = replace(
-        estimate.split, changes=(), log_stiffness=on, log_stiffness_sigma=0.0 * on + 0.04
-    )
+    estimate = on_road(made_estimate(), road)
     values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
     return Validation(
         name,
         "ab" * 32,
         "hold-out",
-        replace(estimate, split=split),
+        estimate,
         values,
         tuple(judgements),
         {},
@@ -85,10 +83,12 @@ def test_a_good_stop_passes_with_all_its_figures(passed):
     assert set(passed.figures) == set(METRICS)
     assert [j.figure for j in passed.judgements] == [limit.figure for limit in DEFAULTS]
     assert all(j.passed for j in passed.judgements)
-    assert passed.figures["pad_friction_f"] == pytest.approx(0.31, rel=0.03)
-    assert passed.figures["gain_over_nominal"] > 5.0
-    assert passed.baselines["kalman"][0] < 0.2 * passed.baselines["nominal"][0]
-    assert {"mean_gain", "gradient_paper", "rls_tyre"} <= set(passed.baselines)
+    assert passed.proof == "truth"
+    for name in ("pad_friction_f", "ecu_pad_friction_f"):
+        assert passed.figures[name] == pytest.approx(0.31, rel=0.05)
+    assert passed.figures["gain_over_nominal"] > 3.0
+    assert passed.baselines["kalman"][0] < 0.3 * passed.baselines["nominal"][0]
+    assert {"ecu", "mean_gain", "gradient_paper", "rls_tyre"} <= set(passed.baselines)
 
 
 @pytest.mark.parametrize("done", ["cut", "thinned", "rounded"])
@@ -141,11 +141,87 @@ def test_without_truth_there_are_no_errors_and_no_rivals(fitted, wet):
     assert blind.figures["torque_error_f"] is None
     assert blind.baselines == {}
     assert blind.passed
+    assert (blind.proof, blind.word) == ("reference", "passed")
     assert {j.figure for j in blind.judgements if j.passed is None} == {
-        "torque_error_f",
-        "torque_error_r",
-        "truth_in_interval",
+        f"ecu_normalised_error_{of}" for of in ("f", "r", "level")
     }
+
+
+def test_without_truth_and_v_nothing_is_proved(fitted, wet, passed):
+    (nothing,) = validate(fitted, [without(replace(wet, truth={}), "v")])
+    assert nothing.passed
+    assert nothing.verdict == "passed"
+    assert nothing.proof == "none"
+    assert nothing.word not in ("passed", "failed")
+    known = [j.figure for j in nothing.judgements if j.passed is not None]
+    assert known == ["valid_share", "covered_share", "ecu_valid_share"]
+    stored = stored_as("sedan@1")
+    assert to_dict(stored, [nothing])["proof"] == "none"
+    both = to_dict(stored, [nothing, passed])
+    assert both["proof"] == "truth"
+    assert [log["proof"] for log in both["logs"]] == ["none", "truth"]
+    calibration = replace(passed, role="calibration")
+    assert (calibration.proof, calibration.word) == ("none", "failed")
+
+
+def test_the_default_limits_rest_on_what_is_handed_out():
+    """And on whether the log is one of a braking that the table covers."""
+    names = {limit.figure for limit in DEFAULTS}
+    assert {name for name in names if not name.startswith("ecu_")} == {
+        "valid_share",
+        "covered_share",
+    }
+    ends = {limit.figure: (limit.low, limit.high, limit.warn_high) for limit in DEFAULTS}
+    assert ends["ecu_valid_share"] == (0.7, None, None)
+    for of in ("f", "r", "level"):
+        assert ends[f"ecu_normalised_error_{of}"] == (None, 3.0, 2.0)
+    assert ends["ecu_reference_f"] == ends["ecu_reference_r"] == (None, 3.5, 2.5)
+
+
+def test_a_map_that_is_wrong_fails_with_truth_and_with_v(fitted, wet):
+    """The ratio of an ECU's pads half as large again; the best estimate has the right map."""
+    pads = {
+        name: getattr(fitted.map, name) + 0.5 for name in ("ratio", "ratio_lower", "ratio_upper")
+    }
+    before = {
+        name: getattr(fitted.level_map, name) + 0.5
+        for name in ("ratio", "ratio_lower", "ratio_upper")
+    }
+    wrong = replace(
+        fitted,
+        map=replace(fitted.map, **pads),
+        level_map=replace(fitted.level_map, **before),
+    )
+    told, blind = validate(fitted, [wet, replace(wet, truth={})], exported=wrong)
+    (right,) = validate(fitted, [wet])
+    assert told.figures["pad_friction_r"] == right.figures["pad_friction_r"]
+    for result, metric in ((told, "ecu_normalised_error_r"), (blind, "ecu_reference_r")):
+        assert not result.passed
+        assert metric in [j.figure for j in result.judgements if j.passed is False]
+    # the level is known without the map of the ratio
+    assert told.figures["ecu_normalised_error_level"] < 2.0
+
+
+def test_a_table_in_single_precision_is_as_good_as_the_whole_one(fitted, wet, passed):
+    how = Precision(single=True)
+    (single,) = validate(fitted, [wet], exported=as_exported(fitted, how))
+    for name in ("ecu_pad_friction_f", "ecu_pad_friction_r", "ecu_pad_level"):
+        assert single.figures[name] == pytest.approx(passed.figures[name], rel=1e-4)
+    assert to_dict(stored_as("t@1"), [single], how)["exported"] == {
+        "points": None,
+        "bits": None,
+        "single": True,
+    }
+
+
+def test_a_table_without_maps_is_to_be_fitted_again(fitted, wet):
+    older = replace(fitted, map=None, level_map=None, draws=None)
+    with pytest.raises(StoreError) as error:
+        validate(older, [wet])
+    assert error.value.exit_code == 4
+    assert [log.digest in line for log, line in zip(
+        older.provenance.logs, error.value.lines, strict=True
+    )] == [True]  # fmt: skip
 
 
 def test_a_limit_that_cannot_be_held_fails(fitted, wet):
@@ -155,9 +231,10 @@ def test_a_limit_that_cannot_be_held_fails(fitted, wet):
 
 
 def test_braking_too_soft_to_judge_does_not_pass(fitted):
-    """1.9 bar brake the car, and no figure comes of it: that is no proof."""
+    """1.9 bar brake the car, and no figure of an ECU comes of it: that is no proof."""
     soft = validate(fitted, [noisy(stop(REAL, pressure=1.9e5), 0)])[0]
-    assert soft.figures["valid_share"] == 0.0
+    assert soft.figures["ecu_valid_share"] == 0.0
+    assert soft.figures["ecu_pad_friction_f"] is None
     assert not soft.passed
 
 
@@ -274,13 +351,11 @@ def test_summary_holds_everything_and_is_json(fitted, wet, passed):
 
 def test_what_is_not_finite_becomes_null():
     odd = made("a", interval_f=math.inf, judgements=[Judgement("x", math.nan, None, 1.0, False)])
-    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)}, estimate=made_estimate())
+    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)})
     log = json.loads(json.dumps(to_dict(stored_as("t@1"), [odd]), allow_nan=False))["logs"][0]
     assert log["figures"]["interval_f"] is None
     assert log["limits"][0]["value"] is None
     assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
-    assert log["surface_changes"] == [2.5]
-    assert log["bumps"] == [[3.0, 3.2]]
 
 
 def test_pads_that_no_brake_has_are_not_valid(fitted):

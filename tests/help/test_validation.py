@@ -30,7 +30,7 @@ def test_the_default_limits_are_those_of_the_program():
     rows = dict(re.findall(r"^\| `(\w+)`.*\| ([^|]+) \|$", PAGE, flags=re.MULTILINE))
     for limit in DEFAULTS:
         axle = 1 if limit.figure.endswith("_r") else 0
-        told = rows[re.sub("_r$", "_f", limit.figure)]
+        told = rows[re.sub("_(r|level)$", "_f", limit.figure)]
         numbers = [float(number) for number in re.findall(r"\d\.\d+", told)]
         bound = next(x for x in (limit.low, limit.high, limit.warn_low) if x is not None)
         assert numbers[axle] == bound, limit.figure

@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from calib.estimation.results import write_result
@@ -64,13 +65,6 @@ def test_level_and_pads_of_an_ecu_are_beside_those_of_all_channels(drawn, stoppe
             assert np.array_equal(end[e.valid], known[e.valid])
 
 
-def test_every_panel_over_time_marks_the_change_of_surface(drawn, stopped):
-    (time,) = stopped.estimate.split.changes
-    assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
-    for one in drawn.panels:
-        assert [(mark.start, mark.end) for mark in one.marks].count((time, time)) == 1
-
-
 def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
     write_result(stopped.estimate, tmp_path / "stop.parquet")
     sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
@@ -89,6 +83,17 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
     low, high = panel(sheet, "pad-front").ylim
     assert span < high - low < 1.3 * span
     assert before > 1.5 * span
+
+
+def test_a_result_of_an_older_program_is_drawn_without_what_it_lacks(stopped, tmp_path):
+    write_result(stopped.estimate, tmp_path / "new.parquet")
+    written = pq.read_table(tmp_path / "new.parquet")
+    kept = [name for name in written.column_names if not name.startswith(("ecu_", "pad_level"))]
+    pq.write_table(written.select(kept), tmp_path / "older.parquet")
+    new, older = (stop.of_result(read_result(tmp_path / f"{n}.parquet")) for n in ("new", "older"))
+    assert [name for name in new.names if name not in older.names] == ["pad-level"]
+    lines = [len(panel(sheet, "pad-front").lines) for sheet in (new, older)]
+    assert lines == [2, 1]
 
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):

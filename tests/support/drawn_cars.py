@@ -27,7 +27,7 @@ def one_car(form: str = "brush", **other: Array | float) -> Ensemble:
         compliance_f=0.04 * one,
         compliance_r=0.04 * one,
         radius_load=none,
-        clock_offset=none,
+        v_late=none,
         depart_eta=np.zeros((count, DEPART_AT.size)),
         depart_slip=np.zeros((count, DEPART_AT.size)),
     )

@@ -152,6 +152,7 @@ def made_draws(n=40):
         peak=0.95 + 0.1 * u,
         **columns,
         radius_load=0.002 + 0.001 * u,
+        v_late=0.003 + 0.002 * u,
         cg_to_front_axle=1.1556 + 0.005 * u,
         cg_height=0.615 + 0.01 * u,
         weight=9.80665 * (1744.0 + 8.0 * u),

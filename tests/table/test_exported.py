@@ -8,7 +8,7 @@ import pytest
 
 from calib.base.errors import ExchangeError
 from calib.exports.dataset import build
-from calib.table.breakpoints import place_evenly
+from calib.table.breakpoints import place_weighted
 from calib.table.exported import Precision, as_exported, written_map
 from calib.table.maps import PadMap
 from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map, mapped_table, stored_as
@@ -53,12 +53,14 @@ def test_breakpoints_are_those_where_the_map_bends():
 def test_the_placement_of_least_squares_is_the_best_there_is(points):
     rng = np.random.default_rng(points)
     x, curves = np.sort(rng.random(11)), rng.normal(size=(6, 11)).cumsum(axis=1)
+    weights = rng.random((6, 11))
 
     def error(kept):
-        return sum(np.sum((np.interp(x, x[kept], y[kept]) - y) ** 2) for y in curves)
+        pairs = zip(curves, weights, strict=True)
+        return sum(np.sum(w * (np.interp(x, x[kept], y[kept]) - y) ** 2) for y, w in pairs)
 
     every = [[0, *c, 10] for k in range(points - 1) for c in combinations(range(1, 10), k)]
-    kept = place_evenly(x, curves, points)
+    kept = place_weighted(x, curves, weights, points)
     assert error(kept) == pytest.approx(min(map(error, every)), abs=1e-12)
 
 

@@ -81,7 +81,7 @@ def test_the_draws_state_their_units(tmp_path):
     schema = pq.read_schema(path / "draws.parquet")
     units = {field.name: field.metadata[b"unit"].decode() for field in schema}
     other = {name: unit for name, unit in units.items() if unit != "1"}
-    assert other == {"cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
+    assert other == {"v_late": "s", "cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
 
 
 @pytest.mark.parametrize("part", PARTS)

@@ -8,7 +8,6 @@ lift at one axle.
 Pitch:  z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
         load transfer: (1 - e) z at once through the links, e z_b through the springs
         nose down by e k z_b
-The split filter (`calib.estimation.states`) follows the same mode with the same typical values.
 """
 
 import numpy as np

@@ -31,6 +31,7 @@ from calib.store.mean import (
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.budget import pad_levels
+from calib.table.generation import require_maps
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5
@@ -40,7 +41,7 @@ _OVERLAP = 0.5
 def golden_table(store: Store, reference: str) -> Stored:
     """The table by which others are measured: released, or a draft that is named by its version.
 
-    Raises StoreError for another one.
+    Raises StoreError for another one, and for one without maps.
     """
     found = store.released(reference)
     if not (found.state.usable and found.state.known):
@@ -49,6 +50,7 @@ def golden_table(store: Store, reference: str) -> Stored:
             where=found.id,
             expected="a released version",
         )
+    require_maps(found.table, found.id)
     return found
 
 

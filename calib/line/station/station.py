@@ -16,13 +16,14 @@ from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import METRICS as OF_STOPS
-from calib.estimation.validate import Validation, validate_one
+from calib.estimation.validate import NONE, Validation, proof_of, validate_one
 from calib.fitting.fit import fit
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
 from calib.run.check import check
 from calib.run.limits import LIMITS
+from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.store.version import Stored
 from calib.table.budget import front_share
@@ -190,7 +191,12 @@ class StationOutcome:
         parts = {"failed": n[FAILED], "with a warning": n[WARNING], "not known": n[NOT_KNOWN]}
         named = ", ".join(f"{number} {word}" for word, number in parts.items() if number)
         more = f"; {counted(count, 'warning')} of its logs" if count else ""
-        return f"{len(self.checks)} checks: {named or 'all passed'}{more}"
+        return f"{len(self.checks)} checks: {named or 'all passed'}{more}{self._unproved}"
+
+    @property
+    def _unproved(self) -> str:
+        """What is added where the stops hold nothing that could prove the table."""
+        return f", {CONSISTENT}" if self.passed and proof_of(self.results) == NONE else ""
 
     def decision(self, digest: str) -> StateDecision:
         """The state that the verdict gives the table; ``digest`` of `station.json`, its evidence.
@@ -198,7 +204,7 @@ class StationOutcome:
         A warning alone releases nothing: the table is a draft, unless the warnings are accepted.
         """
         state = {PASSED: RELEASED, FAILED: REJECTED}.get(self.verdict, DRAFT)
-        reason = f"{self.verdict} at the station"
+        reason = f"{self.verdict} at the station{self._unproved}"
         if self.verdict == WARNING and self.accepted:
             state, reason = RELEASED, f"{reason}; accepted: {self.accepted}"
         evidence = (Evidence("station.json", digest),)

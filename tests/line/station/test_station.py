@@ -4,9 +4,11 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from calib.car.vehicle_file import read_vehicle
+from calib.estimation.estimator import estimate
 from calib.estimation.limits import Limit
 from calib.line.station.files import to_dict
 from calib.line.station.limits_file import LIMITS
@@ -70,6 +72,13 @@ def test_the_sample_car_passes(good):
                              "not known": len(unknown)}  # fmt: skip
     assert {c.figure for c in good.with_verdict("not known")} == unknown
     assert good.figures["pad_scale"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_its_stops_have_the_numbers_of_the_library(good):
+    for log, result in zip(good.stops, good.results, strict=True):
+        alone = estimate(good.table, log).columns()
+        for name, values in result.estimate.columns().items():
+            np.testing.assert_array_equal(values, alone[name], name)
 
 
 @pytest.mark.parametrize(("file", "verdict"), [(0.38 / 0.75, "failed"), (0.38 / 0.87, "warning")])

@@ -1,0 +1,71 @@
+"""What is told of a validation: the ECU beside the best estimate and the truth, and by what."""
+
+import pytest
+
+from calib.estimation.limits import Judgement
+from calib.show.facts import FAILED, PASSED
+from calib.show.validation import facts
+from calib.table.exported import Precision
+from tests.estimation.test_validate import made
+from tests.support.tables import stored_as
+
+ECU = {
+    "ecu_valid_share": 0.953,
+    "ecu_pad_friction_f": 0.31,
+    "ecu_interval_f": 0.1,
+    "ecu_pad_friction_r": 0.27,
+    "ecu_interval_r": 0.2,
+}
+BEST = {"valid_share": 0.961, "interval_f": 0.05, "interval_r": 0.1}
+TRUTH = {"true_pad_friction_f": 0.30, "true_pad_friction_r": 0.28, "true_pad_level": 0.75}
+
+
+def told(*results, how=None):
+    return facts(stored_as("sedan@1"), results, how)
+
+
+def test_the_ecu_stands_first_and_every_row_names_its_stop():
+    """The ramp's pads of the made table are 0.40 and 0.39."""
+    found = told(made("wet", 0.30, 0.39, **ECU, **BEST, **TRUTH, ecu_normalised_error_f=1.0))
+    table = found.tables[0]
+    assert {row[0] for row in table.rows} == {"wet"}
+    first = [row[2].partition("\xa0")[0] for row in table.rows]
+    assert first == ["0.310", "0.300", "-25", "0.300"]
+    assert [row[2].rpartition("\xa0")[2] for row in table.rows[:2]] == ["0.031", "0.015"]
+    assert [row[5].partition("\xa0")[0] for row in table.rows[:2]] == ["95.3", "96.1"]
+    assert table.rows[-1][2:5] == ("0.300", "0.280", "0.750")
+    assert set(table.verdicts) == {PASSED}
+
+
+def test_without_an_answer_there_is_no_number():
+    table = told(made("a", None, None, valid_share=0.0, ecu_valid_share=0.0)).tables[0]
+    assert len(table.rows) == 2
+    assert not any(cell[:1].isdigit() for row in table.rows for cell in row[2:5])
+
+
+@pytest.mark.parametrize(
+    ("metric", "proved"),
+    [("ecu_normalised_error_f", True), ("ecu_reference_f", True), ("ecu_pad_level", False)],
+)
+def test_the_word_is_not_passed_where_nothing_proves(metric, proved):
+    found = told(made("a", **{metric: 1.0}))
+    assert found.word.startswith("Passed") == proved
+    assert found.tables[0].rows[0][-1].startswith("passed") == proved
+
+
+def test_the_metric_that_fails_is_named():
+    bad = Judgement("ecu_reference_r", 4.2, None, 3.5, False)
+    found = told(made("a", **ECU), made("b", judgements=[bad], **ECU, ecu_reference_r=4.2))
+    assert found.verdict == FAILED
+    assert found.tables[0].verdicts[0] == PASSED
+    assert found.tables[0].verdicts[-1] == FAILED
+    (text,) = [text for name, text in found.rows if "ecu_reference_r" in text]
+    assert "4.2" in text
+    assert "3.5" in text
+
+
+@pytest.mark.parametrize("how", [Precision(8, 16), Precision(single=True)])
+def test_a_table_that_was_rounded_is_told(how):
+    rows = dict(told(made("a", **ECU), how=how).rows)
+    assert str(how) in rows.values()
+    assert str(how) not in dict(told(made("a", **ECU)).rows).values()

@@ -1,0 +1,60 @@
+"""The tables in `tables/` and the pictures in `sample_logs/figures/`: what the demo makes.
+
+    python -m tests.support.sample_store
+
+Run it after a change of what `fit`, `validate` or `plot` give, look at the pictures, and commit
+both. `tests/cli/test_demo.py` says whether they are those of the program as it is.
+"""
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from tests.support.manual import run
+
+ROOT = Path(__file__).parents[2]
+STORE = ROOT / "tables"
+PICTURES = {"table": "sedan-2up@2", "stop": "basalt_wet_pads", "diagnosis": "diagnosis"}
+"""File in `sample_logs/figures/`, and figure of the demo that it is."""
+
+_RELEASES = {
+    "sedan-2up@2": ("sedan/dry_asphalt_stop.csv", "sedan/basalt_wet_pads.csv"),
+    "sedan-sim@1": ("simulation_study/stop_noisy.parquet",),
+    "escort@1": (
+        "third_party/hold1_const_mu30.parquet",
+        "third_party/hold4_driver_mu28.parquet",
+    ),
+}
+"""Tables that are released, and the stops that they are released on."""
+
+
+def picture(name: str) -> Path:
+    """A picture of the README and the manual."""
+    return ROOT / "sample_logs" / "figures" / f"{name}.png"
+
+
+def main() -> None:
+    """Make all of it anew."""
+    with tempfile.TemporaryDirectory() as folder:
+        demo = Path(folder) / "brake-cal-demo"
+        lines = ["brake-cal demo"]
+        for table, stops in _RELEASES.items():
+            logs = " ".join(f"{demo}/sample_logs/{stop}" for stop in stops)
+            store, proof = f"--store {demo}/tables", f"{folder}/{table}"
+            names = ", ".join(Path(stop).stem for stop in stops)
+            lines += [
+                f"brake-cal validate {table} {logs} {store} --out {proof}",
+                f"brake-cal tables release {table} {store} --by brake-cal "
+                f"--evidence {proof}/summary.json --reason 'holds its limits on {names}'",
+            ]
+        for line in lines:
+            if code := run(Path(folder), line):
+                raise SystemExit(f"ended with {code}: {line}")
+        shutil.rmtree(STORE)
+        shutil.copytree(demo / "tables", STORE)
+        for name, figure in PICTURES.items():
+            shutil.copyfile(demo / "figures" / f"{figure}.png", picture(name))
+
+
+if __name__ == "__main__":
+    main()
