@@ -6,6 +6,7 @@ Run it after a change of what `fit`, `validate` or `plot` give, look at the pict
 both. `tests/cli/test_demo.py` says whether they are those of the program as it is.
 """
 
+import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -35,6 +36,7 @@ def picture(name: str) -> Path:
 
 def main() -> None:
     """Make all of it anew."""
+    os.environ["LOGNAME"] = "brake-cal"  # who stores, in the journal
     with tempfile.TemporaryDirectory() as folder:
         demo = Path(folder) / "brake-cal-demo"
         lines = ["brake-cal demo"]
@@ -44,7 +46,7 @@ def main() -> None:
             names = ", ".join(Path(stop).stem for stop in stops)
             lines += [
                 f"brake-cal validate {table} {logs} {store} --out {proof}",
-                f"brake-cal tables release {table} {store} --by brake-cal "
+                f"brake-cal tables release {table} {store} "
                 f"--evidence {proof}/summary.json --reason 'holds its limits on {names}'",
             ]
         for line in lines:
