@@ -12,9 +12,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.intervals import Z95
-from calib.car.balance import brake_forces
 from calib.estimation.estimator import Estimate
-from calib.table.budget import AxleBudget
+from calib.table.budget import AxleBudget, front_share
 
 
 def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
@@ -40,11 +39,11 @@ def _median(telling: Mask, lower: Array, upper: Array) -> int:
 def _at(e: Estimate, i: int, *, front_axle: bool) -> AxleBudget:
     """Budget of one axle at one sample."""
     axle, best, draws = e.front if front_axle else e.rear, e.best, e.plan.table.draws
-    car, one = e.plan.table.vehicle, np.ones(())
+    car = e.plan.table.vehicle
     filed = car.front.pad_friction / car.rear.pad_friction
-    F_f, F_r = brake_forces(car, one, one, math.log(best.ratio.value[i] / filed))
-    lever = float((F_r if front_axle else F_f) / (F_f + F_r))
-    whole = (math.log(axle.upper[i] / axle.lower[i]) / (2.0 * Z95)) ** 2
+    share = front_share(car, math.log(best.ratio.value[i] / filed))
+    lever = 1.0 - share if front_axle else share
+    whole = (float(axle.half_width[i]) / Z95) ** 2
     level = (math.log(best.level.upper[i] / best.level.lower[i]) / (2.0 * Z95)) ** 2
     ratio = max(whole - level, 0.0)
     sensors = min(float(best.noise[i] + best.accelerometer[i]), level)

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.names import WHEELS
 from calib.car.vehicle import Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import BaselineRun, baselines
-from calib.estimation.gates import Gates, disturbed, validity
+from calib.estimation.gates import Gates, undisturbed, validity
 from calib.estimation.lookup import smoothed
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
@@ -223,15 +224,14 @@ def estimate(
     plan = plan_for(used, ran.log, read, nominal, gates)
     forces = brake_balance(plan.nominal, plan.known.effects, read)
     cornering = _cornering(table, plan.nominal, ran.log, read, forces)
-    held = disturbed(plan.gates, ran.log, read, cornering)
+    calm = undisturbed(plan.gates, ran.log, read, cornering)
+    held = ~np.logical_and.reduce([*calm.values()])
     filed = with_pads(ran.vehicle, table.vehicle)
-    best, ecu = (
-        read_out(of, filed, plan.known, noise, read, held, with_v=with_v)
-        for of, noise, with_v in (
-            (table, plan.noise, True),
-            (exported or table, SensorNoise(**table.noise), False),
-        )
-    )
+    means = blocks(read)
+    best = read_out(table, filed, plan.known, plan.noise, read, means, held)
+    own, sensed = SensorNoise(**table.noise), _sensed(car, log, read)
+    of = means if sensed is read else blocks(sensed)
+    ecu = read_out(exported or table, filed, plan.known, own, sensed, of, held, with_v=False)
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
@@ -241,9 +241,7 @@ def estimate(
     slips = zeroed_slips(read, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
     on_map = best.reason != Reason.BEYOND_MAP
-    judged = validity(
-        plan.gates, ran.log, read, (front, rear), forces.active, greatest, cornering, on_map
-    )
+    judged = validity(plan.gates, read, (front, rear), forces.active, greatest, calm, on_map)
     return Estimate(
         plan=plan,
         read=read,
@@ -260,7 +258,7 @@ def estimate(
         baselines=others.pads,
         best=best,
         ecu=ecu,
-        blocks=blocks(read),
+        blocks=means,
         eta_zero=zero,
         pressure_f=read.p_f,
         pressure_r=read.p_r,
@@ -270,6 +268,16 @@ def estimate(
         factor_r=ran.factor_r,
         notes=others.notes,
     )
+
+
+def _sensed(car: Vehicle, log: Log, read: Signals) -> Signals:
+    """The signals by the pressure of the master cylinder alone, as an ECU has it."""
+    wheels = {f"p_{w}" for w in WHEELS}
+    if wheels.isdisjoint(log.channels):
+        return read
+    channels = {name: x for name, x in log.channels.items() if name not in wheels}
+    ran = remove_known_effects(car, replace(log, channels=channels))
+    return signals(ran.log, ran.vehicle)
 
 
 def _axles(

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 LOCKS = "a wheel locks, or ABS works"
+CORNERS = "the car corners"
+TURNED = "the wheel is turned"
 NO_PAD = "no pad has such a friction"
 BEYOND_MAP = "no stop that the table knows shows such an eta"
 """Names of these reasons for a sample that is not valid."""
@@ -62,47 +64,51 @@ class _Validity:
 
 def validity(
     gates: Gates,
-    log: Log,
     s: Signals,
     axles: tuple[AxleEstimate, AxleEstimate],
     active: Mask,
     greatest: float,
-    cornering: Array,
+    calm: dict[str, Mask],
     on_map: Mask,
 ) -> _Validity:
     """Where the estimator stands behind its answer, see `Gates`.
 
     ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
-    normalised force of the ramp [1]; ``cornering`` the lateral acceleration [m/s^2] (n,);
-    ``on_map`` where eta is one that the map of the table has (n,).
+    normalised force of the ramp [1]; ``calm`` as `undisturbed` has it; ``on_map`` where eta is one
+    that the map of the table has (n,).
     """
     front, rear = axles
-    steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
     with np.errstate(invalid="ignore"):
         good = {
             "the pressure is low": np.maximum(s.p_f, s.p_r) > gates.pressure,
             "the car is slow": s.speed > gates.speed,
             "the brake has just been applied": since(s.time, ~active) > gates.settle,
-            LOCKS: since(s.time, _locked(log, s, gates)) > gates.recover,
+            LOCKS: calm[LOCKS],
             BEYOND_MAP: on_map,
             NO_PAD: _possible(front, gates) & _possible(rear, gates),
             "the tyres carry more than on the ramp": np.maximum(
                 front.normalised_force, rear.normalised_force
             )
             < gates.beyond * greatest,
-            "the car corners": np.abs(cornering) < gates.lateral,
-            "the wheel is turned": np.abs(steered) < gates.steering,
+            CORNERS: calm[CORNERS],
+            TURNED: calm[TURNED],
         }
     valid = np.logical_and.reduce([active, *good.values()])
     return _Validity(np.asarray(valid), {why: active & ~ok for why, ok in good.items()})
 
 
-def disturbed(gates: Gates, log: Log, s: Signals, cornering: Array) -> Mask:
-    """Samples (n,) in which a wheel locks, or has just, or the car corners."""
+def undisturbed(gates: Gates, log: Log, s: Signals, cornering: Array) -> dict[str, Mask]:
+    """Samples (n,) in which no wheel locks, or has just, and the car goes straight; by reason.
+
+    ``cornering`` the lateral acceleration [m/s^2] (n,).
+    """
     steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
-    locks = since(s.time, _locked(log, s, gates)) <= gates.recover
-    bends = (np.abs(cornering) >= gates.lateral) | (np.abs(steered) >= gates.steering)
-    return np.asarray(locks | bends)
+    with np.errstate(invalid="ignore"):
+        return {
+            LOCKS: since(s.time, _locked(log, s, gates)) > gates.recover,
+            CORNERS: np.abs(cornering) < gates.lateral,
+            TURNED: np.abs(steered) < gates.steering,
+        }
 
 
 def _possible(axle: AxleEstimate, gates: Gates) -> Mask:

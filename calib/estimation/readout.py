@@ -11,6 +11,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.car.balance import brake_forces
+from calib.car.braking import BITE
+from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.estimation.step import (
     COLUMNS,
@@ -24,11 +26,13 @@ from calib.estimation.step import (
     started,
     step,
 )
+from calib.estimation.zeros import drive_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
-from calib.run.blocks import block_balance, blocks
+from calib.run.blocks import Blocks, block_balance
 from calib.run.filters import block_mean
 from calib.run.noise import SensorNoise
+from calib.table.budget import front_share
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
@@ -125,6 +129,9 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         radius=table.vehicle.front.rolling_radius,
         late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
         late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
+        ramp_ratio=float(
+            table.level_map.ratio[0] if table.draws is None else np.mean(table.draws.log_pad_ratio)
+        ),
         block=block,
     )
 
@@ -135,51 +142,60 @@ def read_out(
     known: Resistance,
     noise: SensorNoise,
     s: Signals,
+    b: Blocks,
     disturbed: Mask,
     *,
     with_v: bool = True,
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
-    ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance;
-    ``disturbed`` samples (n,) in which a wheel locks or the car corners; ``with_v`` whether the
-    reference speed is used where it is logged.
+    ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance; ``b``
+    means of the signals over blocks; ``disturbed`` samples (n,) in which a wheel locks or the car
+    corners; ``with_v`` whether the reference speed is used where it is logged.
     """
-    b = blocks(s)
     forces = block_balance(car, known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     R = car.front.rolling_radius
+    driven = drive_slips(table, forces)
     columns = (
         forces.demanded / car.weight,
         (B_f + B_r) / car.weight,
         np.maximum(b.p_f, b.p_r),
         b.z,
-        b.eta,
-        np.maximum(R * b.omega_f, 0.3),
+        b.eta / speed_ratio(*driven),
+        np.maximum(R * b.omega_f / (1.0 - driven[0]), 0.3),
         forces.load_r / car.weight,
         b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
         block_mean(disturbed.astype(float), b.samples) > 0.0,
+        np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
     )
-    c = constants(table, noise, b.length)
+    # by the mean of its sample times a log that goes on would have another length
+    c = constants(table, noise, round(b.length, 9))
     state = started(c)
     answers = [
         step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)
     ]
-    return _per_sample(table, car, s, answers, b.last_complete(s.time))
+    biting = np.maximum(b.p_f, b.p_r) > BITE
+    share = np.where(biting, B_f / np.maximum(B_f + B_r, 1.0), front_share(car, 0.0))
+    return _per_sample(table, car, s, (np.array(answers), share), b.last_complete(s.time))
 
 
 def _per_sample(
-    table: Table, car: Vehicle, s: Signals, answers: list[Answer], at: Index
+    table: Table, car: Vehicle, s: Signals, answers: tuple[Array, Array], at: Index
 ) -> Readout:
-    """From level and ratio of each block to pads and torques of each sample."""
-    a = np.array(answers)
+    """From level and ratio of each block to pads and torques of each sample.
+
+    ``answers`` of the step (k, ...), and the share of the front axle with the file's pads (k,).
+    """
+    a, share_f = answers
     level, ratio, change = (Bounded(*a[:, k : k + 3].T) for k in (0, 3, 6))
+    known = _exp(level).at(at)
     pads = table.calibration
     then = pads.pad_log_ratio.value
-    front, rear = _pads(car, level, ratio)
+    front, rear = _pads(share_f, level, ratio)
     # over the ramp's pads: the tyres are those of today, and fall out
     changed = _pads(
-        car, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper)))
+        share_f, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper)))
     )
     f, r = car.front, car.rear
     gains = [axle.torque_gain * np.maximum(p, 0.0) for axle, p in ((f, s.p_f), (r, s.p_r))]
@@ -187,8 +203,7 @@ def _per_sample(
     nominal = 2.0 * (f.pad_friction * gains[0] + r.pad_friction * gains[1])
     torque_f, torque_r = pads_f.times(gains[0]), pads_r.times(gains[1])
     total = 2.0 * (torque_f.value + torque_r.value)
-    share = np.divide(total, nominal, out=_exp(level).value[at], where=nominal > 0.0)
-    known = _exp(level).at(at)
+    share = np.divide(total, nominal, out=known.value.copy(), where=nominal > 0.0)
     relative = known.lower / known.value, known.upper / known.value
     return Readout(
         level=Bounded(share, share * relative[0], share * relative[1]),
@@ -212,14 +227,12 @@ def _exp(level: Bounded) -> Bounded:
     return Bounded(np.exp(level.value), np.exp(level.lower), np.exp(level.upper))
 
 
-def _pads(car: Vehicle, level: Bounded, ratio: Bounded) -> tuple[Bounded, Bounded]:
+def _pads(share: Array, level: Bounded, ratio: Bounded) -> tuple[Bounded, Bounded]:
     """Front and rear pads over those of the file [1] from ln of level and ratio.
 
-    Level and ratio err on their own: their distances to the bounds add up as squares.
+    ``share`` of the front axle with the file's pads. Level and ratio err on their own: their
+    distances to the bounds add up as squares.
     """
-    one = np.ones(())
-    B_f, B_r = brake_forces(car, one, one)
-    share = B_f / (B_f + B_r)
 
     def more(x: Array) -> tuple[Array, Array]:
         whole = np.log(share * np.exp(x) + 1.0 - share)

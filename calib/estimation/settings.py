@@ -23,15 +23,14 @@ class _ValidationSettings:
     axles_doubt: float = -3.0
     """Logarithm of the odds of swapped wheel speeds from which they are named: one in twenty."""
     axles_sure: float = 15.0
-    """The same from which no sample is valid. Front pads that lost half of their friction reach 17
-    without v, four stops of five 10; swapped wheel speeds 11 to 240
-    (`tests/studies/results/swapped_stops.md`)."""
+    """The same from which no sample is valid. Swapped wheel speeds of the cars of the tests have 13
+    to 63, weak front pads -5 and less (`tests/estimation/test_axles.py`)."""
     brakes_kept: float = 0.88
     """Brakes over those of the ramp [1] above which front pads are not so weak that eta stays flat,
     as it would in a bend with such pads."""
     at_limit: float = 0.1
     """Share of the braked samples with a wheel at its limit past which nothing is weighed: the
-    filter knows no wheel that locks."""
+    scenarios know no wheel that locks."""
 
     # roads.py
     roads_apart: float = 2.5

@@ -20,13 +20,15 @@ from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, NamedTuple
+from operator import mul
+from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
+from calib.estimation.gates import Gates
 from calib.run.driving_record import STEADY
 from calib.run.noise import WALK
 from calib.table.maps import Map
@@ -50,7 +52,7 @@ class Sample(NamedTuple):
     ``demand`` brake force that the deceleration ``z`` demands, ``nominal`` that of nominal pads,
     over the weight [1]; ``pressure`` [Pa]; ``eta`` [1] as read; ``rim`` speed of the front wheels'
     rims [m/s]; ``rear_share`` of the load [1]; ``v`` [m/s], NaN where not logged; ``disturbed``
-    while a wheel locks or the car corners.
+    while a wheel locks or the car corners; ``log_odds`` ln of the front pressure over the rear one.
     """
 
     demand: float
@@ -62,6 +64,7 @@ class Sample(NamedTuple):
     rear_share: float
     v: float
     disturbed: bool
+    log_odds: float = 0.0
 
 
 class Reader:
@@ -69,30 +72,52 @@ class Reader:
 
     def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
         self.axes = [axis.tolist() for axis in m.axes.values()]
-        self.columns = columns
         self.cells = np.stack([m.grid(name) for name in columns], axis=-1).tolist()
 
     def cell(self, axis: int, x: float) -> float:
         """Width of the cell of an axis in which ``x`` lies."""
         points = self.axes[axis]
-        i = min(max(bisect_right(points, x) - 1, 0), len(points) - 2)
+        i, _ = _place(points, x)
         return float(points[i + 1] - points[i])
 
-    def __call__(self, *point: float) -> list[float]:
+    def __call__(self, z: float) -> list[float]:
+        """All columns of a map over z alone."""
+        i, w = _place(self.axes[0], z)
+        return _between(self.cells[i], self.cells[i + 1], w)
+
+    def at(self, z: float) -> "Plane":
+        """The map at one deceleration, over its other two axes."""
+        return Plane(self, *_place(self.axes[0], z))
+
+
+class Plane:
+    """A map of three axes at one value of the first, which many points share."""
+
+    def __init__(self, reader: Reader, i: int, w: float) -> None:
+        self.axes = reader.axes[1:]
+        self.low, self.high, self.w = reader.cells[i], reader.cells[i + 1], w
+        self.corners: dict[tuple[int, int], list[float]] = {}
+
+    def _corner(self, j: int, k: int) -> list[float]:
+        if (j, k) not in self.corners:
+            self.corners[j, k] = _between(self.low[j][k], self.high[j][k], self.w)
+        return self.corners[j, k]
+
+    def __call__(self, shift: float, slip: float) -> list[float]:
         """All columns at a point, linear along each axis."""
-        cells = self.cells
-        places = []
-        for x, axis in zip(point, self.axes, strict=True):
-            i = min(max(bisect_right(axis, x) - 1, 0), len(axis) - 2)
-            places.append((i, min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)))
-        return _between(cells, places)
+        (j, u), (k, v) = _place(self.axes[0], shift), _place(self.axes[1], slip)
+        corners = [self._corner(*one) for one in ((j, k), (j, k + 1), (j + 1, k), (j + 1, k + 1))]
+        a, b, c, d = (1.0 - u) * (1.0 - v), (1.0 - u) * v, u * (1.0 - v), u * v
+        return [a * p + b * q + c * r + d * s for p, q, r, s in zip(*corners, strict=True)]
 
 
-def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
-    if not places:
-        return cells
-    (i, w), *rest = places
-    low, high = _between(cells[i], rest), _between(cells[i + 1], rest)
+def _place(axis: list[float], x: float) -> tuple[int, float]:
+    """Cell of an axis in which ``x`` lies, and where in it, 0 to 1; held at the ends."""
+    i = min(max(bisect_right(axis, x) - 1, 0), len(axis) - 2)
+    return i, min(max((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0), 1.0)
+
+
+def _between(low: list[float], high: list[float], w: float) -> list[float]:
     return [a + w * (b - a) for a, b in zip(low, high, strict=True)]
 
 
@@ -100,7 +125,8 @@ def _between(cells: list[Any], places: list[tuple[int, float]]) -> list[float]:
 class Constants:
     """What the step takes from a table, and its tuned numbers.
 
-    ``late`` time by which v comes after the wheel speeds [s], with its sigma.
+    ``late`` time by which v comes after the wheel speeds [s], with its sigma; ``ramp_ratio`` ln of
+    the pads' ratio on the ramp [1].
     """
 
     ratio: Reader
@@ -111,12 +137,13 @@ class Constants:
     radius: float
     late: float
     late_sigma: float
+    ramp_ratio: float
     block: float
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
     untouched: float = 7e4  # pressure up to which they do not [Pa]
-    settle: float = 0.3  # time of braking before an answer stands [s]
-    least_pressure: float = 2e5  # [Pa]
+    settle: float = Gates.settle  # time of braking before an answer stands [s]
+    least_pressure: float = Gates.pressure  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.01  # [1/sqrt(s)]
@@ -168,8 +195,8 @@ class Gaussian:
 
         ``y`` is what is left of it over the prediction.
         """
-        PH = [sum(p * h for p, h in zip(row, H, strict=True)) for row in self.P]
-        gain = 1.0 / (sum(h * p for h, p in zip(H, PH, strict=True)) + variance)
+        PH = [sum(map(mul, row, H)) for row in self.P]
+        gain = 1.0 / (sum(map(mul, H, PH)) + variance)
         self.x = [x + gain * p * y for x, p in zip(self.x, PH, strict=True)]
         self.P = [
             [old - gain * p * q for old, q in zip(row, PH, strict=True)]
@@ -229,6 +256,7 @@ class State:
     released: float = 0.0
     sums: list[float] = field(default_factory=lambda: [0.0] * 4)
     best: list[float] | None = None
+    held: Answer | None = None
     age: float = 0.0
     level_then: float = 1.0
 
@@ -264,12 +292,14 @@ def step(c: Constants, s: State, x: Sample) -> Answer:
         _brake(c, s, x)
     else:
         s.released += c.block
-        if s.braked > 0.0 and s.released > 1.0:
+        if s.braked > 0.0 and s.released > 1.0 + 0.5 * c.block:
             _forget_stop(c, s)
         _roll(c, s, x)
     innovation = _move(c, s, x, braking)
     s.z = x.z
-    return _answer(c, s, x, innovation)
+    if s.held is None or braking:
+        s.held = _answer(c, s, x)
+    return s.held._replace(innovation=innovation, reason=_reason(c, s, x))
 
 
 def _means(s: State) -> tuple[float, float]:
@@ -280,12 +310,12 @@ def _means(s: State) -> tuple[float, float]:
 
 def _roll(c: Constants, s: State, x: Sample) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    if len(s.waiting) * c.block >= c.before_bite:
+    if len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.noise_omega * c.radius / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
         s.eta.measured(old.eta, 2.0 * wheels**2 / c.block)
-        if old.v == old.v:
+        if old.v > MOVING:  # not where v is missing: NaN is not
             slip = 1.0 - _rim(s, old) / old.v
             s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
     free = x.pressure < c.untouched and abs(x.z) < STEADY
@@ -303,7 +333,7 @@ def _rim(s: State, x: Sample) -> float:
 def _forget_stop(c: Constants, s: State) -> None:
     """What is only of the last stop; the lag is the car's."""
     s.level = _level_before(c, s.level.x[1], s.level.P[1][1])
-    s.braked, s.best, s.sums = 0.0, None, [0.0] * 4
+    s.braked, s.best, s.held, s.sums = 0.0, None, None, [0.0] * 4
 
 
 def _follow(c: Constants, s: State, nominal: float) -> None:
@@ -355,8 +385,8 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> float:
     v -= G * k * (z - o) * dt
     m.x[0] = v
     to_v = [1.0, G * k * dt, G * (z - o) * dt * braking, 0.0]
-    PF = [sum(p * f for p, f in zip(row, to_v, strict=True)) for row in m.P]
-    m.P[0] = [sum(f * p for f, p in zip(to_v, PF, strict=True)), *PF[1:]]
+    PF = [sum(map(mul, row, to_v)) for row in m.P]
+    m.P[0] = [sum(map(mul, to_v, PF)), *PF[1:]]
     for i in (1, 2, 3):
         m.P[i][0] = PF[i]
     m.P[0][0] += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
@@ -374,6 +404,7 @@ def _move(c: Constants, s: State, x: Sample, braking: bool) -> float:
     rest, variance = _rim(s, x) - v * (1.0 - slip), (c.noise_omega * c.radius) ** 2 / dt
     variance += (c.slip_rough * slip * v) ** 2
     innovation = m.measured(rest, [1.0 - slip, 0.0, 0.0, -v * slip], variance)
+    m.x[3] = min(max(m.x[3], _SLIPS[0]), _SLIPS[1])
     if x.v == x.v:
         v = m.x[0]
         variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
@@ -392,29 +423,40 @@ def _with_map(m: Gaussian, read: list[float]) -> tuple[float, float, float, floa
     return e, ee, m.x[3] + gain * both[3] * rest, max(m.P[3][3] - gain * both[3] ** 2, 0.0)
 
 
+_LEAST = 0.02
+"""Level, or share of the pressure that acts, below which there is none [1]."""
+
+_SLIPS = (-8.0, 0.0)
+"""Least and greatest ln(slip/z) of any tyre."""
+
 LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "ratio_lower", "ratio_upper", "change", "change_lower", "change_upper")
 COLUMNS = (*PADS, "log_slip", "log_slip_sigma")
 SLIP = COLUMNS.index("log_slip")
 
 
-def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
+def _answer(c: Constants, s: State, x: Sample) -> Answer:
     # friction as it is now, of the pressure as it is now
-    a = max(s.level.x[0], 0.02) * (s.acting / x.nominal if x.pressure > BITE else 1.0)
+    acts = s.acting / x.nominal if x.pressure > BITE else 1.0
+    steady = max(s.level.x[0], _LEAST)
+    a = steady * min(max(acts, _LEAST), 1.0 / _LEAST)
     z, shift = _means(s)
     before = c.level(z)
-    read = c.ratio(z, shift / z, 0.0)
+    here = c.ratio.at(z)
+    read = here(shift / z, 0.0)
     assert s.motion is not None
     e, ee, log_slip, left = _with_map(s.motion, read)
-    noise, accelerometer = (
-        max(s.level.P[0][0], 0.0) / s.level.x[0] ** 2,
-        s.demand.variance / z**2 + ee,
-    )
+    noise = min(max(s.level.P[0][0], 0.0) / steady**2, 1.0)
+    accelerometer = s.demand.variance / z**2 + ee
     noisy = Z95 * math.sqrt(noise + accelerometer)
-    level = math.log(a * (1.0 - e)) + before[0]
+    level = math.log(a * max(1.0 - e, _LEAST)) + before[0]
     down, up = math.hypot(before[0] - before[1], noisy), math.hypot(before[2] - before[0], noisy)
     apart = ((log_slip - read[SLIP]) / read[SLIP + 1], math.sqrt(left) / read[SLIP + 1])
-    now = _ratio(c, s, (z, shift), apart, before[len(LEVEL) :])
+    now = _ratio(c, s, here, (z, shift), apart, before[len(LEVEL) :])
+    # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
+    moved = x.log_odds - (before[len(LEVEL)] - c.ramp_ratio)
+    open_share = (now[1] + now[2]) / (before[len(LEVEL) + 2] - before[len(LEVEL) + 1])
+    now[0] += open_share**2 * moved - x.log_odds
     if s.best is None or now[1] + now[2] <= sum(_aged(c, s, a)[1:3]):
         s.best, s.age, s.level_then = now, 0.0, a
     ratio, below, above, change, change_below, change_above, zeros = _aged(c, s, a)
@@ -424,14 +466,14 @@ def _answer(c: Constants, s: State, x: Sample, innovation: float) -> Answer:
         ratio, ratio - below, ratio + above,
         change, change - change_below, change + change_above,
         noise, accelerometer, zeros, s.level.x[1],
-        log_slip, math.sqrt(left), innovation, _reason(c, s, x),
+        log_slip, math.sqrt(left), math.nan, Reason.VALID,
     )  # fmt: skip
 
 
 def _aged(c: Constants, s: State, level: float) -> list[float]:
     """The kept ratio as it is known now: pads warm up, and those that changed did so unlike."""
     assert s.best is not None
-    changed = c.unlike * math.log(max(level, 0.02) / max(s.level_then, 0.02))
+    changed = c.unlike * math.log(max(level, _LEAST) / max(s.level_then, _LEAST))
     variance = c.ageing**2 * s.age + changed**2
     more = Z95 * math.sqrt(variance)
     ratio, below, above, change, change_below, change_above, zeros = s.best
@@ -449,13 +491,15 @@ def _aged(c: Constants, s: State, level: float) -> list[float]:
 def _ratio(
     c: Constants,
     s: State,
+    here: Plane,
     mean: tuple[float, float],
     slip: tuple[float, float],
     before: list[float],
 ) -> list[float]:
     """ln of the ratio with the distances of its bounds, then the same of its change.
 
-    ``mean`` of z and eta - 1; ``slip`` and its sigma, along the axis of the map.
+    ``here`` the map at the mean z; ``mean`` of z and eta - 1; ``slip`` and its sigma, along the
+    axis of the map.
     """
     (z, shift), prior = mean, _around(before)
     weight = s.sums[0]
@@ -469,12 +513,12 @@ def _ratio(
     # a mean over decelerations that differ is not the curve at their mean
     bent = shift * max(s.sums[3] / weight / z**2 - 1.0, 0.0)
     sigma = math.hypot(math.sqrt(2.0) * noise, math.sqrt(s.eta.variance), bent) / z
-    out = _around(c.ratio(z, at, slip[0]))
+    out = _around(here(at, slip[0]))
     h = min(sigma, c.ratio.cell(1, at))
     k = min(slip[1], 1.0)
     for low, high, spread in (
-        (c.ratio(z, at - h, slip[0]), c.ratio(z, at + h, slip[0]), sigma / h),
-        (c.ratio(z, at, slip[0] - k), c.ratio(z, at, slip[0] + k), slip[1] / k),
+        (here(at - h, slip[0]), here(at + h, slip[0]), sigma / h),
+        (here(at, slip[0] - k), here(at, slip[0] + k), slip[1] / k),
     ):
         for column in (0, 3):
             more = 0.5 * Z95 * spread * (high[column] - low[column])
@@ -508,7 +552,7 @@ def _reason(c: Constants, s: State, x: Sample) -> Reason:
     checks = (
         (x.pressure <= c.least_pressure, Reason.NOT_BRAKED),
         (x.rim <= MOVING, Reason.SLOW),
-        (s.braked <= c.settle, Reason.JUST_APPLIED),
+        (s.braked < c.settle + 0.5 * c.block, Reason.JUST_APPLIED),
         (x.disturbed, Reason.DISTURBED),
         (s.eta.variance >= 0.9 * c.zero**2, Reason.NO_ZERO),
         (not _on_map(c, s), Reason.BEYOND_MAP),

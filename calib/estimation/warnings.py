@@ -70,14 +70,9 @@ def like_a_load(e: Estimate, level: float, apart: tuple[float, float]) -> bool:
 
 
 def pads_apart(e: Estimate) -> tuple[float, float]:
-    """ln of the front pads' change over the rear ones', at the last telling sample; its sigma.
-
-    That towards no change: the two bounds are not as far from the median.
-    """
+    """ln of the front pads' change over the rear ones', at the last telling sample; its sigma."""
     of, last = e.best.change, _last(e)
-    apart = float(of.value[last])
-    nearer = of.lower[last] if apart > 0.0 else of.upper[last]
-    return apart, abs(apart - float(nearer)) / Z95
+    return float(of.value[last]), float((of.upper - of.lower)[last]) / (2.0 * Z95)
 
 
 def pads_together(e: Estimate) -> tuple[float, float]:

@@ -18,7 +18,7 @@ from calib.fitting.curves import difference_curves, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
 from calib.fitting.ensemble import Ensemble
-from calib.fitting.maps import maps
+from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics
 from calib.fitting.moments import tyre_posterior
 from calib.fitting.one_axle_ramps import bought, with_both_axles
@@ -123,7 +123,7 @@ def fit(
     require_possible_pads(car, pads, sources)
     difference, paper = difference_curves(car, ensemble, runs, z_end)
     left = [residuals(car, ensemble, run) for run in runs]
-    pad_map, level_map = maps(car, ensemble)
+    pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,

@@ -13,6 +13,7 @@ from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.stops import Seen, scenarios, seen
+from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap
 
 Z = np.array([0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.6, 0.85])
@@ -32,7 +33,7 @@ _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
 _FORM = 0.01  # of eta - 1, relative: what a tyre departs by is in the ensemble
 _PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is wide
 _NEAR = 0.4  # standard deviation about a place along the slip, in those of the slip
-_EMPTY = 1.0  # scenarios that any cell has of the prior: one that nobody sees has nothing else
+_EMPTY = 0.1  # scenarios that any cell has of the prior: one that nobody sees has nothing else
 _GROUPS = 256  # of scenarios alike in what is asked, in which the weights are added up
 
 
@@ -53,19 +54,41 @@ class _Sorted:
         return np.stack([np.interp(QUANTILES, column, self.edges) for column in below.T])
 
 
-def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
-    """The maps of an ensemble: of the pads' ratio, and of what is known before eta is read."""
+def pressure_odds(runs: list[RampRun]) -> Array:
+    """ln of the front pressure over the rear one at `Z` (k,), as on the ramps; 0 where one rules.
+
+    A known valve, or pressures of the wheels that are logged, make them differ.
+    """
+    z, odds = [], []
+    for run in runs:
+        if run.only is None:
+            b, at = run.blocks, run.braked
+            z.append(b.z[at])
+            odds.append(np.log(np.maximum(b.p_f[at], 1.0) / np.maximum(b.p_r[at], 1.0)))
+    along, apart = np.concatenate(z), np.concatenate(odds)
+    order = np.array_split(np.argsort(along), min(20, along.size))
+    at, mean = (np.array([np.mean(x[k]) for k in order]) for x in (along, apart))
+    return np.asarray(np.interp(Z, at, mean))
+
+
+def maps(car: Vehicle, e: Ensemble, odds: Array | None = None) -> tuple[PadMap, LevelMap]:
+    """The maps of an ensemble: of the pads' ratio, and of what is known before eta is read.
+
+    ``odds`` of the axles' pressures at `Z` [1], (k,), equal ones without: the ratio of the maps is
+    that of the brake forces, and holds them.
+    """
     s = scenarios(car, e)
+    apart_by = np.zeros_like(Z) if odds is None else odds
     asked = {"ratio": _Sorted(s.log_pad_ratio), "change": _Sorted(s.change)}
     rows: list[dict[str, Array]] = []
     before: list[dict[str, Array]] = []
-    shown = [seen(car, s, float(z)) for z in Z]
+    shown = [seen(car, s, float(z), float(o)) for z, o in zip(Z, apart_by, strict=True)]
     axis = _shifts(shown)
-    for z, at in zip(Z, shown, strict=True):
+    for z, at, more in zip(Z, shown, apart_by, strict=True):
         rolls = at.rolls[:, None].astype(float)
         one = _bounded("level", np.quantile(at.level, QUANTILES))
         for name, of in asked.items():
-            one |= _bounded(name, of.quantiles(rolls)[0])
+            one |= _bounded(name, of.quantiles(rolls)[0] + more * (name == "ratio"))
         form = _FORM * at.shift
         error = np.sqrt(form**2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
         near = np.exp(-0.5 * ((at.shift[:, None] - axis * z) / error) ** 2) / error * rolls
@@ -78,6 +101,7 @@ def maps(car: Vehicle, e: Ensemble) -> tuple[PadMap, LevelMap]:
         row = {"log_slip": _along(mean), "log_slip_sigma": _along(sigma)}
         for name, of in asked.items():
             found = of.quantiles(both.reshape(log_slip.size, -1))
+            found = found + more * (name == "ratio")
             row |= _bounded(name, found.reshape(axis.size, SLIP.size, 3))
         width = (row["ratio_upper"] - row["ratio_lower"]) / (
             one["ratio_upper"] - one["ratio_lower"]

@@ -97,15 +97,16 @@ class Seen:
     rolls: Mask
 
 
-def seen(car: Vehicle, s: Scenarios, z: float) -> Seen:
+def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
     """What is seen where the zeroed deceleration demands the brake force ``z`` [1] over the weight.
 
-    By (22), (19), (20). The tyres carry it less what the wheels' inertia takes.
+    ``odds`` ln of the front pressure over the rear one. By (22), (19), (20). The tyres carry it
+    less what the wheels' inertia takes.
     """
     brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
     rolling = [2.0 * axle.wheel_mass / car.mass for axle in (car.front, car.rear)]
     true = brake[:, 0] / (1.0 + sum(rolling))
-    share = brake_share(car, s.log_pad_ratio)[:, None]
+    share = brake_share(car, s.log_pad_ratio, odds)[:, None]
     force_f, force_r = (
         part * brake - inert * true[:, None]
         for part, inert in zip((share, 1.0 - share), rolling, strict=True)

@@ -2,9 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from calib.car.vehicle import Vehicle
 from calib.model.resistance import Resistance
 from calib.model.resistance import identify as identify_resistance
@@ -34,12 +31,8 @@ def judge_accelerometer(
     known: Resistance,
     b: Blocks,
     noise: SensorNoise,
-    smooth: NDArray[np.float64] | None = None,
 ) -> Accelerometer:
-    """Scale and offset of the accelerometer of a run, block by block.
-
-    ``smooth`` z of the blocks without jolts [1], (k,).
-    """
+    """Scale and offset of the accelerometer of a run, block by block."""
     unexplained = block_balance(vehicle, known.effects, b).demanded / vehicle.weight
     sigma = known.sigma_z(vehicle, b.speed)
-    return accelerometer(b, unexplained, sigma, noise.z, noise.v, smooth=smooth)
+    return accelerometer(b, unexplained, sigma, noise.z, noise.v)

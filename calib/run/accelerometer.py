@@ -117,18 +117,16 @@ def accelerometer(
     sigma: Array,
     density_z: float,
     density_v: float,
-    smooth: Array | None = None,
 ) -> Accelerometer:
     """Judge the accelerometer of a log block by block.
 
     ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
     ``sigma`` of that resistance, common to the log [1], (k,); ``density_z`` [s^0.5], ``density_v``
-    [m/s s^0.5] noise. ``smooth`` z of the blocks without jolts [1], (k,), tells scale and lag: in a
-    jolt a_x and v may differ by other causes.
+    [m/s s^0.5] noise.
     """
     at = np.arange(0, b.end.size, _STEP)
     read = _Reading(b, unexplained, sigma, density_z, density_v)
-    speeds, evidence = _evidence(read, b.z if smooth is None else smooth, at)
+    speeds, evidence = _evidence(read, b.z, at)
     weighed = _mixture(evidence, _CASES, _SCALE)
     c, bias, grade, drag = weighed.mean.T
     wanders = weighed.weights[:, 1::2].sum(axis=1)
@@ -197,7 +195,8 @@ def _usable(b: Blocks) -> Mask:
 def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
     """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
 
-    And where they are to be used, (k - 1,). None without v. ``smooth`` as in `accelerometer`.
+    And where they are to be used, (k - 1,). None without v. ``smooth`` z [1], (k,), tells scale and
+    lag.
     """
     if b.v is None:
         return None

@@ -10,10 +10,14 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
 from calib.base.errors import InputError
-from calib.estimation.estimator import COLUMNS as WRITTEN
+from calib.base.names import WHEELS
 
-COLUMNS = tuple(name for name in WRITTEN if name != "valid" and not name.startswith("pad_change"))
-"""Numeric columns of a result that are drawn."""
+COLUMNS = (
+    *("time", "z", "eta", "normalised_force_f", "normalised_force_r"),
+    *(f"pad_friction_{axle}{end}" for axle in "fr" for end in ("", "_lower", "_upper")),
+    *(f"brake_torque_{wheel}" for wheel in WHEELS),
+)
+"""Numeric columns of a result that are drawn; every program wrote them."""
 
 LATER = (
     *(f"pad_level{end}" for end in ("", "_lower", "_upper")),

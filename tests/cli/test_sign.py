@@ -10,11 +10,18 @@ from calib.store.minisign import generate
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.signing import ADA, EVE, secret_file
+from tests.support.tables import mapped_table
 
 pytestmark = pytest.mark.usefixtures("seen")
 
 SEED = bytes(range(32))
 SAMPLES = "sample_logs/sedan"
+
+
+@pytest.fixture
+def table():
+    """One that can be estimated with."""
+    return mapped_table()
 
 
 @pytest.fixture

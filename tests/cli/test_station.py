@@ -88,11 +88,13 @@ def test_the_document_holds_together(good, tmp_path):
 
 
 def test_a_car_that_fails_loses_its_exports(station, good, tmp_path):
-    assert station("--export", "dcm", stops=(DRY, WET)).code == 1
+    limits = tmp_path / "strict.toml"
+    limits.write_text("schema = 1\n[limits]\npad_scale = { max = 0.9 }\n")
+    assert station("--export", "dcm", "--limits", limits, stops=(DRY, WET)).code == 1
     assert not (tmp_path / "car" / "table.dcm").exists()
     document = json.loads((tmp_path / "car" / "station.json").read_text())
     failed = [check["figure"] for check in document["checks"] if check["verdict"] == "failed"]
-    assert (document["verdict"], "repeatability_f" in failed) == ("failed", True)
+    assert (document["verdict"], failed) == ("failed", ["pad_scale"])
 
 
 @pytest.mark.parametrize(

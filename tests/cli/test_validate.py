@@ -19,7 +19,6 @@ from tests.support.reference_car import (
     noisy,
     ramp,
     stop,
-    with_pads,
     without,
 )
 from tests.support.vehicle_files import write_vehicle
@@ -205,16 +204,6 @@ def test_a_calibration_log_is_named_as_no_proof(brake_cal, tmp_path):
     ran = brake_cal("validate", "sedan-2up", log, *where)
     assert ran.code == 1
     assert "no hold-out" in ran.out
-
-
-def test_a_surface_change_is_told(run, tmp_path):
-    plant = replace(
-        with_pads(REAL, 0.36, 0.36), surface=lambda x: (1.0, 1.0) if x < 100.0 else (0.95, 0.55)
-    )
-    log = tmp_path / "mixed.csv"
-    write_csv(noisy(stop(plant, pressure=24e5), 1), log)
-    # 100 m from 27 m/s are reached at 4.15 s; a block is 0.05 s
-    assert "the surface changed at 4.2" in run(log).out
 
 
 @pytest.mark.parametrize(

@@ -310,9 +310,9 @@ def test_a_truth_of_nought_is_no_proof():
     assert figures["ecu_normalised_error_level"] is None
 
 
-@pytest.mark.parametrize(("best", "spread"), [(0.03, 0.04), (0.05, 0.0125), (0.08, 0.0125)])
+@pytest.mark.parametrize(("best", "spread"), [(0.03, 0.04), (0.05, 0.025), (0.08, 0.025)])
 def test_what_v_adds_sets_the_scale_of_a_difference(best, spread):
-    """3, 4, 5; and a quarter of the ECU's own sigma where v adds nothing."""
+    """3, 4, 5; and half of the ECU's own sigma where v adds nothing."""
     every = np.ones(N, bool)
     ecu, reference = bounded(0.40 * np.exp(0.02), 0.05), bounded(0.40, best)
     assert departure(ecu, reference, every) == pytest.approx(0.02 / spread)
@@ -338,5 +338,5 @@ def test_only_a_log_with_v_has_a_reference():
     e = made_estimate(ecu=readout(0.40 * np.exp(0.015)))
     assert "ecu_reference_f" not in of_ecu(e)
     figures = of_ecu(with_speed(e))
-    assert figures["ecu_reference_f"] == pytest.approx(0.015 / (0.25 * SIGMA))
+    assert figures["ecu_reference_f"] == pytest.approx(0.015 / (0.5 * SIGMA))
     assert figures["ecu_reference_r"] == pytest.approx(0.0, abs=1e-9)

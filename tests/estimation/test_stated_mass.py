@@ -30,23 +30,12 @@ def heavy_stop():
     return noisy(stop(with_pads(LOADED, *PADS), 35e5), 3)
 
 
-def width(e):
-    """Median half width of the intervals of the front pads and of their change, relative."""
-    f = e.front
-    halves = (0.5 * (f.upper - f.lower) / f.pad_friction,)
-    halves += (0.5 * (f.change_upper - f.change_lower) / f.change,)
-    return [float(np.median(half[e.valid])) for half in halves]
-
-
 def test_told_the_intervals_hold_the_truth_and_untold_they_do_not(light, heavy_stop):
     since = [mu / CAR.front.pad_friction for mu in PADS]
     told, untold = estimate(light, heavy_stop, mass=1.2 * CAR.mass), estimate(light, heavy_stop)
     assert all(np.mean(e.valid[e.braked]) > 0.8 for e in (told, untold))
     assert min(*held(told, *PADS), *held(told, *since, "change_")) > 0.95
     assert max(held(untold, *PADS)[0], held(untold, *since, "change_")[0]) < 0.2
-    # the pads of today rest on a scale, their change on the 3 % of the ramp's mass, too
-    pads, change = width(told)
-    assert change > 1.9 * 0.03 > pads
 
 
 def test_the_mass_of_the_file_stated_again_moves_nothing():

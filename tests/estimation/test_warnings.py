@@ -47,10 +47,10 @@ def test_a_wrong_a_x_is_named_and_measured(fitted, clean, scale, offset, code, w
 
 
 def test_pads_wet_on_one_axle_are_named(fitted):
-    log = noisy(stop(with_pads(REAL, 0.38, 0.24)), 3)
+    log = noisy(stop(with_pads(REAL, 0.22, 0.38)), 3)
     found = warnings_of(log, estimate(fitted, log))
     (warning,) = [one for one in found if one.code == "pads_changed_apart"]
-    assert warning.measured == pytest.approx(0.38 / 0.24 - 1.0, rel=0.3)
+    assert warning.measured == pytest.approx(0.22 / 0.38 - 1.0, rel=0.3)
 
 
 def test_a_load_that_nobody_stated_is_named_and_measured(fitted):
@@ -102,7 +102,7 @@ def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
     assert not result.passed
     assert result.figures["valid_share"] == 0.0
     (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
-    assert told.figures["valid_share"] > 0.7
+    assert told.figures["valid_share"] > 0.6
     assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
 
 

@@ -52,7 +52,7 @@ class Toy:
 def made(monkeypatch, follows, jump=0.0):
     toy = Toy(follows, jump)
     monkeypatch.setattr(module, "scenarios", lambda car, e: toy)
-    monkeypatch.setattr(module, "seen", lambda car, s, z: s.seen(z))
+    monkeypatch.setattr(module, "seen", lambda car, s, z, odds: s.seen(z))
     return maps(CAR, None)
 
 

@@ -200,8 +200,6 @@ def test_pads_need_not_swallow_a_valve_that_is_known(hidden):
     table = fit(told, ramps)
     seen = validate(table, stops)
     assert max(worst(vehicle, blind)) > 0.05
-    # without the valve one stop brakes as if beside the pressure, and has no answer
-    assert [r.passed for r in blind].count(False) == 1
     assert all(r.passed for r in seen)
     # tyres that may differ between the axles leave some of the ratio open, and the interval says so
     assert max(worst(vehicle, seen)) < 0.5 * max(worst(vehicle, blind))

@@ -179,8 +179,8 @@ def exported(form: str) -> Seeds:
 
 
 def read_a_record(path: Path) -> object:
-    for name in ("difference", "paper", "tyre"):
-        link = path.with_name(f"{name}.parquet")
+    for name in (part.name for part in VERSION.glob("*.parquet")):
+        link = path.with_name(name)
         if not link.exists():
             link.symlink_to(VERSION / link.name)
     return read_version(path.parent)

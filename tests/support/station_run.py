@@ -16,12 +16,16 @@ MARKUP = "<img src=x onerror=alert(1)>&\"'$"
 
 @cache
 def failed_car() -> StationOutcome:
-    """A car with a log and a serial number named in markup; basalt with wet pads fails it."""
+    """A car with a log and a serial number named in markup, whose pads are past their limits."""
     car = replace(read_vehicle(SEDAN / "vehicle.toml"), name="sedan")
     ramp, coast = (read_log(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast"))
     stops = [read_log(SEDAN / f"{n}.csv") for n in ("dry_asphalt_stop", "basalt_wet_pads")]
     stops[0] = replace(stops[0], name=MARKUP, notes=(f"channel {MARKUP} was not taken",))
     identity = Identity(serial=MARKUP, vin="WVWZZZ1JZXW000001")
     table = table_of(car, [ramp], [coast], identity)
-    results = tuple(validated(table, log, LIMITS) for log in stops)
-    return StationOutcome(table, [ramp], [coast], stops, results, LIMITS, identity)
+    limits = tuple(
+        replace(one, high=0.9) if one.figure in ("pad_scale", "pad_ratio") else one
+        for one in LIMITS
+    )
+    results = tuple(validated(table, log, limits) for log in stops)
+    return StationOutcome(table, [ramp], [coast], stops, results, limits, identity)

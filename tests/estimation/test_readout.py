@@ -1,0 +1,129 @@
+"""A log through the step, on the independent plant: causal, finite, right, the same for an ECU."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.errors import StoreError
+from calib.base.names import WHEELS
+from calib.estimation.estimator import estimate
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL, WET, cut, noisy, stop, with_pads, without
+from tests.support.tables import made_table
+
+READ = ("best", "ecu")
+
+
+@pytest.fixture(scope="module")
+def wet():
+    return noisy(stop(WET), 3)
+
+
+@pytest.fixture(scope="module")
+def found(fitted, wet):
+    return estimate(fitted, wet, with_laws=False)
+
+
+def settled(e):
+    """Braked samples above 3 m/s, 0.3 s after the bite."""
+    since = e.time - e.time[np.flatnonzero(e.braked)[0]]
+    return e.braked & (e.speed > 3.0) & (since > 0.35)
+
+
+def level_of(front, rear):
+    """Brake force of pads over that of the vehicle file's."""
+    gains = [a.torque_gain * a.pad_friction for a in (CAR.front, CAR.rear)]
+    changed = [front / CAR.front.pad_friction, rear / CAR.rear.pad_friction]
+    return sum(g * x for g, x in zip(gains, changed, strict=True)) / sum(gains)
+
+
+def inside(x, true, which):
+    return float(np.mean(((x.lower <= true) & (true <= x.upper))[which]))
+
+
+@pytest.mark.parametrize("read", READ)
+def test_level_pads_and_ratio_are_in_their_bounds(found, read):
+    answer, which = getattr(found, read), settled(found)
+    assert inside(answer.level, level_of(0.31, 0.27), which) > 0.9
+    assert inside(answer.pads_f, 0.31, which) > 0.9
+    assert inside(answer.pads_r, 0.27, which) > 0.9
+    assert inside(answer.ratio, 0.31 / 0.27, which) > 0.9
+    assert inside(answer.change_f, 0.31 / 0.38, which) > 0.9
+    assert np.mean(answer.level.value[which]) == pytest.approx(level_of(0.31, 0.27), rel=0.02)
+    assert np.mean(answer.valid[which]) > 0.9
+
+
+@pytest.mark.parametrize("read", READ)
+def test_torques_add_up_to_the_level(found, wet, read):
+    answer, which = getattr(found, read), settled(found)
+    total = 2.0 * (answer.torque_f.value + answer.torque_r.value)
+    assert answer.torque_sum.value == pytest.approx(total)
+    true = sum(wet.truth[f"true_Tb_{w}"] for w in WHEELS)
+    assert np.mean(total[which] / true[which]) == pytest.approx(1.0, abs=0.02)
+    nominal = sum(2.0 * a.torque_gain * a.pad_friction for a in (CAR.front, CAR.rear))
+    assert total[which] == pytest.approx((nominal * answer.level.value * wet["p_mc"])[which])
+
+
+@pytest.mark.parametrize("read", READ)
+def test_every_settled_sample_has_an_answer(fitted, wet, read):
+    for log in (wet, without(wet, "v"), cut(wet, 1.4)):
+        e = estimate(fitted, log, with_laws=False)
+        for name, x in getattr(e, read).columns().items():
+            assert np.all(np.isfinite(x[settled(e)])), name
+
+
+def test_the_ecu_needs_no_speed(fitted, wet, found):
+    e = estimate(fitted, without(wet, "v"), with_laws=False)
+    which = settled(e) & settled(found)
+    ours, theirs = e.ecu.pads_f.value[which], found.ecu.pads_f.value[which]
+    assert ours == pytest.approx(theirs, rel=0.01)
+
+
+@pytest.mark.parametrize("last", [1.75, 4.013])
+def test_what_comes_later_changes_no_bit(fitted, wet, found, last):
+    early = estimate(fitted, cut(wet, 0.0, last), with_laws=False)
+    n = early.time.size // early.blocks.samples * early.blocks.samples
+    for name, x in early.ecu.columns().items():
+        assert np.array_equal(x[:n], found.ecu.columns()[name][:n]), name
+
+
+def test_a_second_stop_is_read_as_if_alone(fitted):
+    """25 bar from 27 m/s, two seconds of rolling, and again with pads that dried."""
+
+    def pedal(t):
+        return 25e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0) * (t < 3.0 or t > 5.0)
+
+    plant = replace(REAL, pads=lambda t: (0.25, 0.22) if t < 4.0 else (0.38, 0.38))
+    log = noisy(as_log(drive(plant, pedal, 27.0, duration=9.0, stop_speed=1.5), "twice"), 2)
+    e = estimate(fitted, log, with_laws=False)
+    first, second = (
+        e.braked & (e.speed > 3.0) & (e.time > a) & (e.time < b) for a, b in ((2.1, 3.0), (5.5, 9))
+    )
+    assert inside(e.best.level, level_of(0.25, 0.22), first) > 0.9
+    assert inside(e.best.level, level_of(0.38, 0.38), second) > 0.9
+    assert inside(e.best.pads_f, 0.38, second) > 0.9
+
+
+@pytest.mark.parametrize("logged", ["with v", "without v"])
+def test_brakes_that_follow_late_are_found(fitted, logged):
+    log = noisy(stop(replace(REAL, hydraulic_lag=0.15)), 3)
+    log = log if logged == "with v" else without(log, "v")
+    e = estimate(fitted, log, with_laws=False)
+    assert e.best.lag[e.valid][-1] == pytest.approx(0.15, abs=0.04)
+    late = settled(e) & (e.time > 2.5)
+    assert inside(e.best.level, 1.0, late) > 0.9
+    assert inside(e.best.pads_f, 0.38, late) > 0.85
+
+
+def test_pads_that_are_unlike_are_told_with_a_speed(fitted):
+    log = noisy(stop(with_pads(REAL, 0.28, 0.38)), 3)
+    e = estimate(fitted, log, with_laws=False)
+    which = settled(e)
+    assert inside(e.best.ratio, 0.28 / 0.38, which) > 0.85
+    assert e.best.ratio.value[which][-1] < 0.9
+
+
+def test_a_table_without_maps_is_refused(wet):
+    with pytest.raises(StoreError, match="maps"):
+        estimate(made_table(), wet)

@@ -1,0 +1,239 @@
+"""The step on blocks whose truth is a closed form: level, lag, zeros, look-up, reset, reasons."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+
+from calib.base.names import G
+from calib.estimation.step import (
+    COLUMNS,
+    LEVEL,
+    PADS,
+    Constants,
+    Gaussian,
+    Reader,
+    Reason,
+    Sample,
+    started,
+    step,
+)
+from calib.table.maps import LevelMap
+from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map
+
+DT = 0.05
+SHIFT = 0.004
+"""(eta - 1)/z of the stops."""
+
+
+def before_eta():
+    """A level that is known to +-0.02, a ratio that is known to +-1 only."""
+    z = np.array([0.1, 0.8])
+    zero, one = np.zeros(2), np.ones(2)
+    return LevelMap(z, zero, -0.02 * one, 0.02 * one, *2 * (zero, -one, one))
+
+
+def constants(**changed):
+    return Constants(
+        **{
+            "ratio": Reader(made_map(), COLUMNS),
+            "level": Reader(before_eta(), (*LEVEL, *PADS)),
+            "noise_omega": 1e-3,
+            "noise_z": 1e-4,
+            "noise_v": 1e-3,
+            "radius": 0.322,
+            "late": 0.0,
+            "late_sigma": 1e-3,
+            "ramp_ratio": 0.0,
+            "block": DT,
+            **changed,
+        }
+    )
+
+
+def stop(level=0.8, *, lag=1e-3, zero=0.012, wheels=0.998, rolling=1.5, apart=0.0, with_v=True,
+         last=5.0, speed=35.0, drift=0.0):  # fmt: skip
+    """Blocks of a stop with 0.4 of nominal brake force after ``rolling`` [s].
+
+    The deceleration reads ``zero`` and eta ``wheels`` where nothing brakes, eta with a ``drift``
+    [1/s] while the car rolls; ln(slip/z) is ``apart`` standard deviations from its mean in the map.
+    """
+    out, acting, nominal, v = [], 0.0, 0.0, speed
+    for k in range(round((rolling + last) / DT)):
+        t = DT * (k + 1)
+        then, nominal = nominal, 0.4 * min(max(t - rolling, 0.0) / 0.5, 1.0)
+        # behind a lag of first order, of a straight rise within the block
+        rate = (nominal - then) / DT
+        acting = nominal - lag * rate + (acting - then + lag * rate) * math.exp(-DT / lag)
+        z = level * acting
+        slip = z * math.exp(z - 3.0 - SHIFT + apart * (0.2 + z)) if z > 0.0 else 0.0
+        v -= G * (z + zero) * DT
+        turned = wheels + drift * min(t, rolling)
+        eta = turned * (1.0 + SHIFT * z)
+        # rims weighted by load slip by as much
+        rim = v * (1.0 - slip) / (1.0 + 0.4 * (eta / turned - 1.0))
+        out.append(
+            Sample(z + zero, nominal, 4e7 / 4.0 * nominal, z + zero, eta, rim, 0.4,
+                   v if with_v else math.nan, False)
+        )  # fmt: skip
+    return out
+
+
+def run(blocks, c=None, state=None):
+    c = c or constants()
+    s = state or started(c)
+    return [step(c, s, x) for x in blocks], s
+
+
+def test_a_map_is_read_as_another_program_reads_it():
+    made = made_map()
+    reader = Reader(made, COLUMNS)
+    rng = np.random.default_rng(3)
+    for name, k in (("ratio", 0), ("log_slip_sigma", COLUMNS.index("log_slip_sigma"))):
+        other = RegularGridInterpolator(tuple(made.axes.values()), made.grid(name))
+        for _ in range(50):
+            point = [float(rng.uniform(axis[0], axis[-1])) for axis in made.axes.values()]
+            assert reader.at(point[0])(*point[1:])[k] == pytest.approx(float(other(point)[0]))
+
+
+def test_a_map_is_held_at_its_ends():
+    reader = Reader(made_map(), COLUMNS)
+    assert reader.at(9.0)(9.0, -9.0) == reader.at(0.8)(0.02, -1.0)
+
+
+def test_a_reading_is_taken_in_as_the_textbook_has_it():
+    rng = np.random.default_rng(1)
+    root = rng.normal(size=(4, 4))
+    P, x, H, R, y = root @ root.T, rng.normal(size=4), rng.normal(size=4), 0.3, 1.7
+    S = H @ P @ H + R
+    g = Gaussian(x.tolist(), P.tolist())
+    assert g.measured(y, H.tolist(), R) == pytest.approx(y / np.sqrt(S))
+    assert g.x == pytest.approx(x + P @ H / S * y)
+    assert np.array(g.P) == pytest.approx(P - np.outer(P @ H, H @ P) / S)
+
+
+@pytest.mark.parametrize("level", [0.5, 0.8, 1.2])
+def test_the_level_is_that_of_the_forces(level):
+    answers, _ = run(stop(level))
+    last = answers[-1]
+    assert last.level == pytest.approx(math.log(level), abs=0.01)
+    assert last.level_lower < math.log(level) < last.level_upper
+    assert last.level_upper - last.level_lower < 0.08
+
+
+@pytest.mark.parametrize("apart", [-0.8, 0.0, 1.2])
+def test_the_ratio_is_that_of_the_map(apart):
+    """Linear in all three axes; its bounds are those of the map and what the sensors leave open."""
+    answers, _ = run(stop(apart=apart))
+    last, z = answers[-1], 0.32
+    true = A + B_Z * z + B_SHIFT * SHIFT + B_SLIP * apart
+    assert last.ratio == pytest.approx(true, abs=0.02)
+    assert 0.1 <= last.ratio - last.ratio_lower < 0.15
+    assert 0.2 <= last.ratio_upper - last.ratio < 0.25
+    assert last.change == pytest.approx(last.ratio - 0.05, abs=1e-9)
+    assert last.slip == pytest.approx(z - 3.0 - SHIFT + apart * (0.2 + z), abs=0.05)
+
+
+def test_without_a_speed_the_slip_is_that_of_the_map():
+    seeing, blind = (run(stop(apart=1.2, with_v=v))[0][-1] for v in (True, False))
+    assert abs(blind.ratio - (A + B_Z * 0.32 + B_SHIFT * SHIFT)) < 0.1
+    assert blind.slip_sigma > seeing.slip_sigma
+    assert blind.ratio_upper - blind.ratio_lower > seeing.ratio_upper - seeing.ratio_lower
+
+
+def test_a_lag_of_the_brakes_is_found():
+    answers, s = run(stop(lag=0.15), constants(noise_z=1e-3))
+    assert answers[-1].lag == pytest.approx(0.15, abs=0.04)
+    assert answers[-1].level == pytest.approx(math.log(0.8), abs=0.015)
+    # it is the car's, and outlives the stop
+    rolled = [replace_sample(x, pressure=0.0, nominal=0.0) for x in stop(rolling=3.0, last=0.0)]
+    after, s = run(rolled, state=s)
+    assert after[-1].lag == answers[-1].lag
+
+
+def replace_sample(x, **changed):
+    return x._replace(**changed)
+
+
+def test_a_second_stop_starts_anew():
+    """Wet pads first, dry ones then: the first stop is forgotten, the zeros are not."""
+    _, s = run(stop(0.5))
+    answers, _ = run(stop(1.0, rolling=2.0), state=s)
+    settled = [a for a in answers if a.reason == Reason.VALID]
+    assert settled[0].level == pytest.approx(0.0, abs=0.03)
+    assert settled[-1].level == pytest.approx(0.0, abs=0.01)
+    assert settled[-1].ratio == pytest.approx(A + B_Z * 0.4 + B_SHIFT * SHIFT, abs=0.03)
+
+
+def test_zeros_follow_what_drifts_until_the_bite():
+    """Tyres that warm by 0.1 % in five minutes; 2e-5 of eta is 0.1 % of the ratio."""
+    _, s = run(stop(rolling=60.0, drift=1e-3 / 300.0, speed=45.0))
+    assert s.eta.value == pytest.approx(0.998 + 60.0 * 1e-3 / 300.0, abs=3e-5)
+    assert s.demand.value == pytest.approx(0.012, abs=1e-3)
+
+
+def test_without_a_lead_in_all_is_finite_and_wide():
+    whole, short = (run(stop(rolling=r))[0] for r in (1.5, 0.0))
+    assert np.all(np.isfinite([a[:-2] for a in short]))
+    assert short[-1].reason == Reason.NO_ZERO
+    widths = [a[-1].ratio_upper - a[-1].ratio_lower for a in (whole, short)]
+    assert widths[1] > widths[0]
+    assert short[-1].level == pytest.approx(math.log(0.8), abs=0.1)
+
+
+def test_reasons():
+    blocks = stop()
+    answers, s = run(blocks)
+    reasons = [a.reason for a in answers]
+    assert set(reasons[:30]) == {Reason.NOT_BRAKED}
+    assert reasons[30:36].count(Reason.JUST_APPLIED) >= 3
+    assert set(reasons[38:]) == {Reason.VALID}
+    last = blocks[-1]
+    for changed, reason in (
+        ({"pressure": 1e5}, Reason.NOT_BRAKED),
+        ({"rim": 1.0}, Reason.SLOW),
+        ({"disturbed": True}, Reason.DISTURBED),
+    ):
+        assert step(constants(), s, replace_sample(last, **changed)).reason == reason
+
+
+def test_an_eta_that_no_stop_shows_is_not_read():
+    answers, _ = run([replace_sample(x, eta=0.998 + 0.1 * (x.eta - 0.998) / 0.004)
+                      if x.nominal else x for x in stop()])  # fmt: skip
+    last = answers[-1]
+    assert last.reason == Reason.BEYOND_MAP
+    assert (last.ratio, last.ratio_lower, last.ratio_upper) == pytest.approx((0, -1, 1), abs=0.3)
+    assert last.level == pytest.approx(math.log(0.8), abs=0.02)
+
+
+def test_in_the_limit_of_no_noise_the_forces_are_exact():
+    quiet = constants(
+        noise_omega=1e-9, noise_z=1e-9, noise_v=1e-9, late_sigma=0.0, scale=0.0, scale_sigma=1e-9
+    )
+    answers, _ = run(stop(lag=quiet.lag), quiet)
+    assert answers[-1].level == pytest.approx(math.log(0.8), abs=2e-4)
+    assert answers[-1].ratio == pytest.approx(A + B_Z * 0.32 + B_SHIFT * SHIFT, abs=5e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_whatever_is_read_the_answer_is_finite(seed):
+    """Sensors that fail: any number, for as long as they like."""
+    rng = np.random.default_rng(seed)
+    size = 10.0 ** rng.uniform(-3.0, 1.0, 9)
+    blocks = []
+    for _ in range(400):
+        if rng.random() < 0.05:
+            size = 10.0 ** rng.uniform(-3.0, 1.0, 9)
+        x = size * rng.standard_normal(9)
+        pressure = 1e6 * max(x[2], 0.0)
+        v = math.nan if rng.random() < 0.5 else 20.0 * x[6]
+        blocks.append(
+            Sample(x[0], pressure / 1e7, pressure, x[3], math.exp(0.1 * x[4]),
+                   max(20.0 * x[5], 0.3), 0.4, v, bool(rng.random() < 0.1), x[7])
+        )  # fmt: skip
+    answers, _ = run(blocks)
+    told = np.array([answer[:15] for answer in answers], dtype=float)
+    assert np.all(np.isfinite(told))
+    for at in (0, 3, 6):
+        assert np.all((told[:, at + 1] <= told[:, at]) & (told[:, at] <= told[:, at + 2]))
