@@ -6,25 +6,28 @@ from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
 from calib.fitting.one_axle_ramps import with_both_axles
 from calib.fitting.pad_level import level_sigmas
+from calib.model.parameters import AT
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
 from calib.table.budget import Parts, axle_budgets
-from calib.table.table import Calibration, TableBudget, TyrePosterior
-
-_OPEN = "unlike_pads"
-"""What the ramps leave open: pads, tyres and their forms imitate each other."""
+from calib.table.table import Calibration, TableBudget
 
 
 def table_budget(
-    vehicle: Vehicle, level: Parts, pads: Calibration, posterior: TyrePosterior
+    vehicle: Vehicle, level: Parts, pads: Calibration, posterior: dict[str, Array]
 ) -> TableBudget:
-    """The budget of a table as it is stored with it; ``level`` by `level_parts`."""
-    front, rear = axle_budgets(vehicle, pads, level, {_OPEN: pads.pad_log_ratio.sigma**2})
+    """The budget of a table as it is stored with it.
+
+    ``level`` by `level_parts`, ``posterior`` covariance of `RampParameters` by part.
+    """
+    at = AT.log_pad_ratio
+    ratio = {part: float(share[at, at]) for part, share in posterior.items()}
+    front, rear = axle_budgets(vehicle, pads, level, ratio)
     return TableBudget(
         front=front.relative,
         rear=rear.relative,
         level=dict(level),
-        posterior={_OPEN: posterior.covariance},
+        posterior={part: tuple(map(tuple, x.tolist())) for part, x in posterior.items()},
     )
 
 

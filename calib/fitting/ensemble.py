@@ -60,7 +60,7 @@ class Ensemble:
 
     def take(self, which: Index | Mask) -> "Ensemble":
         """These draws alone."""
-        return Ensemble(*(getattr(self, f.name)[which] for f in fields(self)))
+        return Ensemble(*(getattr(self, f.name)[which] for f in fields(Ensemble)))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from dataclasses import asdict
 import numpy as np
 
 from calib.base.errors import LogError
-from calib.base.warning import PlausibilityWarning
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
 from calib.car.vehicle import Vehicle
@@ -17,22 +16,21 @@ from calib.fitting.calibration import calibration_of
 from calib.fitting.curves import difference_curves, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
-from calib.fitting.ensemble import Ensemble
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics
-from calib.fitting.moments import tyre_posterior
+from calib.fitting.moments import as_cubic, tyre_posterior
 from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
-from calib.fitting.posterior import posterior
+from calib.fitting.posterior import parts_of, posterior
 from calib.fitting.provenance import provenance
 from calib.fitting.remarks import remarks, stated, taken_out
-from calib.fitting.residuals import residuals
+from calib.fitting.residuals import explained
 from calib.fitting.ridge import find_peak, readable_up_to, ridge
 from calib.fitting.stated_pads import UNSAID, measured, stated_pad_ratio
 from calib.fitting.warnings import file_warnings, log_warnings
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
-from calib.model.ramp import RampRun, prepare
+from calib.model.ramp import prepare
 from calib.model.resistance import RESISTANCE
 from calib.model.resistance import identify as identify_resistance
 from calib.model.roller_bench import RollerBench
@@ -100,7 +98,7 @@ def fit(
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in normal))
     sources = ", ".join(log.source for log, _, _ in ramps)
     before = ratio_by_levels(car, runs, known, stated_ratio or UNSAID)
-    ensemble = _explained(car, runs, before, sources, warnings)
+    ensemble, left = explained(car, runs, before, sources, warnings)
     alone = posterior(car, normal, stated_ratio or UNSAID) if len(normal) < len(runs) else None
     of = ridge(car, ensemble, np.linspace(0.0, z_max, 201))
     peak, z_end = find_peak(of), readable_up_to(of)
@@ -114,7 +112,8 @@ def fit(
             do="check areas and radii of the brakes in the vehicle file",
             lines=tuple(map(str, warnings)),
         )
-    tyre = tyre_posterior(ensemble, float(np.max(np.median([of.F_f, of.F_r], axis=1))))
+    drawn = as_cubic(ensemble, float(np.max(np.median([of.F_f, of.F_r], axis=1))))
+    tyre = tyre_posterior(drawn)
     ratio = Value(tyre.value("log_pad_ratio"), tyre.sigma("log_pad_ratio"))
     scales = pad_levels_of(car, normal, ratio.value)
     level = level_parts(car, scales, runs, known)
@@ -122,7 +121,6 @@ def fit(
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
     difference, paper = difference_curves(car, ensemble, runs, z_end)
-    left = [residuals(car, ensemble, run) for run in runs]
     pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
         name=vehicle.name,
@@ -147,7 +145,7 @@ def fit(
             *calibration_warnings(car, pads, tyre, stated_ratio),
             *warnings,
         ),
-        budget=table_budget(car, level, pads, tyre),
+        budget=table_budget(car, level, pads, parts_of(drawn, ensemble)),
         map=pad_map,
         level_map=level_map,
         draws=draws_of(car, ensemble, pads),
@@ -159,23 +157,3 @@ def fit(
 def _weight(before: Value, now: Value) -> float:
     """Share of what was known of the pads' ratio ``before`` in what is known ``now`` [1]."""
     return min((now.sigma / before.sigma) ** 2, 1.0)
-
-
-def _explained(
-    car: Vehicle,
-    runs: list[RampRun],
-    ratio: Value,
-    sources: str,
-    warnings: tuple[PlausibilityWarning, ...],
-) -> Ensemble:
-    """The ensemble of the ramps; LogError where no tyre explains them."""
-    try:
-        return posterior(car, runs, ratio)
-    except ValueError as error:
-        raise LogError(
-            "no tyre carries the forces of the ramps",
-            where=sources,
-            expected="no wheel near its limit, and mass, axle loads and radii of this car",
-            do="end the ramp before ABS works or a wheel locks; look at it with `brake-cal check`",
-            lines=tuple(map(str, warnings)),
-        ) from error

@@ -5,12 +5,10 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.bias import front_biased_up_to
 from calib.car.vehicle import Vehicle
+from calib.fitting.residuals import Residuals
 from calib.fitting.ridge import Peak
 from calib.model.ramp import RampRun
 from calib.model.settings import SETTINGS
-
-Residuals = list[tuple[Array, Array]]
-"""Of eta and of slip of each run, see `calib.fitting.residuals`."""
 
 
 def metrics(

@@ -15,8 +15,8 @@ from calib.model.parameters import RampParameters
 from calib.table.table import TyrePosterior
 
 
-def tyre_posterior(e: Ensemble, greatest: float) -> TyrePosterior:
-    """The moments over the names of `RampParameters`; ``greatest`` force over load of the ramp."""
+def as_cubic(e: Ensemble, greatest: float) -> Array:
+    """`RampParameters` of the draws, (8, n); ``greatest`` force over load of the ramp [1]."""
     force = np.linspace(0.1, 1.0, 10) * greatest
     use = force / e.peak[:, None]
     x = np.einsum("nkf,nf->nk", inverse_forms(use), e.forms) / use
@@ -31,9 +31,14 @@ def tyre_posterior(e: Ensemble, greatest: float) -> TyrePosterior:
         log_tyre_ratio=np.log(e.compliance_f / e.compliance_r),
         radius_load=e.radius_load,
     )
-    covariance = np.cov(np.stack(drawn))
+    return np.stack(drawn)
+
+
+def tyre_posterior(drawn: Array) -> TyrePosterior:
+    """Mean and covariance of ``drawn`` (8, n)."""
+    covariance = np.cov(drawn, bias=True)
     return TyrePosterior(
         names=RampParameters._fields,
-        mean=tuple(float(np.mean(one)) for one in drawn),
+        mean=tuple(np.mean(drawn, axis=1).tolist()),
         covariance=tuple(tuple(row) for row in covariance.tolist()),
     )

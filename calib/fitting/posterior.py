@@ -56,6 +56,41 @@ _NONLINEAR = (
 
 
 @dataclass(frozen=True)
+class Posterior(Ensemble):
+    """The draws that explain ramps.
+
+    ``pulls`` (n, m) by part of a budget (`calib.table.budget`): by how much ln of the probability
+    of a draw grows when an error of that cause grows by one standard deviation. The mean of any x
+    then moves by cov(x, pull), and that of all causes is its covariance; see `parts_of`.
+    ``misfit`` root mean square of what the draws leave of eta and slip, over the errors of sensors
+    and form [1].
+    """
+
+    pulls: dict[str, Array]
+    misfit: float
+
+
+def parts_of(x: Array, e: Posterior) -> dict[str, Array]:
+    """Covariance (k, k) of ``x`` (k, n), a function of the draws, by the cause of the error.
+
+    Each cause moves the mean of x by cov(x, pull). That is exact where all is normal and linear;
+    elsewhere the parts are stretched so that they add up to the covariance of the draws.
+    """
+    sigma = np.std(x, axis=1, keepdims=True)
+    unit = (x - np.mean(x, axis=1, keepdims=True)) / np.where(sigma > 0.0, sigma, 1.0)
+    moved = {part: unit @ (pull - pull.mean(axis=0)) / e.size for part, pull in e.pulls.items()}
+    parts = {part: by @ by.T for part, by in moved.items()}
+    whole = _even_root(unit @ unit.T / e.size)
+    stretch = sigma * (whole @ np.linalg.pinv(_even_root(np.sum(list(parts.values()), axis=0))))
+    return {part: stretch @ of @ stretch.T for part, of in parts.items()}
+
+
+def _even_root(covariance: Array) -> Array:
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
+
+
+@dataclass(frozen=True)
 class _Ramp:
     """One ramp, zeroed on its lead-in: means of groups of blocks, (k,) each.
 
@@ -82,11 +117,18 @@ class _Ramp:
     own_sigma: Array
     zero_eta: float
 
+    @property
+    def with_v(self) -> bool:
+        """Whether v was logged: `own` is then its zero and its clock."""
+        return self.own_sigma.size == 2
+
 
 def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
     b, noise = run.blocks, run.noise
     lead = run.rolling
     at = np.flatnonzero(run.braked & (b.speed > _SLOW))
+    if not (at.size and lead.size):
+        raise ValueError("no blocks of a braking, or none of rolling before it")
     groups = np.array_split(at, min(_GROUPS, at.size))
     time, rolled = np.array([g.size for g in groups]) * b.length, lead.size * b.length
 
@@ -209,9 +251,11 @@ class _Regression:
         self.start = np.zeros(size)
         self.start[:3] = mean, mean, PRIORS["radius_load"][0]
         self.start[3 + len(ramps) :] = np.concatenate([r.own_mean for r in ramps])
-        self.white = np.linalg.inv(np.linalg.cholesky(self._covariance()))
+        self.ends = np.concatenate([[0], np.cumsum(sizes)]) + 3 + len(ramps)
+        self.sensors, self.form = self._covariances()
+        self.white = np.linalg.inv(np.linalg.cholesky(self.sensors + self.form))
 
-    def _covariance(self) -> Array:
+    def _covariances(self) -> tuple[Array, Array]:
         """Of the rows: sensors, and the correlated error of the form over the deceleration."""
         from scipy.linalg import block_diag
 
@@ -230,7 +274,7 @@ class _Regression:
         self.places = z
         sensors = [np.diag(r.eta_variance) for r in self.ramps]
         sensors += [r.slip_covariance for r in self.ramps]
-        return np.asarray(size[:, None] * size * near + block_diag(*sensors))
+        return np.asarray(block_diag(*sensors)), np.asarray(size[:, None] * size * near)
 
     def rows(self, e: Ensemble) -> tuple[Array, Array, Mask]:
         """Design (n, k, p), data (n, k), and whether all forces are below the peaks (n,)."""
@@ -276,22 +320,46 @@ class _Regression:
 
     def late(self, linear: Array) -> Array:
         """Time by which v is late [s] (n,), mean of the runs that have v; 0 without any."""
-        at = 3 + len(self.ramps) + np.cumsum([0, *(r.own_sigma.size for r in self.ramps)])
-        with_v = [int(k) + 1 for k, r in zip(at, self.ramps, strict=False) if r.own_sigma.size == 2]
-        return np.asarray(linear[:, with_v].sum(axis=1) / max(len(with_v), 1))
+        clocks = [k + 1 for k, r in zip(self.ends, self.ramps, strict=False) if r.with_v]
+        return np.asarray(linear[:, clocks].sum(axis=1) / max(len(clocks), 1))
 
-    def departures(self, e: Ensemble, linear: Array) -> dict[str, Array]:
+    def left(self, e: Ensemble, linear: Array) -> Array:
+        """What the draws with ``linear`` (n, p) leave of the rows (n, k), whitened."""
+        H, y, _ = self.rows(e)
+        return np.asarray((y - np.einsum("nkp,np->nk", H, linear)) @ self.white.T)
+
+    def departures(self, left: Array) -> dict[str, Array]:
         """Relative departure of eta - 1 and slip from the forms at `DEPART_AT`, (n, k) each.
 
-        The mean of the correlated error, given what the draws with ``linear`` (n, p) leave.
+        The mean of the correlated error, given what the draws leave, ``left``.
         """
-        H, y, _ = self.rows(e)
-        left = (y - np.einsum("nkp,np->nk", H, linear)) @ self.white.T @ self.white
-        near = _near(self.places, DEPART_AT)
+        pull, near = left @ self.white, _near(self.places, DEPART_AT)
         return {
-            of: PRIORS[f"form_error_{of}"][0] * (left * size) @ near
+            of: PRIORS[f"form_error_{of}"][0] * (pull * size) @ near
             for of, size in self.departs.items()
         }
+
+    def pulls(self, e: Ensemble, x: Array, linear: Array, left: Array) -> dict[str, Array]:
+        """`Posterior.pulls` of draws by their standard normal ones ``x`` (n, d)."""
+        rows = left @ self.white
+        of_prior = (linear - self.start) @ np.linalg.cholesky(self.precision)
+        geometry = [len(FORMS) + _NONLINEAR.index(n) for n in ("cg_to_front_axle", "cg_height")]
+        pads = len(FORMS) + _NONLINEAR.index("log_pad_ratio")
+        tyres = np.setdiff1d(np.arange(x.shape[1]), [*geometry, pads])
+        scale = [int(k) for k, r in zip(self.ends, self.ramps, strict=False) if not r.with_v]
+        zeros = np.setdiff1d(np.arange(3, self.start.size), scale)
+        return {
+            "unlike_pads": x[:, [pads]],
+            "tyres": np.hstack([x[:, tyres], of_prior[:, :2], rows @ _root(self.form)]),
+            "load_geometry": np.hstack([x[:, geometry], of_prior[:, [2]]]),
+            "accelerometer": of_prior[:, scale],
+            "zeros": of_prior[:, zeros],
+            "noise": rows @ _root(self.sensors),
+        }
+
+
+def _root(covariance: Array) -> Array:
+    return np.asarray(np.linalg.cholesky(covariance))
 
 
 def _near(x: Array, y: Array) -> Array:
@@ -299,10 +367,11 @@ def _near(x: Array, y: Array) -> Array:
     return np.asarray(np.exp(-0.5 * ((x[:, None] - y) / PRIORS["form_length"][0]) ** 2))
 
 
-def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAWS) -> Ensemble:
+def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAWS) -> Posterior:
     """The ensemble given the ramps ``runs``; ``ratio`` what is known of the pads' ratio before.
 
-    Raises ValueError where no draw of the prior explains the ramps at all.
+    Raises ValueError where no draw of the prior explains the ramps at all, or nothing is left of a
+    ramp.
     """
     from scipy.special import ndtri
 
@@ -320,9 +389,10 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
-    departs = regression.departures(e, found)
+    left = regression.left(e, found)
+    departs = regression.departures(left)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
-    return Ensemble(
+    return Posterior(
         **{
             **vars(e),
             "compliance_f": front,
@@ -331,6 +401,8 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "v_late": regression.late(found),
             "depart_eta": departs["eta"],
             "depart_slip": departs["slip"],
+            "pulls": regression.pulls(e, x, found, left),
+            "misfit": float(np.sqrt(np.mean(left**2))),
         }
     )
 

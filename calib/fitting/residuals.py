@@ -1,16 +1,66 @@
-"""What an ensemble leaves of the eta and the slip of a ramp, block by block, over their noise."""
+"""What an ensemble leaves of the eta and the slip of a ramp, block by block, over their noise.
+
+A ramp that no draw carries, or that all leave far more of than the sensors err by, makes no table.
+"""
 
 import numpy as np
 
 from calib.base.arrays import Array, Index
+from calib.base.errors import LogError
 from calib.base.names import G
+from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, brake_share
+from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.ridge import shown
 from calib.model.ramp import RampRun, sigma_eta, sigma_slip
 from calib.model.settings import SETTINGS
+from calib.table.table import Value
 
 _SOME = 64  # draws whose median is taken: it is known far better than a block
+
+_MOST = 3.0
+"""Root mean square of the residuals of eta past which a ramp is not explained: foreign tyres leave
+0.7 to 1.5, wheel speeds of 20 Hz 2, one that is held for 0.1 s, and moves the ratio of the pads by
+a sixth, 5."""
+
+Residuals = list[tuple[Array, Array]]
+"""Of eta and of slip of each run, see `residuals`."""
+
+
+def explained(
+    car: Vehicle,
+    runs: list[RampRun],
+    ratio: Value,
+    sources: str,
+    warnings: tuple[PlausibilityWarning, ...],
+) -> tuple[Posterior, Residuals]:
+    """The ensemble of the ramps, ``ratio`` known of the pads before, and what it leaves of them.
+
+    LogError, with the ``sources`` of the ramps, where it does not explain them.
+    """
+    lines = tuple(map(str, warnings))
+    try:
+        found = posterior(car, runs, ratio)
+    except ValueError as error:
+        raise LogError(
+            "no tyre carries the forces of the ramps",
+            where=sources,
+            expected="no wheel near its limit, and mass, axle loads and radii of this car",
+            do="end the ramp before ABS works or a wheel locks; look at it with `brake-cal check`",
+            lines=lines,
+        ) from error
+    left = [residuals(car, found, run) for run in runs]
+    worst = max(float(np.sqrt(np.mean(eta**2))) for eta, _ in left if eta.size)
+    if worst > _MOST:
+        raise LogError(
+            f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
+            where=sources,
+            expected=f"up to {_MOST:.0f} times",
+            do="look at the wheel speeds with `brake-cal check`: one may be late, or coarse",
+            lines=lines,
+        )
+    return found, left
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:

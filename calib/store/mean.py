@@ -144,15 +144,9 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], 
     log_ratio = Value(middle.ratio, float(np.sqrt(sum(ratio.values()))))
     pads = calibration_of(vehicle, pad_scale(vehicle, middle), log_ratio, level)
     front, rear = axle_budgets(vehicle, pads, level, ratio)
-    # the part of the covariance that no stop learns from: no mean makes it smaller
-    scatters = [t.posterior.scatter for t in tables]
-    apart = _shared([{"": one} if one else {} for one in scatters], weights)
     found = {
         "posterior": TyrePosterior(
-            names,
-            tuple(mean.tolist()),
-            _rows(np.sum(list(parts.values()), axis=0)),
-            _rows(apart[""]) if apart else (),
+            names, tuple(mean.tolist()), _rows(np.sum(list(parts.values()), axis=0))
         ),
         "calibration": pads,
         "budget": TableBudget(
