@@ -47,8 +47,7 @@ def difference_curves(
     z = np.linspace(0.0, z_end, SETTINGS.rows)
     of = ridge(vehicle, e, z)
     eta = np.linspace(1.0, float(of.middle[-1]), SETTINGS.rows)
-    rows = [np.interp(eta, np.maximum.accumulate(x), D) for x, D in zip(of.eta, of.D, strict=True)]
-    lower, D, upper = np.quantile(rows, _BAND, axis=0)
+    lower, D, upper = np.quantile(differences(of, eta), _BAND, axis=0)
     measured = [
         run.since_rolling(run.blocks.eta)[run.use & ~run.blocks.lead_in]
         for run in with_both_axles(runs)
@@ -68,23 +67,37 @@ def difference_curves(
 def tyre_curve(e: Ensemble, runs: list[RampRun], of: Ridge) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle, up to the greatest measured.
 
-    Of the mean compliance of both axles. Draws have no more force than `NEAR_PEAK` of their peak.
+    Draws have no more force than `NEAR_PEAK` of their peak.
     """
     greatest = 1.1 * float(np.median(np.maximum(of.F_f, of.F_r)[:, -1]))
-    use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)
-    forms = inverse_forms(use) @ e.forms.T
-    reach = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
-    slips, forces = reach[:, None] * forms.T, e.peak[:, None] * use
-    end = np.median([np.interp(greatest, f, s) for f, s in zip(forces, slips, strict=True)])
+    tyres = list(zip(*_tyres(e), strict=True))
+    end = np.median([np.interp(greatest, force, slip) for slip, force in tyres])
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
-    rows = [np.interp(grid, s, f) for s, f in zip(slips, forces, strict=True)]
-    lower, g, upper = np.quantile(rows, _BAND, axis=0)
+    lower, g, upper = np.quantile(tyre_forces(e, grid), _BAND, axis=0)
     seen = np.median([of.slip_f, of.slip_r], axis=1)
     shown = [
         np.interp(run.blocks.z[run.use], of.z, s) for run in with_both_axles(runs) for s in seen
     ]
     count = _count(grid, np.concatenate(shown))
     return TyreCurve(grid, g, lower, upper, count, _flags(count))
+
+
+def differences(of: Ridge, eta: Array) -> Array:
+    """D of the draws of a ridge at ``eta`` (k,) of its rising branch, (n, k) [1]."""
+    rows = zip(np.maximum.accumulate(of.eta, axis=1), of.D, strict=True)
+    return np.array([np.interp(eta, x, D) for x, D in rows])
+
+
+def tyre_forces(e: Ensemble, slip: Array) -> Array:
+    """g of the draws at ``slip`` (k,), (n, k) [1]."""
+    return np.array([np.interp(slip, x, g) for x, g in zip(*_tyres(e), strict=True)])
+
+
+def _tyres(e: Ensemble) -> tuple[Array, Array]:
+    """Slip and force of the mean tyre of both axles, up to near its peak, (n, k) each."""
+    use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)
+    reach = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
+    return reach[:, None] * (inverse_forms(use) @ e.forms.T).T, e.peak[:, None] * use
 
 
 def _count(grid: Array, measured: Array) -> Array:

@@ -10,9 +10,8 @@ from calib.base.errors import LogError
 from calib.base.names import G
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, brake_share
+from calib.fitting.ensemble import Ensemble, brake_share, shown
 from calib.fitting.posterior import Posterior, posterior
-from calib.fitting.ridge import shown
 from calib.model.ramp import RampRun, sigma_eta, sigma_slip
 from calib.model.settings import SETTINGS
 from calib.table.table import Value
@@ -78,7 +77,8 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
         (part * run.brake_sum[use] + moment[use]) / car.weight
         for part, moment in ((share, run.moment_f), (1.0 - share, run.moment_r))
     )
-    rise, slip = (np.median(x, axis=0) for x in shown(car, some, b.z[use], *forces)[:2])
+    of = shown(car, some, b.z[use], *forces)
+    rise, slip = (np.median(x, axis=0) for x in (of.rise, of.slip))
     first = np.isin(use, run.rolling)
     measured = b.eta[use] / np.mean(b.eta[run.rolling]) - 1.0
     of_eta = (measured - rise + np.mean(rise[first])) / _at(

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.forces import axle_loads, speed_ratio
+from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, Ensemble, brake_share, unit_slips
+from calib.fitting.ensemble import Ensemble, brake_share, shown
 from calib.model.settings import SETTINGS
 
 _SURE = 0.00135
@@ -22,7 +22,7 @@ _SURE = 0.00135
 @dataclass(frozen=True)
 class Ridge:
     """``z`` (k,); of every draw (n, k): ``eta``, normalised forces ``F_f``, ``F_r``, slips of the
-    tyres ``slip_f``, ``slip_r``, and ``slip`` their mean as the wheels show it. All [1].
+    tyres ``slip_f``, ``slip_r``. All [1].
     """
 
     z: Array
@@ -31,7 +31,6 @@ class Ridge:
     F_r: Array
     slip_f: Array
     slip_r: Array
-    slip: Array
 
     @property
     def D(self) -> Array:
@@ -50,30 +49,9 @@ def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     brake = z * (1.0 + sum(inert))
     share = brake_share(car, e.log_pad_ratio)[:, None]
     front, rear = share * brake - inert[0] * z, (1.0 - share) * brake - inert[1] * z
-    rise, slip, slip_f, slip_r = shown(car, e, z, front, rear)
+    of = shown(car, e, z, front, rear)
     load_f, load_r = (load / car.weight for load in axle_loads(car, z))
-    return Ridge(z, 1.0 + rise, front / load_f, rear / load_r, slip_f, slip_r, slip)
-
-
-def shown(
-    car: Vehicle, e: Ensemble, z: Array, front: Array, rear: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Eta - 1 and the mean slip that wheels show, and the slips of the tyres, (n, k) [1].
-
-    ``front``, ``rear`` tyre forces over the weight (n, k) at the deceleration ``z`` (k,) [1].
-    """
-    unit = unit_slips(car, e, z, front, rear)
-    slip_f, slip_r = e.compliance_f[:, None] * unit.front, e.compliance_r[:, None] * unit.rear
-    fall = e.radius_load[:, None]
-    shown_f = 1.0 - (1.0 - slip_f) * np.exp(fall * unit.grown_f)
-    shown_r = 1.0 - (1.0 - slip_r) * np.exp(fall * unit.grown_r)
-    rise = speed_ratio(shown_f, shown_r) - 1.0  # (22)
-    mean = unit.share * shown_f + (1.0 - unit.share) * shown_r
-    eta, slip = (
-        1.0 + np.array([np.interp(z, DEPART_AT, row) for row in departs])
-        for departs in (e.depart_eta, e.depart_slip)
-    )
-    return rise * eta, mean * slip, slip_f, slip_r
+    return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, of.slip_f, of.slip_r)
 
 
 @dataclass(frozen=True)
