@@ -244,14 +244,14 @@ def _ridge(table: Table, e: Ensemble) -> Ridge:
 
 
 def _share(table: Table, at: Array, curve: Callable[[Ensemble], Array]) -> Array:
-    """By the slope of the curve over the parameters of the posterior, among the draws."""
+    """Of what the parameters of the posterior explain of the draws' curves."""
     own = own_covariance(table)
     if table.draws is None or not own.any():
         return np.zeros(at.size)
     e = ensemble_of(table.vehicle, table.draws)
     x, y = (of - of.mean(axis=0) for of in (as_cubic(e, float(table.tyre.force[-1])).T, curve(e)))
     slope = np.linalg.lstsq(x, y, rcond=None)[0]
-    part, whole = np.einsum("kr,kl,lr->r", slope, own, slope), y.var(axis=0)
+    part, whole = np.einsum("kr,kl,lr->r", slope, own, slope), (x @ slope).var(axis=0)
     # at eta = 1 both are zero
     share = np.divide(part, whole, out=np.zeros(at.size), where=whole > 0.0)
     return np.asarray(np.minimum(share, 1.0))
