@@ -164,8 +164,8 @@ class Regression:
         )
         zeros = [np.full((r.z.size, 1), r.zero_eta) for r in self.ramps]
         return {
-            "noise": np.linalg.cholesky(sensors),
-            "tyres": np.linalg.cholesky(self._form()),
+            "noise": np.asarray(np.linalg.cholesky(sensors)),
+            "tyres": np.asarray(np.linalg.cholesky(self._form())),
             "zeros": stacked(zeros, [np.hstack([r.zeros, r.clock]) for r in self.ramps]),
             "accelerometer": stacked(none, [r.scale for r in self.ramps]),
         }
