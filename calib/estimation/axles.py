@@ -130,7 +130,9 @@ def _level(e: Estimate) -> float:
     """Brake force of both axles over that of the pads of the ramp [1], median of the braking."""
     of = e.valid if e.valid.any() else e.braked
     share = front_share(e.plan.table.vehicle, e.plan.table.calibration.pad_log_ratio.value)
-    return float(np.median((share * e.front.change + (1.0 - share) * e.rear.change)[of]))
+    return float(
+        np.median((share * e.best.change_f.value + (1.0 - share) * e.best.change_r.value)[of])
+    )
 
 
 def crossed_warnings(log: str, crossed: _CrossedStop | None) -> Iterator[PlausibilityWarning]:

@@ -13,10 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.intervals import Z95
 from calib.base.plain import meanings
 from calib.car.vehicle import Axle, Vehicle
-from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded
 from calib.logs.log import Log
@@ -93,12 +91,12 @@ def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
         "eta_zero": vehicle.radius_mismatch(e.eta_zero),
         "force_sum_error": force_sum_error(vehicle, e),
     }
-    for side, axle in (("f", e.front), ("r", e.rear)):
-        mu = axle.pad_friction[valid]
+    for side, pads in (("f", e.best.pads_f), ("r", e.best.pads_r)):
+        mu = pads.value[valid]
         if mu.size >= _FEWEST:
             third = mu.size // 3
             drift = np.mean(mu[-third:]) / np.mean(mu[:third]) - 1.0
-            width = 0.5 * (axle.upper - axle.lower)[valid] / mu
+            width = 0.5 * (pads.upper - pads.lower)[valid] / mu
             out[f"pad_friction_{side}"] = float(np.mean(mu))
             out[f"pad_friction_drift_{side}"] = abs(float(drift))
             out[f"interval_{side}"] = float(np.median(width))
@@ -149,11 +147,6 @@ def _mean_and_width(x: Bounded, valid: Mask) -> tuple[float, float]:
     return float(np.mean(mean)), float(np.median(half / mean))
 
 
-def _log_sigma(x: Bounded) -> Array:
-    """Standard deviation of the logarithm of a quantity (n,), by its 95 % interval."""
-    return np.log(x.upper / x.lower) / (2.0 * Z95)
-
-
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     """Rms of ln(ecu/best) over the standard deviation of this difference [1].
 
@@ -170,7 +163,7 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     spread is at least half of the ECU's own: a difference that small against the interval
     that is handed out does no harm. Not to be read where v is wrong: then ``best`` is.
     """
-    own, other = _log_sigma(ecu)[valid], _log_sigma(best)[valid]
+    own, other = ecu.sigma[valid], best.sigma[valid]
     spread = np.sqrt(np.maximum(own**2 - other**2, (0.5 * own) ** 2))
     return _rms(np.log(ecu.value / best.value)[valid] / spread)
 
@@ -195,7 +188,7 @@ def ecu_errors(e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]) -> dict[str, f
         known = _told(e) & np.isfinite(true) & (true > 0.0)
         if not known.any():
             continue
-        rest = np.log(x.value[known] / true[known]) / _log_sigma(x)[known]
+        rest = np.log(x.value[known] / true[known]) / x.sigma[known]
         mean = "true_pad_level" if side == "level" else f"true_pad_friction_{side}"
         out[mean] = float(np.mean(true[known]))
         error = _rms((torque.value - true_torque)[known])
@@ -214,8 +207,8 @@ def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
     if not slowing.any():
         return None
     total = sum(
-        2.0 * axle.torque / of.rolling_radius
-        for axle, of in ((e.front, vehicle.front), (e.rear, vehicle.rear))
+        2.0 * torque.value / axle.rolling_radius
+        for torque, axle in ((e.best.torque_f, vehicle.front), (e.best.torque_r, vehicle.rear))
     )
     error = np.asarray(total)[slowing] / (vehicle.weight * e.z[slowing]) - 1.0
     return float(np.sqrt(np.mean(error**2)))
@@ -231,26 +224,30 @@ def accuracy(
     from calib.car.forces import axle_loads
 
     valid = e.valid
-    braked = _counted(e) & np.isfinite(e.front.pad_friction)
+    braked = _counted(e) & np.isfinite(e.best.pads_f.value)
     out: dict[str, float | None] = {}
     inside, own, nominal = [], [], []
     loads = axle_loads(vehicle, e.z)
-    for i, (side, axle, of) in enumerate(
-        (("f", e.front, vehicle.front), ("r", e.rear, vehicle.rear))
+    best = e.best
+    for i, (side, pads, torque, force, axle) in enumerate(
+        (
+            ("f", best.pads_f, best.torque_f, e.force_f, vehicle.front),
+            ("r", best.pads_r, best.torque_r, e.force_r, vehicle.rear),
+        )
     ):
         t = truth[i]
-        error = axle.pad_friction / t.pad_friction - 1.0
+        error = pads.value / t.pad_friction - 1.0
         scale = float(np.sqrt(np.mean(t.torque[braked] ** 2)))
-        out[f"torque_error_{side}"] = _ratio(_rms((axle.torque - t.torque)[braked]), scale)
+        out[f"torque_error_{side}"] = _ratio(_rms((torque.value - t.torque)[braked]), scale)
         out[f"pad_friction_bias_{side}"] = abs(float(np.mean(error[valid])))
         last = np.flatnonzero(braked)[-1]
         out[f"final_error_{side}"] = abs(float(error[last]))
         if t.force is not None:
             F = t.force / loads[i]
-            out[f"normalised_force_rmse_{side}"] = _rms((axle.normalised_force - F)[braked])
-        inside.append(((t.pad_friction >= axle.lower) & (t.pad_friction <= axle.upper))[valid])
-        own.append((axle.torque - t.torque)[braked])
-        nominal.append((_nominal_torque(e, side, of) - t.torque)[braked])
+            out[f"normalised_force_rmse_{side}"] = _rms((force - F)[braked])
+        inside.append(((t.pad_friction >= pads.lower) & (t.pad_friction <= pads.upper))[valid])
+        own.append((torque.value - t.torque)[braked])
+        nominal.append((_nominal_torque(e, side, axle) - t.torque)[braked])
     out["truth_in_interval"] = float(np.mean(np.concatenate(inside)))
     out["gain_over_nominal"] = _ratio(_rms(np.concatenate(nominal)), _rms(np.concatenate(own)))
     return {name: x if x is not None and np.isfinite(x) else None for name, x in out.items()}
@@ -274,7 +271,7 @@ def baseline_errors(
 ) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction of each method, front and rear, over valid samples."""
     methods: dict[str, tuple[Array, Array]] = {
-        "kalman": (_mu(e.front), _mu(e.rear)),
+        "kalman": (e.best.pads_f.value, e.best.pads_r.value),
         "ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value),
         **e.baselines,
     }
@@ -285,7 +282,3 @@ def baseline_errors(
         )
         for name, (front, rear) in methods.items()
     }
-
-
-def _mu(axle: AxleEstimate) -> Array:
-    return axle.pad_friction

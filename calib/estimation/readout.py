@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
+from calib.base.intervals import Z95
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
@@ -38,6 +39,11 @@ class Bounded:
     def at(self, which: Index) -> "Bounded":
         """The same at other places."""
         return Bounded(self.value[which], self.lower[which], self.upper[which])
+
+    @property
+    def sigma(self) -> Array:
+        """Standard deviation of the logarithm of the quantity (n,), by its interval."""
+        return np.log(self.upper / self.lower) / (2.0 * Z95)
 
     def times(self, factor: Array | float) -> "Bounded":
         """The same times a factor that is known."""

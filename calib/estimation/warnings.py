@@ -82,7 +82,7 @@ def pads_together(e: Estimate) -> tuple[float, float]:
     """
     last, plan = _last(e), e.plan
     share = front_share(plan.table.vehicle, plan.table.calibration.pad_log_ratio.value)
-    level = share * e.front.change[last] + (1.0 - share) * e.rear.change[last]
+    level = share * e.best.change_f.value[last] + (1.0 - share) * e.best.change_r.value[last]
     z = max(float(e.z[last]), 0.02)
     resistance = float(plan.known.sigma_z(plan.nominal, e.speed[last : last + 1])[0]) / z
     sensors = float(e.best.noise[last] + e.best.accelerometer[last])

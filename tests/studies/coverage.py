@@ -69,7 +69,7 @@ def row(car: int, table: Table, log: Log, surface: str, alike: bool) -> Row:
 
 def method_errors(e: Estimate, log: Log) -> dict[str, np.ndarray]:
     """Rms relative error of each method over the valid samples, front and rear [1]."""
-    pads = {"kalman": (e.front.pad_friction, e.rear.pad_friction), **e.baselines}
+    pads = {"kalman": (e.best.pads_f.value, e.best.pads_r.value), **e.baselines}
     truth = np.array([log.truth["true_mu_pad_f"], log.truth["true_mu_pad_r"]])
     errors = {name: (np.array(pads[name]) / truth - 1.0)[:, e.valid] for name in METHODS}
     return {name: np.sqrt(np.mean(error**2, axis=1)) for name, error in errors.items()}
