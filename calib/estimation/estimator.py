@@ -81,11 +81,12 @@ class Estimate:
     """The estimator's answer on one log, at its rate.
 
     ``plan`` what it started from, ``read`` the signals, known effects taken out, with their means
-    over ``blocks``; ``eta`` zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the
-    sample, ``refused`` where not, by reason; ``force_f``, ``force_r`` F_x/F_z (6), (7) [1]; ``braked`` pads bite; ``baselines`` pad friction
-    (front, rear) by method name; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what
-    known effects did to the pad friction, which is given without them [1]; ``notes`` name the
-    baselines left out; ``best`` what the step makes of all channels, ``ecu`` without a speed.
+    over ``blocks``; ``eta`` zeroed (22) [1]; ``z`` [1]; ``force_f``, ``force_r`` F_x/F_z [1];
+    ``valid`` the estimator stands behind the sample, ``refused`` where not, by reason; ``braked``
+    pads bite; ``baselines`` pad friction (front, rear) by method name; ``eta_zero`` what was zeroed
+    [1]; ``factor_f``, ``factor_r`` what known effects did to the pad friction, which is given
+    without them [1]; ``notes`` name the baselines left out; ``best`` what the step makes of all
+    channels, ``ecu`` without a speed.
     """
 
     plan: Plan

@@ -93,11 +93,10 @@ def test_truth_is_never_read(fitted, wet, result):
 def test_rates_agree(fitted, rate):
     """The same stop without noise; between the samples of the slow clock nothing is known."""
     slow, usual = (estimate(fitted, stop(WET, rate=r)) for r in (rate, 200.0))
-    for side in ("front", "rear"):
-        a, b = getattr(slow, side), getattr(usual, side)
+    for a, b in ((slow.best.pads_f, usual.best.pads_f), (slow.best.pads_r, usual.best.pads_r)):
         at = np.linspace(2.2, 6.5, 40)
-        mu_a = np.interp(at, slow.time, a.pad_friction)
-        mu_b = np.interp(at, usual.time, b.pad_friction)
+        mu_a = np.interp(at, slow.time, a.value)
+        mu_b = np.interp(at, usual.time, b.value)
         assert np.max(np.abs(mu_a / mu_b - 1.0)) < 0.01
         width = np.interp(at, usual.time, b.upper - b.lower)
         assert np.all(np.abs(mu_a - mu_b) < 0.25 * width)
@@ -109,10 +108,13 @@ CHANGED = (0.31 / 0.38, 0.27 / 0.38)
 
 
 def test_wet_pads_and_their_change_since_the_ramp_are_found(result):
-    e = result
-    for axle, true, off in zip((e.best.pads_f, e.best.pads_r), CHANGED, (0.03, 0.08), strict=True):
-        assert np.mean(axle.value[e.valid]) == pytest.approx(0.38 * true, rel=off)
-        assert np.mean(axle.change[e.valid]) == pytest.approx(true, rel=off)
+    e, b = result, result.best
+    for pads, change, true, off in (
+        (b.pads_f, b.change_f, CHANGED[0], 0.03),
+        (b.pads_r, b.change_r, CHANGED[1], 0.08),
+    ):
+        assert np.mean(pads.value[e.valid]) == pytest.approx(0.38 * true, rel=off)
+        assert np.mean(change.value[e.valid]) == pytest.approx(true, rel=off)
     assert min(held(e, 0.31, 0.27)) > 0.85
     assert min(held(e, *CHANGED, "change")) >= 0.9
 
@@ -304,8 +306,8 @@ def test_released_brake_is_not_valid(fitted):
 @pytest.mark.parametrize("rolled", [0.4, 0.0])
 def test_with_less_of_a_lead_in_the_interval_is_wider(fitted, wet, rolled):
     whole, short = (estimate(fitted, cut(wet, first)) for first in (0.0, 1.5 - rolled))
-    for axle, good in ((short.rear, whole.rear), (short.front, whole.front)):
-        a, b = ((x.upper - x.lower)[x.pad_friction.size - 200 :] for x in (axle, good))
+    for name in ("pads_r", "pads_f"):
+        a, b = ((x.upper - x.lower)[-200:] for x in (getattr(e.best, name) for e in (short, whole)))
         assert np.all(np.isfinite(a))
         assert np.mean(a) > (0.99 if rolled else 1.1) * np.mean(b)
 
@@ -334,11 +336,9 @@ def test_the_change_is_over_the_ramp_and_not_over_the_file(fitted, wet, result):
     sides = {a: replace(getattr(CAR, a), pad_friction=0.5) for a in ("front", "rear")}
     e = estimate(fitted, wet, replace(CAR, **sides))
     late = e.valid & (e.time > 3.0)
-    for axle, other in (
-        (e.best.change_f, result.best.change_f),
-        (e.best.change_r, result.best.change_r),
-    ):
-        assert axle.value[late] == pytest.approx(other.value[late], rel=0.02)
+    for name in ("change_f", "change_r"):
+        own, other = getattr(e.best, name).value, getattr(result.best, name).value
+        assert own[late] == pytest.approx(other[late], rel=0.02)
 
 
 # Tyres and brakes that act late.
