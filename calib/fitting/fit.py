@@ -8,6 +8,7 @@ from dataclasses import asdict
 import numpy as np
 
 from calib.base.errors import LogError
+from calib.base.warning import judged
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
 from calib.car.vehicle import Vehicle
@@ -35,7 +36,7 @@ from calib.model.resistance import identify as identify_resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.sensors import of_whole_run, put_right
 from calib.model.sort_logs import sort_logs
-from calib.plausibility.pads import calibration_warnings, require_possible_pads
+from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.speed import require_measured_speed
 from calib.plausibility.vehicle_file import require_file_of_run
 from calib.run.noise import worst_noise
@@ -84,8 +85,8 @@ def fit(
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
     as_read = sort_logs(car, [run.log for run in corrected])
-    sensors, _ = judged = [[of_whole_run(car, *run[1:]) for run in group] for group in as_read]
-    ramps, coasts = (list(map(put_right, *pair)) for pair in zip(as_read, judged, strict=True))
+    sensors, _ = own = [[of_whole_run(car, *run[1:]) for run in group] for group in as_read]
+    ramps, coasts = (list(map(put_right, *pair)) for pair in zip(as_read, own, strict=True))
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [
         without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
@@ -135,7 +136,7 @@ def fit(
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench),
         warnings=(
-            *calibration_warnings(car, pads, found.posterior, ratio),
+            *judged(car.name, of_calibration(car, pads, found.posterior, ratio)),
             *rear_valve_warnings(car, found, runs, known, ratio),
             *warnings,
         ),
