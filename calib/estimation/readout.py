@@ -36,7 +36,7 @@ class Bounded:
     lower: Array
     upper: Array
 
-    def at(self, which: Index) -> "Bounded":
+    def at(self, which: Index | Mask) -> "Bounded":
         """The same at other places."""
         return Bounded(self.value[which], self.lower[which], self.upper[which])
 
@@ -44,6 +44,14 @@ class Bounded:
     def sigma(self) -> Array:
         """Standard deviation of the logarithm of the quantity (n,), by its interval."""
         return np.log(self.upper / self.lower) / (2.0 * Z95)
+
+    def deviations(self, true: Array) -> Array:
+        """How far its logarithm is from that of ``true``, in standard deviations (n,).
+
+        By the side that looks there: what is inside the interval is within 1.96 of them.
+        """
+        side = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
+        return np.log(self.value / true) / (np.log(side) / Z95)
 
     def times(self, factor: Array | float) -> "Bounded":
         """The same times a factor that is known."""
