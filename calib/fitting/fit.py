@@ -3,6 +3,7 @@
 logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table, warnings
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
+from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
 from calib.fitting import curves
 from calib.fitting.below_the_peak import identify_below_the_peak
@@ -17,11 +19,12 @@ from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
+from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics
 from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
-from calib.fitting.posterior import posterior
+from calib.fitting.posterior import posterior_with
 from calib.fitting.provenance import provenance
 from calib.fitting.rear_valve import rear_valve_warnings
 from calib.fitting.remarks import remarks, stated, taken_out
@@ -48,6 +51,8 @@ def fit(
     logs: list[Log],
     mass: float | None = None,
     bench: RollerBench | None = None,
+    tyre: Sequence[TyreFile] = (),
+    fleet: Mapping[str, Table] | None = None,
 ) -> Table:
     """Fit one table from ramped brakings.
 
@@ -61,11 +66,17 @@ def fit(
         vehicle as it is: what was weighed once need not be the load of the next run.
     bench : brake forces of the same pads on a roller brake tester. Their ratio is then known before
         the ramps, as it is to some degree by a `pad_friction_tolerance` of the vehicle.
+    tyre : file of the tyres of both axles, or those of the front and of the rear axle.
+    fleet : tables of other cars of this model by name@version, see `calib.Store.fleet`.
+
+    What ``tyre`` and ``fleet`` say is half of the prior; a warning says where the ramps contradict
+    it, and the answer is then that of ramps alone.
 
     Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
     and for a pad friction that no pad has; BenchError for forces on rollers that are on no line;
-    VehicleError for a file that the logs contradict; ModelError when an effect cannot be taken out
-    of a log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
+    TyreError for a file of another tyre; VehicleError for a file that the logs contradict;
+    StoreError for a ``fleet`` without draws; ModelError when an effect cannot be taken out of a
+    log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
     which is not finite.
 
     >>> import calib
@@ -81,6 +92,7 @@ def fit(
     read = {(log.name, log.digest): log for log in logs}
     driven = weighed(vehicle, mass)
     ratio = stated_pad_ratio(driven, bench)
+    before = known_before(driven, tyre, fleet or {})
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
     as_read = sort_logs(car, [run.log for run in corrected])
@@ -113,7 +125,7 @@ def fit(
     pads = calibration(car, found, level)
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
-    ensemble = posterior(car, runs, ratio or UNSAID)
+    ensemble, held = posterior_with(car, runs, ratio or UNSAID, before)
     pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
         name=vehicle.name,
@@ -132,9 +144,11 @@ def fit(
             *remarks(car, found, runs, known, peak, len(coasts), bench),
             *bought(car, found, runs, known, ratio),
             *measured(driven, bench, pads),
+            *likely(before, held),
         ),
-        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench),
+        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
         warnings=(
+            *contradicted(vehicle.name, before, held),
             *calibration_warnings(car, pads, found.posterior, ratio),
             *rear_valve_warnings(car, found, runs, known, ratio),
             *warnings,

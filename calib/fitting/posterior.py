@@ -14,7 +14,7 @@ leave the prior as it is (preconditioned Crank-Nicolson, Cotter et al. 2013, doi
 The sequence of draws is fixed: the same logs give the same table.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +31,7 @@ from calib.fitting.ensemble import (
     spread_evenly,
     unit_slips,
 )
+from calib.fitting.known import LINEAR, NONLINEAR, SPARSE, TO_LINEAR, Known
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
@@ -39,21 +40,12 @@ DRAWS = 2048
 
 _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of them
 _ZERO = 3.0  # time before the bite over which eta and slip are zeroed [s]
-_SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _GRADE = 0.001  # walk of bias and slope [1/sqrt(s)]
 _CLOCK = 0.01  # sigma of the time by which v is late against the wheels [s]
 _WALKED = 5e-5  # sigma of what the zero of eta walked since the lead-in [1]
 _SLOW = 5.0  # speed below which a ramp tells little [m/s]
 _FINEST = 5e-4  # eta - 1 or slip below which an error of the form is no smaller [1]
 _ROUGH = 0.02  # share of the variance of that error that is not alike from point to point
-_NONLINEAR = (
-    "load_exponent",
-    "peak_load_exponent",
-    "log_peak",
-    "log_pad_ratio",
-    "cg_to_front_axle",
-    "cg_height",
-)
 
 
 @dataclass(frozen=True)
@@ -164,11 +156,11 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
     """The prior's draws (n, 5 + 6) from standard normal ones; unit compliances."""
     from scipy.special import gammaincinv, ndtr
 
-    amount = gammaincinv(_SPARSE, np.clip(ndtr(x[:, : len(FORMS)]), 1e-12, 1.0 - 1e-12)) + 1e-12
+    amount = gammaincinv(SPARSE, np.clip(ndtr(x[:, : len(FORMS)]), 1e-12, 1.0 - 1e-12)) + 1e-12
     priors = PRIORS | {"log_pad_ratio": (ratio.value, ratio.sigma)}
     drawn = {
         name: priors[name][0] + priors[name][1] * column
-        for name, column in zip(_NONLINEAR, x[:, len(FORMS) :].T, strict=True)
+        for name, column in zip(NONLINEAR, x[:, len(FORMS) :].T, strict=True)
     }
     one = np.ones(x.shape[0])
     return Ensemble(
@@ -186,6 +178,60 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
         depart_eta=np.zeros((one.size, DEPART_AT.size)),
         depart_slip=np.zeros((one.size, DEPART_AT.size)),
     )
+
+
+@dataclass(frozen=True)
+class _Prior:
+    """What is known of the linear parameters of each draw beyond the field's prior.
+
+    ``precision`` (n, 3, 3) and ``pull`` (n, 3), precision times mean, over those of the field;
+    ``log_weight`` (n,), with what the norms of the densities and the pads' ratio add.
+    """
+
+    precision: Array
+    pull: Array
+    log_weight: Array
+
+
+class _Mixture:
+    """The prior as a map of standard normal numbers: the field's, and half of it what is known."""
+
+    def __init__(self, known: Sequence[Known], ratio: Value) -> None:
+        own = len(FORMS) + len(NONLINEAR)
+        self.ratio, self.own, self.dimension = ratio, own, own + bool(known)
+        field = Known("", "", np.zeros(own + 3), np.eye(own + 3)).with_ratio(ratio)[2]
+        self.precision = np.linalg.inv(TO_LINEAR @ TO_LINEAR.T)
+        self.parts = []
+        for mean, V, weight in (one.with_ratio(ratio) for one in known):
+            slope = TO_LINEAR @ np.linalg.solve(V[:own, :own], V[:own, own:]).T
+            left = TO_LINEAR @ V[own:, own:] @ TO_LINEAR.T - slope @ V[:own, own:] @ TO_LINEAR.T
+            root, middle = np.linalg.cholesky(V[:own, :own]), LINEAR + TO_LINEAR @ mean[own:]
+            self.parts.append((mean[:own], root, middle, slope, left, weight - field))
+
+    def of(self, x: Array) -> Index:
+        """Which part each draw is of, (n,): 0 the field, then what is known in its order."""
+        from scipy.special import ndtr
+
+        if not self.parts:
+            return np.zeros(x.shape[0], dtype=np.int64)
+        above = (2.0 * ndtr(x[:, -1]) - 1.0) * len(self.parts)
+        return np.asarray(np.ceil(np.clip(above, 0.0, len(self.parts))), dtype=np.int64)
+
+    def drawn(self, x: Array) -> tuple[Ensemble, _Prior]:
+        """Draws (n,) of normal numbers (n, d), with the prior of their linear parameters."""
+        which, y = self.of(x), x[:, : self.own].copy()
+        precision, pull = np.zeros((y.shape[0], 3, 3)), np.zeros((y.shape[0], 3))
+        log = np.zeros(y.shape[0])
+        before = self.precision @ LINEAR
+        for i, (mean, root, middle, slope, left, weight) in enumerate(self.parts, 1):
+            at = which == i
+            moved = y[at] @ root.T
+            y[at], linear, inverse = mean + moved, middle + moved @ slope.T, np.linalg.inv(left)
+            precision[at], pull[at] = inverse - self.precision, linear @ inverse - before
+            square = np.einsum("np,np->n", linear @ inverse, linear) - before @ LINEAR
+            norm = np.linalg.slogdet(inverse)[1] - np.linalg.slogdet(self.precision)[1]
+            log[at] = weight + 0.5 * (norm - square)
+        return _from_normal(y, self.ratio), _Prior(precision, pull, log)
 
 
 class _Regression:
@@ -263,15 +309,20 @@ class _Regression:
             data_slip.append(np.broadcast_to(r.slip, unit.front.shape))
         return np.concatenate(etas + slips, 1), np.concatenate(data_eta + data_slip, 1), rolls
 
-    def solve(self, e: Ensemble) -> tuple[Array, Array, Array]:
-        """Log evidence (n,), mean (n, p) and precision (n, p, p) of the linear parameters."""
+    def solve(self, e: Ensemble, prior: _Prior) -> tuple[Array, Array, Array]:
+        """Log evidence (n,), mean (n, p) and precision (n, p, p) of the linear parameters.
+
+        ``prior`` of their first three, of each draw, over that of the field.
+        """
         H, y, rolls = self.rows(e)
         H, y = self.white @ H, y @ self.white.T
         A = H.transpose(0, 2, 1) @ H + self.precision
         g = np.einsum("nkp,nk->np", H, y) + self.precision @ self.start
+        A[:, :3, :3] += prior.precision
+        g[:, :3] += prior.pull
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("np,np->n", g, mean)
-        log = -0.5 * (square + np.linalg.slogdet(A)[1])
+        log = prior.log_weight - 0.5 * (square + np.linalg.slogdet(A)[1])
         possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
 
@@ -305,25 +356,35 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
 
     Raises ValueError where no draw of the prior explains the ramps at all.
     """
+    return posterior_with(car, runs, ratio, (), draws)[0]
+
+
+def posterior_with(
+    car: Vehicle, runs: list[RampRun], ratio: Value, known: Sequence[Known], draws: int = DRAWS
+) -> tuple[Ensemble, Array]:
+    """`posterior` where more is ``known`` before, and the probability (k,) that each of it holds.
+
+    Each has an equal part of half of the prior; the other half is the field's.
+    """
     from scipy.special import ndtri
 
     regression = _Regression(car, [_ramp(car, run) for run in runs])
-    dimension = len(FORMS) + len(_NONLINEAR)
+    prior = _Mixture(known, ratio)
     rng = np.random.default_rng(40)
-    start = ndtri(spread_evenly(draws, dimension))
+    start = ndtri(spread_evenly(draws, prior.dimension))
 
     def log_evidence(x: Array) -> Array:
-        return regression.solve(_from_normal(x, ratio))[0]
+        return regression.solve(*prior.drawn(x))[0]
 
     x = _carried(start, log_evidence, rng)
-    e = _from_normal(x, ratio)
-    _, mean, A = regression.solve(e)
+    e, of_linear = prior.drawn(x)
+    _, mean, A = regression.solve(e, of_linear)
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
     departs = regression.departures(e, found)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
-    return Ensemble(
+    of_ramps = Ensemble(
         **{
             **vars(e),
             "compliance_f": front,
@@ -334,6 +395,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "depart_slip": departs["slip"],
         }
     )
+    return of_ramps, np.bincount(prior.of(x), minlength=len(known) + 1)[1:] / draws
 
 
 _LOSS = 0.5  # share of the draws that count after a step

@@ -1,0 +1,198 @@
+r"""What a user knows of a car before its ramps: files of its tyres, released cars of its model.
+
+It is told in coordinates in which the field's prior is standard normal: five for the form of the
+tyre, the `NONLINEAR`, then mean and difference of the compliances and the fall of the radii. What
+is known is a normal distribution there. Half of the prior stays the field's, so that a car that
+contradicts what is known takes its answer from the field.
+
+    draws of each car --less the field's prior--> what its ramps tell --> model --> one more car
+
+Cars of a model have one mean, and a scatter about it of `_APART` of the field's variance, all of it
+normal: a hierarchical model (Gelman et al., Bayesian Data Analysis, ch. 5).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.warning import PlausibilityWarning, warning
+from calib.car.tyre_file import TyreFile
+from calib.car.tyre_forms import FORMS, NEAR_PEAK, inverse_forms
+from calib.car.vehicle import Vehicle
+from calib.fitting.draws import ensemble_of
+from calib.fitting.ensemble import PRIORS
+from calib.fitting.stated_pads import UNSAID
+from calib.table.generation import require_maps
+from calib.table.table import Table, Value
+
+SPARSE = 0.6
+"""Concentration of the weights of the forms: two or three make up most of a tyre."""
+
+NONLINEAR = (
+    "load_exponent",
+    "peak_load_exponent",
+    "log_peak",
+    "log_pad_ratio",
+    "cg_to_front_axle",
+    "cg_height",
+)
+"""What enters forces and slips nonlinearly, in the order of the coordinates."""
+
+_COMPLIANCE, _SIGMA = PRIORS["compliance"]
+_LESS = 0.5 * PRIORS["log_tyre_ratio"][1] * _COMPLIANCE
+LINEAR = np.array([_COMPLIANCE, _COMPLIANCE, PRIORS["radius_load"][0]])
+TO_LINEAR = np.array(
+    [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, PRIORS["radius_load"][1]]]
+)
+"""Compliances and fall of the radii are LINEAR + TO_LINEAR @ (the last three coordinates)."""
+
+_RATIO = len(FORMS) + NONLINEAR.index("log_pad_ratio")
+_APART = np.array([
+    *(0.1,) * len(FORMS), 0.1, 0.1,  # tyres of one kind
+    0.5,  # the road of the day
+    0.5, 1.0 - 1e-6, 0.5,  # pads of a grade, the load of a car and its height
+    (0.07 * _COMPLIANCE / _SIGMA) ** 2,  # stiffness: air and warmth of the day
+    0.25, 0.1,  # new tyres at their pressure are apart by half of what worn ones are
+])  # fmt: skip
+"""Share of the field's variance by which cars of one model are apart, by coordinate [1]."""
+
+_TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing
+_COUNT = 200  # independent draws that the kept ones are worth
+
+_OF_TYRES = {
+    **dict.fromkeys(FORMS, 0.5),
+    "load_exponent": 0.05 / PRIORS["load_exponent"][1],
+    "peak_load_exponent": 0.04 / PRIORS["peak_load_exponent"][1],
+    "log_peak": 0.15 / PRIORS["log_peak"][1],
+    **dict.fromkeys(NONLINEAR[3:], 1.0),
+    "stiffness": 0.12 * _COMPLIANCE / _SIGMA,
+    "apart": 0.07 * _COMPLIANCE / (2.0 * _LESS),
+    "radius_load": 0.5,
+}
+"""Sigma of each coordinate where a file tells of the tyres. The stiffness of one tyre moves by 10
+to 20 % with inflation, warmth and wear (Carlson and Gerdes 2005); a peak is that of the bench's
+belt, which is no road's: LKX and LMUX of the files are there for both."""
+
+_LEAST = 0.2
+"""Probability below which a car contradicts what is known alone; before its ramps it was 0.5."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A normal distribution over the coordinates, (k,) and (k, k); ``code`` of the warning."""
+
+    name: str
+    code: str
+    mean: Array
+    covariance: Array
+
+    def with_ratio(self, ratio: Value) -> tuple[Array, Array, float]:
+        """Mean and covariance in the coordinates of ``ratio`` instead of `UNSAID`, and log weight.
+
+        ``ratio`` is what is known of the pads' ratio before the ramps from elsewhere: its density
+        over that of `UNSAID` multiplies this one, and says how likely this one is.
+        """
+        d, h = (UNSAID.sigma / ratio.sigma) ** 2 - 1.0, ratio.value * UNSAID.sigma / ratio.sigma**2
+        column, at = self.covariance[:, _RATIO], self.mean[_RATIO]
+        more = 1.0 + d * column[_RATIO]
+        mean = self.mean + column * (h - d * at) / more
+        weight = -0.5 * (np.log(more) + (d * at**2 - 2.0 * h * at - h**2 * column[_RATIO]) / more)
+        scale = np.ones(mean.size)
+        scale[_RATIO] = UNSAID.sigma / ratio.sigma
+        mean[_RATIO] -= ratio.value / UNSAID.sigma
+        covariance = self.covariance - d * np.outer(column, column) / more
+        return scale * mean, scale[:, None] * scale * covariance, float(weight)
+
+
+def known_before(
+    car: Vehicle, tyres: Sequence[TyreFile], fleet: Mapping[str, Table]
+) -> tuple[Known, ...]:
+    """What files of tyres and cars of the model say. Raises TyreError; StoreError without draws."""
+    said = (_of_tyres(car, tyres) if tyres else None, _of_fleet(car, fleet) if fleet else None)
+    return tuple(one for one in said if one)
+
+
+def contradicted(name: str, known: Sequence[Known], held: Array) -> Iterator[PlausibilityWarning]:
+    """Warn of what the ramps of the table ``name`` contradict; ``held`` its probability (k,)."""
+    for one, p in zip(known, held.tolist(), strict=True):
+        if p < _LEAST / len(known):
+            yield warning(one.code, name, p, (_LEAST / len(known), None))
+
+
+def likely(known: Sequence[Known], held: Array) -> Iterator[str]:
+    """How likely each is to hold for the car of the ramps."""
+    for one, p in zip(known, held.tolist(), strict=True):
+        yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
+
+
+def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:
+    """What files say of the tyres: one of both axles, or those of the front and the rear axle."""
+    from scipy.optimize import nnls
+
+    use, half, rows = np.linspace(0.1, NEAR_PEAK, 30), 0.25 * car.weight, []
+    sigma: Array = np.array([*_OF_TYRES.values()])
+    for tyre, axle in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
+        load = 0.5 * axle
+        (less, low), (more, high) = tyre.at(0.8 * load), tyre.at(1.25 * load)
+        q, p = np.log([less / more, low / high]) / np.log(1.25 / 0.8)
+        stiffness, peak = tyre.at(load)
+        X = np.interp(use, *tyre.curve(load))
+        weights = nnls(inverse_forms(use) / X[:, None], np.ones(use.size))[0] + 0.01
+        fall = tyre.radius_load(load)
+        if fall is None:
+            fall, sigma[-1] = LINEAR[2], 1.0
+        beyond = np.log(load / half)
+        rows.append([
+            *_normal(weights / weights.sum() * SPARSE * len(FORMS)),
+            *(q, p, np.log(peak) + p * beyond, np.exp(-q * beyond) / stiffness, fall),
+        ])  # fmt: skip
+    five, mean = len(FORMS), np.mean(rows, axis=0)
+    priors = np.array([PRIORS[name] for name in NONLINEAR[:3]])
+    exponents = (mean[five : five + 3] - priors[:, 0]) / priors[:, 1]
+    linear = np.linalg.solve(TO_LINEAR, [rows[0][-2], rows[1][-2], mean[-1]] - LINEAR)
+    sigma[-3:-1] *= mean[-2] / _COMPLIANCE
+    at = np.concatenate([mean[:five], exponents, np.zeros(3), linear])
+    name, covariance = " and ".join(t.name for t in tyres), np.zeros((at.size, at.size))
+    np.fill_diagonal(covariance, sigma**2)
+    return Known(name, "tyre_file", at, covariance)
+
+
+def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
+    """One more car of the model of these tables, by name@version."""
+    one = np.eye(_APART.size)
+    precision, pull = np.diag(1.0 / (1.0 - _APART)), np.zeros(_APART.size)
+    for id_, table in fleet.items():
+        require_maps(table, id_)
+        x = _coordinates(car, table)
+        v, Q = np.linalg.eigh(np.cov(x.T) + 1e-6 * one)
+        shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # of an inverse Wishart's mean
+        Q, sharp = Q[:, v < _TOLD], shrink / v[v < _TOLD]
+        told, h = Q @ np.diag(sharp - 1.0) @ Q.T, Q @ (sharp * (Q.T @ x.mean(axis=0)))
+        through = np.linalg.inv(one + told * _APART)  # it tells of the mean, less its own scatter
+        precision, pull = precision + through @ told, pull + through @ h
+    of_mean = np.linalg.inv(0.5 * (precision + precision.T))
+    return Known("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_APART))
+
+
+def _coordinates(car: Vehicle, table: Table) -> Array:
+    """The draws of a table in coordinates (n, k)."""
+    assert table.draws is not None
+    e, rng = ensemble_of(car, table.draws), np.random.default_rng(44)
+    # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
+    amounts = e.forms * rng.gamma(SPARSE * len(FORMS), size=(e.size, 1))
+    logs = {"log_peak": np.log(e.peak), "cg_to_front_axle": np.log(e.cg_to_front_axle),
+            "cg_height": np.log(e.cg_height)}  # fmt: skip
+    priors = PRIORS | {"log_pad_ratio": (UNSAID.value, UNSAID.sigma)}
+    of = {**vars(e), **logs}
+    columns = [(of[name] - priors[name][0]) / priors[name][1] for name in NONLINEAR]
+    linear = np.stack([e.compliance_f, e.compliance_r, e.radius_load], axis=1) - LINEAR
+    return np.column_stack([_normal(amounts), *columns, *np.linalg.solve(TO_LINEAR, linear.T)])
+
+
+def _normal(gamma: Array) -> Array:
+    """Standard normal numbers of the gamma variates that make the weights of the forms."""
+    from scipy.special import gammainc, ndtri
+
+    return np.asarray(ndtri(np.clip(gammainc(SPARSE, gamma), 1e-12, 1.0 - 1e-12)))
