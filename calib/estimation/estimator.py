@@ -24,7 +24,7 @@ from calib.estimation.gates import Gates, undisturbed, validity
 from calib.estimation.lookup import smoothed
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
-from calib.estimation.step import Reason
+from calib.estimation.state import Reason
 from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects

@@ -14,18 +14,9 @@ from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
-from calib.estimation.step import (
-    COLUMNS,
-    LEVEL,
-    PADS,
-    Answer,
-    Constants,
-    Reader,
-    Reason,
-    Sample,
-    started,
-    step,
-)
+from calib.estimation.constants import constants
+from calib.estimation.state import Reason, Sample
+from calib.estimation.step import Answer, run
 from calib.estimation.zeros import drive_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
@@ -33,7 +24,6 @@ from calib.run.blocks import Blocks, block_balance
 from calib.run.filters import block_mean
 from calib.run.noise import SensorNoise
 from calib.table.budget import front_share
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
 
@@ -115,27 +105,6 @@ class Readout:
 _PARTS = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
 
 
-def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
-    """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
-    require_maps(table)
-    assert table.map is not None
-    assert table.level_map is not None
-    return Constants(
-        ratio=Reader(table.map, COLUMNS),
-        level=Reader(table.level_map, (*LEVEL, *PADS)),
-        noise_omega=noise.omega,
-        noise_z=noise.z,
-        noise_v=noise.v,
-        radius=table.vehicle.front.rolling_radius,
-        late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
-        late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
-        ramp_ratio=float(
-            table.level_map.ratio[0] if table.draws is None else np.mean(table.draws.log_pad_ratio)
-        ),
-        block=block,
-    )
-
-
 def read_out(
     table: Table,
     car: Vehicle,
@@ -171,13 +140,10 @@ def read_out(
     )
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
-    state = started(c)
-    answers = [
-        step(c, state, Sample(*row)) for row in zip(*(x.tolist() for x in columns), strict=True)
-    ]
+    answers = run(c, map(Sample._make, zip(*(x.tolist() for x in columns), strict=True)))
     biting = np.maximum(b.p_f, b.p_r) > BITE
     share = np.where(biting, B_f / np.maximum(B_f + B_r, 1.0), front_share(car, 0.0))
-    return _per_sample(table, car, s, (np.array(answers), share), b.last_complete(s.time))
+    return _per_sample(table, car, s, (answers, share), b.last_complete(s.time))
 
 
 def _per_sample(

@@ -1,11 +1,9 @@
 """The documents that commands print or write, by `documents.toml`, as JSON Schemas.
 
-    [fit-json]
-    title = "`brake-cal fit LOG... --json`"
-    [fit-json.keys]
-    new = "true or false: false where the same content was stored already"
-
-The page `reference` of the manual is made of the same file: `python -m calib.help.documents`.
+[fit-json]
+title = "`brake-cal fit LOG... --json`"
+[fit-json.keys]
+new = "true or false: false where the same content was stored already"
 """
 
 import re
@@ -16,12 +14,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from calib.help.page import FOLDER
-
 if TYPE_CHECKING:
     from calib.base.record import Section
-
-PAGE = FOLDER / "reference.md"
 
 _TYPES = {
     "text": "string",
@@ -34,7 +28,7 @@ _TYPES = {
     "list of numbers": "number",
     "list of objects": "object",
 }
-"""The type of a value or, after "list of", of each item, by the words of the page."""
+"""The type of a value or, after "list of", of each item, by the words of `documents.toml`."""
 
 SEVERAL = " ..."
 """End of a key that stands for several which begin alike."""
@@ -42,14 +36,10 @@ SEVERAL = " ..."
 
 @dataclass(frozen=True)
 class Document:
-    """One document: its ``title``, and of each key of its first level "type: meaning".
-
-    ``note``: what stands beside its schema on the page.
-    """
+    """One document: its ``title``, and of each key of its first level "type: meaning"."""
 
     title: str
     keys: dict[str, str]
-    note: str = ""
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -69,7 +59,7 @@ class Document:
 
 
 def _value(words: str, meaning: str) -> dict[str, Any]:
-    """The JSON Schema of a value by the words of the page."""
+    """The JSON Schema of a value by the words of `documents.toml`."""
     bare = words.removesuffix(" or null")
     several = bare.startswith("list of ")
     kind = "array" if several else _TYPES[bare]
@@ -136,19 +126,3 @@ def schema_of(name: str) -> dict[str, Any]:
     from calib.base.record import json_schema
 
     return json_schema(section(name)) if name in FILES else documents()[name].schema
-
-
-def page_of(text: str) -> str:
-    """The text of the page `reference` with the parts of all documents, which are its end."""
-    parts = [text.partition("\n### ")[0]]
-    for name, one in documents().items():
-        head = f"### {one.title}\n\nSchema: `{name}`. {one.note}".rstrip()
-        rows = [
-            f"| `{key}` | {' | '.join(says.split(': ', 1))} |" for key, says in one.keys.items()
-        ]
-        parts.append("\n".join([head, "", "| key | type | meaning |", "|---|---|---|", *rows, ""]))
-    return "\n".join(parts)
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page_of(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

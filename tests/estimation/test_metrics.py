@@ -21,7 +21,7 @@ from calib.estimation.metrics import (
     truth_of,
 )
 from calib.estimation.readout import Bounded, Readout
-from calib.estimation.step import Reason
+from calib.estimation.state import Reason
 from calib.logs.log import Log
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR

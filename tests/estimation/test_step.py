@@ -7,18 +7,10 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 
 from calib.base.names import G
-from calib.estimation.step import (
-    COLUMNS,
-    LEVEL,
-    PADS,
-    Constants,
-    Gaussian,
-    Reader,
-    Reason,
-    Sample,
-    started,
-    step,
-)
+from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, Reader
+from calib.estimation.state import Reason, Sample, measured, started
+from calib.estimation.step import run as run_all
+from calib.estimation.step import step
 from calib.table.maps import LevelMap
 from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map
 
@@ -37,7 +29,7 @@ def before_eta():
 def constants(**changed):
     return Constants(
         **{
-            "ratio": Reader(made_map(), COLUMNS),
+            "ratio": Reader(made_map(), (*PADS, *SLIP)),
             "level": Reader(before_eta(), (*LEVEL, *PADS)),
             "noise_omega": 1e-3,
             "noise_z": 1e-4,
@@ -87,30 +79,37 @@ def run(blocks, c=None, state=None):
 
 
 def test_a_map_is_read_as_another_program_reads_it():
-    made = made_map()
-    reader = Reader(made, COLUMNS)
+    made, names = made_map(), (*PADS, *SLIP)
     rng = np.random.default_rng(3)
-    for name, k in (("ratio", 0), ("log_slip_sigma", COLUMNS.index("log_slip_sigma"))):
-        other = RegularGridInterpolator(tuple(made.axes.values()), made.grid(name))
-        for _ in range(50):
-            point = [float(rng.uniform(axis[0], axis[-1])) for axis in made.axes.values()]
-            assert reader.at(point[0])(*point[1:])[k] == pytest.approx(float(other(point)[0]))
+    axes = tuple(made.axes.values())
+    points = rng.uniform([x[0] for x in axes], [x[-1] for x in axes], (50, len(axes)))
+    read = Reader(made, names)(*points.T)
+    for name, ours in zip(names, read, strict=True):
+        assert ours == pytest.approx(RegularGridInterpolator(axes, made.grid(name))(points))
 
 
 def test_a_map_is_held_at_its_ends():
-    reader = Reader(made_map(), COLUMNS)
-    assert reader.at(9.0)(9.0, -9.0) == reader.at(0.8)(0.02, -1.0)
+    beyond, end = Reader(made_map(), PADS)(*np.array([[9.0, 0.8], [9.0, 0.02], [-9.0, -1.0]])).T
+    assert np.array_equal(beyond, end)
 
 
 def test_a_reading_is_taken_in_as_the_textbook_has_it():
     rng = np.random.default_rng(1)
     root = rng.normal(size=(4, 4))
-    P, x, H, R, y = root @ root.T, rng.normal(size=4), rng.normal(size=4), 0.3, 1.7
-    S = H @ P @ H + R
-    g = Gaussian(x.tolist(), P.tolist())
-    assert g.measured(y, H.tolist(), R) == pytest.approx(y / np.sqrt(S))
-    assert g.x == pytest.approx(x + P @ H / S * y)
-    assert np.array(g.P) == pytest.approx(P - np.outer(P @ H, H @ P) / S)
+    P, x, R, y = root @ root.T, rng.normal(size=4) - [0.0, 4.0, 0.0, 0.0], 0.3, 1.7
+    H = np.array([*rng.normal(size=2), 0.0, 0.0])
+    S, upper = H @ P @ H + R, np.triu_indices(4)
+    out, off = measured((*x, *P[upper]), H[0], H[1], y, R)
+    assert off == pytest.approx(y / np.sqrt(S))
+    assert out[:4] == pytest.approx(x + P @ H / S * y)
+    assert out[4:] == pytest.approx((P - np.outer(P @ H, H @ P) / S)[upper])
+
+
+def test_all_blocks_at_once_are_each_by_itself():
+    """To the last bit: one code for an ECU and for a log."""
+    blocks = [*stop(0.5), *stop(1.0, rolling=2.0, apart=0.5)]
+    one_by_one, _ = run(blocks)
+    assert np.array_equal(run_all(constants(), blocks), np.array(one_by_one), equal_nan=True)
 
 
 @pytest.mark.parametrize("level", [0.5, 0.8, 1.2])

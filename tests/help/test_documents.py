@@ -1,4 +1,4 @@
-"""Each document that a command prints has the keys of its schema, and the page says them."""
+"""Each document that a command prints has the keys of its schema, and says what each means."""
 
 import json
 import re
@@ -6,7 +6,7 @@ import re
 import pytest
 from jsonschema import Draft202012Validator
 
-from calib.help.documents import PAGE, documents, page_of
+from calib.help.documents import documents
 from tests.support.documents import missing_and_unknown
 from tests.support.manual import run, working_folder
 
@@ -46,7 +46,7 @@ def test_every_document_is_looked_at():
     assert set(documents()) == ELSEWHERE | {name for name, _ in COMMANDS}
 
 
-def test_the_documents_have_the_keys_of_the_page(tmp_path, capsys):
+def test_the_documents_have_the_keys_of_their_schemas(tmp_path, capsys):
     working_folder(tmp_path)
     wrong: list[str] = []
     for name, line in COMMANDS:
@@ -54,10 +54,6 @@ def test_the_documents_have_the_keys_of_the_page(tmp_path, capsys):
         assert run(tmp_path, f"brake-cal {line} --json") == 0, line
         wrong += missing_and_unknown(name, json.loads(capsys.readouterr().out))
     assert wrong == []
-
-
-def test_the_page_is_made_of_the_documents():
-    assert page_of(PAGE.read_text()) == PAGE.read_text()
 
 
 @pytest.mark.parametrize("name", documents())

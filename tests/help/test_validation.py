@@ -7,7 +7,7 @@ import numpy as np
 from calib.estimation.estimator import COLUMNS
 from calib.estimation.gates import Gates
 from calib.estimation.limits import DEFAULTS
-from calib.estimation.step import Reason
+from calib.estimation.state import Reason
 from calib.help.page import FOLDER
 
 PAGE = (FOLDER / "validation.md").read_text()

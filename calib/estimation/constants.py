@@ -1,0 +1,121 @@
+"""What the step takes from a table: maps that are read, noise of the sensors, tuned numbers."""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from calib.base.arrays import Array, Index
+from calib.estimation.gates import Gates
+from calib.run.noise import SensorNoise
+from calib.table.generation import require_maps
+from calib.table.maps import Map
+from calib.table.table import Table
+
+LEVEL = ("level", "level_lower", "level_upper")
+PADS = ("ratio", "ratio_lower", "ratio_upper", "change", "change_lower", "change_upper")
+SLIP = ("log_slip", "log_slip_sigma")
+"""Columns of the maps that the step reads."""
+
+
+class Reader:
+    """A map read between its cells, linear along each axis, held at its ends."""
+
+    def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
+        self.axes = list(m.axes.values())
+        shape = tuple(axis.size for axis in self.axes)
+        # row-major, the columns of a cell side by side
+        self._cells = np.stack([getattr(m, name) for name in columns], axis=-1)
+        self._strides = [int(np.prod(shape[i + 1 :])) for i in range(len(shape))]
+
+    def width(self, axis: int, x: Array) -> Array:
+        """Width of the cell of an axis in which ``x`` lies."""
+        i, _ = self._place(axis, x)
+        return self.axes[axis][i + 1] - self.axes[axis][i]
+
+    def __call__(self, *at: Array) -> Array:
+        """All columns (c, ...) at points, one array (...) for each axis."""
+        places = [self._place(axis, x) for axis, x in enumerate(at)]
+        total = np.zeros((*at[0].shape, self._cells.shape[-1]))
+        for corner in product((0, 1), repeat=len(places)):
+            share, cell = np.ones_like(at[0]), np.zeros(at[0].shape, dtype=np.int64)
+            for (i, w), upper, stride in zip(places, corner, self._strides, strict=True):
+                cell += (i + upper) * stride
+                share *= w if upper else 1.0 - w
+            total += share[..., None] * self._cells[cell]
+        return np.moveaxis(total, -1, 0)
+
+    def _place(self, axis: int, x: Array) -> tuple[Index, Array]:
+        """Cell of an axis in which ``x`` lies, and where in it, 0 to 1."""
+        points = self.axes[axis]
+        i = np.clip(np.searchsorted(points, x, side="right") - 1, 0, points.size - 2)
+        return i, np.clip((x - points[i]) / (points[i + 1] - points[i]), 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What the step takes from a table, and its tuned numbers.
+
+    ``late`` time by which v comes after the wheel speeds [s], with its sigma; ``ramp_ratio`` ln of
+    the pads' ratio on the ramp [1].
+    """
+
+    ratio: Reader
+    level: Reader
+    noise_omega: float
+    noise_z: float
+    noise_v: float
+    radius: float
+    late: float
+    late_sigma: float
+    ramp_ratio: float
+    block: float
+    memory: float = 0.3  # of the means that go into the map [s]
+    before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
+    untouched: float = 7e4  # pressure up to which they do not [Pa]
+    settle: float = Gates.settle  # time of braking before an answer stands [s]
+    least_pressure: float = Gates.pressure  # [Pa]
+    least_z: float = 0.05  # below it eta says nothing [1]
+    level_sigma: float = 0.4  # of a level before any braking [1]
+    level_walk: float = 0.01  # [1/sqrt(s)]
+    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
+    fade_walk: float = 0.02
+    level_rough: float = 0.007  # of a block, relative: road and body
+    lag: float = 0.03  # time constant of the brakes [s], and its sigma
+    lag_sigma: float = 0.04
+    least_lag: float = 0.004
+    apart: float = 0.02  # of the clocks of a_x and speeds [s]
+    zero: float = 0.01  # sigma of a zero before any rolling [1]
+    offset: float = 0.03  # sigma of bias and slope together before any rolling [1]
+    bias_walk: float = 1e-4  # of a_x as it warms up [1/sqrt(s)]
+    grade_walk: float = 0.001  # of bias and slope [1/sqrt(s)]
+    scale: float = 0.009  # a_x reads too much while braking, scale and pitch; and its sigma
+    scale_sigma: float = 0.01
+    ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
+    unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
+    slip_rough: float = 0.04  # of the slip of a block, relative
+    log_slip: float = -3.2  # ln(slip/z) before any braking, 0.04, and its sigma [1]
+    log_slip_sigma: float = 0.7
+    slip_walk: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
+    slip_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
+
+
+def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
+    """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
+    require_maps(table)
+    assert table.map is not None
+    assert table.level_map is not None
+    return Constants(
+        ratio=Reader(table.map, (*PADS, *SLIP)),
+        level=Reader(table.level_map, (*LEVEL, *PADS)),
+        noise_omega=noise.omega,
+        noise_z=noise.z,
+        noise_v=noise.v,
+        radius=table.vehicle.front.rolling_radius,
+        late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
+        late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
+        ramp_ratio=float(
+            table.level_map.ratio[0] if table.draws is None else np.mean(table.draws.log_pad_ratio)
+        ),
+        block=block,
+    )

@@ -1,0 +1,341 @@
+"""What the estimator remembers, and what a block makes of it: scalars, fixed memory.
+
+    rolling   zeros of deceleration, eta and slip            a scalar Kalman filter each
+    always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
+                                                             on, the wheels and v measure it
+    braking   d - d_0 = a u, u behind a lag of first order   level, its rate, lag: a Kalman filter
+              means of z and eta - 1 that forget
+
+d is the brake force that the deceleration demands, u that of the nominal pads, both over the
+weight. Rolling resistance, bias of the accelerometer and pitch at rest need not be known: d_0 holds
+them all. A zero ages while the car brakes, and lasts over the next stop. Without v the wheels alone
+measure the speed: what they lose against a_x is slip, and as the car gets slow it is an error of
+a_x.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import NamedTuple
+
+from calib.base.arrays import Array
+from calib.base.names import G
+from calib.car.braking import BITE, MOVING
+from calib.estimation.constants import Constants
+from calib.run.driving_record import STEADY
+from calib.run.noise import WALK
+
+
+class Reason(IntEnum):
+    """Why an answer does not stand; 0 for one that does. The first that applies."""
+
+    VALID = 0
+    NOT_BRAKED = 1
+    SLOW = 2
+    JUST_APPLIED = 3
+    DISTURBED = 4
+    NO_ZERO = 5
+    BEYOND_MAP = 6
+
+
+class Sample(NamedTuple):
+    """Means over a block, SI.
+
+    ``demand`` brake force that the deceleration ``z`` demands, ``nominal`` that of nominal pads,
+    over the weight [1]; ``pressure`` [Pa]; ``eta`` [1] as read; ``rim`` speed of the front wheels'
+    rims [m/s]; ``rear_share`` of the load [1]; ``v`` [m/s], NaN where not logged; ``disturbed``
+    while a wheel locks or the car corners; ``log_odds`` ln of the front pressure over the rear one.
+    """
+
+    demand: float
+    nominal: float
+    pressure: float
+    z: float
+    eta: float
+    rim: float
+    rear_share: float
+    v: float
+    disturbed: bool
+    log_odds: float = 0.0
+
+
+@dataclass(slots=True)
+class Zero:
+    """What a signal reads while nothing brakes: a Gaussian that walks."""
+
+    value: float
+    variance: float
+
+    def measured(self, x: float, variance: float) -> None:
+        """Take in a reading with its variance."""
+        gain = self.variance / (self.variance + variance)
+        self.value += gain * (x - self.value)
+        self.variance *= 1.0 - gain
+
+
+Numbers = tuple[float, ...]
+"""Of a Kalman filter: its states, then the upper half of their covariance, row by row."""
+
+
+class Seen(NamedTuple):
+    """What the state shows of the brakes after each block, (n,).
+
+    ``told`` whether it is to be answered, ``fresh`` whether as the first of a stop; ``level`` with
+    its variance; ``acts`` share of the nominal brake force that acts by now; ``weight`` of the
+    means that forget, with the weighted sums of demanded brake force, eta - 1 and the square of the
+    former; ``speed`` [m/s]; ``slip`` ln(slip/z) and ``scale`` of a_x, with variances and their
+    covariance; variances of the zeros; ``log_odds`` as in `Sample`; ``lag`` [s]; ``innovation`` of
+    the wheels; ``reason`` by all but the map.
+    """
+
+    told: Array
+    fresh: Array
+    level: Array
+    level_variance: Array
+    acts: Array
+    weight: Array
+    sum_z: Array
+    sum_shift: Array
+    sum_zz: Array
+    speed: Array
+    slip: Array
+    slip_variance: Array
+    scale: Array
+    scale_variance: Array
+    covariance: Array
+    demand_variance: Array
+    eta_variance: Array
+    log_odds: Array
+    lag: Array
+    innovation: Array
+    reason: Array
+
+
+@dataclass(slots=True)
+class State:
+    """All that the estimator remembers.
+
+    ``level`` of the pads, lag of the brakes [s] and rate of the level [1/s]; ``speed`` [m/s],
+    ln(slip/z), offset and scale of a_x; ``nominal`` brake force of nominal pads, ``acting`` the
+    same behind the lag, ``by_lag`` its slope [1/s]; ``braked``, ``released`` times [s]; ``sums`` as
+    in `Seen`, ``mean_z`` of them; ``fresh`` before anything of a stop is answered; ``kept`` the
+    ratio of the best informed block, its ``age`` [s] and ``level_then``; ``held`` the last answer.
+    """
+
+    demand: Zero
+    eta: Zero
+    slip: Zero
+    level: Numbers
+    speed: Numbers = ()
+    anchored: bool = False
+    waiting: deque[Sample] = field(default_factory=deque)
+    nominal: float = 0.0
+    acting: float = 0.0
+    by_lag: float = 0.0
+    z: float = 0.0
+    braked: float = 0.0
+    released: float = 0.0
+    sums: Numbers = (0.0,) * 4
+    mean_z: float = 0.0
+    fresh: bool = True
+    kept: list[float] = field(default_factory=list)
+    age: float = 0.0
+    level_then: float = 1.0
+    held: list[float] = field(default_factory=list)
+
+
+def started(c: Constants) -> State:
+    """The state before the first block: radii within 1 %, pads of any level."""
+    demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, 1.0, 0.0))
+    return State(demand, eta, slip, _level_before(c, c.lag, c.lag_sigma**2))
+
+
+def _level_before(c: Constants, lag: float, variance: float) -> Numbers:
+    return 1.0, lag, 0.0, c.level_sigma**2, 0.0, 0.0, variance, 0.0, c.fade**2
+
+
+def follow(c: Constants, s: State, x: Sample) -> Numbers:
+    """Take in a block; what is then `Seen` of the brakes. Changes the state."""
+    dt, most = c.block, c.zero**2
+    for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
+        variance = zero.variance + walk * walk * dt
+        zero.variance = variance if variance < most else most
+    braking, counts = x.pressure > BITE, x.rim > MOVING and not x.disturbed
+    _press(c, s, x.nominal)
+    before = s.mean_z
+    if braking:
+        s.waiting.clear()
+        s.braked += dt
+        s.released = 0.0
+        if counts:
+            _brake(c, s, x)
+    else:
+        s.released += dt
+        if s.braked > 0.0 and s.released > 1.0 + 0.5 * dt:
+            _forget_stop(c, s)
+        _roll(c, s, x, counts)
+    _move(c, s, x, abs(s.mean_z - before), braking=braking)
+    innovation = _see_speed(c, s, x, braking=braking) if counts else math.nan
+    s.z = x.z
+    fresh, s.fresh = s.fresh, False
+    v, log_slip, _, scale, *_, ss, _, se, _, _, ee = s.speed
+    return (  # in the order of `Seen`
+        braking or fresh, fresh,
+        s.level[0], s.level[3], s.acting / x.nominal if braking else 1.0,
+        *s.sums,
+        v, log_slip, ss, scale, ee, se,
+        s.demand.variance, s.eta.variance, x.log_odds,
+        s.level[1], innovation, _reason(c, s, x),
+    )  # fmt: skip
+
+
+def _roll(c: Constants, s: State, x: Sample, counts: bool) -> None:
+    """Zeros, from blocks that lie far enough before a bite."""
+    if len(s.waiting) >= round(c.before_bite / c.block):
+        old = s.waiting.popleft()
+        wheels = c.noise_omega * c.radius / old.rim
+        s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
+        s.eta.measured(old.eta, 2.0 * wheels**2 / c.block)
+        if old.v > MOVING:  # not where v is missing: NaN is not
+            slip = 1.0 - _rim(s, old) / old.v
+            s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
+    if counts and x.pressure < c.untouched and abs(x.z) < STEADY:
+        s.waiting.append(x)
+    else:
+        s.waiting.clear()
+
+
+def _rim(s: State, x: Sample) -> float:
+    """Speed of all wheels' rims [m/s], weighted by load, radii made equal."""
+    return x.rim * (1.0 + x.rear_share * (x.eta / s.eta.value - 1.0))
+
+
+def _forget_stop(c: Constants, s: State) -> None:
+    """What is only of the last stop; the lag is the car's."""
+    s.level = _level_before(c, s.level[1], s.level[6])
+    s.braked, s.sums, s.fresh = 0.0, (0.0,) * 4, True
+
+
+def _press(c: Constants, s: State, nominal: float) -> None:
+    """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
+    dt, lag = c.block, max(s.level[1], c.least_lag)
+    left = math.exp(-dt / lag)
+    rate = (nominal - s.nominal) / dt
+    behind = s.acting - s.nominal + lag * rate
+    s.by_lag = -rate + (s.by_lag + rate) * left + behind * left * dt / lag**2
+    s.acting = nominal - lag * rate + behind * left
+    s.nominal = nominal
+
+
+def _brake(c: Constants, s: State, x: Sample) -> None:
+    """Level and lag; means of what goes into the map."""
+    y, dt = x.demand - s.demand.value, c.block
+    a, lag, rate, aa, al, ar, ll, lr, rr = s.level
+    a += rate * dt
+    aa += dt * (2.0 * ar + dt * rr) + (c.level_walk * a) ** 2 * dt
+    al += dt * lr
+    ar += dt * rr
+    rr += (c.fade_walk * a) ** 2 * dt
+    h, k = s.acting, a * s.by_lag
+    pa, pl, pr = h * aa + k * al, h * al + k * ll, h * ar + k * lr
+    gain = 1.0 / (h * pa + k * pl + c.noise_z**2 / dt + (c.level_rough * y) ** 2)
+    off, ga, gl = gain * (y - a * h), gain * pa, gain * pl
+    s.level = (
+        a + off * pa, max(lag + off * pl, 0.0), rate + off * pr,
+        aa - ga * pa, al - ga * pl, ar - ga * pr, ll - gl * pl, lr - gl * pr, rr - gain * pr * pr,
+    )  # fmt: skip
+    keep = math.exp(-dt / c.memory)
+    weight, z, shift, zz = s.sums
+    weight, z = keep * weight + 1.0, keep * z + y
+    s.sums = weight, z, keep * shift + x.eta / s.eta.value - 1.0, keep * zz + y * y
+    s.mean_z = max(z / weight, LEAST_Z)
+
+
+LEAST_Z = 0.01
+"""Mean deceleration below which there is none [1]."""
+
+
+def _move(c: Constants, s: State, x: Sample, bends: float, *, braking: bool) -> None:
+    """The speed by a_x, until it is measured.
+
+    ``bends`` by how much the mean deceleration changed [1].
+    """
+    if not s.anchored:  # radii that are made equal now would look like a speed that jumps
+        s.speed = (
+            _rim(s, x), 0.0, 0.0, c.scale,
+            1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, c.offset**2, 0.0, c.scale_sigma**2,
+        )  # fmt: skip
+        s.anchored = braking or s.eta.variance < 0.5 * c.zero**2
+    dt = c.block
+    v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee = s.speed
+    lost = G * dt * (0.5 * (x.z + s.z) - o)
+    scaled = 1.0 - e * braking
+    v -= lost * scaled
+    by_o, by_e = G * dt * scaled, lost * braking
+    pv = vv + by_o * vo + by_e * ve
+    vs += by_o * so + by_e * se
+    vo += by_o * oo + by_e * oe
+    ve += by_o * oe + by_e * ee
+    vv = pv + by_o * vo + by_e * ve
+    vv += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
+    oo += c.grade_walk**2 * dt
+    if s.braked > dt:
+        ss += c.slip_walk**2 * dt + c.slip_bends * bends
+    else:
+        log_slip, vs, so, se, ss = c.log_slip, 0.0, 0.0, 0.0, c.log_slip_sigma**2
+    s.speed = v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee
+
+
+def _see_speed(c: Constants, s: State, x: Sample, *, braking: bool) -> float:
+    """The speed by the wheels and v; what does not fit is offset, scale and slip.
+
+    Returns the innovation of the wheels.
+    """
+    dt, (v, log_slip, *_) = c.block, s.speed
+    slip = max(x.demand - s.demand.value, 0.0) * math.exp(log_slip) if braking else 0.0
+    rest, turned = _rim(s, x) - v * (1.0 - slip), 1.0 - slip
+    variance = (c.noise_omega * c.radius) ** 2 / dt + (c.slip_rough * slip * v) ** 2
+    s.speed, innovation = measured(s.speed, turned, -v * slip, rest, variance)
+    if x.v == x.v:
+        v = s.speed[0]
+        variance = (c.noise_v**2 + 1e-8) / dt + v**2 * s.slip.variance
+        variance += (G * x.z * c.late_sigma) ** 2
+        in_time = x.v - G * x.z * c.late
+        rest = in_time * (1.0 - s.slip.value) - v
+        s.speed, _ = measured(s.speed, 1.0, 0.0, rest, variance)
+    return innovation
+
+
+_SLIPS = (-8.0, 0.0)
+"""Least and greatest ln(slip/z) of any tyre."""
+
+
+def measured(x: Numbers, h: float, k: float, rest: float, variance: float) -> tuple[Numbers, float]:
+    """`State.speed` with a reading of ``h`` v + ``k`` ln(slip/z), and its variance.
+
+    ``rest`` is what is left of it over the prediction; second comes the same in standard
+    deviations.
+    """
+    v, s, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee = x
+    pv, ps, po, pe = h * vv + k * vs, h * vs + k * ss, h * vo + k * so, h * ve + k * se
+    gain = 1.0 / (h * pv + k * ps + variance)
+    y, gv, gs, go = gain * rest, gain * pv, gain * ps, gain * po
+    return (
+        v + y * pv, min(max(s + y * ps, _SLIPS[0]), _SLIPS[1]), o + y * po, e + y * pe,
+        vv - gv * pv, vs - gv * ps, vo - gv * po, ve - gv * pe,
+        ss - gs * ps, so - gs * po, se - gs * pe,
+        oo - go * po, oe - go * pe, ee - gain * pe * pe,
+    ), rest * math.sqrt(gain)  # fmt: skip
+
+
+def _reason(c: Constants, s: State, x: Sample) -> Reason:
+    if x.pressure <= c.least_pressure:
+        return Reason.NOT_BRAKED
+    if x.rim <= MOVING:
+        return Reason.SLOW
+    if s.braked < c.settle + 0.5 * c.block:
+        return Reason.JUST_APPLIED
+    if x.disturbed:
+        return Reason.DISTURBED
+    return Reason.NO_ZERO if s.eta.variance >= 0.9 * c.zero**2 else Reason.VALID
