@@ -19,10 +19,10 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.warning import PlausibilityWarning, warning
 from calib.car.tyre_file import TyreFile
-from calib.car.tyre_forms import FORMS, NEAR_PEAK, inverse_forms
+from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.draws import ensemble_of
-from calib.fitting.ensemble import PRIORS
+from calib.fitting.ensemble import PRIORS, spread_evenly
 from calib.fitting.stated_pads import UNSAID
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
@@ -61,19 +61,17 @@ _APART = np.array([
 _TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing
 _COUNT = 200  # independent draws that the kept ones are worth
 
-_OF_TYRES = {
-    **dict.fromkeys(FORMS, 0.5),
-    "load_exponent": 0.05 / PRIORS["load_exponent"][1],
-    "peak_load_exponent": 0.04 / PRIORS["peak_load_exponent"][1],
-    "log_peak": 0.15 / PRIORS["log_peak"][1],
-    **dict.fromkeys(NONLINEAR[3:], 1.0),
-    "stiffness": 0.12 * _COMPLIANCE / _SIGMA,
-    "apart": 0.07 * _COMPLIANCE / (2.0 * _LESS),
-    "radius_load": 0.5,
-}
-"""Sigma of each coordinate where a file tells of the tyres. The stiffness of one tyre moves by 10
-to 20 % with inflation, warmth and wear (Carlson and Gerdes 2005); a peak is that of the bench's
-belt, which is no road's: LKX and LMUX of the files are there for both."""
+_OF_TYRES = (
+    *(sigma / PRIORS[name][1] for name, sigma in zip(NONLINEAR, (0.05, 0.04, 0.15), strict=False)),
+    *(1.0, 1.0, 1.0),  # nothing of pads and loads
+    *(0.12 * _COMPLIANCE / _SIGMA, 0.07 * _COMPLIANCE / (2.0 * _LESS), 0.5),
+)
+"""Sigmas of what a file tells of, after the forms: load exponents 0.05 and 0.04, peak 15 %,
+stiffness 12 % of both axles and 7 % apart. The stiffness of a tyre moves by 10 to 20 % with
+inflation, warmth and wear (Carlson and Gerdes 2005); its peak is that of the bench's belt, which is
+no road's: LKX and LMUX of the files are there for both."""
+
+_FORM = 0.05  # by which the slips of a tyre on the road are off the curve of the file [1]
 
 _LEAST = 0.2
 """Probability below which a car contradicts what is known alone; before its ramps it was 0.5."""
@@ -129,34 +127,40 @@ def likely(known: Sequence[Known], held: Array) -> Iterator[str]:
 
 def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:
     """What files say of the tyres: one of both axles, or those of the front and the rear axle."""
-    from scipy.optimize import nnls
-
-    use, half, rows = np.linspace(0.1, NEAR_PEAK, 30), 0.25 * car.weight, []
-    sigma: Array = np.array([*_OF_TYRES.values()])
+    use, half, rows, slips = np.linspace(0.1, 0.9, 20), 0.25 * car.weight, [], []
+    sigma = np.array(_OF_TYRES)
     for tyre, axle in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
         load = 0.5 * axle
         (less, low), (more, high) = tyre.at(0.8 * load), tyre.at(1.25 * load)
         q, p = np.log([less / more, low / high]) / np.log(1.25 / 0.8)
         stiffness, peak = tyre.at(load)
-        X = np.interp(use, *tyre.curve(load))
-        weights = nnls(inverse_forms(use) / X[:, None], np.ones(use.size))[0] + 0.01
         fall = tyre.radius_load(load)
         if fall is None:
             fall, sigma[-1] = LINEAR[2], 1.0
         beyond = np.log(load / half)
-        rows.append([
-            *_normal(weights / weights.sum() * SPARSE * len(FORMS)),
-            *(q, p, np.log(peak) + p * beyond, np.exp(-q * beyond) / stiffness, fall),
-        ])  # fmt: skip
-    five, mean = len(FORMS), np.mean(rows, axis=0)
-    priors = np.array([PRIORS[name] for name in NONLINEAR[:3]])
-    exponents = (mean[five : five + 3] - priors[:, 0]) / priors[:, 1]
-    linear = np.linalg.solve(TO_LINEAR, [rows[0][-2], rows[1][-2], mean[-1]] - LINEAR)
-    sigma[-3:-1] *= mean[-2] / _COMPLIANCE
-    at = np.concatenate([mean[:five], exponents, np.zeros(3), linear])
-    name, covariance = " and ".join(t.name for t in tyres), np.zeros((at.size, at.size))
-    np.fill_diagonal(covariance, sigma**2)
-    return Known(name, "tyre_file", at, covariance)
+        rows.append([q, p, np.log(peak) + p * beyond, np.exp(-q * beyond) / stiffness, fall])
+        slips.append(np.interp(use, *tyre.curve(load)))
+    mean, priors = np.mean(rows, axis=0), np.array([PRIORS[name] for name in NONLINEAR[:3]])
+    exponents = (mean[:3] - priors[:, 0]) / priors[:, 1]
+    linear = np.linalg.solve(TO_LINEAR, [rows[0][3], rows[1][3], mean[4]] - LINEAR)
+    sigma[-3:-1] *= mean[3] / _COMPLIANCE
+    form, covariance = _form(use, np.mean(slips, axis=0))
+    whole = np.zeros((_APART.size, _APART.size))
+    np.fill_diagonal(whole, np.concatenate([form, sigma**2]))
+    whole[: form.size, : form.size] = covariance
+    at = np.concatenate([form, exponents, np.zeros(3), linear])
+    return Known(" and ".join(t.name for t in tyres), "tyre_file", at, whole)
+
+
+def _form(use: Array, slip: Array) -> tuple[Array, Array]:
+    """Mean (5,) and covariance (5, 5) of the coordinates of forms that are like a curve (k,)."""
+    from scipy.special import ndtri
+
+    x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
+    off = np.mean((weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
+    likely = np.exp(-0.5 * (off - off.min()) / _FORM**2)
+    mean = likely @ x / likely.sum()
+    return mean, (likely * (x - mean).T) @ (x - mean) / likely.sum()
 
 
 def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
@@ -172,7 +176,7 @@ def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
         told, h = Q @ np.diag(sharp - 1.0) @ Q.T, Q @ (sharp * (Q.T @ x.mean(axis=0)))
         through = np.linalg.inv(one + told * _APART)  # it tells of the mean, less its own scatter
         precision, pull = precision + through @ told, pull + through @ h
-    of_mean = np.linalg.inv(0.5 * (precision + precision.T))
+    of_mean: Array = np.linalg.inv(0.5 * (precision + precision.T)).astype(np.float64)
     return Known("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_APART))
 
 
@@ -189,6 +193,14 @@ def _coordinates(car: Vehicle, table: Table) -> Array:
     columns = [(of[name] - priors[name][0]) / priors[name][1] for name in NONLINEAR]
     linear = np.stack([e.compliance_f, e.compliance_r, e.radius_load], axis=1) - LINEAR
     return np.column_stack([_normal(amounts), *columns, *np.linalg.solve(TO_LINEAR, linear.T)])
+
+
+def weights_of(x: Array) -> Array:
+    """Weights of the forms (n, 5) by their standard normal coordinates (n, 5)."""
+    from scipy.special import gammaincinv, ndtr
+
+    amount = gammaincinv(SPARSE, np.clip(ndtr(x), 1e-12, 1.0 - 1e-12)) + 1e-12
+    return np.asarray(amount / amount.sum(axis=1, keepdims=True))
 
 
 def _normal(gamma: Array) -> Array:

@@ -31,7 +31,7 @@ from calib.fitting.ensemble import (
     spread_evenly,
     unit_slips,
 )
-from calib.fitting.known import LINEAR, NONLINEAR, SPARSE, TO_LINEAR, Known
+from calib.fitting.known import LINEAR, NONLINEAR, TO_LINEAR, Known, weights_of
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
@@ -154,9 +154,6 @@ def _carried_on(
 
 def _from_normal(x: Array, ratio: Value) -> Ensemble:
     """The prior's draws (n, 5 + 6) from standard normal ones; unit compliances."""
-    from scipy.special import gammaincinv, ndtr
-
-    amount = gammaincinv(SPARSE, np.clip(ndtr(x[:, : len(FORMS)]), 1e-12, 1.0 - 1e-12)) + 1e-12
     priors = PRIORS | {"log_pad_ratio": (ratio.value, ratio.sigma)}
     drawn = {
         name: priors[name][0] + priors[name][1] * column
@@ -164,7 +161,7 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
     }
     one = np.ones(x.shape[0])
     return Ensemble(
-        forms=amount / amount.sum(axis=1, keepdims=True),
+        forms=weights_of(x[:, : len(FORMS)]),
         load_exponent=drawn["load_exponent"],
         peak_load_exponent=drawn["peak_load_exponent"],
         peak=np.exp(drawn["log_peak"]),
