@@ -54,8 +54,8 @@ def validate(
     from calib.car.model import with_effects
     from calib.car.model_file import read_model
     from calib.car.own_effects.own_effect import with_own
-    from calib.estimation.results import SUMMARY, write_results
-    from calib.estimation.validate import require_same_vehicle, to_dict, validate_one
+    from calib.estimation.results import SUMMARY, to_dict, write_results
+    from calib.estimation.validate import require_same_vehicle, validate_one
     from calib.run.gates import refuse_copy
     from calib.show.html import page_of
     from calib.show.validation import facts, report

@@ -4,9 +4,8 @@ r"""The estimator on one log: causal, at the log's own rate, what an ECU would g
                                        \-> gates -> valid
                                        \-> baselines, shown beside it
 
-The step is in `calib.estimation.step`; its baselines stand beside it, see
-`calib.estimation.baselines`: the paper's law as written, that law and recursive least squares on
-any look-up, and what the paper argues with.
+The step is in `calib.estimation.step`; beside it stand the paper's law and what the paper argues
+with, see `calib.estimation.baselines`.
 """
 
 from dataclasses import dataclass, field, replace
@@ -21,7 +20,6 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.gates import Gates, undisturbed, validity
-from calib.estimation.lookup import smoothed
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.state import Reason
@@ -33,6 +31,7 @@ from calib.run.accelerometer import Accelerometer
 from calib.run.axle_signals import Signals, eta_of, signals
 from calib.run.blocks import Blocks, blocks
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
+from calib.run.filters import low_pass
 from calib.run.lateral import lateral
 from calib.run.noise import SensorNoise
 from calib.table.generation import require_maps
@@ -45,6 +44,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Index = NDArray[np.int64]
 
+_SMOOTH = 0.1  # time constant of the causal filter on a load [s], short against the change of a pad
 
 _PADS = ("pad_friction_f", "pad_friction_r")
 _TORQUES = ("brake_torque_fl", "brake_torque_fr", "brake_torque_rl", "brake_torque_rr")
@@ -236,7 +236,7 @@ def estimate(
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
     run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, forces, eta)
-    others = baselines(run, laws=with_laws)
+    others, notes = baselines(run, laws=with_laws)
     front, rear = _axles(plan, read, forces, best)
     slips = zeroed_slips(read, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
@@ -254,8 +254,8 @@ def estimate(
         valid=judged.valid,
         refused=judged.refused,
         braked=np.maximum(read.p_f, read.p_r) > plan.gates.pressure,
-        covered=others.covered,
-        baselines=others.pads,
+        covered=np.maximum(front.normalised_force, rear.normalised_force) <= greatest,
+        baselines=others,
         best=best,
         ecu=ecu,
         blocks=means,
@@ -266,7 +266,7 @@ def estimate(
         slip_r=slips[1] if slips else None,
         factor_f=ran.factor_f,
         factor_r=ran.factor_r,
-        notes=others.notes,
+        notes=notes,
     )
 
 
@@ -297,7 +297,7 @@ def _axles(
                 lower=pads.lower,
                 upper=pads.upper,
                 torque=torque.value,
-                normalised_force=(brake + moment) / smoothed(s, load),
+                normalised_force=(brake + moment) / low_pass(load, s.sample_time, _SMOOTH),
                 change=change.value,
                 change_lower=change.lower,
                 change_upper=change.upper,

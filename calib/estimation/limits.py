@@ -1,9 +1,10 @@
 """Limits of a validation: the allowed range of each metric.
 
 A metric that a log cannot give (without truth, for example) is `not known`; where it is
-``required`` it fails.
+``required`` it fails. The TOML file of them: `calib.estimation.limits_file`.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from calib.base.plain import METRICS
@@ -29,19 +30,14 @@ class Limit:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Judgement(Limit):
     """A limit and the value: ``passed`` is None where the log cannot give the metric.
 
     ``warned``: it passed, but is outside ``warn_low`` to ``warn_high``.
     """
 
-    figure: str
-    value: float | None
-    low: float | None
-    high: float | None
-    passed: bool | None
-    warn_low: float | None = None
-    warn_high: float | None = None
+    value: float | None = None
+    passed: bool | None = None
     warned: bool = False
 
     @property
@@ -49,9 +45,7 @@ class Judgement:
         """`passed`, `warning`, `failed` or `not known`."""
         if self.passed is None:
             return NOT_KNOWN
-        if not self.passed:
-            return FAILED
-        return WARNING if self.warned else PASSED
+        return (WARNING if self.warned else PASSED) if self.passed else FAILED
 
 
 DEFAULTS: tuple[Limit, ...] = tuple(
@@ -65,28 +59,17 @@ user to say: pads that differ from those of the ramp are less well known, and ar
 """
 
 
-def judge(limits: tuple[Limit, ...], figures: dict[str, float | None]) -> tuple[Judgement, ...]:
+def judge(limits: tuple[Limit, ...], figures: Mapping[str, float | None]) -> tuple[Judgement, ...]:
     """Compare the metrics ``figures`` with the limits, in the order of the limits."""
-    out = []
-    for limit in limits:
-        value = figures.get(limit.figure)
-        passed, warned = False if limit.required else None, False
-        if value is not None:
-            passed = _within(value, limit.low, limit.high)
-            warned = passed and not _within(value, limit.warn_low, limit.warn_high)
-        out.append(
-            Judgement(
-                limit.figure,
-                value,
-                limit.low,
-                limit.high,
-                passed,
-                limit.warn_low,
-                limit.warn_high,
-                warned,
-            )
-        )
-    return tuple(out)
+    return tuple(_judged(limit, figures.get(limit.figure)) for limit in limits)
+
+
+def _judged(limit: Limit, value: float | None) -> Judgement:
+    if value is None:
+        return Judgement(**vars(limit), passed=False if limit.required else None)
+    passed = _within(value, limit.low, limit.high)
+    warned = passed and not _within(value, limit.warn_low, limit.warn_high)
+    return Judgement(**vars(limit), value=value, passed=passed, warned=warned)
 
 
 def _within(value: float, low: float | None, high: float | None) -> bool:

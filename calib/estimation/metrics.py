@@ -1,31 +1,27 @@
 """Metrics of an estimate: errors against truth where the log has it, else its consistency.
 
-Those with ``ecu_`` are of what the table gives without a reference speed, over the samples that it
-calls valid: what is handed out. The others are of the best estimate, of all channels.
-
-Constancy of the pad friction within a stop, whiteness of the innovation and coverage of the table
-can be computed for any log. The force sum is reported but never judged: with (18) it equals M a_x
-for any table.
+Two answers are scored by the same functions: the best one, of all channels, and with ``ecu_``
+before its metrics what the table gives without a reference speed, which is handed out.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Mask
 from calib.base.intervals import Z95
 from calib.base.plain import meanings
-from calib.car.vehicle import Axle, Vehicle
-from calib.estimation.axle_estimate import AxleEstimate
+from calib.car.braking import MOVING
+from calib.car.vehicle import Vehicle
 from calib.estimation.estimator import Estimate
-from calib.estimation.readout import Bounded
+from calib.estimation.readout import Bounded, Readout
 from calib.logs.log import Log
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 METRICS: dict[str, str] = meanings("stop")
 """Every metric of a validation, with its meaning."""
+
+Figures = dict[str, float | None]
 
 _FEWEST = 30
 """Least number of samples of a mean."""
@@ -33,14 +29,13 @@ _FEWEST = 30
 
 @dataclass(frozen=True)
 class _AxleTruth:
-    """Truth of one axle: pad friction [1], torque of one wheel [N m], tyre force [N] or None.
+    """Truth of one axle, (n,): pad friction [1], torque of one wheel [N m].
 
     Pad friction is NaN where there is none to compare with.
     """
 
     pad_friction: Array
     torque: Array
-    force: Array | None
 
 
 def truth_of(
@@ -63,95 +58,129 @@ def truth_of(
             pads = known / factor
         else:
             pads = torque / (axle.torque_gain * np.where(p > 1e5, p, np.nan))
-        pads = np.where(pads > 0.0, pads, np.nan)
-        left, right = (log.truth.get(f"true_Fx_{side}{k}") for k in "lr")
-        force = None if left is None or right is None else np.abs(left + right)
-        out.append(_AxleTruth(pads, torque, force))
+        out.append(_AxleTruth(np.where(pads > 0.0, pads, np.nan), torque))
     return out[0], out[1]
 
 
-def score(log: Log, vehicle: Vehicle, estimate: Estimate) -> dict[str, float | None]:
+class _Quantity(NamedTuple):
+    """What an answer says of one axle ("f", "r") or of both ("level"), beside the truth, (n,).
+
+    ``x`` pad friction or pad level [1]; ``torque`` of a wheel, or of all [N m].
+    """
+
+    x: Bounded
+    torque: Array
+    true: Array | None = None
+    true_torque: Array | None = None
+
+
+_NAMES = {
+    "pad_friction_level": "pad_level",
+    "ecu_pad_friction_level": "ecu_pad_level",
+    "ecu_torque_error_level": "ecu_level_error",
+    "ecu_truth_f": "true_pad_friction_f",
+    "ecu_truth_r": "true_pad_friction_r",
+    "ecu_truth_level": "true_pad_level",
+}
+"""Names that are not that of the quantity behind that of the answer."""
+
+
+def score(log: Log, vehicle: Vehicle, e: Estimate) -> Figures:
     """All `METRICS` of one log; None where the log cannot give one."""
-    figures: dict[str, float | None] = dict.fromkeys(METRICS)
-    figures |= consistency(vehicle, estimate) | of_ecu(estimate)
-    truth = truth_of(log, vehicle, estimate)
-    if truth is not None:
-        figures |= ecu_errors(estimate, truth)
-        if estimate.valid.any():
-            figures |= accuracy(vehicle, estimate, truth)
-    return figures
-
-
-def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
-    """Metrics that need no truth."""
-    counted = _counted(e)
-    valid = e.valid & counted
-    out: dict[str, float | None] = {
-        # 0, not None: a stop in which nothing can be judged must not pass
-        "valid_share": _share(valid, counted) or 0.0,
-        "covered_share": _share(valid & e.covered, valid),
-        "eta_zero": vehicle.radius_mismatch(e.eta_zero),
-        "force_sum_error": force_sum_error(vehicle, e),
-    }
-    for side, axle in (("f", e.front), ("r", e.rear)):
-        mu = axle.pad_friction[valid]
-        if mu.size >= _FEWEST:
-            third = mu.size // 3
-            drift = np.mean(mu[-third:]) / np.mean(mu[:third]) - 1.0
-            width = 0.5 * (axle.upper - axle.lower)[valid] / mu
-            out[f"pad_friction_{side}"] = float(np.mean(mu))
-            out[f"pad_friction_drift_{side}"] = abs(float(drift))
-            out[f"interval_{side}"] = float(np.median(width))
-    if np.count_nonzero(valid) >= _FEWEST:
-        out["pad_level"], out["interval_level"] = _mean_and_width(e.best.level, valid)
-    innovation = e.best.innovation[~e.blocks.lead_in & (e.blocks.speed > 3.0)]
-    innovation = innovation[np.isfinite(innovation)]
-    if innovation.size > 10:
-        out["innovation_rms"] = float(np.sqrt(np.mean(innovation**2)))
-        centred = innovation - np.mean(innovation)
-        out["innovation_lag1"] = float(centred[1:] @ centred[:-1] / (centred @ centred))
-        out["innovation_colour"] = float(np.mean(innovation[1:] * innovation[:-1]))
-    return out
-
-
-def _counted(e: Estimate) -> Mask:
-    """Braked samples above 3 m/s, of which the shares are."""
-    return e.braked & (e.speed > 3.0)
-
-
-def _told(e: Estimate) -> Mask:
-    """Samples for which the ECU has a valid answer."""
-    return e.ecu.valid & _counted(e)
-
-
-def of_ecu(e: Estimate) -> dict[str, float | None]:
-    """Metrics of what is handed out that need no truth."""
-    told, ecu, best = _told(e), e.ecu, e.best
-    out: dict[str, float | None] = {"ecu_valid_share": _share(told, _counted(e)) or 0.0}
-    if np.count_nonzero(told) < _FEWEST:
-        return out
-    for name, side, x in (
-        ("pad_friction_f", "f", ecu.pads_f),
-        ("pad_friction_r", "r", ecu.pads_r),
-        ("pad_level", "level", ecu.level),
+    truth, counted = truth_of(log, vehicle, e), counted_samples(e)
+    figures: Figures = {"eta_zero": vehicle.radius_mismatch(e.eta_zero), **_innovation(e)}
+    figures["covered_share"] = _share(e.valid & counted & e.covered, e.valid & counted)
+    # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
+    for of, answer, valid, told in (
+        ("", e.best, e.valid & counted, counted & np.isfinite(e.best.pads_f.value)),
+        ("ecu_", e.ecu, e.ecu.valid & counted, e.ecu.valid & counted),
     ):
-        out[f"ecu_{name}"], out[f"ecu_interval_{side}"] = _mean_and_width(x, told)
-    both = told & e.valid
-    if e.blocks.v is not None and both.any():
-        out["ecu_reference_f"] = departure(ecu.pads_f, best.pads_f, both)
-        out["ecu_reference_r"] = departure(ecu.pads_r, best.pads_r, both)
-    return out
+        # 0, not None: a stop in which nothing can be judged must not pass
+        figures[f"{of}valid_share"] = _share(valid, counted) or 0.0
+        for side, quantity in _quantities(answer, truth).items():
+            for name, value in _of_quantity(quantity, valid, told).items():
+                key = f"{of}{name}_{side}"
+                figures[_NAMES.get(key, key)] = value
+    figures |= _reference(e, e.valid & e.ecu.valid & counted)
+    inside = [figures.get(f"inside_{side}") for side in "fr"]
+    if None not in inside:
+        figures["truth_in_interval"] = float(np.mean(np.array(inside, dtype=float)))
+    return {name: figures.get(name) for name in METRICS}
 
 
-def _mean_and_width(x: Bounded, valid: Mask) -> tuple[float, float]:
-    """Mean of a quantity, and the median half width of its interval, relative [1]."""
-    mean, half = x.value[valid], 0.5 * (x.upper - x.lower)[valid]
-    return float(np.mean(mean)), float(np.median(half / mean))
+def counted_samples(e: Estimate) -> Mask:
+    """Braked samples above 3 m/s (n,), of which the shares are."""
+    return e.braked & (e.speed > MOVING)
+
+
+def _quantities(of: Readout, truth: tuple[_AxleTruth, _AxleTruth] | None) -> dict[str, _Quantity]:
+    sums = of.torque_sum.value
+    given = ((of.pads_f, of.torque_f.value), (of.pads_r, of.torque_r.value), (of.level, sums))
+    if truth is None:
+        return {side: _Quantity(*x) for side, x in zip(_SIDES, given, strict=True)}
+    total = 2.0 * (truth[0].torque + truth[1].torque)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        level = of.level.value * total / sums
+    true = (*((t.pad_friction, t.torque) for t in truth), (level, total))
+    return {side: _Quantity(*x, *t) for side, x, t in zip(_SIDES, given, true, strict=True)}
+
+
+_SIDES = ("f", "r", "level")
+
+
+def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
+    """Its metrics over the ``valid`` samples; torques, and the last error, of those ``told``."""
+    out: Figures = {}
+    x = q.x.value[valid]
+    if x.size >= _FEWEST:
+        third = x.size // 3
+        out = {
+            "pad_friction": float(np.mean(x)),
+            "pad_friction_drift": abs(float(np.mean(x[-third:]) / np.mean(x[:third]) - 1.0)),
+            "interval": float(np.median(0.5 * (q.x.upper - q.x.lower)[valid] / x)),
+        }
+    if q.true is None or q.true_torque is None or not valid.any():
+        return out
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = q.x.value / q.true - 1.0
+    inside = (q.true >= q.x.lower) & (q.true <= q.x.upper)
+    found = {
+        "torque_error": _ratio(_rms((q.torque - q.true_torque)[told]), _rms(q.true_torque[told])),
+        "pad_friction_bias": abs(np.mean(error[valid])),
+        "final_error": abs(error[told][-1]),
+        "inside": np.mean(inside[valid]),
+    }
+    known = valid & np.isfinite(q.true) & (q.true > 0.0)
+    if known.any():
+        rest = np.log(q.x.value[known] / q.true[known]) / _log_sigma(q.x)[known]
+        found |= {"normalised_error": _rms(rest), "truth": np.mean(q.true[known])}
+    finite = {k: float(v) for k, v in found.items() if v is not None and np.isfinite(v)}
+    return out | finite
+
+
+def _innovation(e: Estimate) -> Figures:
+    """Size and colour of the errors of prediction, of blocks above 3 m/s after the lead-in."""
+    told = e.best.innovation[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
+    told = told[np.isfinite(told)]
+    if told.size <= 10:
+        return {}
+    colour = float(np.mean(told[1:] * told[:-1]))
+    return {"innovation_rms": _rms(told), "innovation_colour": colour}
 
 
 def _log_sigma(x: Bounded) -> Array:
     """Standard deviation of the logarithm of a quantity (n,), by its 95 % interval."""
     return np.log(x.upper / x.lower) / (2.0 * Z95)
+
+
+def _reference(e: Estimate, both: Mask) -> Figures:
+    """How far the ECU is from the estimate with v, where there is one and ``both`` are valid."""
+    if e.blocks.v is None or not both.any():
+        return {}
+    return {
+        "ecu_reference_f": departure(e.ecu.pads_f, e.best.pads_f, both),
+        "ecu_reference_r": departure(e.ecu.pads_r, e.best.pads_r, both),
+    }
 
 
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
@@ -175,94 +204,12 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     return _rms(np.log(ecu.value / best.value)[valid] / spread)
 
 
-def ecu_errors(e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]) -> dict[str, float | None]:
-    """Metrics of what is handed out against truth, over the valid samples of the ECU.
-
-    The normalised errors are over the sigma of each sample. Samples of a stop share their error, so
-    it is one draw: one stop in 22 is beyond 2, and one in 370 beyond 3. None without a sample in
-    which the truth is known and positive.
-    """
-    ecu = e.ecu
-    total = 2.0 * (truth[0].torque + truth[1].torque)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        level = ecu.level.value * total / ecu.torque_sum.value
-    out: dict[str, float | None] = {}
-    for side, name, x, true, torque, true_torque in (
-        ("f", "torque_error_f", ecu.pads_f, truth[0].pad_friction, ecu.torque_f, truth[0].torque),
-        ("r", "torque_error_r", ecu.pads_r, truth[1].pad_friction, ecu.torque_r, truth[1].torque),
-        ("level", "level_error", ecu.level, level, ecu.torque_sum, total),
-    ):
-        known = _told(e) & np.isfinite(true) & (true > 0.0)
-        if not known.any():
-            continue
-        rest = np.log(x.value[known] / true[known]) / _log_sigma(x)[known]
-        mean = "true_pad_level" if side == "level" else f"true_pad_friction_{side}"
-        out[mean] = float(np.mean(true[known]))
-        error = _rms((torque.value - true_torque)[known])
-        out[f"ecu_{name}"] = _ratio(error, _rms(true_torque[known]))
-        out[f"ecu_normalised_error_{side}"] = _rms(rest)
-    return out
-
-
 def _share(part: Mask, whole: Mask) -> float | None:
     return float(np.sum(part) / np.sum(whole)) if whole.any() else None
 
 
-def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
-    """Rms of (F_xf + F_xr)/(M a_x) - 1 over valid samples: Fig. 13(f). It validates nothing."""
-    slowing = e.valid & (e.z > 0.0)
-    if not slowing.any():
-        return None
-    total = sum(
-        2.0 * axle.torque / of.rolling_radius
-        for axle, of in ((e.front, vehicle.front), (e.rear, vehicle.rear))
-    )
-    error = np.asarray(total)[slowing] / (vehicle.weight * e.z[slowing]) - 1.0
-    return float(np.sqrt(np.mean(error**2)))
-
-
-def accuracy(
-    vehicle: Vehicle, e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]
-) -> dict[str, float | None]:
-    """Metrics against truth, over the braked samples above 3 m/s or the valid ones, see `METRICS`.
-
-    None where the truth is zero throughout, as no relative error exists.
-    """
-    from calib.car.forces import axle_loads
-
-    valid = e.valid
-    braked = _counted(e) & np.isfinite(e.front.pad_friction)
-    out: dict[str, float | None] = {}
-    inside, own, nominal = [], [], []
-    loads = axle_loads(vehicle, e.z)
-    for i, (side, axle, of) in enumerate(
-        (("f", e.front, vehicle.front), ("r", e.rear, vehicle.rear))
-    ):
-        t = truth[i]
-        error = axle.pad_friction / t.pad_friction - 1.0
-        scale = float(np.sqrt(np.mean(t.torque[braked] ** 2)))
-        out[f"torque_error_{side}"] = _ratio(_rms((axle.torque - t.torque)[braked]), scale)
-        out[f"pad_friction_bias_{side}"] = abs(float(np.mean(error[valid])))
-        last = np.flatnonzero(braked)[-1]
-        out[f"final_error_{side}"] = abs(float(error[last]))
-        if t.force is not None:
-            F = t.force / loads[i]
-            out[f"normalised_force_rmse_{side}"] = _rms((axle.normalised_force - F)[braked])
-        inside.append(((t.pad_friction >= axle.lower) & (t.pad_friction <= axle.upper))[valid])
-        own.append((axle.torque - t.torque)[braked])
-        nominal.append((_nominal_torque(e, side, of) - t.torque)[braked])
-    out["truth_in_interval"] = float(np.mean(np.concatenate(inside)))
-    out["gain_over_nominal"] = _ratio(_rms(np.concatenate(nominal)), _rms(np.concatenate(own)))
-    return {name: x if x is not None and np.isfinite(x) else None for name, x in out.items()}
-
-
 def _ratio(a: float, b: float) -> float | None:
     return a / b if b > 0.0 else None
-
-
-def _nominal_torque(e: Estimate, side: str, axle: Axle) -> Array:
-    mu = e.baselines["nominal"][0 if side == "f" else 1]
-    return mu * axle.torque_gain * (e.pressure_f if side == "f" else e.pressure_r)
 
 
 def _rms(x: Array) -> float:
@@ -270,22 +217,19 @@ def _rms(x: Array) -> float:
 
 
 def baseline_errors(
-    vehicle: Vehicle, e: Estimate, truth: tuple[_AxleTruth, _AxleTruth]
+    e: Estimate, truth: tuple[_AxleTruth, _AxleTruth] | None
 ) -> dict[str, tuple[float, float]]:
-    """Rms relative error of the pad friction of each method, front and rear, over valid samples."""
-    methods: dict[str, tuple[Array, Array]] = {
-        "kalman": (_mu(e.front), _mu(e.rear)),
-        "ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value),
-        **e.baselines,
-    }
-    return {
-        name: (
-            _rms((front / truth[0].pad_friction - 1.0)[e.valid]),
-            _rms((rear / truth[1].pad_friction - 1.0)[e.valid]),
-        )
-        for name, (front, rear) in methods.items()
-    }
+    """Rms relative error of the pad friction of each method, front and rear, over valid samples.
 
-
-def _mu(axle: AxleEstimate) -> Array:
-    return axle.pad_friction
+    Without a truth it is against the best estimate, where that has seen v; else there are none.
+    """
+    best = e.best.pads_f.value, e.best.pads_r.value
+    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **e.baselines}
+    if truth is not None:
+        methods = {"estimate": best, **methods}
+    true = np.array(best if truth is None else [axle.pad_friction for axle in truth])
+    known = e.valid & np.isfinite(true).all(axis=0)
+    if not known.any() or (truth is None and e.blocks.v is None):
+        return {}
+    errors = {name: (np.array(pads) / true - 1.0)[:, known] for name, pads in methods.items()}
+    return {name: (_rms(front), _rms(rear)) for name, (front, rear) in errors.items()}

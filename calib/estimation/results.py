@@ -1,18 +1,100 @@
-"""Files of `validate --out`: one row per sample as Parquet, and the summary as JSON.
+"""Results of a validation: one row per sample as Parquet, and the summary as JSON.
 
 Units are in the metadata of each column, so that any Parquet reader can show them. Files are
 written completely or not at all.
 """
 
 import json
+import math
+from dataclasses import asdict
 from pathlib import Path
 
 from calib.base.publish import publish, workshop
+from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
+from calib.estimation.agreement import agreement
 from calib.estimation.estimator import COLUMNS, Estimate
-from calib.estimation.validate import Validation
+from calib.estimation.limits import FAILED, PASSED
+from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, all_warnings, proof_of
+from calib.store.version import Stored
+from calib.table.budget import summary as budget_summary
+from calib.table.exported import Precision
 
 SUMMARY = "summary.json"
+
+
+def to_dict(
+    stored: Stored, results: list[Validation], how: Precision | None = None
+) -> dict[str, object]:
+    """`summary.json`: every metric, judgement and baseline of every log, and the verdict.
+
+    Its warnings begin with those of the table, which speak against every estimate with it. ``how``
+    the table was taken as exported, if not in full.
+    """
+    together = agreement(results)
+    return {
+        "schema": 1,
+        "table": stored.id,
+        "digest": stored.digest,
+        "state": stored.state.word,
+        "mass": asdict(results[0].mass) if results else None,
+        "warnings": [warning_dict(w) for w in all_warnings(stored.table.warnings, results)],
+        "verdict": _verdict(all(r.passed for r in results)),
+        "proof": proof_of(results),
+        "exported": None if how is None else asdict(how),
+        "logs": [_of_log(r) for r in results],
+        "agreement": None
+        if together is None
+        else {
+            "pad_friction_f": together.mean_f,
+            "pad_friction_r": together.mean_r,
+            "largest_departure_f": together.spread_f,
+            "largest_departure_r": together.spread_r,
+            "roads": [asdict(road) for road in together.roads],
+        },
+    }
+
+
+def _of_log(r: Validation) -> dict[str, object]:
+    notes = [NO_HOLDOUT] * (r.role == CALIBRATION) + [*r.estimate.notes]
+    return {
+        "log": r.log,
+        "digest": r.digest,
+        "role": r.role,
+        "verdict": _verdict(r.passed),
+        "proof": r.proof,
+        "figures": {key: _finite(value) for key, value in r.figures.items()},
+        "limits": [
+            {
+                "figure": j.figure,
+                "value": _finite(j.value),
+                "min": j.low,
+                "max": j.high,
+                "warn": [j.warn_low, j.warn_high],
+                "passed": j.passed,
+                "warned": j.warned,
+            }
+            for j in r.judgements
+        ],
+        "not_held": [j.figure for j in r.judgements if j.passed is False],
+        "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
+        "budget": None if r.budget is None else budget_summary(*r.budget),
+        "not_valid": r.refused,
+        "rms_error_against": r.compared_with,
+        "rms_error_by_method": {
+            name: {"front": _finite(front), "rear": _finite(rear)}
+            for name, (front, rear) in r.baselines.items()
+        },
+        **({"notes": notes} if notes else {}),
+    }
+
+
+def _verdict(passed: bool) -> str:
+    return PASSED if passed else FAILED
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
 
 
 def write_result(e: Estimate, path: Path) -> None:

@@ -32,17 +32,5 @@ class _ValidationSettings:
     """Share of the braked samples with a wheel at its limit past which nothing is weighed: the
     scenarios know no wheel that locks."""
 
-    # roads.py
-    roads_apart: float = 2.5
-    """Difference of two stiffnesses from which they are of two roads [sigma]: by chance in one pair
-    of eighty on the same road."""
-    any_road: float = 0.35
-    """Sigma of ln of the stiffness of a road of which nothing is known [1]: tile to dry asphalt
-    spans factors of 0.6 to 1.1."""
-
-    # validate.py
-    named: float = 0.1
-    """Share of the braked samples from which a reason for not being valid is named."""
-
 
 SETTINGS = _ValidationSettings()

@@ -18,10 +18,11 @@ from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.written.document import to_dict as document_of
+from calib.estimation.agreement import Agreement, agreement
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import truth_of
-from calib.estimation.results import write_results
-from calib.estimation.validate import Agreement, Validation, agreement, to_dict, validate
+from calib.estimation.results import to_dict, write_results
+from calib.estimation.validate import Validation, validate
 from calib.fitting.fit import fit
 from calib.help.samples import sample_logs
 from calib.logs.log import Log
@@ -131,7 +132,7 @@ def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
     save({folder / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
 
 
-_METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
+_METHODS = ("nominal", "mean_gain", "gradient_paper", "gradient_map")
 
 
 def _section_four(outcome: _Outcome) -> list[_Row]:
@@ -145,7 +146,7 @@ def _section_four(outcome: _Outcome) -> list[_Row]:
     braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
     last = int(np.flatnonzero(braked)[-1])
     pads = {name: e.baselines[name] for name in _METHODS if name in e.baselines}
-    pads["kalman"] = (e.front.pad_friction, e.rear.pad_friction)
+    pads["estimate"] = (e.front.pad_friction, e.rear.pad_friction)
     rows = []
     for name, (front, rear) in pads.items():
         errors = [

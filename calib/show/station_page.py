@@ -12,7 +12,7 @@ from calib.base.plain import plus_minus
 from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.results import SUMMARY, fill
-from calib.estimation.validate import to_dict as validation_dict
+from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import export
 from calib.line.station.files import (
     DOCUMENT,

@@ -51,10 +51,10 @@ _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
     "mean_gain": ("one mean gain, [16]", LEVEL),
-    "gradient_paper": ("gradient law, paper look-up", LAW),
-    "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
+    "gradient_paper": ("gradient law, curves", LAW),
+    "gradient_map": ("gradient law, map", {"color": "#E69F00", "linestyle": DOTTED}),
 }
-"""Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
+"""Methods that can be drawn beside the estimate: few, so that it stays visible."""
 _ENDS = ("", "_lower", "_upper")
 _AXLES = (("f", "front", FRONT), ("r", "rear", REAR))
 _EVERY = 5

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, signed_percent
+from calib.estimation.agreement import agreement
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
@@ -12,7 +13,6 @@ from calib.estimation.validate import (
     REFERENCE,
     TRUTH,
     Validation,
-    agreement,
     all_warnings,
     proof_of,
 )
@@ -54,8 +54,9 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
             ("Vehicle", stored.table.vehicle.name),
             ("Mass", str(found[0].mass)),
             *_limiting(found),
+            *_by_curves(found),
         ],
-        notes=advice_lines(of for result in found for of in result.limiting or ()),
+        notes=advice_lines(of for result in found for of in result.budget or ()),
         warnings=warnings,
     )
 
@@ -159,8 +160,38 @@ def _limiting(results: list[Validation]) -> list[Row]:
     ]
 
 
+_AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v"}
+
+
+def _by_curves(results: list[Validation]) -> Iterator[Row]:
+    """What who uses the curves alone has to expect, of the stop where it is most."""
+    told = [r for r in results if "gradient_paper" in r.baselines]
+    if told:
+        worst = max(told, key=lambda r: max(r.baselines["gradient_paper"]))
+        law, ecu = (_percent(worst.baselines[name]) for name in ("gradient_paper", "ecu"))
+        yield (
+            "f1, f2 without the map",
+            f"{worst.log}: {law[0]} front, {law[1]} rear off {_AGAINST[worst.compared_with]} by "
+            f"the law (23)-(25); the ECU with the map {ecu[0]}, {ecu[1]}",
+        )
+
+
+def _beside(r: Validation) -> list[Table]:
+    """The methods beside the estimate, with their errors."""
+    if not r.baselines:
+        return []
+    rows = [(name, *_percent(error)) for name, error in r.baselines.items()]
+    against = _AGAINST[r.compared_with]
+    caption = f"Rms error of the pad friction of other methods against {against}, not judged."
+    return [Table(("method", "front", "rear"), rows, caption)]
+
+
+def _percent(errors: tuple[float, float]) -> list[str]:
+    return [f"{100.0 * x:.1f} %" for x in errors]
+
+
 def _stop(r: Validation) -> Facts:
-    """One stop: judged metrics, the others, its picture."""
+    """One stop: judged metrics, the others, its picture, other methods."""
     name, given = r.log, {j.figure for j in r.judgements}
     table, unknown = judged(f"Limits of {name}, the worst first.", [[j] for j in r.judgements])
     others = [
@@ -172,7 +203,7 @@ def _stop(r: Validation) -> Facts:
     return Facts(
         f"{name}: {word(r)}",
         verdict=PASSED if r.passed else FAILED,
-        tables=[table],
+        tables=[table, *_beside(r)],
         notes=unknown,
         pictures=[pads_over_time(r)],
         parts=[Facts("Metrics that are not judged", tables=[rest], folded=True)],

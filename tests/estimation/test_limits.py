@@ -82,7 +82,7 @@ def test_all_errors_of_a_file_come_in_one_message(tmp_path):
 def test_a_figure_passes_within_its_ends(value, low, high):
     (judged,) = judge((Limit("a", low, high),), {"a": value})
     outside = (low is not None and value < low) or (high is not None and value > high)
-    assert judged == Judgement("a", value, low, high, not outside)
+    assert judged == Judgement("a", low, high, value=value, passed=not outside)
 
 
 def test_a_warning_lies_between_pass_and_fail(tmp_path):

@@ -9,8 +9,7 @@ import pytest
 
 from calib.base.intervals import Z95
 from calib.estimation import results
-from calib.estimation.results import write_result, write_results
-from calib.estimation.validate import to_dict
+from calib.estimation.results import to_dict, write_result, write_results
 from tests.estimation.test_metrics import SIGMA, N, made_estimate
 from tests.estimation.test_validate import made
 from tests.support.tables import stored_as

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from calib.estimation.estimator import estimate
-from calib.estimation.validate import to_dict, validate
+from calib.estimation.results import to_dict
+from calib.estimation.validate import validate
 from calib.estimation.warnings import warnings_of
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, misread, noisy, stop, with_pads, without

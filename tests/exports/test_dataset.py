@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from calib.base.errors import ExchangeError
-from calib.estimation.lookup import difference, paper
+from calib.estimation.law import by_curves
 from calib.exports.dataset import LONGEST, LONGEST_PREFIX, build, label, prefix
 from calib.exports.write import printable
 from calib.store.evidence import Quality
@@ -32,14 +32,12 @@ def test_any_name_gives_identifiers(name, part):
 
 
 def test_ends_are_clamped_as_the_look_up_does(stored):
-    """What every file says of the ends is what `calib.estimation.lookup` does."""
+    """What every file says of the ends is what `calib.estimation.law` does."""
     z, eta = np.full(2, 0.1), np.array([0.9, 1.1])
     curves = {c.label: c.values for c in build(stored).curves}
-    read = paper(stored.table, z, eta, z)
-    assert (read.F_f - z).tolist() == pytest.approx(curves["sedan_f1"][[0, -1]].tolist())
-    assert (read.F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())
-    D = difference(stored.table, z, eta, z)
-    assert (D.F_f - D.F_r).tolist() == pytest.approx(curves["sedan_D"][[0, -1]].tolist())
+    F_f, F_r = by_curves(stored.table, eta, z)
+    assert (F_f - z).tolist() == pytest.approx(curves["sedan_f1"][[0, -1]].tolist())
+    assert (F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())
 
 
 def test_a_draft_is_preliminary_also_where_a_validation_passed(stored, tmp_path):

@@ -15,7 +15,8 @@ from calib.car import forces
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.vehicle_file import read_vehicle
-from calib.estimation.validate import agreement, validate
+from calib.estimation.agreement import agreement
+from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log

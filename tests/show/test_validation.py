@@ -1,12 +1,17 @@
 """What is told of a validation: the ECU beside the best estimate and the truth, and by what."""
 
+from dataclasses import replace
+
 import pytest
 
 from calib.estimation.limits import Judgement
+from calib.estimation.validate import validate
 from calib.show.facts import FAILED, PASSED
-from calib.show.validation import facts
+from calib.show.origin import PageOrigin
+from calib.show.validation import facts, report
 from calib.table.exported import Precision
 from tests.estimation.test_validate import made
+from tests.support.reference_car import REAL, noisy, stop
 from tests.support.tables import stored_as
 
 ECU = {
@@ -54,7 +59,7 @@ def test_the_word_is_not_passed_where_nothing_proves(metric, proved):
 
 
 def test_the_metric_that_fails_is_named():
-    bad = Judgement("ecu_reference_r", 4.2, None, 3.5, False)
+    bad = Judgement("ecu_reference_r", None, 3.5, value=4.2, passed=False)
     found = told(made("a", **ECU), made("b", judgements=[bad], **ECU, ecu_reference_r=4.2))
     assert found.verdict == FAILED
     assert found.tables[0].verdicts[0] == PASSED
@@ -69,3 +74,24 @@ def test_a_table_that_was_rounded_is_told(how):
     rows = dict(told(made("a", **ECU), how=how).rows)
     assert str(how) in rows.values()
     assert str(how) not in dict(told(made("a", **ECU)).rows).values()
+
+
+def test_what_the_curves_alone_cost_is_told_of_the_worst_stop():
+    methods = {"estimate": (0.01, 0.02), "ecu": (0.012, 0.034), "gradient_paper": (0.071, 0.283)}
+    better = {**methods, "gradient_paper": (0.011, 0.021)}
+    rows = told(
+        replace(made("dry", **ECU), baselines=better),
+        replace(made("tile", **ECU), baselines=methods),
+    ).rows
+    (row,) = [text for _, text in rows if "tile" in text]
+    assert all(x in row for x in ("7.1 %", "28.3 %", "1.2 %", "3.4 %"))
+    assert not [text for _, text in rows if "dry" in text]
+
+
+def test_every_method_is_on_the_page_of_a_stop(fitted):
+    (found,) = validate(fitted, [noisy(stop(REAL), 2)])
+    tables = report(stored_as("sedan@1"), [found], PageOrigin("")).parts[0].tables
+    rows = {row[0]: row[1:] for row in tables[1].rows}
+    assert set(rows) == set(found.baselines)
+    front, rear = found.baselines["gradient_map"]
+    assert rows["gradient_map"] == (f"{100 * front:.1f} %", f"{100 * rear:.1f} %")

@@ -25,7 +25,7 @@ from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
-from calib.estimation.validate import to_dict as validation_dict
+from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
 from calib.line.station.station import Identity, StationCheck, StationOutcome
 from calib.store.version import Stored

@@ -12,7 +12,8 @@ from calib.car.bias import front_biased_up_to
 from calib.car.braking import MOVING
 from calib.car.forces import slip
 from calib.car.vehicle import Vehicle
-from calib.estimation.validate import Validation, agreement
+from calib.estimation.agreement import agreement
+from calib.estimation.validate import Validation
 from calib.line.station.golden import golden_metrics
 from calib.logs.log import Log
 from calib.run.driving_record import DrivingRecord, driving_record
@@ -53,7 +54,7 @@ def metrics_of(
     for axle in "fr":
         sides = [side_difference(table, log, axle) for log in ramps]
         out[f"side_difference_{axle}"] = _largest(sides)
-    together = agreement(list(results))
+    together = agreement(results)
     out["repeatability_f"] = together.spread_f if together else None
     out["repeatability_r"] = together.spread_r if together else None
     if golden:

@@ -1,0 +1,91 @@
+"""Stops of one road with like pads, from stiffnesses that are made."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from calib.car.mass import MassUsed
+from calib.estimation.agreement import agreement, stiffness
+from calib.estimation.metrics import METRICS
+from calib.estimation.validate import HOLDOUT, Validation
+from tests.estimation.test_metrics import made_estimate
+from tests.support.tables import made_table
+
+
+def on_road(estimate, stiffness, sigma=0.04):
+    """The estimate on a road whose tyres are stiffer than those of the ramp by this logarithm."""
+    tyre = made_table().tyre
+    one = np.ones_like(estimate.time)
+    slip = np.log(tyre.slip[-1] / tyre.force[-1]) - stiffness
+    told = replace(estimate.best, slip=slip * one, slip_sigma=sigma * one)
+    return replace(estimate, plan=SimpleNamespace(table=made_table()), best=told)
+
+
+def stops(*stiffness, sigma=0.04, pads=(0.4, 0.36), level=1.0):
+    figures = dict.fromkeys(METRICS) | {"pad_level": level}
+    figures |= dict(zip(("pad_friction_f", "pad_friction_r"), pads, strict=True))
+    return [
+        Validation(
+            f"{value:g}", "", HOLDOUT, on_road(made_estimate(), value, sigma), figures, (), {},
+            MassUsed(1744.0, 0.03, False)
+        )
+        for value in stiffness
+    ]  # fmt: skip
+
+
+def groups(results):
+    found = agreement(results)
+    return None if found is None else [road.stops for road in found.roads]
+
+
+def test_stops_of_different_stiffness_are_of_two_roads():
+    together = groups(stops(0.05, -0.22, 0.02, -0.25))
+    assert together == [("-0.25", "-0.22"), ("0.02", "0.05")]
+
+
+def test_a_stiffness_is_that_of_the_slip():
+    (stop,) = stops(-0.2)
+    told = np.array(stiffness(stop.estimate))
+    assert told == pytest.approx(np.array([-0.2, 0.04]))
+
+
+def test_stops_of_one_road_are_rarely_parted():
+    rng = np.random.default_rng(3)
+    made = stops(0.0)[0]
+    parted = 0
+    for _ in range(300):
+        values = rng.normal(0.0, 0.04, 4)
+        found = agreement([replace(made, estimate=on_road(made.estimate, x)) for x in values])
+        parted += found is None or len(found.roads) > 1
+    assert parted < 0.08 * 300
+
+
+def test_many_stops_do_not_bridge_two_roads():
+    between = np.linspace(-0.3, 0.1, 9)
+    assert len(groups(stops(*between, sigma=0.02))) > 1
+
+
+def test_the_largest_departure_is_within_a_road():
+    together = agreement([
+        *stops(0.03, pads=(0.40, 0.40)), *stops(-0.25, pads=(0.20, 0.30)),
+        *stops(0.031, pads=(0.42, 0.40)), *stops(-0.24, pads=(0.20, 0.36)),
+    ])  # fmt: skip
+    assert together.spread_f == pytest.approx(0.01 / 0.41)
+    assert together.spread_r == pytest.approx(0.03 / 0.33)
+    assert together.mean_f == pytest.approx(1.22 / 4)
+    assert together.differ == (0.03 / 0.33 > 0.2)
+    assert agreement(stops(0.03, -0.25)) is None
+
+
+def test_a_wet_stop_is_not_held_against_a_dry_one():
+    """The test plan of the paper: pads at half of their friction on the road of the others."""
+    dry, again = stops(0.0, 0.01, pads=(0.38, 0.36))
+    (wet,) = stops(0.005, pads=(0.19, 0.18), level=0.5)
+    assert groups([dry, wet]) is None
+    found = agreement([dry, wet, again])
+    assert (found.spread_f, found.spread_r) == (0.0, 0.0)
+    # pads of one axle that stick, at a level that hardly tells
+    (unlike,) = stops(0.005, pads=(0.38, 0.20), level=0.91)
+    assert agreement([dry, unlike]).spread_r == pytest.approx(0.08 / 0.28)

@@ -1,0 +1,147 @@
+"""The paper's law against a plain loop, the exponential, its limit; its forces against (18)."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.base.errors import InputError
+from calib.car.balance import force_balance
+from calib.car.effects.effects import Effects
+from calib.estimation import law
+from tests.support.tables import B_SHIFT, B_Z, VEHICLE, A, C, K, made_table, mapped_table
+
+DT = 0.005
+AXLE = VEHICLE.front
+GAIN = 2.0 * 28.84e-4 * 0.1309
+"""C of Table I with two pad faces [m^3]."""
+
+
+def run(n=400, seed=1, theta=-0.15):
+    """u over a wavering braking, and y = theta u with noise."""
+    rng = np.random.default_rng(seed)
+    u = -GAIN * 20e5 * (1.0 + 0.5 * np.sin(np.arange(n) / 30.0))
+    return theta * u + 0.05 * np.abs(u) * rng.normal(size=n), u
+
+
+def plain_loop(y, u, gamma, dt):
+    theta, out = 0.0, []
+    for k in range(y.size):
+        theta = theta + gamma * (y[k] - theta * u[k]) * u[k] * dt  # forward Euler of (25)
+        out.append(theta)
+    return np.array(out)
+
+
+# (23), (24) --------------------------------------------------------------------------------------
+
+
+@given(st.floats(0.1, 0.7), st.floats(5e5, 1e7), st.floats(-500.0, 500.0))
+def test_a_wheel_that_turns_by_13_gives_its_pads(pad, bar, moment):
+    """2 mu C P/R of the brakes of both wheels; what else slows them is not the brakes'."""
+    p, one = np.full(4000, bar), np.ones(4000)
+    tyres = (2.0 * pad * GAIN * bar + moment) / 0.322
+    rate = 0.5 / (GAIN * bar) ** 2 / DT
+    found = law.adapted(AXLE, p, (tyres - moment / 0.322) * one, rate, DT)
+    assert found[-1] == pytest.approx(pad, abs=1e-9)
+
+
+def test_it_is_frozen_where_it_may_not_act():
+    p, acts = np.full(400, 20e5), np.arange(400) < 200
+    found = law.adapted(AXLE, p, np.full(400, 4e3), law.gain(AXLE), DT, acts)
+    assert found[0] != found[199]
+    assert set(found[199:]) == {found[199]}
+
+
+def test_gain_adapts_both_axles_at_the_same_rate():
+    for axle in (VEHICLE.front, VEHICLE.rear):
+        assert law.gain(axle) * (axle.torque_gain * 20e5) ** 2 == pytest.approx(8.0)
+
+
+# (25) --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [1, 400])
+def test_gradient_is_the_plain_loop(n):
+    y, u = run(n)
+    gamma = law.gain(AXLE)
+    expected = plain_loop(y, u, gamma, DT)
+    assert law.gradient(y, u, gamma, DT) == pytest.approx(expected, rel=1e-13, abs=1e-13)
+
+
+def test_constant_u_gives_the_exponential():
+    """theta = theta* (1 - exp(-gamma u^2 t)); Euler's steps err by half a step in the rate."""
+    rate, dt = 8.0, 1e-5
+    u = np.full(100_000, -GAIN * 20e5)
+    theta = law.gradient(-0.15 * u, u, rate / u[0] ** 2, dt)
+    t = dt * np.arange(1, u.size + 1)
+    assert theta == pytest.approx(-0.15 * (1.0 - np.exp(-rate * t)), abs=0.15 * rate * dt)
+
+
+def test_stable_just_below_the_limit_and_refused_at_it():
+    u = np.full(4000, -700.0)
+    below, above = 1.99 / (700.0**2 * DT), 2.0001 / (700.0**2 * DT)
+    theta = law.gradient(-0.1 * u, u, below, DT)
+    assert np.max(np.abs(theta[-100:] + 0.1)) < 1e-12  # |1 - 1.99|^4000
+    grown = plain_loop(-0.1 * u, u, 1.05 * above, DT)
+    assert np.abs(grown[-1]) > 1e3
+    with pytest.raises(InputError, match=r"unstable: gamma u\^2 dt = 2\.00.*below 2"):
+        law.gradient(-0.1 * u, u, above, DT)
+
+
+def test_lyapunov_rate_is_the_slope_of_the_function():
+    """dV/dt = -eps^2 of V = theta_err^2/(2 gamma), also while u changes, where (27) and (28) as
+    printed do not hold."""
+    dt = 1e-6
+    u = -GAIN * 20e5 * (1.0 + np.linspace(0.0, 0.5, 1000))
+    gamma = law.gain(AXLE)
+    error = law.gradient(-0.15 * u, u, gamma, dt) + 0.15
+    slope = np.diff(error**2 / (2.0 * gamma)) / dt
+    eps = -error[:-1] * u[1:]
+    assert slope == pytest.approx(-(eps**2), rel=1e-4)
+
+
+# Forces ------------------------------------------------------------------------------------------
+
+
+def test_curves_give_the_straight_tyre_and_the_level():
+    """D = C (eta - 1) at z = K (eta - 1); known effects shift the level and not the difference."""
+    eta = 1.0 + np.linspace(1e-4, 0.0045, 30)
+    z = K * (eta - 1.0)
+    F_f, F_r = law.by_curves(made_table(rows=41), eta, z - 0.02)
+    assert F_f - F_r == pytest.approx(C * (eta - 1.0), rel=0.012)
+    front = (1.6494 + 0.615 * z) / 2.805
+    assert front * F_f + (1.0 - front) * F_r == pytest.approx(z - 0.02, abs=1.5e-6)  # (18)
+
+
+def test_beyond_the_curves_their_ends_hold():
+    flat = np.zeros(4)
+    F_f, F_r = law.by_curves(made_table(), np.array([0.999, 1.0, 1.005, 1.006]), flat)
+    assert (F_f[0], F_f[3]) == (F_f[1], F_f[2])
+    assert (F_r[0], F_r[3]) == (F_r[1], F_r[2])
+
+
+NOMINAL = np.log(28.84 * 130.9 / (11.34 * 124.0))
+"""ln of the front brake force over the rear one of Table I, with pads and radii alike."""
+
+
+def read(z, shift):
+    """By the map of `mapped_table`: ln of front over rear brake force, forces and balance."""
+    b = force_balance(VEHICLE, Effects(), z, 20.0 + 0.0 * z, z, z)
+    F_f, F_r = law.by_map(mapped_table(), 1.0 + shift * b.demanded / VEHICLE.weight, b)
+    brakes = (F_f * b.load_f - b.moment_f) / (F_r * b.load_r - b.moment_r)
+    return np.log(brakes), (F_f, F_r), b
+
+
+def test_the_map_shares_the_force_and_18_is_exact():
+    z, shift = np.linspace(0.12, 0.7, 9), np.linspace(-0.0035, 0.019, 9)
+    ratio, (F_f, F_r), b = read(z, shift)
+    assert F_f * b.load_f + F_r * b.load_r == pytest.approx(VEHICLE.weight * z, rel=1e-12)
+    expected = NOMINAL + A + B_Z * b.demanded / VEHICLE.weight + B_SHIFT * shift
+    assert ratio == pytest.approx(expected, abs=1e-9)
+
+
+def test_beyond_the_map_its_ends_hold():
+    z, shift = np.array([0.3, 0.95]), np.array([0.05, 0.0])
+    ratio, _, b = read(z, shift)
+    first = B_Z * b.demanded[0] / VEHICLE.weight + B_SHIFT * 0.02
+    assert ratio == pytest.approx(NOMINAL + A + np.array([first, 0.8 * B_Z]), abs=1e-9)
