@@ -55,49 +55,11 @@ def weigh_hypotheses(
     return Mixture(mean, mixed, weights, means, (most + np.log(total_weight))[..., 0])
 
 
-class _MixturePosterior(NamedTuple):
-    """Mean and standard deviation of the mixture, and the weight of the nominal hypothesis."""
-
-    mean: Array
-    sigma: Array
-    nominal_weight: Array
-
-
-def mixture_posterior(
-    deviation: Array | float,
-    sigma: Array | float,
-    free_sigma: float,
-    odds: Array | float,
-    nominal_sigma: float,
-) -> _MixturePosterior:
-    """Weigh whether a number is nominal or free, by its measured ``deviation`` and its ``sigma``.
-
-    ``free_sigma`` is the spread under the free hypothesis, which must already be part of the
-    measurement's posterior; ``odds`` are those of nominal before the measurement; ``nominal_sigma``
-    how exactly nominal holds. All of one unit. A deviation that cannot be told from nominal does
-    not pay for the noise; one far outside ``free_sigma`` is given back as measured.
-    """
-    d, s = np.asarray(deviation, float), np.asarray(sigma, float)
-    at_nominal = np.hypot(s, nominal_sigma)
-    # log of the Savage-Dickey ratio: posterior over prior density around nominal
-    log_ratio = np.log(odds * free_sigma / at_nominal) - 0.5 * (d / at_nominal) ** 2
-    weight = 1.0 / (1.0 + np.exp(-np.clip(log_ratio, -700.0, 700.0)))
-    kept = (nominal_sigma / at_nominal) ** 2
-    mean_nominal, variance_nominal = kept * d, kept * s**2
-    mean = weight * mean_nominal + (1.0 - weight) * d
-    between = weight * (1.0 - weight) * (d - mean_nominal) ** 2
-    variance = weight * variance_nominal + (1.0 - weight) * s**2 + between
-    return _MixturePosterior(mean, np.sqrt(variance), weight)
-
-
 # A quantity that is not below zero where it is there: half of a normal distribution of ``spread`` M
 # there, zero where not; seen as x with the same ``sigma`` u. h = hypot(u, M).
 
 _MOST = 300.0
 """Largest logarithm of a ratio: more is sure."""
-
-_FAR = -5.0
-"""Standard deviations below zero from which the quantity is as good as none."""
 
 
 def likelihood_ratio(x: float, sigma: float, spread: float) -> float:
@@ -116,18 +78,3 @@ def log_likelihood_ratio(x: float, sigma: float, spread: float) -> float:
         return -math.inf
     apart = 1.0 / sigma**2 - 1.0 / h**2
     return math.log(2.0 * sigma / h * normal) + 0.5 * x**2 * apart
-
-
-def mean_square(x: float, sigma: float, spread: float) -> float:
-    """Mean of the square of the quantity, if it is there and was seen as x.
-
-    With m = x M^2/h^2 and s = u M/h, those of the normal distribution that it has above zero, and
-    t = m/s: s^2 + m^2 + m s phi(t)/Phi(t) (Johnson, Kotz and Balakrishnan, Continuous Univariate
-    Distributions, vol. 1, section 10.1).
-    """
-    h = math.hypot(sigma, spread)
-    s = sigma * spread / h
-    t = max(x / sigma * spread / h, _FAR)
-    m = s * t
-    ratio = math.exp(-0.5 * t**2) / math.sqrt(0.5 * math.pi) / math.erfc(-t / math.sqrt(2.0))
-    return s**2 + m**2 + m * s * ratio

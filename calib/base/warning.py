@@ -1,7 +1,8 @@
 """One shape for a warning: what speaks against a result although it is given."""
 
 import math
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from calib.base.errors import not_finite
@@ -73,10 +74,55 @@ def warning(
     expected: tuple[float | None, float | None] = (0.0, 0.0),
     **words: object,
 ) -> PlausibilityWarning:
-    """A warning whose causes and next step are those of `warnings.csv`, with these ``words``."""
+    """A warning whose causes and next step are those of `warnings.csv`, with these ``words``.
+
+    What is below its range may have causes of its own.
+    """
     row = _ROWS[code]
-    causes = tuple(cause.format(**words) for cause in listed(row["causes"]))
+    low = -math.inf if expected[0] is None else expected[0]
+    told = row["below"] if measured < low and row["below"] else row["causes"]
+    causes = tuple(cause.format(**words) for cause in listed(told))
     return PlausibilityWarning(code, log, measured, expected, causes, row["do"].format(**words))
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run says of a code of `warnings.csv`, in the measure of the range of its row.
+
+    ``value`` with its ``sigma``; ``shown`` that measure as the warning tells it, rising; ``words``
+    for its causes.
+    """
+
+    code: str
+    value: float
+    sigma: float = 0.0
+    shown: Callable[[float], float] = float
+    words: Mapping[str, object] = field(default_factory=dict)
+
+
+def relative(code: str, value: float, usual: float) -> Measured:
+    """A value of which the row bounds the change from what is ``usual`` [1]."""
+    return Measured(code, value / usual - 1.0, shown=lambda change: (1.0 + change) * usual)
+
+
+def judged(log: str, measured: Iterable[Measured]) -> tuple[PlausibilityWarning, ...]:
+    """A warning of each that lies outside the range of its row.
+
+    The range is no narrower than zero give or take ``sure`` of the sigmas.
+    """
+    return tuple(one for m in measured if (one := _warned(log, m)) is not None)
+
+
+def _warned(log: str, m: Measured) -> PlausibilityWarning | None:
+    row = _ROWS[m.code]
+    low, high = float(row["low"] or -math.inf), float(row["high"] or math.inf)
+    if row["sure"]:
+        sure = float(row["sure"]) * m.sigma
+        low, high = min(low, -sure), max(high, sure)
+    if not (m.value < low or m.value > high):
+        return None
+    ends = [m.shown(end) if math.isfinite(end) else None for end in (low, high)]
+    return warning(m.code, log, m.shown(m.value), (ends[0], ends[1]), **m.words)
 
 
 def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from dataclasses import asdict
 import numpy as np
 
 from calib.base.errors import LogError
+from calib.base.warning import judged
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
@@ -38,7 +39,7 @@ from calib.model.resistance import identify as identify_resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.sensors import of_whole_run, put_right
 from calib.model.sort_logs import sort_logs
-from calib.plausibility.pads import calibration_warnings, require_possible_pads
+from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.speed import require_measured_speed
 from calib.plausibility.vehicle_file import require_file_of_run
 from calib.run.noise import worst_noise
@@ -67,7 +68,8 @@ def fit(
     bench : brake forces of the same pads on a roller brake tester. Their ratio is then known before
         the ramps, as it is to some degree by a `pad_friction_tolerance` of the vehicle.
     tyre : file of the tyres of both axles, or those of the front and of the rear axle.
-    fleet : tables of other cars of this model by name@version, see `calib.Store.fleet`.
+    fleet : tables of other cars of this model by name@version, see
+        `calib.store.fleet.released_cars`.
 
     What ``tyre`` and ``fleet`` say is half of the prior; a warning says where the ramps contradict
     it, and the answer is then that of ramps alone.
@@ -96,8 +98,8 @@ def fit(
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
     as_read = sort_logs(car, [run.log for run in corrected])
-    sensors, _ = judged = [[of_whole_run(car, *run[1:]) for run in group] for group in as_read]
-    ramps, coasts = (list(map(put_right, *pair)) for pair in zip(as_read, judged, strict=True))
+    sensors, _ = own = [[of_whole_run(car, *run[1:]) for run in group] for group in as_read]
+    ramps, coasts = (list(map(put_right, *pair)) for pair in zip(as_read, own, strict=True))
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [
         without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
@@ -148,8 +150,8 @@ def fit(
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
         warnings=(
-            *contradicted(vehicle.name, before, held),
-            *calibration_warnings(car, pads, found.posterior, ratio),
+            *judged(vehicle.name, contradicted(before, held)),
+            *judged(car.name, of_calibration(car, pads, found.posterior, ratio)),
             *rear_valve_warnings(car, found, runs, known, ratio),
             *warnings,
         ),

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.warning import PlausibilityWarning, warning
+from calib.base.warning import Measured
 from calib.car.tyre_file import TyreFile
 from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
@@ -73,9 +73,6 @@ no road's: LKX and LMUX of the files are there for both."""
 
 _FORM = 0.05  # by which the slips of a tyre on the road are off the curve of the file [1]
 
-_LEAST = 0.2
-"""Probability below which a car contradicts what is known alone; before its ramps it was 0.5."""
-
 
 @dataclass(frozen=True)
 class Known:
@@ -112,11 +109,9 @@ def known_before(
     return tuple(one for one in said if one)
 
 
-def contradicted(name: str, known: Sequence[Known], held: Array) -> Iterator[PlausibilityWarning]:
-    """Warn of what the ramps of the table ``name`` contradict; ``held`` its probability (k,)."""
-    for one, p in zip(known, held.tolist(), strict=True):
-        if p < _LEAST / len(known):
-            yield warning(one.code, name, p, (_LEAST / len(known), None))
+def contradicted(known: Sequence[Known], held: Array) -> Iterator[Measured]:
+    """How likely each is to hold beside the ramps, (k,), to be judged."""
+    return (Measured(one.code, p) for one, p in zip(known, held.tolist(), strict=True))
 
 
 def likely(known: Sequence[Known], held: Array) -> Iterator[str]:

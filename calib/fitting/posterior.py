@@ -359,9 +359,10 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
 def posterior_with(
     car: Vehicle, runs: list[RampRun], ratio: Value, known: Sequence[Known], draws: int = DRAWS
 ) -> tuple[Ensemble, Array]:
-    """`posterior` where more is ``known`` before, and the probability (k,) that each of it holds.
+    """`posterior` where more is ``known``, and how likely each of it is to hold against the field.
 
-    Each has an equal part of half of the prior; the other half is the field's.
+    Each has an equal part of half of the prior; the other half is the field's. The probabilities
+    (k,) are those of one of them and the field alone, at even odds before the ramps.
     """
     from scipy.special import ndtri
 
@@ -392,7 +393,9 @@ def posterior_with(
             "depart_slip": departs["slip"],
         }
     )
-    return of_ramps, np.bincount(prior.of(x), minlength=len(known) + 1)[1:] / draws
+    field, *others = np.bincount(prior.of(x), minlength=len(known) + 1)
+    counts = len(known) * np.array(others, dtype=np.float64)
+    return of_ramps, (counts + 0.5) / (counts + field + 1.0)
 
 
 _LOSS = 0.5  # share of the draws that count after a step

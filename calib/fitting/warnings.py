@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator
 
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import Measured, PlausibilityWarning, judged
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.model.resistance import ROLLING, Resistance
 from calib.model.resistance import identify as identify_resistance
 from calib.model.sensors import judge_accelerometer
 from calib.model.sort_logs import Prepared
-from calib.plausibility.bend import bend_warnings
-from calib.plausibility.resistance import resistance_warnings
+from calib.plausibility.bend import bend_of
 from calib.plausibility.run import run_warnings
 from calib.run.axle_signals import signals
 from calib.run.brake_response import brake_balance, brake_response
@@ -44,8 +43,8 @@ def _of_resistance(vehicle: Vehicle, known: Resistance) -> tuple[PlausibilityWar
     effect, name = ROLLING
     if effect in vehicle.effects:
         return ()
-    found, sigma = (of[effect][name] for of in (known.effects.parameters, known.effects.sigma))
-    return tuple(resistance_warnings(vehicle.name, found, sigma))
+    found = known.effects.parameters[effect][name]
+    return judged(vehicle.name, [Measured("rolling_resistance", found)])
 
 
 def _of_bends(
@@ -53,7 +52,8 @@ def _of_bends(
 ) -> Iterator[PlausibilityWarning]:
     straight = [log for log, _, _ in coasts]
     for log, _, _ in ramps:
-        yield from bend_warnings(log, signals(log, vehicle), vehicle.track_width, straight)
+        bend = bend_of(log, signals(log, vehicle), vehicle.track_width, straight)
+        yield from judged(log.name, bend)
 
 
 def _of_run(

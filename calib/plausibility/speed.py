@@ -1,19 +1,14 @@
 """A reference speed that says nothing of this car: a run that holds one is not used."""
 
-from collections.abc import Iterable, Mapping
-from types import MappingProxyType
+from collections.abc import Iterable
 
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
-from calib.plausibility.accelerometer import V_SCALE
-from calib.plausibility.wheel_signals import V_OF_WHEELS
 
-NO_SPEED: Mapping[str, str] = MappingProxyType(
-    {
-        V_OF_WHEELS: "v is computed from the wheel speeds",
-        V_SCALE: "v and a_x differ by a scale that no sensor has",
-    }
-)
+NO_SPEED = {
+    "v_of_wheels": "v is computed from the wheel speeds",
+    "v_scale": "v and a_x differ by a scale that no sensor has",
+}
 """What is said of such a speed, by the code of its warning."""
 
 
@@ -24,12 +19,10 @@ def wrong_speed(warnings: Iterable[PlausibilityWarning]) -> PlausibilityWarning 
 
 def require_measured_speed(warnings: Iterable[PlausibilityWarning]) -> None:
     """Raise LogError where a run is warned of a v that says nothing of the car."""
-    warning = wrong_speed(warnings)
-    if warning is not None:
+    if (wrong := wrong_speed(warnings)) is not None:
         raise LogError(
-            f"{NO_SPEED[warning.code]}: {warning.code} is {warning.amount}, expected "
-            f"{warning.bounds}; likely {', or '.join(warning.causes)}",
-            where=warning.log,
+            f"{NO_SPEED[wrong.code]}: {wrong.text}",
+            where=wrong.log,
             expected="a v and an a_x that agree on how the car slows, or no v",
             do="leave v out of the log: rename its column, or map it to no channel",
         )

@@ -6,99 +6,79 @@ A tyre that brakes slips. Where v shows none of it, v was computed from the whee
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.intervals import QUARTILE
 from calib.base.names import WHEELS
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import Measured
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.plausibility.limits import PLAUSIBLE
 from calib.run.axle_signals import Signals, rolling_radii
 from calib.run.blocks import BLOCK
 from calib.run.filters import block_mean
 
-Array = NDArray[np.float64]
+STIFFEST = 60.0
+"""Slip stiffness over load [1] that no tyre has."""
+BRAKED = 0.05
+"""Nominal brake force of an axle over its load [1] from which the slip of its tyres is seen."""
+TIME = 1.0
+"""Time of such braking, or of rolling, that is needed [s]."""
+SPAN, SIGMA = 11, 5.0
+"""Samples of the median from which a lost pulse stands out; the distance below it, in its usual
+scatter, or in 0.1 % of the speed, that noise does not have."""
 
-V_OF_WHEELS, LOST_PULSES = "v_of_wheels", "lost_pulses"
 
+def slip_of_v(vehicle: Vehicle, s: Signals) -> Iterator[Measured]:
+    """Slip of an axle while it brakes, by v, over the least that any tyre has [1] (rms).
 
-def wheel_signal_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
-    """A v that was made of wheel speeds, and wheels that lose pulses."""
-    yield from _made_of_wheels(log.name, vehicle, s)
-    yield from _lost_pulses(log, s)
-
-
-def _made_of_wheels(log: str, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
-    """Slip that an axle lacks while it brakes, over the least that any tyre has.
-
-    Tyres of a stiffness of 60 slip by a sixtieth of the force over the load. Of v from one axle the
-    slip is zero, of v from all wheels the mean of both. Uses the nominal pads; an axle that is not
-    braked for a second with 0.05 of its load says nothing.
+    Of v from one axle that slip is zero, of v from all wheels the mean of both: the least of the
+    three. Uses the nominal pads; an axle that is not braked for long says nothing.
     """
     radii = rolling_radii(s)
     if s.v is None or radii is None:
         return
     n = max(1, round(BLOCK / s.sample_time))
     v, loads = block_mean(s.v, n), axle_loads(vehicle, block_mean(s.z, n))
-    least, slips = [], []
+    carried, slips = [], []
     axles = ((vehicle.front, s.omega_f, s.p_f), (vehicle.rear, s.omega_r, s.p_r))
     for (axle, omega, p), radius, load in zip(axles, radii, loads, strict=True):
-        torque = 2.0 * axle.pad_friction * axle.torque_gain * block_mean(p, n)
-        carried = torque / axle.rolling_radius / np.maximum(load, 1.0)
-        least.append(np.where(block_mean(p, n) > BITE, carried, 0.0) / PLAUSIBLE.stiffness[1])
+        pressure = block_mean(p, n)
+        force = 2.0 * axle.pad_friction * axle.torque_gain * pressure / axle.rolling_radius
+        carried.append(np.where(pressure > BITE, force / np.maximum(load, 1.0), 0.0))
         slips.append(1.0 - block_mean(omega, n) * radius / np.maximum(v, MOVING))
     driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
     glitch = np.minimum(*loads) <= 0.0  # of a_x
     shows = (v > MOVING) & ~driven & ~glitch
-    sources = (
-        ("the front wheels", slips[0], least[0]),
-        ("the rear wheels", slips[1], least[1]),
-        ("all wheels", 0.5 * (slips[0] + slips[1]), 0.5 * (least[0] + least[1])),
-    )
-    for source, slip, expected in sources:
-        use = shows & (expected * PLAUSIBLE.stiffness[1] > PLAUSIBLE.v_force)
-        if np.count_nonzero(use) * n * s.sample_time < PLAUSIBLE.v_time:
-            continue
-        share = float(np.sqrt(np.mean(slip[use] ** 2)) / np.mean(expected[use]))
-        if share < PLAUSIBLE.v_slip:
-            yield PlausibilityWarning(
-                V_OF_WHEELS,
-                log,
-                share,
-                (1.0, None),
-                (f"v is computed from {source}", "a channel map that takes a wheel speed as v"),
-                "log a v that no wheel speed has a part in, or leave v out of the log",
-            )
-            return
+    found = []
+    for source, weight in (("front", (1.0, 0.0)), ("rear", (0.0, 1.0)), ("four", (0.5, 0.5))):
+        slip, force = (weight[0] * of[0] + weight[1] * of[1] for of in (slips, carried))
+        use = shows & (force > BRAKED)
+        if np.count_nonzero(use) * n * s.sample_time >= TIME:
+            share = STIFFEST * np.sqrt(np.mean(slip[use] ** 2)) / np.mean(force[use])
+            found.append((float(share), f"the {source} wheels"))
+    if found:
+        share, source = min(found)
+        yield Measured("v_of_wheels", share, words={"source": source})
 
 
-def _lost_pulses(log: Log, s: Signals) -> Iterator[PlausibilityWarning]:
-    """Samples in which one wheel alone is far below its usual course.
+def lost_pulses(log: Log, s: Signals) -> Iterator[Measured]:
+    """Share of the samples in which one wheel alone is far below its usual course [1].
 
     A pulse that is lost lowers one reading by a tooth of 48 or so. Bumps lift and lower a wheel
-    alike, and a wheel that slips is below for longer than the median over 11 samples spans.
+    alike, so twice the share above is taken off; a wheel that slips is below for longer than the
+    median spans.
     """
     from scipy.ndimage import median_filter
 
     unbraked = s.lead_in | (np.maximum(s.p_f, s.p_r) < BITE)
     rolling = np.asarray(unbraked & (s.speed > MOVING))
-    if np.count_nonzero(rolling) * s.sample_time < PLAUSIBLE.v_time:
+    if np.count_nonzero(rolling) * s.sample_time < TIME:
         return
     for wheel in WHEELS:
         omega = log[f"omega_{wheel}"]
-        away = (omega - median_filter(omega, PLAUSIBLE.pulse_span))[rolling]
+        away = (omega - median_filter(omega, SPAN))[rolling]
         usual = float(np.median(np.abs(away))) / QUARTILE
-        far = PLAUSIBLE.pulse_sigma * max(usual, 1e-3 * float(np.mean(omega[rolling])))
-        below, above = float(np.mean(away < -far)), float(np.mean(away > far))
-        if below - 2.0 * above > PLAUSIBLE.pulses:
-            yield PlausibilityWarning(
-                LOST_PULSES,
-                log.name,
-                below,
-                (0.0, PLAUSIBLE.pulses),
-                (f"the sensor of omega_{wheel} loses pulses", "a damaged tooth of its ring"),
-                "look at the sensor, its gap and its ring; the speed of that wheel reads too low",
-            )
+        far = SIGMA * max(usual, 1e-3 * float(np.mean(omega[rolling])))
+        lost = float(np.mean(away < -far) - 2.0 * np.mean(away > far))
+        yield Measured("lost_pulses", max(lost, 0.0), words={"wheel": f"omega_{wheel}"})

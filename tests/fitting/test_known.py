@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from calib.base.warning import judged
 from calib.car.tyre_file import read_tyre
 from calib.fitting import known as module
 from calib.fitting.draws import draws_of
@@ -60,6 +61,8 @@ def test_to_know_the_field_is_to_know_nothing(run, alone):
     """Even odds stay even, and the answer is that of the ramp."""
     e, held = posterior_with(CAR, [run], UNSAID, (FIELD,))
     assert held == pytest.approx(0.5, abs=0.06)
+    _, both = posterior_with(CAR, [run], UNSAID, (FIELD, FIELD))
+    assert both == pytest.approx(0.5, abs=0.08)
     for name in ("log_pad_ratio", "compliance_f", "load_exponent", "radius_load"):
         found, before = getattr(e, name), getattr(alone, name)
         assert np.mean(found) == pytest.approx(np.mean(before), abs=0.15 * np.std(before))
@@ -102,7 +105,7 @@ def test_the_right_tyre_file_narrows(run, alone, tyre):
         (e.compliance_r, 1.0 / STIFFNESS),
     ):
         assert inside(found, true)
-    assert not list(contradicted("car", known_before(CAR, [tyre()], {}), held))
+    assert not judged("car", contradicted(known_before(CAR, [tyre()], {}), held))
 
 
 def test_files_of_front_and_rear_are_those_of_their_axles(tyre):
@@ -122,7 +125,7 @@ def test_a_tyre_file_a_fifth_off_leaves_the_truth_inside(run, tyre, factor):
 def test_a_tyre_file_that_the_ramp_contradicts_is_told_and_not_followed(run, alone, tyre):
     known = known_before(CAR, [tyre(2.2)], {})
     e, held = posterior_with(CAR, [run], UNSAID, known)
-    (said,) = contradicted("car", known, held)
+    (said,) = judged("car", contradicted(known, held))
     assert (said.code, said.log) == ("tyre_file", "car")
     assert said.measured < said.expected[0] < 0.5
     assert np.mean(e.compliance_f) == pytest.approx(
@@ -170,7 +173,7 @@ def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
     other = prepared(noisy(ramp(plant(0.62 * STIFFNESS)), 3))
     known, before = known_before(CAR, (), fleet), posterior(CAR, [other], UNSAID)
     e, held = posterior_with(CAR, [other], UNSAID, known)
-    (said,) = contradicted("car", known, held)
+    (said,) = judged("car", contradicted(known, held))
     assert said.code == "fleet_prior"
     assert np.mean(e.compliance_f) == pytest.approx(np.mean(before.compliance_f), rel=0.03)
     assert inside(e.log_pad_ratio, math.log(RATIO))

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from calib.base.names import G
-from calib.plausibility.accelerometer import accelerometer_warnings
+from calib.base.warning import judged
+from calib.plausibility.run import of_accelerometer
 from calib.run.accelerometer import Accelerometer
 
 BLOCKS = 100
@@ -20,8 +21,8 @@ def sensor(**values):
     return Accelerometer(**{name: np.full(BLOCKS, value) for name, value in fields.items()})
 
 
-def codes(judged):
-    return [warning.code for warning in accelerometer_warnings("log", judged)]
+def codes(sensor):
+    return [warning.code for warning in judged("log", of_accelerometer(sensor))]
 
 
 def test_a_sensor_that_is_right_is_not_warned_about():
@@ -43,7 +44,7 @@ def test_a_sensor_that_is_right_is_not_warned_about():
 )
 def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
     """a_x is -g z: an offset of z has the other sign."""
-    (warning,) = accelerometer_warnings("log", sensor(**wrong))
+    (warning,) = judged("log", of_accelerometer(sensor(**wrong)))
     assert warning.code == code
     assert warning.measured == pytest.approx(measured)
     assert not warning.expected[0] <= warning.measured <= warning.expected[1]

@@ -5,7 +5,9 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from calib.plausibility.brakes import motor_of, pressure_warnings, response_warnings
+from calib.base.warning import judged
+from calib.plausibility.motor import motor_of
+from calib.plausibility.run import of_brakes, of_pressure
 from calib.run.axle_signals import signals
 from calib.run.brake_response import BrakeResponse, ForceStep
 from tests.support.reference_car import CAR, REAL, noisy, stop
@@ -36,11 +38,11 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
     ],
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):
-    assert [one.code for one in response_warnings("log", seen)] == codes
+    assert [one.code for one in judged("log", of_brakes(seen))] == codes
 
 
 def chance_by_counting(share, sigma, fading, fading_sigma, odds):
-    """Chance and mean square of a motor's share, by weighing a fine grid of shares."""
+    """Chance of a motor, by weighing a fine grid of shares: at once, slow, or both."""
     m = np.linspace(0.0, 0.8, 8001)
     half = 2.0 * NormalDist(0.0, 0.1).pdf(0.0) * np.exp(-0.5 * (m / 0.1) ** 2) * (m[1] - m[0])
     half[0] *= 0.5
@@ -50,10 +52,9 @@ def chance_by_counting(share, sigma, fading, fading_sigma, odds):
 
     at_once = [seen(x, share, np.hypot(sigma, 0.015)) for x in (m, 0.0)]
     slow = [seen(x, fading, np.hypot(fading_sigma, 0.02)) for x in (m, 0.0)]
-    kinds = 0.4 * at_once[0] * slow[1] + 0.2 * at_once[1] * slow[0] + 0.4 * at_once[0] * slow[0]
-    none, motor = at_once[1] * slow[1], odds * half * kinds
-    total = none + motor.sum()
-    return motor.sum() / total, (motor * m**2).sum() / total
+    one, other = (half @ of[0] for of in (at_once, slow))
+    motor = odds * (one * slow[1] + at_once[1] * other + one * other) / 3.0
+    return motor / (motor + at_once[1] * slow[1])
 
 
 @pytest.mark.parametrize(
@@ -66,26 +67,18 @@ def chance_by_counting(share, sigma, fading, fading_sigma, odds):
     ],
 )
 def test_a_motor_is_weighed_as_by_counting_all_shares(share, fading, sigma, fading_sigma, odds):
-    """`response` has the share with what is usual before the run, 0.05, counted in."""
-    known = 1.0 / (sigma**-2.0 + 0.05**-2.0)
-    counted = share * known / sigma**2
-    seen = response(share=counted, sigma=known**0.5, fading=fading, fading_sigma=fading_sigma)
-    chance, square = chance_by_counting(share, sigma, fading, fading_sigma, odds)
-    found = motor_of(seen, odds)
-    assert found.chance == pytest.approx(chance, rel=1e-3)
-    assert found.square == pytest.approx(square, rel=1e-3)
+    seen = response(share=share, sigma=sigma, fading=fading, fading_sigma=fading_sigma)
+    chance = chance_by_counting(share, sigma, fading, fading_sigma, odds)
+    assert motor_of(seen, odds)[0] == pytest.approx(chance, rel=1e-3)
 
 
-def test_a_run_that_tells_nothing_leaves_what_is_thought_of_motors():
-    """Odds of one in ten, and 0.1 as the root of the mean square of their share."""
-    found = motor_of(response(sigma=0.05))
-    assert found.chance == pytest.approx(0.1 / 1.1, rel=0.02)
-    assert found.square == pytest.approx(0.1**2 * 0.1 / 1.1, rel=0.05)
+def test_a_run_that_tells_nothing_leaves_little_of_a_motor():
+    assert motor_of(response(sigma=0.05))[0] < 0.1 / 1.1
 
 
 def test_the_side_of_the_delay_decides_who_is_late():
-    (after,) = response_warnings("log", response(delay=0.2))
-    (before,) = response_warnings("log", response(delay=-0.2))
+    (after,) = judged("log", of_brakes(response(delay=0.2)))
+    (before,) = judged("log", of_brakes(response(delay=-0.2)))
     assert "hydraulic" in after.causes[0]
     assert before.causes[0] == "the clock of p_mc, late"
 
@@ -94,6 +87,6 @@ def test_the_side_of_the_delay_decides_who_is_late():
 def test_the_zero_of_the_pressure_is_measured(zero):
     log = noisy(stop(REAL), 1)
     log.channels["p_mc"] = log["p_mc"] + zero
-    (warning,) = pressure_warnings("log", signals(log, CAR))
+    (warning,) = judged("log", of_pressure(signals(log, CAR)))
     assert warning.code == "pressure_zero"
     assert warning.measured == pytest.approx(zero / 1e5, abs=0.1)

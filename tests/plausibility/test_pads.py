@@ -5,12 +5,8 @@ import math
 import pytest
 
 from calib.base.errors import LogError
-from calib.plausibility.pads import (
-    calibration_warnings,
-    change_warnings,
-    level_warnings,
-    require_possible_pads,
-)
+from calib.base.warning import judged
+from calib.plausibility.pads import of_calibration, of_changes, require_possible_pads
 from calib.table.table import Calibration, TyrePosterior, Value
 from tests.support.reference_car import CAR
 
@@ -29,7 +25,7 @@ def posterior(stiffness=25.0, sigma=0.1):
 
 
 def codes(pads, tyre=None):
-    return [one.code for one in calibration_warnings(CAR, pads, tyre or posterior())]
+    return [one.code for one in judged("car", of_calibration(CAR, pads, tyre or posterior()))]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +58,7 @@ def test_a_friction_that_no_pad_has_is_refused(factor):
 
 @pytest.mark.parametrize(("apart", "sigma", "named"), [(0.2, 0.05, 1), (0.2, 0.2, 0), (0.04, 0, 0)])
 def test_pads_that_changed_apart(apart, sigma, named):
-    found = list(change_warnings("log", apart, sigma))
+    found = judged("log", of_changes((0.0, 0.02), (apart, sigma)))
     assert len(found) == named
     assert all(one.measured == pytest.approx(math.expm1(apart)) for one in found)
 
@@ -73,7 +69,7 @@ def test_pads_that_changed_apart(apart, sigma, named):
     ids=["heavier", "lighter", "unsure", "as usual", "soaked pads"],
 )
 def test_brakes_that_another_load_or_sensor_makes_seem_changed(level, sigma, named):
-    found = list(level_warnings("log", level, sigma))
+    found = judged("log", of_changes((level, sigma), (0.0, 0.02)))
     assert len(found) == named
     for one in found:
         assert one.measured == pytest.approx(math.expm1(level))

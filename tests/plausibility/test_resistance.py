@@ -2,11 +2,8 @@
 
 from dataclasses import replace
 
-import pytest
-
 from calib.car.effects.effects import Effects
 from calib.fitting.fit import fit
-from calib.plausibility.resistance import resistance_warnings
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 
@@ -37,11 +34,3 @@ def test_an_engine_that_brakes_in_all_runs_is_named():
 def test_a_resistance_that_the_vehicle_file_gives_is_not_doubted():
     own = Effects({"rolling_resistance": {"coefficient": 0.045}})
     assert "rolling_resistance" not in codes(replace(CAR, effects=own), DRAGS)
-
-
-@pytest.mark.parametrize(("coefficient", "sigma", "named"), [
-    (0.012, 0.003, False), (0.019, 0.003, False), (0.022, 0.003, True),
-])  # fmt: skip
-def test_what_tyres_have_is_not_named(coefficient, sigma, named):
-    found = list(resistance_warnings("car", coefficient, sigma))
-    assert [w.measured for w in found] == [coefficient] * named

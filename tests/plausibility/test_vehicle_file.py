@@ -7,7 +7,7 @@ import pytest
 
 from calib.base.errors import VehicleError
 from calib.fitting.fit import fit
-from calib.plausibility.vehicle_file import explanations, require_file_of_run
+from calib.plausibility.vehicle_file import explanation, require_file_of_run
 from calib.table.table import Calibration, Value
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 
@@ -37,17 +37,17 @@ EXCHANGED = replace(CAR, front=CAR.rear, rear=CAR.front)
 @pytest.mark.parametrize("factor", [0.6, 1.8])
 def test_the_area_of_another_caliper(axle, factor):
     file = with_entry(axle, "piston_area", factor)
-    best = explanations(file, pads(file, 1.05, 0.95))[0]
+    best = explanation(file, pads(file, 1.05, 0.95))
     right = 1e4 * getattr(CAR, axle).piston_area
-    assert best.what.startswith(f"{axle}.piston_area: ")
-    assert float(best.what.split()[1]) == pytest.approx(right, rel=0.15)
+    assert best.startswith(f"{axle}.piston_area: ")
+    assert float(best.split()[1]) == pytest.approx(right, rel=0.15)
     with pytest.raises(VehicleError):
         require_file_of_run(file, pads(file), ())
 
 
 def test_exchanged_blocks():
-    best = explanations(EXCHANGED, pads(EXCHANGED, 1.05, 0.95))[0]
-    assert best.what == "[front] and [rear] are exchanged"
+    best = explanation(EXCHANGED, pads(EXCHANGED, 1.05, 0.95))
+    assert best == "[front] and [rear] are exchanged"
 
 
 @pytest.mark.parametrize(("f", "r", "sigma"), [(1.1, 0.9, 0.05), (1.4, 0.8, 0.2), (2.0, 2.0, 0.1)])

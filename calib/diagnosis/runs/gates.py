@@ -15,8 +15,6 @@ from calib.car.vehicle import Vehicle
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.logs.log import Log
-from calib.plausibility.limits import PLAUSIBLE
-from calib.plausibility.wheel_signals import LOST_PULSES
 from calib.run.axle_signals import signals
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
@@ -73,10 +71,10 @@ def require_own_pressure(judged: Sequence[JudgedLog]) -> None:
 def require_whole_wheel_speeds(warnings: Iterable[PlausibilityWarning]) -> None:
     """Raise LogError where a wheel speed loses pulses: its mean looks like another radius."""
     for warning in warnings:
-        if warning.code == LOST_PULSES:
+        if warning.code == "lost_pulses":
             raise LogError(
                 f"{warning.causes[0]}, in {100.0 * warning.measured:.1f} % of the samples",
                 where=warning.log,
-                expected=f"at most {100.0 * PLAUSIBLE.pulses:g} %",
+                expected=f"{warning.bounds}, as a share",
                 do=warning.do,
             )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from calib.base.warning import PlausibilityWarning
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.model.sensors import judge_accelerometer
-from calib.plausibility.limits import PLAUSIBLE
+from calib.plausibility.pads import LOADED
 from calib.plausibility.run import run_warnings
 from calib.run.observation import observe
 from calib.run.warnings import locked_wheels, saturated, swapped_axles
@@ -57,13 +57,13 @@ def _of_log(one: JudgedLog, judged: Sequence[JudgedLog]) -> Iterator[Plausibilit
 def _level(one: JudgedLog, judged: Sequence[JudgedLog]) -> Iterator[PlausibilityWarning]:
     """Brakes that are not those of the other logs."""
     level = one.over_others(judged)
-    if level is None or abs(math.log(level)) < PLAUSIBLE.loaded:
+    if level is None or abs(math.log(level)) < LOADED:
         return
     yield PlausibilityWarning(
         "level_changed",
         one.log.name,
         level - 1.0,
-        (math.expm1(-PLAUSIBLE.loaded), math.expm1(PLAUSIBLE.loaded)),
+        (math.expm1(-LOADED), math.expm1(LOADED)),
         (
             "p_mc of another run",
             "the scale or the zero of p_mc or a_x in this log",
