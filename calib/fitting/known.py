@@ -13,6 +13,7 @@ normal: a hierarchical model (Gelman et al., Bayesian Data Analysis, ch. 5).
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -27,8 +28,7 @@ from calib.fitting.stated_pads import UNSAID
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 
-SPARSE = 0.6
-"""Concentration of the weights of the forms: two or three make up most of a tyre."""
+_SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 
 NONLINEAR = (
     "load_exponent",
@@ -180,26 +180,27 @@ def _coordinates(car: Vehicle, table: Table) -> Array:
     assert table.draws is not None
     e, rng = ensemble_of(car, table.draws), np.random.default_rng(44)
     # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
-    amounts = e.forms * rng.gamma(SPARSE * len(FORMS), size=(e.size, 1))
+    amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
     logs = {"log_peak": np.log(e.peak), "cg_to_front_axle": np.log(e.cg_to_front_axle),
             "cg_height": np.log(e.cg_height)}  # fmt: skip
     priors = PRIORS | {"log_pad_ratio": (UNSAID.value, UNSAID.sigma)}
     of = {**vars(e), **logs}
     columns = [(of[name] - priors[name][0]) / priors[name][1] for name in NONLINEAR]
     linear = np.stack([e.compliance_f, e.compliance_r, e.radius_load], axis=1) - LINEAR
-    return np.column_stack([_normal(amounts), *columns, *np.linalg.solve(TO_LINEAR, linear.T)])
+    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
+    return np.column_stack([forms, *columns, *np.linalg.solve(TO_LINEAR, linear.T)])
+
+
+@cache
+def _amounts() -> tuple[Array, Array]:
+    """Standard normal numbers, and ln of the Gamma distributed ones with the same quantiles."""
+    from scipy.special import gammaincinv, ndtr
+
+    x = np.linspace(-7.0, 7.0, 2001)
+    return x, np.log(gammaincinv(_SPARSE, ndtr(x)))
 
 
 def weights_of(x: Array) -> Array:
     """Weights of the forms (n, 5) by their standard normal coordinates (n, 5)."""
-    from scipy.special import gammaincinv, ndtr
-
-    amount = gammaincinv(SPARSE, np.clip(ndtr(x), 1e-12, 1.0 - 1e-12)) + 1e-12
+    amount = np.exp(np.interp(x, *_amounts()))
     return np.asarray(amount / amount.sum(axis=1, keepdims=True))
-
-
-def _normal(gamma: Array) -> Array:
-    """Standard normal numbers of the gamma variates that make the weights of the forms."""
-    from scipy.special import gammainc, ndtri
-
-    return np.asarray(ndtri(np.clip(gammainc(SPARSE, gamma), 1e-12, 1.0 - 1e-12)))

@@ -14,7 +14,7 @@ from calib.fitting import known as module
 from calib.fitting.draws import draws_of
 from calib.fitting.fit import fit
 from calib.fitting.known import Known, contradicted, known_before
-from calib.fitting.posterior import posterior, posterior_with
+from calib.fitting.posterior import posterior
 from calib.fitting.stated_pads import UNSAID
 from calib.table.table import Calibration, Value
 from tests.support.plant import magic
@@ -59,10 +59,10 @@ def inside(x, true, share=0.95):
 
 def test_to_know_the_field_is_to_know_nothing(run, alone):
     """Even odds stay even, and the answer is that of the ramp."""
-    e, held = posterior_with(CAR, [run], UNSAID, (FIELD,))
-    assert held == pytest.approx(0.5, abs=0.06)
-    _, both = posterior_with(CAR, [run], UNSAID, (FIELD, FIELD))
-    assert both == pytest.approx(0.5, abs=0.08)
+    e = posterior(CAR, [run], UNSAID, known=(FIELD,))
+    assert e.held == pytest.approx(0.5, abs=0.06)
+    both = posterior(CAR, [run], UNSAID, known=(FIELD, FIELD))
+    assert both.held == pytest.approx(0.5, abs=0.08)
     for name in ("log_pad_ratio", "compliance_f", "load_exponent", "radius_load"):
         found, before = getattr(e, name), getattr(alone, name)
         assert np.mean(found) == pytest.approx(np.mean(before), abs=0.15 * np.std(before))
@@ -96,8 +96,8 @@ def test_a_stated_ratio_multiplies_what_is_known(stated):
 
 
 def test_the_right_tyre_file_narrows(run, alone, tyre):
-    e, held = posterior_with(CAR, [run], UNSAID, known_before(CAR, [tyre()], {}))
-    assert held[0] > 0.6
+    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, [tyre()], {}))
+    assert e.held[0] > 0.6
     assert np.std(np.log(e.compliance_f)) < 0.9 * np.std(np.log(alone.compliance_f))
     for found, true in (
         (e.log_pad_ratio, math.log(RATIO)),
@@ -105,7 +105,7 @@ def test_the_right_tyre_file_narrows(run, alone, tyre):
         (e.compliance_r, 1.0 / STIFFNESS),
     ):
         assert inside(found, true)
-    assert not judged("car", contradicted(known_before(CAR, [tyre()], {}), held))
+    assert not judged("car", contradicted(known_before(CAR, [tyre()], {}), e.held))
 
 
 def test_files_of_front_and_rear_are_those_of_their_axles(tyre):
@@ -117,15 +117,15 @@ def test_files_of_front_and_rear_are_those_of_their_axles(tyre):
 
 @pytest.mark.parametrize("factor", [0.8, 1.25])
 def test_a_tyre_file_a_fifth_off_leaves_the_truth_inside(run, tyre, factor):
-    e, _ = posterior_with(CAR, [run], UNSAID, known_before(CAR, [tyre(factor)], {}))
+    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, [tyre(factor)], {}))
     assert inside(e.log_pad_ratio, math.log(RATIO))
     assert inside(e.compliance_f, 1.0 / STIFFNESS, 0.99)
 
 
 def test_a_tyre_file_that_the_ramp_contradicts_is_told_and_not_followed(run, alone, tyre):
     known = known_before(CAR, [tyre(2.2)], {})
-    e, held = posterior_with(CAR, [run], UNSAID, known)
-    (said,) = judged("car", contradicted(known, held))
+    e = posterior(CAR, [run], UNSAID, known=known)
+    (said,) = judged("car", contradicted(known, e.held))
     assert (said.code, said.log) == ("tyre_file", "car")
     assert said.measured < said.expected[0] < 0.5
     assert np.mean(e.compliance_f) == pytest.approx(
@@ -150,8 +150,8 @@ def fleet():
 
 
 def test_cars_of_one_tyre_tell_of_the_next(run, alone, fleet):
-    e, held = posterior_with(CAR, [run], UNSAID, known_before(CAR, (), fleet))
-    assert held[0] > 0.6
+    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, (), fleet))
+    assert e.held[0] > 0.6
     assert np.std(np.log(e.compliance_f)) < 0.85 * np.std(np.log(alone.compliance_f))
     assert inside(e.log_pad_ratio, math.log(RATIO))
     assert inside(e.compliance_f, 1.0 / STIFFNESS)
@@ -172,8 +172,8 @@ def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
 def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
     other = prepared(noisy(ramp(plant(0.62 * STIFFNESS)), 3))
     known, before = known_before(CAR, (), fleet), posterior(CAR, [other], UNSAID)
-    e, held = posterior_with(CAR, [other], UNSAID, known)
-    (said,) = judged("car", contradicted(known, held))
+    e = posterior(CAR, [other], UNSAID, known=known)
+    (said,) = judged("car", contradicted(known, e.held))
     assert said.code == "fleet_prior"
     assert np.mean(e.compliance_f) == pytest.approx(np.mean(before.compliance_f), rel=0.03)
     assert inside(e.log_pad_ratio, math.log(RATIO))
