@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import Z95
 from calib.base.plain import meanings
 from calib.car.braking import MOVING
 from calib.car.vehicle import Vehicle
@@ -148,7 +147,6 @@ def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
     scale = _rms(true_torque[told])
     with np.errstate(divide="ignore", invalid="ignore"):
         over = q.x.value / true
-        sigmas = np.log(over) / _log_sigma(q.x, true)
         found = {
             "torque_error": _rms((q.torque - true_torque)[told]) / (scale or np.nan),
             "pad_friction_bias": abs(np.mean(over[valid] - 1.0)),
@@ -157,7 +155,8 @@ def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
         }
     known = valid & np.isfinite(true) & (true > 0.0)
     if known.any():
-        found |= {"normalised_error": _rms(sigmas[known]), "truth": np.mean(true[known])}
+        rest = q.x.at(known).deviations(true[known])
+        found |= {"normalised_error": _rms(rest), "truth": np.mean(true[known])}
     return out | {name: float(value) for name, value in found.items() if np.isfinite(value)}
 
 
@@ -169,16 +168,6 @@ def _innovation(e: Estimate) -> Figures:
         return {}
     colour = float(np.mean(told[1:] * told[:-1]))
     return {"innovation_rms": _rms(told), "innovation_colour": colour}
-
-
-def _log_sigma(x: Bounded, true: Array | None = None) -> Array:
-    """Standard deviation of the logarithm of a quantity (n,), by its 95 % interval.
-
-    By its side that looks at ``true``: what is inside the interval is within 1.96 of them.
-    """
-    if true is None:
-        return np.log(x.upper / x.lower) / (2.0 * Z95)
-    return np.log(np.where(true > x.value, x.upper / x.value, x.value / x.lower)) / Z95
 
 
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
@@ -193,7 +182,7 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     and v need not narrow them: the spread is at least half of the ECU's own, as a difference that
     is small against the interval that is handed out does no harm.
     """
-    own, other = _log_sigma(ecu)[valid], _log_sigma(best)[valid]
+    own, other = ecu.sigma[valid], best.sigma[valid]
     spread = np.sqrt(np.maximum(own**2 - other**2, (0.5 * own) ** 2))
     return _rms(np.log(ecu.value / best.value)[valid] / spread)
 
