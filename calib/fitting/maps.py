@@ -22,8 +22,8 @@ Z = np.array([0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.6, 0.85])
 SHIFTS = 21
 """Number of values of (eta - 1)/z, from the least to the greatest that the scenarios show."""
 
-SLIP = np.array([-1.5, -0.5, 0.5, 1.5])
-"""ln(slip/z) from its mean in a place, in standard deviations."""
+SLIP = np.array([-2.25, -0.75, 0.75, 2.25])
+"""ln(slip/z) from its mean in a place, in standard deviations: a road near its peak is at 2."""
 
 QUANTILES = (0.025, 0.5, 0.975)
 
