@@ -23,7 +23,7 @@ from calib.estimation.gates import Gates, undisturbed, validity
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.state import Reason
-from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
+from calib.estimation.zeros import known_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.sensors import judge_accelerometer
@@ -232,7 +232,7 @@ def estimate(
     own, sensed = SensorNoise(**table.noise), _sensed(car, log, read)
     of = means if sensed is read else blocks(sensed)
     ecu = read_out(exported or table, filed, plan.known, own, sensed, of, held, with_v=False)
-    driven = drive_slips(used, forces.balance)
+    driven = known_slips(used, ran.vehicle, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
     run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, forces, eta)

@@ -17,7 +17,7 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.constants import constants
 from calib.estimation.state import Reason, Sample
 from calib.estimation.step import Answer, run
-from calib.estimation.zeros import drive_slips
+from calib.estimation.zeros import known_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance
@@ -125,7 +125,7 @@ def read_out(
     forces = block_balance(car, known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     R = car.front.rolling_radius
-    driven = drive_slips(table, forces)
+    driven = known_slips(table, car, forces)
     columns = (
         forces.demanded / car.weight,
         (B_f + B_r) / car.weight,

@@ -110,8 +110,10 @@ def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
         zero_v = noise.v / np.mean(b.speed[lead]) / np.sqrt(rolled)
         own_sigma = np.array([np.hypot(zero_wheels, zero_v), _CLOCK])
     B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
+    # the loads of the run, as known effects move them, are those of this deceleration
+    moved = run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle
     return _Ramp(
-        z=mean(b.z),
+        z=mean(moved) / car.cg_height,
         brake=zeroed(run.brake_sum) / car.weight,
         moment_f=zeroed(run.moment_f) / car.weight,
         moment_r=zeroed(run.moment_r) / car.weight,

@@ -5,11 +5,10 @@
                                                                  pads without the effects
     mass, radii, inertias as driven                              into the vehicle
 
-What slows the body or the wheels beside the brakes (drag, grade, engine) stays an effect: it takes
-its part of the balance of forces, and so does a logged torque of engine or motor: with
-``engine_drag`` among the known effects both are counted. The load transfer that pitch delays is
-left to the estimator, which carries it as a state of its own, with the car's pitch mode where that
-is known.
+What slows the body or the wheels beside the brakes (drag, grade, engine), or moves load between the
+axles (pitch), stays an effect: it takes its part of the balance of forces, which a fit carries
+forward and an estimate takes out (`calib.estimation.zeros`). So does a logged torque of engine or
+motor: with ``engine_drag`` among the known effects both are counted.
 """
 
 from dataclasses import dataclass, replace
@@ -31,7 +30,7 @@ from calib.car.effects.combined import (
     wheel_speed_delay,
     wheel_speed_factors,
 )
-from calib.car.effects.effect import Effect, acts_on_brakes, changes_readings, slows
+from calib.car.effects.effect import Effect, acts_on_brakes, changes_readings, in_balance
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, deceleration
 from calib.car.history import Motion, RunHistory, constant_speed
@@ -78,7 +77,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
     """
     known = default_model(vehicle)
     _refuse_force_over_temperature(known.effects, log)
-    car = replace(as_driven(vehicle, known.effects), effects=chosen(known.effects, slows))
+    car = replace(as_driven(vehicle, known.effects), effects=chosen(known.effects, in_balance))
     effects = chosen(known.effects, _changes_log)
     ones = np.ones_like(log.time)
     if not effects:

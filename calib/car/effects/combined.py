@@ -126,12 +126,6 @@ def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) ->
     return np.asarray(sum(shifts, 0.0 * history.z))
 
 
-def body_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
-    """The part of `total_load_shift` by effects that are a force on the body: where it acts."""
-    slow = [name for name in effects.names if definition(effects, name).body_force is not None]
-    return total_load_shift(vehicle, effects.only(*slow), history)
-
-
 def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:
     """Sum of the forces that slow the body directly [N] (n,)."""
     forces = (hook(vehicle, own, motion) for hook, own in _hooks(effects, "body_force"))

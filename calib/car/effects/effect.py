@@ -171,6 +171,11 @@ def slows(effect: Effect) -> bool:
     return _any(effect, ("axle_moment", "body_force"))
 
 
+def in_balance(effect: Effect) -> bool:
+    """Whether an effect is in the force balance: it `slows`, or moves load between the axles."""
+    return slows(effect) or effect.load_shift is not None
+
+
 _BRAKES = ("pressure", "friction", "wheels")
 
 
