@@ -64,8 +64,8 @@ class Inputs:
 
     def job(self, command: Command) -> "Job":
         """The job for each log. Refuses missing inputs and those that are not used."""
+        from calib.car.vehicle import require_same_car
         from calib.estimation.limits import DEFAULTS
-        from calib.estimation.validate import require_same_vehicle
         from calib.line.fleet.results import NAME
         from calib.line.fleet.work import Job
         from calib.table.generation import require_maps
@@ -85,7 +85,8 @@ class Inputs:
         if stored is not None:
             say(f"{stored.id} is {stored.state.words}")
             require_maps(stored.table, stored.id)
-            require_same_vehicle(stored.table, self.vehicle, this_run().file("vehicle"))
+            if self.vehicle is not None:
+                require_same_car(stored.table.vehicle, self.vehicle, this_run().file("vehicle"))
         return Job(
             command=command,
             table=stored.table if stored else None,

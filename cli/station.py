@@ -70,7 +70,7 @@ def station(
     from calib.base.digest import file_digest
     from calib.base.plain import counted
     from calib.base.publish import workshop
-    from calib.estimation.validate import require_same_vehicle
+    from calib.car.vehicle import require_same_car
     from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
     from calib.line.station.golden import golden_table
     from calib.line.station.station import Identity, StationOutcome, table_of, validated
@@ -95,7 +95,7 @@ def station(
             if not reference.state.released:
                 say(f"{reference.id} is {reference.state.words}")
             signed.check(golden, reference)
-            require_same_vehicle(reference.table, vehicle, this_run().file("vehicle"))
+            require_same_car(reference.table.vehicle, vehicle, this_run().file("vehicle"))
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:
             ramp_logs = [read(path, channel_map) for path in ramps]

@@ -54,8 +54,9 @@ def validate(
     from calib.car.model import with_effects
     from calib.car.model_file import read_model
     from calib.car.own_effects.own_effect import with_own
+    from calib.car.vehicle import require_same_car
     from calib.estimation.results import SUMMARY, to_dict, write_results
-    from calib.estimation.validate import require_same_vehicle, validate_one
+    from calib.estimation.validate import validate_one
     from calib.run.gates import refuse_copy
     from calib.show.html import page_of
     from calib.show.validation import facts, report
@@ -68,7 +69,9 @@ def validate(
     stored = store.load(table)
     signed.check(table, stored)
     require_maps(stored.table, stored.id)
-    require_same_vehicle(stored.table, vehicle, this_run().file("vehicle"), mass)
+    if vehicle is not None:
+        file = this_run().file("vehicle")
+        require_same_car(stored.table.vehicle, vehicle, file, weighed=mass is not None)
     car = with_own(stored.table.vehicle, effect)
     car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
     used = replace(stored.table, vehicle=car)

@@ -41,3 +41,22 @@ def inverse_forms(use: Array) -> Array:
         ],
         axis=-1,
     )
+
+
+_NODES = 2048
+_Q_END = np.sqrt(1.0 - NEAR_PEAK)
+_USE = 1.0 - np.linspace(1.0, _Q_END, _NODES + 1) ** 2
+_OVER_USE = np.vstack([np.ones(len(FORMS)), inverse_forms(_USE[1:]) / _USE[1:, None]])
+_RISE = np.diff(_OVER_USE, axis=0)
+
+
+def mean_inverse(use: Array, weights: Array) -> Array:
+    """X of the tyres with ``weights`` (n, 5) of the forms, at ``use`` (n, k) [1].
+
+    X/u by linear interpolation over the root of 1 - u, faster than the forms: 1e-5 off at most.
+    """
+    u = np.clip(use, 0.0, NEAR_PEAK)
+    at = (1.0 - np.sqrt(1.0 - u)) * (_NODES / (1.0 - _Q_END))
+    cell = np.minimum(at.astype(np.int64), _NODES - 1)
+    forms = _OVER_USE[cell] + (at - cell)[..., None] * _RISE[cell]
+    return np.asarray(u * np.einsum("nkf,nf->nk", forms, weights))

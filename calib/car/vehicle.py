@@ -4,9 +4,10 @@ Wheel values are per wheel. ``friction_faces`` counts the pad faces of one calip
 brake): (2) of the paper is for one face.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Self
 
+from calib.base.errors import VehicleError
 from calib.base.names import G
 from calib.car.effects.effects import Effects
 
@@ -113,3 +114,32 @@ class Vehicle:
         """Loads of the front and the rear axle at rest [N], (6) and (7)."""
         share = self.weight / self.wheelbase
         return share * self.cg_to_rear_axle, share * self.cg_to_front_axle
+
+
+def require_same_car(
+    car: Vehicle, other: Vehicle, where: object = None, *, weighed: bool = False
+) -> None:
+    """Raise VehicleError if ``other`` differs from a table's ``car`` in more than pads and effects.
+
+    ``where`` names its file. Cars that were ``weighed`` may differ in their mass.
+    """
+    free = {*NOT_OF_THE_CAR, "front.pad_friction", "rear.pad_friction", *["mass"] * weighed}
+    ours, theirs = _numbers(car), _numbers(other)
+    differ = [
+        f"{key} {theirs[key]:.6g} for {x:.6g}"
+        for key, x in ours.items()
+        if key not in free and theirs[key] != x
+    ]
+    if differ:
+        raise VehicleError(
+            f"the table was fitted for another car: {', '.join(differ[:4])}",
+            where=other.name if where is None else where,
+            expected="a vehicle with other pads only",
+            do="fit a table for this car",
+        )
+
+
+def _numbers(car: Vehicle) -> dict[str, float]:
+    of = asdict(car)
+    axles = {f"{side}.{k}": x for side in ("front", "rear") for k, x in of[side].items()}
+    return {**{k: x for k, x in of.items() if isinstance(x, float)}, **axles}

@@ -1,12 +1,11 @@
 """Whether the stops of one road agree: pad friction of those with like tyres and like pads.
 
-    tile   basalt  asphalt                        a group ends where the next stop differs
+    tile   basalt  asphalt                        a road ends where the next stop differs
      x       x     x xx       ln of stiffness     from its mean by more than both may err
 
-The stiffness is that of the slip which the estimate found, over that of the ramp. Roads that tyres
-cannot tell apart, such as two kinds of dry asphalt, are one road here. On different roads the table
-errs differently. Pads that all brake less in one stop, as wet ones do, are not compared with dry
-ones; that they do is told as `level_changed`.
+Roads that tyres cannot tell apart are one road; on different ones a table errs differently. Pads
+that all brake less in one stop, as wet ones do, are not compared with dry ones: `level_changed`
+tells of them.
 """
 
 import math
@@ -33,7 +32,7 @@ then changed since the ramp by more than goes without a warning."""
 
 @dataclass(frozen=True)
 class _Road:
-    """Stops of one road with like pads: their names, the stiffness of their tyres over the ramp's.
+    """Stops of one road with like pads: names, stiffness of the tyres over the ramp's [1].
 
     ``mean_f``, ``mean_r`` pad friction; ``spread_f``, ``spread_r`` the largest relative departure
     from it, the repeatability [1]; None of a single stop.
@@ -55,66 +54,33 @@ class Agreement:
     mean_r: float
     spread_f: float
     spread_r: float
-    roads: tuple[_Road, ...] = ()
+    roads: tuple[_Road, ...]
 
     @property
     def differ(self) -> bool:
         """Whether stops are too far apart to have the same pads: where the station warns."""
-        spreads = {"repeatability_f": self.spread_f, "repeatability_r": self.spread_r}
-        return any(x > bound(key, "warn_high") for key, x in spreads.items())
+        front, rear = (bound(f"repeatability_{axle}", "warn_high") for axle in "fr")
+        return self.spread_f > front or self.spread_r > rear
 
 
 def agreement(results: Iterable[Validation]) -> Agreement | None:
     """Agreement of the stops; None where no two with an answer are of one road and like pads."""
     keys = ("pad_friction_f", "pad_friction_r", "pad_level")
     known = [r for r in results if None not in [r.figures[key] for key in keys]]
-    pads = np.array([[r.figures[key] for key in keys] for r in known], dtype=float)
-    if len(known) < 2:
+    found = [[*(r.figures[key] for key in keys), *stiffness(r.estimate)] for r in known]
+    stops = np.array(found, dtype=float).reshape(-1, 5)
+    roads = tuple(_road([known[i].log for i in of], stops[of]) for of in _alike(stops[:, 2:]))
+    spreads = [(r.spread_f, r.spread_r) for r in roads if len(r.stops) > 1]
+    if not spreads:
         return None
-    tyres = np.array([stiffness(r.estimate) for r in known])
-    roads = [_road(known, pads, tyres, group) for group in _alike(pads[:, 2], tyres)]
-    compared = [(r.spread_f, r.spread_r) for r in roads if r.spread_f is not None]
-    if not compared:
-        return None
-    spreads = np.max(np.array(compared, dtype=float), axis=0).tolist()
-    mean = pads[:, :2].mean(axis=0).tolist()
-    return Agreement(mean[0], mean[1], spreads[0], spreads[1], tuple(roads))
-
-
-def _alike(level: Array, tyres: Array) -> list[list[int]]:
-    """Places of the stops of one road with like pads, the softest road first.
-
-    ``level`` of the pads [1] (n,); ``tyres`` ln of their stiffness with its sigma (n, 2).
-    """
-    groups: list[list[int]] = []
-    for i in np.argsort(tyres[:, 0], kind="stable").tolist():
-        for group in groups:
-            sigma = math.hypot(tyres[i, 1], math.sqrt(np.mean(tyres[group, 1] ** 2) / len(group)))
-            same_road = tyres[i, 0] - np.mean(tyres[group, 0]) <= _APART * sigma
-            if same_road and abs(math.log(level[i] / np.mean(level[group]))) < _OTHER_PADS:
-                group.append(i)
-                break
-        else:
-            groups.append([i])
-    return groups
-
-
-def _road(results: list[Validation], pads: Array, tyres: Array, group: list[int]) -> _Road:
-    mean = pads[group, :2].mean(axis=0)
-    spread = np.abs(pads[group, :2] / mean - 1.0).max(axis=0).tolist()
-    return _Road(
-        tuple(results[i].log for i in group),
-        math.exp(np.mean(tyres[group, 0])),
-        *mean.tolist(),
-        *(spread if len(group) > 1 else (None, None)),
-    )
+    (mean_f, mean_r), (f, r) = stops[:, :2].mean(axis=0), np.array(spreads, float).max(axis=0)
+    return Agreement(float(mean_f), float(mean_r), float(f), float(r), roads)
 
 
 def stiffness(e: Estimate) -> tuple[float, float]:
     """ln of the tyres' stiffness over that of the ramp [1] at the last telling sample; its sigma.
 
-    Where no sample tells, it is that of the ramp, and may be any. Of a stop over two roads it is
-    that of its end.
+    By the slip of the estimate; nothing is known where no sample tells.
     """
     if not e.telling.any():
         return 0.0, _ANY_ROAD
@@ -122,3 +88,33 @@ def stiffness(e: Estimate) -> tuple[float, float]:
     z = min(max(float(e.z[i]), float(tyre.force[1])), float(tyre.force[-1]))
     on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
     return math.log(on_ramp) - float(e.best.slip[i]), float(e.best.slip_sigma[i])
+
+
+def _alike(stops: Array) -> list[list[int]]:
+    """Places of the stops of one road with like pads, the softest road first.
+
+    ``stops`` level of the pads, ln of the tyres' stiffness and its sigma (n, 3).
+    """
+    groups: list[list[int]] = []
+    for i in np.argsort(stops[:, 1], kind="stable").tolist():
+        level, tyres, sigma = stops[i]
+        for group in groups:
+            levels, others, sigmas = stops[group].T
+            error = math.hypot(sigma, math.sqrt(np.mean(sigmas**2) / len(group)))
+            same_road = tyres - np.mean(others) <= _APART * error
+            if same_road and abs(math.log(level / np.mean(levels))) < _OTHER_PADS:
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    return groups
+
+
+def _road(names: list[str], stops: Array) -> _Road:
+    mean_f, mean_r = stops[:, :2].mean(axis=0).tolist()
+    f, r = (
+        np.abs(stops[:, :2] / (mean_f, mean_r) - 1.0).max(axis=0).tolist()
+        if len(names) > 1
+        else (None, None)
+    )
+    return _Road(tuple(names), math.exp(np.mean(stops[:, 3])), mean_f, mean_r, f, r)

@@ -89,14 +89,14 @@ def score(log: Log, vehicle: Vehicle, e: Estimate) -> Figures:
     """All `METRICS` of one log; None where the log cannot give one."""
     truth, counted = truth_of(log, vehicle, e), counted_samples(e)
     figures: Figures = {"eta_zero": vehicle.radius_mismatch(e.eta_zero), **_innovation(e)}
-    figures["covered_share"] = _share(e.valid & counted & e.covered, e.valid & counted)
+    if (e.valid & counted).any():
+        figures["covered_share"] = share(e.valid & counted & e.covered, e.valid & counted)
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
     for of, answer, valid, told in (
         ("", e.best, e.valid & counted, counted & np.isfinite(e.best.pads_f.value)),
         ("ecu_", e.ecu, e.ecu.valid & counted, e.ecu.valid & counted),
     ):
-        # 0, not None: a stop in which nothing can be judged must not pass
-        figures[f"{of}valid_share"] = _share(valid, counted) or 0.0
+        figures[f"{of}valid_share"] = share(valid, counted)
         for side, quantity in _quantities(answer, truth).items():
             for name, value in _of_quantity(quantity, valid, told).items():
                 key = f"{of}{name}_{side}"
@@ -152,7 +152,7 @@ def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
     }
     known = valid & np.isfinite(q.true) & (q.true > 0.0)
     if known.any():
-        rest = np.log(q.x.value[known] / q.true[known]) / _log_sigma(q.x)[known]
+        rest = np.log(q.x.value[known] / q.true[known]) / _log_sigma(q.x, q.true)[known]
         found |= {"normalised_error": _rms(rest), "truth": np.mean(q.true[known])}
     finite = {k: float(v) for k, v in found.items() if v is not None and np.isfinite(v)}
     return out | finite
@@ -168,9 +168,14 @@ def _innovation(e: Estimate) -> Figures:
     return {"innovation_rms": _rms(told), "innovation_colour": colour}
 
 
-def _log_sigma(x: Bounded) -> Array:
-    """Standard deviation of the logarithm of a quantity (n,), by its 95 % interval."""
-    return np.log(x.upper / x.lower) / (2.0 * Z95)
+def _log_sigma(x: Bounded, true: Array | None = None) -> Array:
+    """Standard deviation of the logarithm of a quantity (n,), by its 95 % interval.
+
+    By its side that looks at ``true``: what is inside the interval is within 1.96 of them.
+    """
+    if true is None:
+        return np.log(x.upper / x.lower) / (2.0 * Z95)
+    return np.log(np.where(true > x.value, x.upper / x.value, x.value / x.lower)) / Z95
 
 
 def _reference(e: Estimate, both: Mask) -> Figures:
@@ -186,26 +191,23 @@ def _reference(e: Estimate, both: Mask) -> Figures:
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     """Rms of ln(ecu/best) over the standard deviation of this difference [1].
 
-    Both answers are means over the same draws of the ramp; the second one has seen v, too. Then by
-    the law of total variance
+    Both are means over the same draws of the ramp; the second one has seen v, too. So
 
         var(best - ecu) = var(truth given what the ECU sees) - var(truth given v, too)
 
-    since best - ecu and truth - best are uncorrelated: what is common, the errors of the ramp,
-    drops out. With it the consistency can show that v and the maps contradict each other, and
-    cannot show that the ramp was wrong.
-
-    Bounds are those of medians, from two maps between cells, and v need not narrow them. So the
-    spread is at least half of the ECU's own: a difference that small against the interval
-    that is handed out does no harm. Not to be read where v is wrong: then ``best`` is.
+    and the errors of the ramp, which both share, drop out: it can show that v and the maps
+    contradict each other, not that the ramp was wrong. Bounds are those of medians between cells,
+    and v need not narrow them: the spread is at least half of the ECU's own, as a difference that
+    is small against the interval that is handed out does no harm.
     """
     own, other = _log_sigma(ecu)[valid], _log_sigma(best)[valid]
     spread = np.sqrt(np.maximum(own**2 - other**2, (0.5 * own) ** 2))
     return _rms(np.log(ecu.value / best.value)[valid] / spread)
 
 
-def _share(part: Mask, whole: Mask) -> float | None:
-    return float(np.sum(part) / np.sum(whole)) if whole.any() else None
+def share(part: Mask, whole: Mask) -> float:
+    """Share of a part of the ``whole`` [1]; 0 of nothing, which must not pass."""
+    return float(np.sum(part)) / max(float(np.sum(whole)), 1.0)
 
 
 def _ratio(a: float, b: float) -> float | None:

@@ -7,20 +7,27 @@ speed can contradict it, but shares the ramp with it; without both it is consist
 """
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from calib.base.errors import LogError, VehicleError
+from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.mass import MassUsed, mass_used
-from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
+from calib.car.vehicle import Vehicle, require_same_car
 from calib.estimation.axles import axles_warnings, crossed_warnings, crossed_wheels, judge_axles
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
-from calib.estimation.metrics import Figures, baseline_errors, counted_samples, score, truth_of
+from calib.estimation.metrics import (
+    Figures,
+    baseline_errors,
+    counted_samples,
+    score,
+    share,
+    truth_of,
+)
 from calib.estimation.plan import as_used
 from calib.estimation.settings import SETTINGS
 from calib.estimation.warnings import limit_warnings, warnings_of
@@ -104,12 +111,8 @@ class Validation:
         Reasons for less than a tenth of them are left out.
         """
         counted = counted_samples(self.estimate)
-        share = {
-            why: float(np.mean(mask[counted])) if counted.any() else 0.0
-            for why, mask in self.estimate.refused.items()
-        }
-        ordered = sorted(share.items(), key=lambda item: -item[1])
-        return {why: x for why, x in ordered if x > _NAMED}
+        shares = ((share(x & counted, counted), why) for why, x in self.estimate.refused.items())
+        return {why: x for x, why in sorted(shares, reverse=True) if x > _NAMED}
 
     @property
     def compared_with(self) -> str:
@@ -183,7 +186,8 @@ def validate_one(
             do="see `brake-cal check`",
         )
     car = as_used(table, vehicle, mass)
-    require_same_vehicle(table, vehicle, mass=mass)
+    if vehicle is not None:
+        require_same_car(table.vehicle, vehicle, weighed=mass is not None)
     read = signals(log, table.vehicle)
     require_same_wheels(table.vehicle, log, read)
     result = estimate(
@@ -224,38 +228,6 @@ def _without_answer(result: Estimate, why: str) -> Estimate:
     """Return the estimate with no valid sample, for one reason that the whole run gives."""
     refused = {**result.refused, why: result.braked}
     return replace(result, valid=np.zeros_like(result.valid), refused=refused)
-
-
-def require_same_vehicle(
-    table: Table, vehicle: Vehicle | None, where: object = None, mass: float | None = None
-) -> None:
-    """Raise VehicleError if ``vehicle`` differs from the table's in more than pads and effects.
-
-    ``where`` names its file. With a stated ``mass`` that of the files may differ.
-    """
-    if vehicle is None:
-        return
-    ours, theirs = _geometry(table.vehicle), _geometry(vehicle)
-    differ = [
-        f"{k} {theirs[k]:.6g} for {x:.6g}"
-        for k, x in ours.items()
-        if theirs[k] != x and (k != "mass" or mass is None)
-    ]
-    if differ:
-        raise VehicleError(
-            f"the table was fitted for another car: {', '.join(differ[:4])}",
-            where=vehicle.name if where is None else where,
-            expected="a vehicle with other pads only",
-            do="fit a table for this car",
-        )
-
-
-def _geometry(vehicle: Vehicle) -> dict[str, float]:
-    """Everything of a vehicle but its name, pads, effects, and what is open about it."""
-    flat = {k: v for k, v in asdict(vehicle).items() if isinstance(v, float)}
-    for side, axle in (("front", vehicle.front), ("rear", vehicle.rear)):
-        flat |= {f"{side}.{k}": v for k, v in asdict(axle).items() if k != "pad_friction"}
-    return {key: value for key, value in flat.items() if key not in NOT_OF_THE_CAR}
 
 
 def all_warnings(

@@ -3,24 +3,17 @@
 import numpy as np
 
 from calib.car.vehicle import Vehicle
-from calib.fitting.identify import Identified
 from calib.table.budget import Parts, front_share
 from calib.table.table import Calibration, Value
 
 
-def calibration(vehicle: Vehicle, found: Identified, level: Parts) -> Calibration:
-    """Pad level with sigma from its ``level`` parts (variances); pad ratio from the posterior.
+def calibration_of(vehicle: Vehicle, scale: float, ratio: Value, level: Parts) -> Calibration:
+    """Pads from the ``scale`` of both axles [1], the logarithm of their ``ratio``, and the parts of
+    the variance of their ``level``.
 
     The sum of forces fixes the mean of both axles weighed by their share. The scale, which is
     their geometric mean, moves against it with the ratio by half the difference of the shares.
     """
-    scale = float(np.mean(found.pad_scale))
-    ratio = Value(found.posterior.value("log_pad_ratio"), found.posterior.sigma("log_pad_ratio"))
-    return calibration_of(vehicle, scale, ratio, level)
-
-
-def calibration_of(vehicle: Vehicle, scale: float, ratio: Value, level: Parts) -> Calibration:
-    """The same from the ``scale`` of both axles [1] and the logarithm of their ``ratio``."""
     relative = float(np.sqrt(sum(level.values())))
     share = front_share(vehicle, ratio.value)
     half = float(np.exp(0.5 * ratio.value))

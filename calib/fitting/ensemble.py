@@ -10,7 +10,8 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import rows
 from calib.car.balance import brake_forces
-from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
+from calib.car.forces import speed_ratio
+from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
 
 PRIORS = {
@@ -60,7 +61,7 @@ class Ensemble:
 
     def take(self, which: Index | Mask) -> "Ensemble":
         """These draws alone."""
-        return Ensemble(*(getattr(self, f.name)[which] for f in fields(self)))
+        return Ensemble(*(getattr(self, f.name)[which] for f in fields(Ensemble)))
 
 
 @dataclass(frozen=True)
@@ -100,8 +101,9 @@ def unit_slips(
         most = top * np.exp(-e.peak_load_exponent[:, None] * relative)
         use = force / on_road / most
         rolls &= (use < NEAR_PEAK) & (load > _LEAST_LOAD)
-        x = np.einsum("nkf,nf->nk", inverse_forms(use), e.forms)
-        slips.append(most * x * np.exp(e.load_exponent[:, None] * relative))
+        slips.append(
+            most * mean_inverse(use, e.forms) * np.exp(e.load_exponent[:, None] * relative)
+        )
     return UnitSlips(
         front=slips[0],
         rear=slips[1],
@@ -109,6 +111,55 @@ def unit_slips(
         grown_r=loads[1] * L / l_f - 1.0,
         share=loads[0],
         rolls=rolls,
+    )
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What wheels show of forces, (n, k) [1].
+
+    ``rise`` of eta (22) and the mean ``slip`` by load, both with the departures of the draws;
+    ``slip_f``, ``slip_r`` of the tyres; ``rolls`` as of `UnitSlips`.
+    """
+
+    rise: Array
+    slip: Array
+    slip_f: Array
+    slip_r: Array
+    rolls: Mask
+
+
+def shown(
+    car: Vehicle,
+    e: Ensemble,
+    z: Array,
+    front: Array,
+    rear: Array,
+    *,
+    at: Array | None = None,
+    peak: Array | float = 1.0,
+    softer: tuple[Array | float, Array | float] = (1.0, 1.0),
+) -> Shown:
+    """What the draws show at the deceleration ``z`` (k,) or (n, 1) [1].
+
+    ``front``, ``rear``, ``peak`` as of `unit_slips`; ``at`` (k,) where departures are read, if not
+    at ``z``; ``softer`` compliances of the axles over those of the ramp, (n, 1).
+    """
+    unit = unit_slips(car, e, z, front, rear, peak)
+    slip_f = softer[0] * e.compliance_f[:, None] * unit.front
+    slip_r = softer[1] * e.compliance_r[:, None] * unit.rear
+    fall = e.radius_load[:, None]
+    shown_f = 1.0 - (1.0 - slip_f) * np.exp(fall * unit.grown_f)
+    shown_r = 1.0 - (1.0 - slip_r) * np.exp(fall * unit.grown_r)
+    mean = unit.share * shown_f + (1.0 - unit.share) * shown_r
+    hats = np.eye(DEPART_AT.size)
+    between = np.stack([np.interp(z if at is None else at, DEPART_AT, hat) for hat in hats])
+    return Shown(
+        rise=(speed_ratio(shown_f, shown_r) - 1.0) * (1.0 + e.depart_eta @ between),
+        slip=mean * (1.0 + e.depart_slip @ between),
+        slip_f=slip_f,
+        slip_r=slip_r,
+        rolls=unit.rolls,
     )
 
 

@@ -12,20 +12,21 @@ from calib.base.warning import judged
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
 from calib.car.vehicle import Vehicle
-from calib.fitting import curves
-from calib.fitting.below_the_peak import identify_below_the_peak
 from calib.fitting.budget import level_parts, table_budget
-from calib.fitting.calibration import calibration
+from calib.fitting.calibration import calibration_of
+from calib.fitting.curves import difference_curves, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics
+from calib.fitting.moments import as_cubic, tyre_posterior
 from calib.fitting.one_axle_ramps import bought, with_both_axles
-from calib.fitting.path import find_peak, readable_up_to, require_tyre
-from calib.fitting.posterior import posterior
+from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
+from calib.fitting.posterior import parts_of, posterior
 from calib.fitting.provenance import provenance
-from calib.fitting.rear_valve import rear_valve_warnings
 from calib.fitting.remarks import remarks, stated, taken_out
+from calib.fitting.residuals import explained
+from calib.fitting.ridge import find_peak, readable_up_to, ridge
 from calib.fitting.stated_pads import UNSAID, measured, stated_pad_ratio
 from calib.fitting.warnings import file_warnings, log_warnings
 from calib.logs.log import Log
@@ -41,7 +42,7 @@ from calib.plausibility.speed import require_measured_speed
 from calib.plausibility.vehicle_file import require_file_of_run
 from calib.run.noise import worst_noise
 from calib.table.invariants import require_finite
-from calib.table.table import Table
+from calib.table.table import Table, Value
 
 
 def fit(
@@ -81,7 +82,7 @@ def fit(
     """
     read = {(log.name, log.digest): log for log in logs}
     driven = weighed(vehicle, mass)
-    ratio = stated_pad_ratio(driven, bench)
+    stated_ratio = stated_pad_ratio(driven, bench)
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
     as_read = sort_logs(car, [run.log for run in corrected])
@@ -94,12 +95,14 @@ def fit(
     ]
     warnings = (*file_warnings(vehicle), *log_warnings(car, *as_read, known))
     require_measured_speed(warnings)
-    found, runs = identify_below_the_peak(car, runs, known, ratio)
-    z_max = float(max(np.max(run.blocks.z[run.use]) for run in with_both_axles(runs)))
+    normal = with_both_axles(runs)
+    z_max = float(max(np.max(run.blocks.z[run.use]) for run in normal))
     sources = ", ".join(log.source for log, _, _ in ramps)
-    require_tyre(car, found, z_max, sources, warnings)
-    peak = find_peak(car, found, z_max)
-    z_end = readable_up_to(car, found, z_max)
+    before = ratio_by_levels(car, runs, known, stated_ratio or UNSAID)
+    ensemble, left = explained(car, runs, before, sources, warnings)
+    alone = posterior(car, normal, stated_ratio or UNSAID) if len(normal) < len(runs) else None
+    of = ridge(car, ensemble, np.linspace(0.0, z_max, 201))
+    peak, z_end = find_peak(of), readable_up_to(of)
     if z_end <= 0.0:
         raise LogError(
             "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
@@ -110,40 +113,48 @@ def fit(
             do="check areas and radii of the brakes in the vehicle file",
             lines=tuple(map(str, warnings)),
         )
-    level = level_parts(car, found, runs, known)
-    pads = calibration(car, found, level)
+    drawn = as_cubic(ensemble, float(np.max(np.median([of.F_f, of.F_r], axis=1))))
+    tyre = tyre_posterior(drawn)
+    ratio = Value(tyre.value("log_pad_ratio"), tyre.sigma("log_pad_ratio"))
+    scales = pad_levels_of(car, normal, ratio.value)
+    level = level_parts(car, scales, runs, known)
+    pads = calibration_of(car, float(np.mean(scales)), ratio, level)
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
-    ensemble = posterior(car, runs, ratio or UNSAID)
+    difference, paper = difference_curves(car, ensemble, runs, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
-        difference=curves.difference_curve(car, found, runs, z_end),
-        paper=curves.paper_table(car, found, runs, z_end),
-        tyre=curves.tyre_curve(car, found, runs, z_max),
-        posterior=found.posterior,
+        difference=difference,
+        paper=paper,
+        tyre=tyre_curve(ensemble, runs, of),
+        posterior=tyre,
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
-        quality=metrics(car, found, runs, peak, z_max),
+        quality=metrics(car, runs, left, peak, z_max, _weight(before, ratio)),
         remarks=(
             *taken_out(driven),
             *stated(mass_used(vehicle, mass)),
-            *remarks(car, found, runs, known, peak, len(coasts), bench),
-            *bought(car, found, runs, known, ratio),
+            *remarks(runs, left, ratio, known, peak, len(coasts), bench),
+            *bought(runs, ensemble, alone),
             *measured(driven, bench, pads),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench),
         warnings=(
-            *judged(car.name, of_calibration(car, pads, found.posterior, ratio)),
-            *rear_valve_warnings(car, found, runs, known, ratio),
+            *judged(car.name, of_calibration(car, pads, tyre, stated_ratio)),
             *warnings,
         ),
-        budget=table_budget(car, found, level, pads),
+        budget=table_budget(car, level, pads, parts_of(drawn, ensemble)),
         map=pad_map,
         level_map=level_map,
         draws=draws_of(car, ensemble, pads),
     )
     require_finite(table)
     return table
+
+
+def _weight(before: Value, now: Value) -> float:
+    """Share of what was known of the pads' ratio ``before`` in what is known ``now`` [1]."""
+    return min((now.sigma / before.sigma) ** 2, 1.0)

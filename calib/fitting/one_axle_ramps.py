@@ -7,12 +7,11 @@ pads' ratio.
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from calib.base.names import AXLE_NAMES
-from calib.car.vehicle import Vehicle
-from calib.fitting.identify import Identified, identify_once
+from calib.fitting.ensemble import Ensemble
 from calib.model.ramp import RampRun
-from calib.model.resistance import Resistance
-from calib.table.table import Value
 
 
 def with_both_axles(runs: list[RampRun]) -> list[RampRun]:
@@ -20,25 +19,15 @@ def with_both_axles(runs: list[RampRun]) -> list[RampRun]:
     return [run for run in runs if run.only is None]
 
 
-def bought(
-    vehicle: Vehicle,
-    found: Identified,
-    runs: list[RampRun],
-    known: Resistance,
-    stated: Value | None = None,
-) -> Iterator[str]:
-    """How well the ratios of pads and tyres are known with and without ramps of one axle.
-
-    ``stated`` as `calib.fitting.identify.identify` has it.
-    """
+def bought(runs: list[RampRun], found: Ensemble, without: Ensemble | None) -> Iterator[str]:
+    """How well the ratios of pads and tyres are known with and ``without`` ramps of one axle."""
     alone = [f"{run.name} ({AXLE_NAMES[run.only]} axle only)" for run in runs if run.only]
-    if not alone:
+    if without is None:
         return
-    without = identify_once(vehicle, with_both_axles(runs), known, stated=stated).posterior
-    pads, tyres = (
-        [100.0 * posterior.sigma(name) for posterior in (found.posterior, without)]
-        for name in ("log_pad_ratio", "log_tyre_ratio")
-    )
+    pads = [100.0 * float(np.std(e.log_pad_ratio)) for e in (found, without)]
+    tyres = [
+        100.0 * float(np.std(np.log(e.compliance_f / e.compliance_r))) for e in (found, without)
+    ]
     yield (
         f"{', '.join(alone)}: pads' ratio known to {pads[0]:.1f} % ({pads[1]:.1f} % without), "
         f"tyres' ratio to {tyres[0]:.1f} % ({tyres[1]:.1f} %), one sigma"

@@ -12,11 +12,14 @@ from calib.car.vehicle import Vehicle
 from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
+from calib.table.table import Value
 
 Array = NDArray[np.float64]
 
 LEAST = 1e-3
 """Level [1] that no pads have; what comes out below it counts as this."""
+
+_STEP = 1e-3  # of ln of the pads' ratio, for its derivative [1]
 
 
 def level_sigmas(vehicle: Vehicle, run: RampRun, known: Resistance) -> tuple[float, float, float]:
@@ -37,26 +40,35 @@ def level_sigmas(vehicle: Vehicle, run: RampRun, known: Resistance) -> tuple[flo
     return float(noise), resist, float(run.accelerometer.sigma(typical) / typical)
 
 
-def level_spread(vehicle: Vehicle, runs: list[RampRun], known: Resistance | None) -> Array:
-    """Sigma [1] of the logarithm of each run's level about the common one, (runs,).
-
-    How pads repeat, and how well the run knows its level; ``known`` the resistance, None for runs
-    that know their levels exactly. Errors that the runs share (resistance, accelerometer) count as
-    if they were independent: the spread is too wide rather than too narrow.
-    """
-    own = [level_sigmas(vehicle, run, known) if known else (0.0,) for run in runs]
-    return np.asarray([np.hypot(SETTINGS.pads_repeat, np.linalg.norm(one)) for one in own])
-
-
-def level_residuals(
-    vehicle: Vehicle, runs: list[RampRun], log_ratio: float, spread: Array
-) -> Array:
-    """Logarithm of each run's level less the common one, over ``spread``, (runs,); none for one.
-
-    The common level is their weighted mean: it is not known beforehand.
-    """
-    if len(runs) < 2:
-        return np.empty(0)
+def pad_levels_of(vehicle: Vehicle, runs: list[RampRun], log_ratio: float) -> Array:
+    """Level of the pads of each run over those of the file [1], at a ratio of the pads, (runs,)."""
     scales = [pad_scale(run, *nominal_forces(vehicle, run, log_ratio)) for run in runs]
-    level = np.log(np.maximum(scales, LEAST))
-    return np.asarray((level - np.average(level, weights=spread**-2.0)) / spread)
+    return np.maximum(scales, LEAST)
+
+
+def ratio_by_levels(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance, before: Value
+) -> Value:
+    """ln of the pads' ratio [1] from what was known ``before`` and the levels of the runs.
+
+    Most probable value and its sigma where levels differ by how pads repeat and by how well a run
+    knows its own; ``before`` itself without a ramp of one axle. Errors that the runs share
+    (resistance, accelerometer) count as if they were independent: rather too wide.
+    """
+    if all(run.only is None for run in runs):
+        return before
+    own = [np.linalg.norm(level_sigmas(vehicle, run, known)) for run in runs]
+    spread = np.hypot(SETTINGS.pads_repeat, own)
+
+    def rest(ratio: float) -> Array:
+        level = np.log(pad_levels_of(vehicle, runs, ratio))
+        # the common level is not known beforehand: their weighted mean
+        return np.asarray((level - np.average(level, weights=spread**-2.0)) / spread)
+
+    x, information = before.value, before.sigma**-2.0
+    for _ in range(4):
+        e = rest(x)
+        slope = (rest(x + _STEP) - rest(x - _STEP)) / (2.0 * _STEP)
+        information = before.sigma**-2.0 + float(slope @ slope)
+        x -= float(slope @ e + (x - before.value) * before.sigma**-2.0) / information
+    return Value(x, information**-0.5)

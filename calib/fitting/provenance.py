@@ -49,13 +49,6 @@ def settings() -> dict[str, float]:
         "form_error": SETTINGS.form_error,
         "form_reach": SETTINGS.form_reach,
         "pads_repeat": SETTINGS.pads_repeat,
-        "ratio_drift": SETTINGS.ratio_drift,
-        "pressure_apart": SETTINGS.pressure_apart,
-        "tyres_repeat": SETTINGS.tyres_repeat,
-        "pads_differ": SETTINGS.pads_differ,
         "tyres_differ": SETTINGS.tyres_differ,
-        "radii_fall": SETTINGS.radii_fall,
         "pad_scatter": SETTINGS.pad_scatter,
-        "tyre_scatter": SETTINGS.tyre_scatter,
-        "radius_scatter": SETTINGS.radius_scatter,
     }

@@ -2,41 +2,40 @@
 
 import numpy as np
 
-from calib.base.intervals import Z95
 from calib.car.mass import MassUsed
 from calib.car.vehicle import Vehicle
-from calib.fitting.identify import Identified
 from calib.fitting.metrics import outliers
-from calib.fitting.path import Peak
+from calib.fitting.residuals import Residuals
+from calib.fitting.ridge import Peak
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
 from calib.model.roller_bench import RollerBench
+from calib.table.table import Value
 
 
 def remarks(
-    vehicle: Vehicle,
-    found: Identified,
     runs: list[RampRun],
+    left: Residuals,
+    ratio: Value,
     known: Resistance,
     peak: Peak,
     coasts: int,
     bench: RollerBench | None = None,
 ) -> tuple[str, ...]:
-    """What the user must know of this table, in words."""
+    """What the user must know of this table, in words.
+
+    ``left`` residuals of the ``runs``; ``ratio`` ln of the pads' ratio over that of the file [1].
+    """
     said = []
-    for i, (run, zero) in enumerate(zip(runs, found.eta_zero, strict=True)):
+    for run, (of_eta, _) in zip(runs, left, strict=True):
+        zero = float(np.mean(run.blocks.eta[run.rolling])) - 1.0
         said.append(f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)")
         said += [
             f"{run.name}: left out from {first:.2f} to {last:.2f} s, where something acts that the "
             "pressure does not make: a bump, a gear shift, another road"
             for first, last in spans(run)
         ]
-        if run.believed_up_to is not None:
-            said.append(
-                f"{run.name}: left out above {run.believed_up_to:.2f} g, where the tyres yield "
-                "more than their curve says: they are near their peak"
-            )
-        times = outliers(run, found, i)
+        times = outliers(run, of_eta)
         if times:
             listed = ", ".join(f"{t:.2f}" for t in times[:5])
             said.append(f"{run.name}: {len(times)} outlying blocks of eta, at {listed} s")
@@ -55,13 +54,11 @@ def remarks(
         said.append(
             f"eta peaks at {peak.z:.2f} g: f1, f2 of eta end before it; beyond, use the tyre curve"
         )
-    posterior = found.posterior
-    rho, sigma = posterior.value("log_pad_ratio"), posterior.sigma("log_pad_ratio")
-    if found.nominal_weight < 0.5:
-        low, high = np.exp(rho - Z95 * sigma), np.exp(rho + Z95 * sigma)
+    low, high = np.exp(ratio.ci95)
+    if not low < 1.0 < high:
         said.append(
-            f"the pads were not in the ratio of the vehicle file: front/rear {np.exp(rho):.2f} "
-            f"times nominal, 95 % {low:.2f} to {high:.2f}"
+            "the pads were not in the ratio of the vehicle file: front/rear "
+            f"{np.exp(ratio.value):.2f} times nominal, 95 % {low:.2f} to {high:.2f}"
         )
     return tuple(said)
 

@@ -11,7 +11,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.plain import rows
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, Ensemble, brake_share, spread_evenly, unit_slips
+from calib.fitting.ensemble import Ensemble, brake_share, shown, spread_evenly
 
 _LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
@@ -111,20 +111,19 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
         part * brake - inert * true[:, None]
         for part, inert in zip((share, 1.0 - share), rolling, strict=True)
     )
-    unit = unit_slips(car, s.of, true[:, None], force_f, force_r, s.peak)
-    slip_f = s.of.compliance_f * np.exp(-s.stiff_f) * unit.front[:, 0]
-    slip_r = s.of.compliance_r * np.exp(-s.stiff_r) * unit.rear[:, 0]
-    grown_f, grown_r, part = unit.grown_f[:, 0], unit.grown_r[:, 0], unit.share[:, 0]
-    fall = s.of.radius_load
-    front, rear = (1.0 - slip_f) * np.exp(fall * grown_f), (1.0 - slip_r) * np.exp(fall * grown_r)
-    k = min(max(int(np.searchsorted(DEPART_AT, z)) - 1, 0), DEPART_AT.size - 2)
-    w = float(np.clip((z - DEPART_AT[k]) / (DEPART_AT[k + 1] - DEPART_AT[k]), 0.0, 1.0))
-    eta, slip = (
-        1.0 + (1.0 - w) * x[:, k] + w * x[:, k + 1] for x in (s.of.depart_eta, s.of.depart_slip)
+    here = shown(
+        car,
+        s.of,
+        true[:, None],
+        force_f,
+        force_r,
+        at=np.array([z]),
+        peak=s.peak,
+        softer=(np.exp(-s.stiff_f)[:, None], np.exp(-s.stiff_r)[:, None]),
     )
     return Seen(
-        shift=(rear / front - 1.0) * eta,  # (22)
-        slip=(1.0 - part * front - (1.0 - part) * rear) * slip,
+        shift=here.rise[:, 0],
+        slip=here.slip[:, 0],
         level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
-        rolls=unit.rolls[:, 0] & (np.maximum(slip_f, slip_r) < 0.3),
+        rolls=(here.rolls & (np.maximum(here.slip_f, here.slip_r) < 0.3))[:, 0],
     )

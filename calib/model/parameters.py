@@ -5,7 +5,7 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 
 from calib.car.tyre import AxleTyres, Tyre
-from calib.table.table import TyrePosterior, Value
+from calib.table.table import TyrePosterior
 
 T = TypeVar("T")
 
@@ -51,14 +51,6 @@ PRIORS = RampParameters(
 )
 # fmt: on
 """Passenger cars. Their errors are taken as independent."""
-
-
-def priors_with(pad_ratio: Value | None) -> RampParameters[Prior]:
-    """The priors with what the user says of ``log_pad_ratio`` [1] in place of its own."""
-    if pad_ratio is None:
-        return PRIORS
-    said = Prior("1", pad_ratio.value, pad_ratio.sigma, "the user says so")
-    return PRIORS._replace(log_pad_ratio=said)
 
 
 COUNT = len(PRIORS)

@@ -10,7 +10,7 @@ scale follows from the sum of forces. The forces give the slips through the comp
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Generic, NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,6 @@ from calib.car.effects.effects import Effects
 from calib.car.forces import mean_slip, speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.model.parameters import RampParameters, tyres_of
-from calib.model.ratio_along import ratio_along
 from calib.model.settings import SETTINGS
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Axle, Blocks, block_balance, braked_alone
@@ -31,7 +30,9 @@ from calib.run.noise import SensorNoise, aged
 
 Array = NDArray[np.float64]
 A = TypeVar("A", float, Array)
-T = TypeVar("T")
+
+ZEROED = 3.0
+"""Time before the bite over which eta and slip are zeroed [s]."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,7 @@ class RampRun:
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
     is exact; ``only`` the axle that brakes alone, None where both do; ``model_error`` of the tyre's
     curve relative to the slip [1]; ``left_out`` blocks of the braking in which something else acts,
-    see `calib.fitting.disturbances`; ``believed_up_to`` deceleration [1] above which nothing takes
-    part, see `calib.fitting.below_the_peak`.
+    see `calib.fitting.disturbances`.
     """
 
     name: str
@@ -62,12 +62,17 @@ class RampRun:
     only: Axle | None = None
     model_error: Array | float = SETTINGS.model_error
     left_out: NDArray[np.bool_] | None = None
-    believed_up_to: float | None = None
 
     @cached_property
     def braked(self) -> NDArray[np.bool_]:
         """Blocks that take part and in which a brake bites (k,)."""
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
+
+    @cached_property
+    def rolling(self) -> NDArray[np.int64]:
+        """The last blocks of the lead-in that take part: where eta and slip are zero."""
+        lead = np.flatnonzero(self.blocks.lead_in & self.use)
+        return lead[-round(ZEROED / self.blocks.length) :]
 
     def since_rolling(self, measured: Array) -> Array:
         """Eta or slip [1] (k,) less what it was on the lead-in: what the brakes did to it.
@@ -75,25 +80,6 @@ class RampRun:
         Wheels of two sizes differ by per cents, which is no slip.
         """
         return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
-
-
-class OfRun(NamedTuple, Generic[T]):
-    """One thing for each of what differs from run to run, zero where nothing does.
-
-    ``eta_zero``, ``slip_zero`` [1]; ``softer`` logarithm of the compliance of the tyres over that
-    of the other runs [1], where one axle brakes alone; where both do, ``drift`` [1] and
-    ``pressure_apart`` [Pa] of `calib.model.ratio_along`.
-    """
-
-    eta_zero: T
-    slip_zero: T
-    softer: T
-    drift: T
-    pressure_apart: T
-
-
-AS_OTHERS = OfRun(0.0, 0.0, 0.0, 0.0, 0.0)
-"""A run in which nothing differs."""
 
 
 def prepare(
@@ -190,19 +176,10 @@ def normalised_forces(
 
 
 def predict(
-    vehicle: Vehicle,
-    run: RampRun,
-    parameters: RampParameters[float],
-    own: OfRun[float],
+    vehicle: Vehicle, run: RampRun, parameters: RampParameters[float]
 ) -> tuple[Array, Array]:
     """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
-    ratio: Array | float = parameters.log_pad_ratio
-    if run.only is None:
-        ratio = ratio + ratio_along(run.blocks, run.braked, own.drift, own.pressure_apart)
-    else:
-        compliance = parameters.log_compliance + own.softer
-        parameters = parameters._replace(log_compliance=compliance)
-    F_f, F_r, _ = normalised_forces(vehicle, run, ratio)
+    F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
     slip_f, slip_r = tyres_of(parameters).slips(
         (F_f, F_r), (run.load_f, run.load_r), vehicle.static_loads
     )
@@ -210,7 +187,7 @@ def predict(
     mean = share * slip_f + (1.0 - share) * slip_r
     b = run.blocks
     lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
-    return speed_ratio(slip_f, slip_r) * (1.0 + own.eta_zero), mean + own.slip_zero + lag
+    return speed_ratio(slip_f, slip_r), mean + lag
 
 
 def sigma_eta(run: RampRun, signal: Array) -> Array:

@@ -12,15 +12,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.names import G
+from calib.car.balance import moment_at_road
 from calib.car.braking import BITE
-from calib.car.forces import paper_curves
+from calib.car.forces import axle_loads, paper_curves, speed_ratio
+from calib.car.vehicle import Vehicle
 from calib.estimation.plan import known_resistance
-from calib.fitting.path import path_of
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.parameters import RampParameters, parameters_of, tyres_of
 from calib.model.ramp import (
-    AS_OTHERS,
     RampRun,
     nominal_forces,
     normalised_forces,
@@ -84,15 +84,15 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     run = prepare(vehicle, log.name, b, noise, effects, sensor)
     parameters = parameters_of(table.posterior)
     F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    eta_model, _ = predict(vehicle, run, parameters, AS_OTHERS)
+    eta_model, _ = predict(vehicle, run, parameters)
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     # the same brake forces on the car of the table, which has no resistance
     B_f, B_r = (scale * B for B in nominal_forces(vehicle, run, parameters.log_pad_ratio))
     B_f, B_r = (np.where(B_f + B_r > 0.0, B, np.nan) for B in (B_f, B_r))
-    table_car = path_of(vehicle, parameters, B_f, B_r)
-    f1, f2 = paper_curves(vehicle, table_car.z, table_car.D)
+    z_free, D, eta_free = _without_resistance(vehicle, parameters, B_f, B_r)
+    f1, f2 = paper_curves(vehicle, z_free, D)
     slips = _slips(table, parameters, run, F_f, F_r)
     return MeasuredRamp(
         name=log.name,
@@ -100,9 +100,9 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
         z=read.z,
         F_f=F_f,
         F_r=F_r,
-        z_free=table_car.z,
-        eta=b.eta / zero / eta_model * table_car.eta,
-        D=table_car.D,
+        z_free=z_free,
+        eta=b.eta / zero / eta_model * eta_free,
+        D=D,
         f1=f1,
         f2=f2,
         slip_f=slips[0] if slips else None,
@@ -110,6 +110,22 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
         braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
         both=run.only is None,
     )
+
+
+def _without_resistance(
+    vehicle: Vehicle, parameters: RampParameters[float], B_f: Array, B_r: Array
+) -> tuple[Array, Array, Array]:
+    """z, D and eta [1] of a car that nothing slows but brake forces [N], (k,) each."""
+    rates = [-G / axle.rolling_radius for axle in (vehicle.front, vehicle.rear)]
+    wheels_f, wheels_r = (
+        moment_at_road(axle, 0.0, np.asarray(rate))
+        for axle, rate in zip((vehicle.front, vehicle.rear), rates, strict=True)
+    )
+    z = (B_f + B_r) / (vehicle.weight - wheels_f - wheels_r)
+    loads = axle_loads(vehicle, z)
+    F_f, F_r = (B_f + wheels_f * z) / loads[0], (B_r + wheels_r * z) / loads[1]
+    slips = tyres_of(parameters).slips((F_f, F_r), loads, vehicle.static_loads)
+    return z, F_f - F_r, speed_ratio(*slips)
 
 
 def _slips(

@@ -19,7 +19,6 @@ between cars. A table without a budget does not say what is its own; nothing of 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,8 +27,11 @@ from calib.base.intervals import Z95
 from calib.base.random_effects import RandomEffects, quantile95, random_effects
 from calib.car.forces import paper_curves
 from calib.fitting.calibration import calibration_of
-from calib.fitting.path import delta_sigma, path
-from calib.model.parameters import RampParameters, tyres_of
+from calib.fitting.curves import differences, tyre_forces
+from calib.fitting.draws import ensemble_of
+from calib.fitting.ensemble import Ensemble
+from calib.fitting.moments import as_cubic
+from calib.fitting.ridge import Ridge, ridge
 from calib.model.settings import SETTINGS
 from calib.table.budget import PadLevels, axle_budgets, level_of, pad_levels, pad_scale
 from calib.table.table import (
@@ -144,15 +146,9 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], 
     log_ratio = Value(middle.ratio, float(np.sqrt(sum(ratio.values()))))
     pads = calibration_of(vehicle, pad_scale(vehicle, middle), log_ratio, level)
     front, rear = axle_budgets(vehicle, pads, level, ratio)
-    # the part of the covariance that no stop learns from: no mean makes it smaller
-    scatters = [t.posterior.scatter for t in tables]
-    apart = _shared([{"": one} if one else {} for one in scatters], weights)
     found = {
         "posterior": TyrePosterior(
-            names,
-            tuple(mean.tolist()),
-            _rows(np.sum(list(parts.values()), axis=0)),
-            _rows(apart[""]) if apart else (),
+            names, tuple(mean.tolist()), _rows(np.sum(list(parts.values()), axis=0))
         ),
         "calibration": pads,
         "budget": TableBudget(
@@ -233,35 +229,29 @@ def own_level(table: Table) -> float:
 
 
 def own_share(table: Table, eta: Array) -> Array:
-    """Share of the own errors in the variance of D at ``eta`` (n,), 0 to 1, by the delta method."""
-    z = np.linspace(0.0, table.paper.decelerations[1], SETTINGS.rows)
-
-    def D(x: RampParameters[float]) -> Array:
-        p = path(table.vehicle, x, z)
-        turn = int(np.argmax(p.eta)) + 1
-        return np.interp(eta, p.eta[:turn], p.D[:turn])
-
-    return _share(table, eta.size, D)
+    """Share of the own errors in the variance of D at ``eta`` (n,), 0 to 1."""
+    return _share(table, eta, lambda e: differences(_ridge(table, e), eta))
 
 
 def own_share_of_tyre(table: Table, slip: Array) -> Array:
     """The same of the tyre curve g at ``slip`` (n,)."""
-    force = np.linspace(0.0, 1.3 * float(table.tyre.force[-1]), 2 * SETTINGS.rows)
-    one = np.ones(())
-
-    def g(x: RampParameters[float]) -> Array:
-        return np.interp(slip, tyres_of(x).tyre.slip(force, one), force)
-
-    return _share(table, slip.size, g)
+    return _share(table, slip, lambda e: tyre_forces(e, slip))
 
 
-def _share(table: Table, rows: int, curve: Callable[[RampParameters[float]], Array]) -> Array:
-    known, own = table.posterior, own_covariance(table)
-    if known.names != RampParameters._fields or np.any(np.diag(own) <= 0.0):
-        return np.zeros(rows)
-    covariance = tuple(tuple(row) for row in own.tolist())
-    part = delta_sigma(curve, replace(known, covariance=covariance))
-    whole = delta_sigma(curve, known)
+def _ridge(table: Table, e: Ensemble) -> Ridge:
+    z = np.linspace(0.0, table.paper.decelerations[1], SETTINGS.rows)
+    return ridge(table.vehicle, e, z)
+
+
+def _share(table: Table, at: Array, curve: Callable[[Ensemble], Array]) -> Array:
+    """Of what the parameters of the posterior explain of the draws' curves."""
+    own = own_covariance(table)
+    if table.draws is None or not own.any():
+        return np.zeros(at.size)
+    e = ensemble_of(table.vehicle, table.draws)
+    x, y = (of - of.mean(axis=0) for of in (as_cubic(e, float(table.tyre.force[-1])).T, curve(e)))
+    slope = np.linalg.lstsq(x, y, rcond=None)[0]
+    part, whole = np.einsum("kr,kl,lr->r", slope, own, slope), (x @ slope).var(axis=0)
     # at eta = 1 both are zero
-    share = np.divide(part, whole, out=np.zeros(rows), where=whole > 0.0)
-    return np.asarray(np.minimum(share, 1.0) ** 2)
+    share = np.divide(part, whole, out=np.zeros(at.size), where=whole > 0.0)
+    return np.asarray(np.minimum(share, 1.0))

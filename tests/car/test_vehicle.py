@@ -1,5 +1,6 @@
 """The vehicle file: what it says in SI, and every slip it must not let through."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,9 @@ from hypothesis import strategies as st
 from calib.base.errors import VehicleError
 from calib.car.effects.effects import Effects
 from calib.car.keys import KEYS
-from calib.car.vehicle import Axle, Vehicle
+from calib.car.vehicle import Axle, Vehicle, require_same_car
 from calib.car.vehicle_file import read_vehicle
+from tests.support.reference_car import CAR
 from tests.support.refusals import refusal
 from tests.support.vehicle_files import write_vehicle
 
@@ -132,3 +134,32 @@ def test_written_and_read_back_is_the_same(tmp_path_factory, car):
     path = tmp_path_factory.getbasetemp() / "round.toml"
     write_vehicle(car, path)
     assert read_vehicle(path) == car
+
+
+def changed(name):
+    """The reference car with one of its numbers doubled."""
+    side, _, key = name.rpartition(".")
+    whole = getattr(CAR, side) if side else CAR
+    other = replace(whole, **{key: 2.0 * (getattr(whole, key) or 0.02)})
+    return replace(CAR, **{side: other}) if side else other
+
+
+CHASSIS_NUMBERS = [k for k, x in vars(CAR).items() if isinstance(x, float)]
+NUMBERS = {*CHASSIS_NUMBERS, *(f"{s}.{k}" for s in ("front", "rear") for k in vars(CAR.front))}
+OPEN = {"mass_tolerance", "motor_odds"} | {
+    f"{side}.pad_friction{of}" for side in ("front", "rear") for of in ("", "_tolerance")
+}
+
+
+@pytest.mark.parametrize("name", sorted(NUMBERS))
+def test_a_car_is_another_by_its_geometry_alone(name):
+    """Not by its pads, nor by what is open about it; a weighed one may have another mass."""
+    require_same_car(CAR, replace(CAR, name="other", effects=Effects()))
+    if name in OPEN:
+        require_same_car(CAR, changed(name))
+        return
+    with pytest.raises(VehicleError, match=name) as error:
+        require_same_car(CAR, changed(name), "V.toml")
+    assert str(error.value).startswith("V.toml: ")
+    if name == "mass":
+        require_same_car(CAR, changed(name), weighed=True)

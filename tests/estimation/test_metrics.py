@@ -257,6 +257,15 @@ def test_errors_of_the_ecu_over_their_sigma():
     assert figures["torque_error_f"] == pytest.approx(0.0, abs=1e-12)  # of the best estimate
 
 
+def test_a_truth_at_the_end_of_an_uneven_interval_is_1_96_sigma_away():
+    """Rear pads that may be much weaker, and hardly stronger, than what is most likely."""
+    pads = Bounded(*(x * np.ones(N) for x in (0.40, 0.30, 0.41)))
+    for end, sigmas in ((0.30, Z95), (0.41, Z95), (0.40, 0.0)):
+        e = made_estimate(ecu=replace(readout(0.36, 0.40), pads_r=pads))
+        figures = scored(e, truth_log(0.36, end))
+        assert figures["ecu_normalised_error_r"] == pytest.approx(sigmas, abs=1e-9)
+
+
 @pytest.mark.parametrize(("best", "spread"), [(0.03, 0.04), (0.05, 0.025), (0.08, 0.025)])
 def test_what_v_adds_sets_the_scale_of_a_difference(best, spread):
     """3, 4, 5; and half of the ECU's own sigma where v adds nothing."""

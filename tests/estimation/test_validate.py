@@ -10,13 +10,11 @@ import pytest
 from calib.base.errors import LogError, StoreError, VehicleError
 from calib.base.intervals import Z95
 from calib.car.mass import MassUsed
-from calib.car.vehicle import Axle
 from calib.estimation.limits import DEFAULTS, Judgement, Limit
 from calib.estimation.metrics import METRICS
 from calib.estimation.results import to_dict
 from calib.estimation.validate import (
     Validation,
-    require_same_vehicle,
     validate,
 )
 from calib.table.exported import Precision, as_exported
@@ -232,46 +230,6 @@ def test_braking_too_soft_to_judge_does_not_pass(fitted):
     assert soft.figures["ecu_valid_share"] == 0.0
     assert soft.figures["ecu_pad_friction_f"] is None
     assert not soft.passed
-
-
-# Whose log, whose vehicle.
-
-
-@pytest.mark.parametrize(
-    "changed",
-    [
-        {"name": "other name"},
-        {"mass_tolerance": 0.02},
-        {"motor_odds": 0},
-        {"front": replace(CAR.front, pad_friction_tolerance=0.03)},
-        {"effects": {"aerodynamic_drag": {"drag_area": 0.6}}},
-    ],
-)
-def test_what_may_differ(fitted, changed):
-    require_same_vehicle(fitted, replace(CAR, **changed))
-
-
-@pytest.mark.parametrize(
-    ("changed", "says"),
-    [
-        ({"mass": 1800.0}, "mass 1800 for 1744"),
-        ({"cg_height": 0.55}, "cg_height 0.55 for 0.615"),
-        ({"track_width": 1.5}, "track_width"),
-    ],
-)
-def test_what_may_not_differ(fitted, changed, says):
-    with pytest.raises(VehicleError, match=says) as error:
-        require_same_vehicle(fitted, replace(CAR, **changed), "V.toml")
-    assert str(error.value).startswith("V.toml: ")
-
-
-@pytest.mark.parametrize("side", ["front", "rear"])
-def test_no_geometry_of_an_axle_may_differ(fitted, side):
-    axle = getattr(CAR, side)
-    for key in Axle.__dataclass_fields__.keys() - {"pad_friction", "pad_friction_tolerance"}:
-        other = replace(CAR, **{side: replace(axle, **{key: 2 * getattr(axle, key)})})
-        with pytest.raises(VehicleError, match=f"{side}.{key}"):
-            require_same_vehicle(fitted, other)
 
 
 def test_logs_that_will_not_do(fitted, wet):

@@ -57,7 +57,7 @@ def test_a_normal_ramp_alone_leaves_the_ratios_open(tables):
 
 
 @pytest.mark.parametrize(
-    ("kinds", "pads", "tyres"), [("nf", 0.8, 0.96), ("nr", 0.55, 0.75), ("nfr", 0.35, 0.65)]
+    ("kinds", "pads", "tyres"), [("nf", 0.85, 1.05), ("nr", 0.6, 0.9), ("nfr", 0.45, 0.8)]
 )
 def test_a_ramp_with_one_axle_narrows_both(tables, kinds, pads, tyres):
     for table, alone in zip(tables[kinds], tables["n"], strict=True):

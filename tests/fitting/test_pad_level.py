@@ -1,19 +1,22 @@
 """The level that ramps share: how it moves with the pads' ratio, and what it tells of it."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from calib.fitting.identify import identify_once
-from calib.fitting.pad_level import level_residuals, level_spread
+from calib.car.effects.effects import Effects
+from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
+from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
+from calib.table.table import Value
 from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, prepared, ramp
 
 SHARE = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 """Of the front brakes in the force at one pressure, Table I."""
 
-ALIKE = np.full(2, 0.01)
+SURE = Resistance(Effects(), ((0.0, 0.0), (0.0, 0.0)), known=True)
 
 
 @pytest.fixture(scope="module")
@@ -22,44 +25,43 @@ def runs():
     return {kind: prepared(noisy(log, seed)) for seed, (kind, log) in enumerate(logs.items())}
 
 
-@pytest.mark.parametrize(("axle", "slope"), [("f", -(1.0 - SHARE)), ("r", SHARE)])
-def test_level_of_one_axle_moves_with_the_ratio(runs, axle, slope):
-    """ln of its level goes with -+ratio/2, that of both axles with (1/2 - share) ratio."""
-    pair = [runs["n"], runs[axle]]
-    low, high = (level_residuals(CAR, pair, x, ALIKE) for x in (-0.01, 0.01))
-    # two runs lie half of their difference above and below the mean
-    apart = np.diff(high - low)[0] * ALIKE[0] / 0.02
-    assert apart == pytest.approx(slope, rel=0.01)
-    assert level_residuals(CAR, pair, 0.0, ALIKE) == pytest.approx([0.0, 0.0], abs=0.5)
+@pytest.mark.parametrize(("axle", "slope"), [("f", -0.5), ("r", 0.5), ("n", 0.5 - SHARE)])
+def test_level_of_a_run_moves_with_the_ratio(runs, axle, slope):
+    """ln of the level of one axle goes with -+ratio/2, that of both with (1/2 - share) ratio."""
+    low, high = (np.log(pad_levels_of(CAR, [runs[axle]], x)[0]) for x in (-0.01, 0.01))
+    assert (high - low) / 0.02 == pytest.approx(slope, abs=0.01)
 
 
-def test_the_common_level_is_the_weighted_mean(runs):
-    spread = np.array([0.01, 0.03])
-    rest = level_residuals(CAR, [runs["n"], runs["r"]], 0.2, spread)
-    assert np.sum(rest / spread) == pytest.approx(0.0, abs=1e-9)
-    assert abs(rest[0]) > 0.1
+def test_normal_ramps_tell_nothing_of_the_ratio(runs):
+    before = Value(0.03, 0.07)
+    assert ratio_by_levels(CAR, [runs["n"], runs["n"]], SURE, before) == before
 
 
-def test_levels_of_normal_ramps_tell_nothing_of_the_ratio(runs):
-    """A tenth more pressure for the same forces: pads of another level, and the same answer.
-
-    But for how far the axles' pressures are apart, which is a little less of a higher pressure.
-    """
-    one, b = runs["n"], runs["n"].blocks
-    weaker = replace(one, blocks=replace(b, p_f=1.1 * b.p_f, p_r=1.1 * b.p_r))
-    same = identify_once(CAR, [one, one]).posterior
-    other = identify_once(CAR, [one, weaker]).posterior
-    assert other.mean == pytest.approx(same.mean, abs=1e-3)
-    assert np.allclose(other.covariance, same.covariance, rtol=0.02, atol=1e-5)
+@pytest.mark.parametrize("axle", ["f", "r"])
+def test_a_ramp_with_one_axle_tells_it_as_well_as_pads_repeat(runs, axle):
+    """Two levels that hang on the ratio by 1 - share or share, each known to how pads repeat."""
+    lever = {"f": 1.0 - SHARE, "r": SHARE}[axle]
+    found = ratio_by_levels(CAR, [runs["n"], runs[axle]], SURE, Value(0.0, 0.5))
+    by_levels = math.sqrt(2.0) * SETTINGS.pads_repeat / lever
+    expected = 1.0 / math.hypot(1.0 / by_levels, 1.0 / 0.5)
+    assert found.sigma == pytest.approx(expected, rel=0.15)
+    assert abs(found.value) < 2.0 * found.sigma
 
 
-def test_level_of_one_axle_does(runs):
-    one, b = runs["r"], runs["r"].blocks
-    weaker = replace(one, blocks=replace(b, p_r=1.1 * b.p_r))
-    same, other = (identify_once(CAR, [runs["n"], run]).mean.log_pad_ratio for run in (one, weaker))
-    assert other - same > 0.01
+def test_stronger_rear_pads_come_out(runs):
+    """A tenth less pressure for the same force at the rear alone."""
+    one = runs["r"]
+    weaker = replace(one, blocks=replace(one.blocks, p_r=one.blocks.p_r / 1.1))
+    same, other = (
+        ratio_by_levels(CAR, [runs["n"], run], SURE, Value(0.0, 10.0)) for run in (one, weaker)
+    )
+    assert other.value - same.value == pytest.approx(-math.log(1.1) / SHARE, rel=0.05)
 
 
-def test_spread_is_that_of_the_pads_where_all_else_is_exact(runs):
-    found = level_spread(CAR, [runs["n"], runs["f"]], None)
-    assert found == pytest.approx([SETTINGS.pads_repeat] * 2)
+def test_what_was_known_before_is_weighed_by_its_sigma(runs):
+    pair = [runs["n"], runs["r"]]
+    free = ratio_by_levels(CAR, pair, SURE, Value(0.0, 10.0))
+    found = ratio_by_levels(CAR, pair, SURE, Value(0.1, 0.02))
+    weights = np.array([0.02**-2.0, free.sigma**-2.0])
+    assert found.value == pytest.approx(weights @ (0.1, free.value) / weights.sum(), abs=2e-3)
+    assert found.sigma == pytest.approx(weights.sum() ** -0.5, rel=0.02)

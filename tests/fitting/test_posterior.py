@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import Effects
-from calib.fitting.posterior import posterior
+from calib.fitting.ensemble import Ensemble
+from calib.fitting.posterior import parts_of, posterior
 from calib.model.ramp import prepare
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
@@ -109,8 +110,21 @@ def test_a_bench_of_one_percent_comes_back_as_it_was(run):
 
 def test_same_ramp_same_bits(run, seeing):
     again = posterior(CAR, [prepared(run)], USUAL)
-    for one in fields(again):
+    for one in fields(Ensemble):
         assert getattr(again, one.name).tobytes() == getattr(seeing, one.name).tobytes()
+
+
+def test_parts_by_cause_are_nearly_the_covariance_of_the_draws(seeing, blind):
+    """By Gauss and Bayes they are it, but for the draws and what is not linear; a part of a fixed
+    quantity is nought."""
+    for e in (seeing, blind):
+        pads = e.log_pad_ratio[None] - np.mean(e.log_pad_ratio)
+        moved = [pads @ (x - x.mean(axis=0)) / e.size for x in e.pulls.values()]
+        whole = sum(float(np.sum(by**2)) for by in moved)
+        assert whole == pytest.approx(np.var(e.log_pad_ratio), rel=0.15)
+        parts = parts_of(np.vstack([pads, np.ones(e.size)]), e)
+        assert sum(x[0, 0] for x in parts.values()) == pytest.approx(np.var(e.log_pad_ratio))
+        assert max(abs(x[1, 1]) for x in parts.values()) < 1e-20
 
 
 def test_v_narrows(seeing, blind):

@@ -8,8 +8,6 @@ import pytest
 
 from calib.fitting.fit import fit
 from calib.fitting.stated_pads import stated_pad_ratio
-from calib.fitting.weigh_ratio import weigh_ratio
-from calib.model.parameters import AT, priors_with
 from calib.model.roller_bench import AxleOnRollers, RollerBench
 from calib.table.table import Value
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_ratio, without
@@ -50,25 +48,6 @@ def test_tolerances_of_the_axles_are_independent_and_an_unsaid_one_is_that_of_a_
 def test_rollers_outrank_the_file():
     bench = rollers(0.0)
     assert stated_pad_ratio(tolerant(0.03, 0.03), bench) == bench.log_pad_ratio(CAR)
-
-
-def test_the_ratio_is_the_mean_of_what_was_stated_and_of_the_data():
-    """Data of the ratio alone, 0.02 +- 0.03; stated 0.1 +- 0.02: a product of two normals."""
-    stated = Value(0.1, 0.02)
-    sigma = np.array([prior.sigma for prior in priors_with(stated)])
-    x = np.array([prior.mean for prior in priors_with(stated)])
-    weights = np.array([0.02**-2.0, 0.03**-2.0])
-    x[AT.log_pad_ratio] = weights @ (0.1, 0.02) / weights.sum()
-    information = {part: np.zeros((x.size, x.size)) for part in
-                   ("tyres", "zeros", "unlike_pads", "load_geometry", "noise")}  # fmt: skip
-    information["tyres"] += np.diag(sigma**-2.0)
-    information["noise"][AT.log_pad_ratio, AT.log_pad_ratio] = 0.03**-2.0
-    at = AT.log_pad_ratio, AT.log_pad_ratio
-    information["unlike_pads"][at], information["tyres"][at] = sigma[at[0]] ** -2.0, 0.0
-    found = weigh_ratio(x, information, stated)
-    assert found.mean[AT.log_pad_ratio] == pytest.approx(x[AT.log_pad_ratio])
-    assert sum(found.parts.values())[at] == pytest.approx(1.0 / weights.sum())
-    assert found.scatter[at] == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.fixture(scope="module")

@@ -52,9 +52,6 @@ def test_pads_and_tyres_that_differ_against_each_other_are_within_the_interval()
     slow = ramp(pads)
     for seed in SEEDS:
         table = fit(CAR, [noisy(slow, seed)])
-        ratio, known = table.calibration.pad_log_ratio, table.posterior
+        ratio = table.calibration.pad_log_ratio
         assert abs(ratio.value - 0.09) < 2.0 * ratio.sigma
-        # most of it is told apart as what no stop learns from; the rest is a covariance, too
-        at = known.names.index("log_pad_ratio")
-        assert 0.5 < known.scatter[at][at] / ratio.sigma**2 < 1.0
         assert violations(table) == ()
