@@ -5,7 +5,7 @@
 What is handed out: the same numbers for every command, and for an ECU without a speed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,6 +75,11 @@ class Readout:
     slip_sigma: Array
     innovation: Array
     reason: Index
+
+    def without(self, factor_f: Array | float, factor_r: Array | float) -> "Readout":
+        """The same with pad frictions of which known effects are taken out by these factors."""
+        front, rear = self.pads_f.times(factor_f), self.pads_r.times(factor_r)
+        return replace(self, pads_f=front, pads_r=rear)
 
     @property
     def valid(self) -> Mask:

@@ -52,7 +52,7 @@ _HEAT_ITERATIONS = 3
 
 
 @dataclass(frozen=True)
-class _CorrectedRun:
+class CorrectedRun:
     """A run as the car without the effects would have given it.
 
     ``vehicle`` as driven, with those effects left that take part in the balance of forces, drag
@@ -66,7 +66,7 @@ class _CorrectedRun:
     factor_r: Array
 
 
-def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
+def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     """Take the known effects of a vehicle, empirical terms among them, out of a log.
 
     A run without such effects comes back as it is. Causal: no sample depends on a later one, unless
@@ -81,7 +81,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
     effects = chosen(known.effects, _changes_log)
     ones = np.ones_like(log.time)
     if not effects:
-        return _CorrectedRun(car, log, ones, ones)
+        return CorrectedRun(car, log, ones, ones)
     model = replace(known, vehicle=car, effects=effects)
     history = _history(model, log)
     channels = {**log.channels, "a_x": -G * history.z, **_in_time(effects, log, history)}
@@ -100,7 +100,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
         clamp = [brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES]
         factors = pad_factors(effects, history, clamp[0], clamp[1])
     notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
-    return _CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
+    return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
 
 
 def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:

@@ -84,3 +84,31 @@ def test_a_known_effect_is_in_the_fit_and_out_of_the_estimate(name, plain):
     told, untold = (errors(fit(of, [ramp, coast]), stop) - plain for of in (car, CAR))
     assert np.abs(told).max() < 0.025
     assert np.all(np.abs(told[:, 0]) < 0.5 * np.abs(untold[:, 0]))
+
+
+def test_an_ecu_does_not_know_the_temperature_of_the_discs():
+    """Pads at 0.31/0.27 lose a third as the discs get hot. Who knows it has the pads of the cold
+    discs; the ECU has their torque all the same, less what it has not seen of the fade."""
+    heat = {"fade_slope": 1.2e-3, "fade_onset": 100.0}
+
+    def degrees(t):
+        return 100.0 + 40.0 * np.clip(t - 1.5, 0.0, 7.0)
+
+    def fading(t):
+        left = 1.0 - heat["fade_slope"] * (degrees(t) - 100.0)
+        return 0.31 * left, 0.27 * left
+
+    ramp, coast, _ = logs(REAL)
+    hot = replace(with_pads(REAL, 0.31, 0.27), pads=fading)
+    log = noisy(as_log(drive(hot, lambda t: 25e5 * (t > 1.5), 27.0, duration=7.0), "hot"), 9)
+    discs = {f"T_disc_{axle}": degrees(log.time) for axle in "fr"}
+    log = replace(log, channels={**without(log, "T_drive_f", "T_drive_r").channels, **discs})
+    table = fit(CAR, [ramp, coast])
+    knows = replace(table, vehicle=replace(CAR, effects=Effects({"pad_thermal_fade": heat})))
+    told, untold = estimate(knows, log), estimate(table, log)
+    late = (log.time > 4.0) & (log["v"] > 4.0)
+    assert np.abs(told.best.pads_f.value[late] / 0.31 - 1.0).max() < 0.06
+    assert np.array_equal(told.ecu.torque_f.value, untold.ecu.torque_f.value)
+    assert not np.array_equal(told.best.torque_f.value, untold.best.torque_f.value)
+    found = told.ecu.pads_f.value[late] / 0.31
+    assert np.abs(found - 1.0).max() < 0.06  # told without the fade, as the best ones are
