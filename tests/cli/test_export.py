@@ -139,4 +139,4 @@ def test_an_effect_that_no_ecu_senses_ends_with_4_until_it_is_named(brake_cal, t
     assert brake_cal(*words, "--out", out).code == 4
     assert not out.exists()
     assert brake_cal(*words, "--out", out, "--without-effect", "pad_thermal_fade").code == 0
-    assert brake_cal(*words, "--out", out, "--without-effect", "hydraulic_lag").code == 3
+    assert brake_cal(*words, "--out", out, "--without-effect", "hydraulic_lag").code == 2

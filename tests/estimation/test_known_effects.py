@@ -77,11 +77,15 @@ def plain():
 
 @pytest.mark.parametrize("name", PLANTS)
 def test_a_known_effect_is_in_the_fit_and_out_of_the_estimate(name, plain):
-    """What is left is what is left without any effect, and much more where nobody said so."""
+    """What is left is what is left without any effect; much more where the estimate is not told."""
     truth, parameters = PLANTS[name]
     ramp, coast, stop = logs(replace(REAL, **truth))
     car = replace(CAR, effects=Effects({name: parameters}))
-    told, untold = (errors(fit(of, [ramp, coast]), stop) - plain for of in (car, CAR))
+    table = fit(car, [ramp, coast])
+    told, untold = (
+        errors(replace(table, vehicle=replace(table.vehicle, effects=effects)), stop) - plain
+        for effects in (car.effects, Effects())
+    )
     assert np.abs(told).max() < 0.025
     assert np.all(np.abs(told[:, 0]) < 0.5 * np.abs(untold[:, 0]))
 
