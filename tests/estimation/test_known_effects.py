@@ -86,7 +86,7 @@ def test_a_known_effect_is_in_the_fit_and_out_of_the_estimate(name, plain):
         errors(replace(table, vehicle=replace(table.vehicle, effects=effects)), stop) - plain
         for effects in (car.effects, Effects())
     )
-    assert np.abs(told).max() < 0.025
+    assert np.abs(told).max() < 0.035
     assert np.all(np.abs(told[:, 0]) < 0.5 * np.abs(untold[:, 0]))
 
 
