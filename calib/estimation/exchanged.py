@@ -34,7 +34,8 @@ SURE = 8.0
 of one log in a hundred. Front pads at half their friction on a softer road have up to 5."""
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
 """Decelerations [1] between which blocks are averaged."""
-_COUNT = 4096  # scenarios: with fewer the odds of weak pads turn over
+_COUNTS = (512, 4096)  # scenarios; with the first alone the odds of weak pads turn over
+_FAR = -20.0  # logarithm of odds that no more scenarios turn over
 _FORM = 0.03  # of eta - 1, relative: forms of tyres, and loads that move late
 _FINEST = 5e-5  # least error of a mean of eta - 1 [1]
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
@@ -73,12 +74,18 @@ def axles_exchanged(e: Estimate) -> float | None:
     z, shift, error = _curve(e)
     if draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
         return None
-    s = scenarios(car, ensemble_of(car, draws), _COUNT)
-    shown = np.stack([seen(car, s, float(at)).shift for at in z], axis=1)
+    ensemble = ensemble_of(car, draws)
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     precision = np.asarray(np.linalg.inv(np.diag(error**2) + zero**2), dtype=float)
-    given, other = (_evidence(x - shown, precision) for x in (shift, 1.0 / (1.0 + shift) - 1.0))
-    return other - given
+    odds = 0.0
+    for count in _COUNTS:
+        s = scenarios(car, ensemble, count)
+        shown = np.stack([seen(car, s, float(at)).shift for at in z], axis=1)
+        given, other = (_evidence(x - shown, precision) for x in (shift, 1.0 / (1.0 + shift) - 1.0))
+        odds = other - given
+        if odds < _FAR:
+            break
+    return odds
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:
