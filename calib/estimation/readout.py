@@ -5,11 +5,12 @@
 What is handed out: the same numbers for every command, and for an ECU without a speed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
+from calib.base.intervals import Z95
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
@@ -17,7 +18,7 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.constants import constants
 from calib.estimation.state import Reason, Sample
 from calib.estimation.step import Answer, run
-from calib.estimation.zeros import drive_slips
+from calib.estimation.zeros import known_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance
@@ -35,9 +36,22 @@ class Bounded:
     lower: Array
     upper: Array
 
-    def at(self, which: Index) -> "Bounded":
+    def at(self, which: Index | Mask) -> "Bounded":
         """The same at other places."""
         return Bounded(self.value[which], self.lower[which], self.upper[which])
+
+    @property
+    def sigma(self) -> Array:
+        """Standard deviation of the logarithm of the quantity (n,), by its interval."""
+        return np.log(self.upper / self.lower) / (2.0 * Z95)
+
+    def deviations(self, true: Array) -> Array:
+        """How far its logarithm is from that of ``true``, in standard deviations (n,).
+
+        By the side that looks there: what is inside the interval is within 1.96 of them.
+        """
+        side = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
+        return np.log(self.value / true) / (np.log(side) / Z95)
 
     def times(self, factor: Array | float) -> "Bounded":
         """The same times a factor that is known."""
@@ -75,6 +89,11 @@ class Readout:
     slip_sigma: Array
     innovation: Array
     reason: Index
+
+    def without(self, factor_f: Array | float, factor_r: Array | float) -> "Readout":
+        """The same with pad frictions of which known effects are taken out by these factors."""
+        front, rear = self.pads_f.times(factor_f), self.pads_r.times(factor_r)
+        return replace(self, pads_f=front, pads_r=rear)
 
     @property
     def valid(self) -> Mask:
@@ -125,7 +144,7 @@ def read_out(
     forces = block_balance(car, known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     R = car.front.rolling_radius
-    driven = drive_slips(table, forces)
+    driven = known_slips(table, car, forces)
     columns = (
         forces.demanded / car.weight,
         (B_f + B_r) / car.weight,

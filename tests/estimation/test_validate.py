@@ -235,7 +235,7 @@ def test_summary_holds_everything_and_is_json(wet, passed, blind):
     for side in ("front", "rear"):
         parts = first["budget"][side]
         half = Z95 * math.sqrt(sum(x**2 for x in parts.values()))
-        axle, valid = getattr(passed.estimate, side), passed.estimate.valid
+        axle, valid = getattr(passed.estimate.best, f"pads_{side[0]}"), passed.estimate.valid
         widths = np.sort(0.5 * np.log(axle.upper / axle.lower)[valid])
         assert half == pytest.approx(widths[(widths.size - 1) // 2], rel=1e-9)
         assert first["budget"]["largest"][side]["part"] == max(parts, key=parts.get)
