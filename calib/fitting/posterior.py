@@ -49,12 +49,9 @@ class Posterior(Ensemble):
     ``pulls`` (n, m) by part of a budget (`calib.table.budget`): by how much ln of the probability
     of a draw grows when an error of that cause grows by one standard deviation. The mean of any x
     then moves by cov(x, pull), and that of all causes is its covariance; see `parts_of`.
-    ``misfit`` root mean square of what the draws leave of eta and slip, over the errors of sensors
-    and form [1].
     """
 
     pulls: dict[str, Array]
-    misfit: float
 
 
 def parts_of(x: Array, e: Posterior) -> dict[str, Array]:
@@ -134,7 +131,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
-    left = regression.left(e, found)
+    left = regression.left(e, found) @ regression.white.T
     departs = regression.departures(left)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
     before = np.hstack([x, (found - regression.start) @ np.linalg.cholesky(regression.precision)])
@@ -151,7 +148,6 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "depart_eta": departs["eta"],
             "depart_slip": departs["slip"],
             "pulls": pulls,
-            "misfit": float(np.sqrt(np.mean(left**2))),
         }
     )
 
