@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
-from calib.base.intervals import Z95
+from calib.base.arrays import Mask
 from calib.estimation.estimator import Estimate
+from calib.estimation.readout import Bounded
 from calib.table.budget import AxleBudget, front_share
 
 
@@ -25,26 +25,26 @@ def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
     e = estimate
     if not e.telling.any():
         return None
-    front, rear = (_median(e.telling, axle.lower, axle.upper) for axle in (e.front, e.rear))
+    front, rear = (_median(e.telling, pads) for pads in (e.best.pads_f, e.best.pads_r))
     return _at(e, front, front_axle=True), _at(e, rear, front_axle=False)
 
 
-def _median(telling: Mask, lower: Array, upper: Array) -> int:
+def _median(telling: Mask, pads: Bounded) -> int:
     """Place of the sample with the median interval; the earlier one of an even number."""
     places = np.flatnonzero(telling)
-    order = np.argsort((upper / lower)[places], kind="stable")
+    order = np.argsort((pads.upper / pads.lower)[places], kind="stable")
     return int(places[order[(order.size - 1) // 2]])
 
 
 def _at(e: Estimate, i: int, *, front_axle: bool) -> AxleBudget:
     """Budget of one axle at one sample."""
-    axle, best, draws = e.front if front_axle else e.rear, e.best, e.plan.table.draws
+    best, draws = e.best, e.plan.table.draws
+    pads = best.pads_f if front_axle else best.pads_r
     car = e.plan.table.vehicle
     filed = car.front.pad_friction / car.rear.pad_friction
     share = front_share(car, math.log(best.ratio.value[i] / filed))
     lever = 1.0 - share if front_axle else share
-    whole = (float(axle.half_width[i]) / Z95) ** 2
-    level = (math.log(best.level.upper[i] / best.level.lower[i]) / (2.0 * Z95)) ** 2
+    whole, level = (float(x.sigma[i]) ** 2 for x in (pads, best.level))
     ratio = max(whole - level, 0.0)
     sensors = min(float(best.noise[i] + best.accelerometer[i]), level)
     zeros = min(lever**2 * float(best.zeros[i]), ratio)
@@ -59,4 +59,4 @@ def _at(e: Estimate, i: int, *, front_axle: bool) -> AxleBudget:
         "unlike_pads": ratio - zeros - tyres,
     }
     found = {part: variance for part, variance in parts.items() if variance > 0.0}
-    return AxleBudget(float(axle.pad_friction[i]), found)
+    return AxleBudget(float(pads.value[i]), found)

@@ -6,7 +6,6 @@ from itertools import product
 import numpy as np
 
 from calib.base.arrays import Array, Index
-from calib.estimation.gates import Gates
 from calib.run.noise import SensorNoise
 from calib.table.generation import require_maps
 from calib.table.maps import Map
@@ -73,8 +72,8 @@ class Constants:
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
     untouched: float = 7e4  # pressure up to which they do not [Pa]
-    settle: float = Gates.settle  # time of braking before an answer stands [s]
-    least_pressure: float = Gates.pressure  # [Pa]
+    settle: float = 0.3  # time of braking before an answer stands [s]
+    least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.01  # [1/sqrt(s)]

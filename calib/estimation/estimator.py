@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 
 from calib.base.names import WHEELS
 from calib.car.vehicle import Vehicle
-from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.gates import Gates, undisturbed, validity
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
-from calib.estimation.state import Reason
 from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
@@ -43,6 +41,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Index = NDArray[np.int64]
+Pair = tuple[Array, Array]
 
 _SMOOTH = 0.1  # time constant of the causal filter on a load [s], short against the change of a pad
 
@@ -82,11 +81,12 @@ class Estimate:
     """The estimator's answer on one log, at its rate.
 
     ``plan`` what it started from, ``read`` the signals, known effects taken out, with their means
-    over ``blocks``; ``eta`` zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the
-    sample, ``refused`` where not, by reason; ``braked`` pads bite; ``baselines`` pad friction
-    (front, rear) by method name; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what
-    known effects did to the pad friction, which is given without them [1]; ``notes`` name the
-    baselines left out; ``best`` what the step makes of all channels, ``ecu`` without a speed.
+    over ``blocks``; ``eta`` zeroed (22) [1]; ``z`` [1]; ``force_f``, ``force_r`` F_x/F_z [1];
+    ``valid`` the estimator stands behind the sample, ``refused`` where not, by reason; ``braked``
+    pads bite; ``baselines`` pad friction (front, rear) by method name; ``eta_zero`` what was zeroed
+    [1]; ``factor_f``, ``factor_r`` what known effects did to the pad friction, which is given
+    without them [1]; ``notes`` name the baselines left out; ``best`` what the step makes of all
+    channels, ``ecu`` without a speed.
     """
 
     plan: Plan
@@ -95,8 +95,8 @@ class Estimate:
     z: Array
     eta: Array
     speed: Array
-    front: AxleEstimate
-    rear: AxleEstimate
+    force_f: Array
+    force_r: Array
     valid: Mask
     refused: dict[str, Mask]
     braked: Mask
@@ -120,9 +120,8 @@ class Estimate:
             return count
         last = int(np.flatnonzero(self.valid)[-1])
         pads = [
-            f"{name} {axle.pad_friction[last]:.3f} "
-            f"(95 % {axle.lower[last]:.3f} to {axle.upper[last]:.3f})"
-            for name, axle in (("front", self.front), ("rear", self.rear))
+            f"{name} {pads.value[last]:.3f} (95 % {pads.lower[last]:.3f} to {pads.upper[last]:.3f})"
+            for name, pads in (("front", self.best.pads_f), ("rear", self.best.pads_r))
         ]
         return f"{count}; pad friction at {self.time[last]:.2f} s: {', '.join(pads)}"
 
@@ -153,8 +152,8 @@ class Estimate:
             "time": self.time,
             "z": self.z,
             "eta": self.eta,
-            "normalised_force_f": self.front.normalised_force,
-            "normalised_force_r": self.rear.normalised_force,
+            "normalised_force_f": self.force_f,
+            "normalised_force_r": self.force_r,
             "valid": self.valid,
             **self.best.columns(),
             **{f"ecu_{name}": x for name, x in self.ecu.columns().items()},
@@ -237,11 +236,10 @@ def estimate(
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
     run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, forces, eta)
     others, notes = baselines(run, laws=with_laws)
-    front, rear = _axles(plan, read, forces, best)
+    normalised = _normalised(plan, read, forces, best)
     slips = zeroed_slips(read, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
-    on_map = best.reason != Reason.BEYOND_MAP
-    judged = validity(plan.gates, read, (front, rear), forces.active, greatest, calm, on_map)
+    judged = validity(plan.gates, read, best, normalised, forces.active, greatest, calm)
     return Estimate(
         plan=plan,
         read=read,
@@ -249,12 +247,12 @@ def estimate(
         z=read.z,
         eta=eta,
         speed=read.speed,
-        front=front,
-        rear=rear,
+        force_f=normalised[0],
+        force_r=normalised[1],
         valid=judged.valid,
         refused=judged.refused,
         braked=np.maximum(read.p_f, read.p_r) > plan.gates.pressure,
-        covered=np.maximum(front.normalised_force, rear.normalised_force) <= greatest,
+        covered=np.maximum(*normalised) <= greatest,
         baselines=others,
         best=best,
         ecu=ecu,
@@ -280,30 +278,17 @@ def _sensed(car: Vehicle, log: Log, read: Signals) -> Signals:
     return signals(ran.log, ran.vehicle)
 
 
-def _axles(
-    plan: Plan, s: Signals, forces: BrakeBalance, best: Readout
-) -> tuple[AxleEstimate, AxleEstimate]:
-    """The answer of the step as that of each axle."""
-    road = forces.balance
-    out = []
-    for axle, pads, torque, change, moment, load in (
-        (plan.nominal.front, best.pads_f, best.torque_f, best.change_f, road.moment_f, road.load_f),
-        (plan.nominal.rear, best.pads_r, best.torque_r, best.change_r, road.moment_r, road.load_r),
-    ):
-        brake = 2.0 * torque.value / axle.rolling_radius
-        out.append(
-            AxleEstimate(
-                pad_friction=pads.value,
-                lower=pads.lower,
-                upper=pads.upper,
-                torque=torque.value,
-                normalised_force=(brake + moment) / low_pass(load, s.sample_time, _SMOOTH),
-                change=change.value,
-                change_lower=change.lower,
-                change_upper=change.upper,
-            )
-        )
-    return out[0], out[1]
+def _normalised(plan: Plan, s: Signals, forces: BrakeBalance, best: Readout) -> Pair:
+    """F_x/F_z of both axles [1] over the quasi-static load (6), (7)."""
+    (front, rear), road = (plan.nominal.front, plan.nominal.rear), forces.balance
+    brake_f, brake_r = (
+        2.0 * torque.value / axle.rolling_radius
+        for torque, axle in ((best.torque_f, front), (best.torque_r, rear))
+    )
+    return (
+        (brake_f + road.moment_f) / low_pass(road.load_f, s.sample_time, _SMOOTH),
+        (brake_r + road.moment_r) / low_pass(road.load_r, s.sample_time, _SMOOTH),
+    )
 
 
 def _cornering(table: Table, car: Vehicle, log: Log, s: Signals, forces: BrakeBalance) -> Array:

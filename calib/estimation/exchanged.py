@@ -1,28 +1,40 @@
-"""What a log would say if front and rear wheel speeds were exchanged in it.
+"""Whether the wheel speeds of a stop are in their columns.
 
     (z, eta - 1) of the braking  against  what each scenario of `calib.fitting.stops` would show
 
-The mean of the likelihoods over the scenarios, of the log as given and of the same with 1/eta: pads
-alike or apart, any road, the zero of the day.
+The mean of the likelihoods over the scenarios, of the log as given and of the same with its axles
+exchanged, 1/eta: pads alike or apart, any road, the zero of the day. Front pads that are weak, or a
+car near ideal balance, are among the scenarios. A front wheel that has changed places with the rear
+one of the other side leaves eta flat and the sides apart, see `calib.run.wheels`; those of one side
+are refused before a stop is estimated.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.warning import PlausibilityWarning, warning
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
+from calib.estimation.gates import LOCKS
 from calib.estimation.zeros import drive_slips
 from calib.fitting.draws import ensemble_of
 from calib.fitting.stops import scenarios, seen
-from calib.run.blocks import block_balance
+from calib.run.blocks import block_balance, braked_alone
+from calib.run.filters import block_mean
+from calib.run.limits import LIMITS
+from calib.run.wheels import WheelParts, crossed_diagonal
 
+SURE = 8.0
+"""Logarithm of the odds of exchanged axles from which no sample is valid: 3000 to 1, for a mistake
+of one log in a hundred. Front pads at half their friction on a softer road have up to 5."""
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
 """Decelerations [1] between which blocks are averaged."""
-_COUNT = 4096  # scenarios
+_COUNT = 4096  # scenarios: with fewer the odds of weak pads turn over
 _FORM = 0.03  # of eta - 1, relative: forms of tyres, and loads that move late
 _FINEST = 5e-5  # least error of a mean of eta - 1 [1]
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
@@ -30,46 +42,56 @@ _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-i
 
 @dataclass(frozen=True)
 class Exchanged:
-    """The log with its axles exchanged against the log as it is.
+    """Columns that are likelier the other way round: which ``wheels``, and whether that is sure."""
 
-    ``log_odds`` logarithm of the likelihood of what eta read while braking, exchanged over as given
-    [1]; ``log_pad_ratio`` change of the pads' ratio since the ramp that each of them tells [1],
-    as given first, with ``sigma`` of that as given.
-    """
-
-    log_odds: float
-    log_pad_ratio: tuple[float, float]
-    sigma: float
+    wheels: str
+    sure: bool
+    warning: PlausibilityWarning
 
 
-def exchanged(e: Estimate) -> Exchanged | None:
-    """Weigh a log against itself with its axles exchanged.
+def exchanged(log: str, e: Estimate, parts: WheelParts | None) -> Iterator[Exchanged]:
+    """Columns of a log that fit better exchanged; ``parts`` of its wheels as observed."""
+    odds = axles_exchanged(e)
+    if odds is not None and odds > 0.0:
+        told = warning("axles_exchanged", log, odds, (None, 0.0))
+        yield Exchanged("front and rear", odds > SURE, told)
+    paper = e.plan.table.paper
+    expected = 0.0 if parts is None else float(np.interp(parts.z, paper.z, paper.eta)) - 1.0
+    crossed = crossed_diagonal(parts, expected)
+    if parts is not None and crossed is not None:
+        least = LIMITS.crossed_least * parts.z
+        told = warning("wheels_crossed", log, crossed.part, (-least, least), found=crossed)
+        yield Exchanged(" and ".join(crossed.wheels), True, told)
 
-    None without draws in the table, or where the car never brakes.
+
+def axles_exchanged(e: Estimate) -> float | None:
+    """Logarithm of the likelihood of eta with the axles exchanged over that as given.
+
+    None without draws in the table, where the car never brakes, or brakes with the rear axle alone.
     """
     draws, car = e.plan.table.draws, e.plan.table.vehicle
-    if draws is None:
-        return None
     z, shift, error = _curve(e)
-    if not z.size:
+    if draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
         return None
     s = scenarios(car, ensemble_of(car, draws), _COUNT)
     shown = np.stack([seen(car, s, float(at)).shift for at in z], axis=1)
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     precision = np.asarray(np.linalg.inv(np.diag(error**2) + zero**2), dtype=float)
-    given, other = (
-        _weighed(one - shown, precision, s.change) for one in (shift, 1.0 / (1.0 + shift) - 1.0)
-    )
-    return Exchanged(other[0] - given[0], (given[1], other[1]), given[2])
+    given, other = (_evidence(x - shown, precision) for x in (shift, 1.0 / (1.0 + shift) - 1.0))
+    return other - given
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:
-    """Demanded brake force over the weight, eta - 1 and its error, means within `_BINS`."""
+    """Demanded brake force over the weight, eta - 1 and its error, means within `_BINS`.
+
+    Without wheels at their limit, which no scenario has.
+    """
     b, plan = e.blocks, e.plan
     road = block_balance(plan.nominal, plan.known.effects, b)
     demanded = road.demanded / plan.nominal.weight
     shift = b.eta / speed_ratio(*drive_slips(plan.table, road)) / (1.0 + e.eta_zero) - 1.0
-    use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
+    rolls = block_mean(e.refused[LOCKS].astype(float), b.samples) == 0.0
+    use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     variance = 2.0 * (plan.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rows = []
     for low, high in pairwise(_BINS):
@@ -81,11 +103,8 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     return z, mean, np.sqrt(sigma**2 + (_FORM * mean) ** 2 + _FINEST**2)
 
 
-def _weighed(rest: Array, precision: Array, change: Array) -> tuple[float, float, float]:
-    """ln of the mean likelihood of what is left (n, k); mean and sigma of ``change`` (n,)."""
+def _evidence(rest: Array, precision: Array) -> float:
+    """Logarithm of the mean likelihood of what is left (n, k)."""
     log_likelihood = -0.5 * np.einsum("nk,kj,nj->n", rest, precision, rest)
     most = float(np.max(log_likelihood))
-    weight = np.exp(log_likelihood - most)
-    mean = float(np.average(change, weights=weight))
-    sigma = float(np.sqrt(np.average((change - mean) ** 2, weights=weight)))
-    return most + float(np.log(np.mean(weight))), mean, sigma
+    return most + float(np.log(np.mean(np.exp(log_likelihood - most))))

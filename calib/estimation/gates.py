@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from calib.base.names import WHEELS
 from calib.car.braking import MOVING
-from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.constants import Constants
+from calib.estimation.readout import Readout
+from calib.estimation.state import Reason
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import since, without_single
@@ -27,11 +29,11 @@ BEYOND_MAP = "no stop that the table knows shows such an eta"
 class Gates:
     """Limits within which the estimator stands behind a sample; each with its reason."""
 
-    pressure: float = 2e5
+    pressure: float = Constants.least_pressure
     """Pressure [Pa] below which a pad level means little."""
     speed: float = MOVING
     """Speed [m/s] below which slip is noise."""
-    settle: float = 0.3
+    settle: float = Constants.settle
     """Time of braking [s] before the level is trusted: half its memory has passed by then."""
     beyond: float = 1.2
     """Normalised force over the greatest one of the ramp up to which the tyre's curve is continued:
@@ -65,30 +67,28 @@ class _Validity:
 def validity(
     gates: Gates,
     s: Signals,
-    axles: tuple[AxleEstimate, AxleEstimate],
+    best: Readout,
+    normalised: tuple[Array, Array],
     active: Mask,
     greatest: float,
     calm: dict[str, Mask],
-    on_map: Mask,
 ) -> _Validity:
     """Where the estimator stands behind its answer, see `Gates`.
 
-    ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
-    normalised force of the ramp [1]; ``calm`` as `undisturbed` has it; ``on_map`` where eta is one
-    that the map of the table has (n,).
+    ``normalised`` forces of front and rear [1], ``active`` where the pads bite (n,); ``greatest``
+    normalised force of the ramp [1]; ``calm`` as `undisturbed` has it.
     """
-    front, rear = axles
+    low, high = gates.possible
+    pads = np.stack([best.pads_f.value, best.pads_r.value])
     with np.errstate(invalid="ignore"):
         good = {
             "the pressure is low": np.maximum(s.p_f, s.p_r) > gates.pressure,
             "the car is slow": s.speed > gates.speed,
             "the brake has just been applied": since(s.time, ~active) > gates.settle,
             LOCKS: calm[LOCKS],
-            BEYOND_MAP: on_map,
-            NO_PAD: _possible(front, gates) & _possible(rear, gates),
-            "the tyres carry more than on the ramp": np.maximum(
-                front.normalised_force, rear.normalised_force
-            )
+            BEYOND_MAP: best.reason != Reason.BEYOND_MAP,
+            NO_PAD: ((pads > low) & (pads < high)).all(axis=0),
+            "the tyres carry more than on the ramp": np.maximum(*normalised)
             < gates.beyond * greatest,
             CORNERS: calm[CORNERS],
             TURNED: calm[TURNED],
@@ -109,11 +109,6 @@ def undisturbed(gates: Gates, log: Log, s: Signals, cornering: Array) -> dict[st
             CORNERS: np.abs(cornering) < gates.lateral,
             TURNED: np.abs(steered) < gates.steering,
         }
-
-
-def _possible(axle: AxleEstimate, gates: Gates) -> Mask:
-    low, high = gates.possible
-    return np.asarray((axle.pad_friction > low) & (axle.pad_friction < high))
 
 
 def _locked(log: Log, s: Signals, gates: Gates) -> Mask:

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import Z95
 from calib.base.plain import meanings
 from calib.car.braking import MOVING
 from calib.car.vehicle import Vehicle
@@ -152,7 +151,7 @@ def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
     }
     known = valid & np.isfinite(q.true) & (q.true > 0.0)
     if known.any():
-        rest = np.log(q.x.value[known] / q.true[known]) / _log_sigma(q.x, q.true)[known]
+        rest = q.x.at(known).deviations(q.true[known])
         found |= {"normalised_error": _rms(rest), "truth": np.mean(q.true[known])}
     finite = {k: float(v) for k, v in found.items() if v is not None and np.isfinite(v)}
     return out | finite
@@ -166,16 +165,6 @@ def _innovation(e: Estimate) -> Figures:
         return {}
     colour = float(np.mean(told[1:] * told[:-1]))
     return {"innovation_rms": _rms(told), "innovation_colour": colour}
-
-
-def _log_sigma(x: Bounded, true: Array | None = None) -> Array:
-    """Standard deviation of the logarithm of a quantity (n,), by its 95 % interval.
-
-    By its side that looks at ``true``: what is inside the interval is within 1.96 of them.
-    """
-    if true is None:
-        return np.log(x.upper / x.lower) / (2.0 * Z95)
-    return np.log(np.where(true > x.value, x.upper / x.value, x.value / x.lower)) / Z95
 
 
 def _reference(e: Estimate, both: Mask) -> Figures:
@@ -200,7 +189,7 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     and v need not narrow them: the spread is at least half of the ECU's own, as a difference that
     is small against the interval that is handed out does no harm.
     """
-    own, other = _log_sigma(ecu)[valid], _log_sigma(best)[valid]
+    own, other = ecu.sigma[valid], best.sigma[valid]
     spread = np.sqrt(np.maximum(own**2 - other**2, (0.5 * own) ** 2))
     return _rms(np.log(ecu.value / best.value)[valid] / spread)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
+from calib.base.intervals import Z95
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
@@ -35,9 +36,22 @@ class Bounded:
     lower: Array
     upper: Array
 
-    def at(self, which: Index) -> "Bounded":
+    def at(self, which: Index | Mask) -> "Bounded":
         """The same at other places."""
         return Bounded(self.value[which], self.lower[which], self.upper[which])
+
+    @property
+    def sigma(self) -> Array:
+        """Standard deviation of the logarithm of the quantity (n,), by its interval."""
+        return np.log(self.upper / self.lower) / (2.0 * Z95)
+
+    def deviations(self, true: Array) -> Array:
+        """How far its logarithm is from that of ``true``, in standard deviations (n,).
+
+        By the side that looks there: what is inside the interval is within 1.96 of them.
+        """
+        side = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
+        return np.log(self.value / true) / (np.log(side) / Z95)
 
     def times(self, factor: Array | float) -> "Bounded":
         """The same times a factor that is known."""

@@ -16,9 +16,9 @@ from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import Vehicle, require_same_car
-from calib.estimation.axles import axles_warnings, crossed_warnings, crossed_wheels, judge_axles
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
+from calib.estimation.exchanged import exchanged
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.estimation.metrics import (
     Figures,
@@ -29,7 +29,6 @@ from calib.estimation.metrics import (
     truth_of,
 )
 from calib.estimation.plan import as_used
-from calib.estimation.settings import SETTINGS
 from calib.estimation.warnings import limit_warnings, warnings_of
 from calib.logs.log import Log
 from calib.plausibility.speed import NO_SPEED, wrong_speed
@@ -193,21 +192,18 @@ def validate_one(
     result = estimate(
         table, log, vehicle, mass=mass, with_laws=baselines, read=read, exported=exported
     )
-    other = judge_axles(table, log, result)
-    crossed = crossed_wheels(table, result, seen.wheels)
+    columns = tuple(exchanged(log.name, result, seen.wheels))
     warnings = (
         *clock_gaps(log.name, seen),
         *warnings_of(log, result),
-        *axles_warnings(log.name, result, other),
         *locked_wheels(log.name, seen),
         *saturated(log.name, seen),
-        *crossed_warnings(log.name, crossed),
+        *(one.warning for one in columns),
     )
-    if other is not None and other.log_odds > SETTINGS.axles_sure:
-        result = _without_answer(result, "the wheel speeds fit with front and rear exchanged")
-    if crossed is not None and crossed.sure:
-        front, rear = crossed.found.wheels
-        result = _without_answer(result, f"the wheel speeds fit with {front} and {rear} exchanged")
+    for one in columns:
+        if one.sure:
+            why = f"the wheel speeds fit with {one.wheels} exchanged"
+            result = _without_answer(result, why)
     if (wrong := wrong_speed(warnings)) is not None:
         result = _without_answer(result, NO_SPEED[wrong.code])
     figures = score(log, car, result)

@@ -3,6 +3,8 @@
 A ramp that no draw carries, or that all leave far more of than the sensors err by, makes no table.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from calib.base.arrays import Array
@@ -10,6 +12,7 @@ from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble
+from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
@@ -31,6 +34,7 @@ def explained(
     ratio: Value,
     sources: str,
     warnings: tuple[PlausibilityWarning, ...],
+    known: Sequence[Known],
 ) -> tuple[Posterior, Residuals]:
     """The ensemble of the ramps, ``ratio`` known of the pads before, and what it leaves of them.
 
@@ -38,7 +42,7 @@ def explained(
     """
     lines = tuple(map(str, warnings))
     try:
-        found = posterior(car, runs, ratio)
+        found = posterior(car, runs, ratio, known=known)
     except ValueError as error:
         raise LogError(
             "no tyre carries the forces of the ramps",

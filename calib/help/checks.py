@@ -144,14 +144,14 @@ _WRONG = "vehicle_wrong_pads.toml"
 
 def _stop_pads(stop: str, axle: str, told: str, material: Material) -> float:
     found = material.stop(stop, told)
-    pads = found.front if axle == "f" else found.rear
-    return float(np.mean(pads.pad_friction[found.valid]))
+    pads = found.best.pads_f if axle == "f" else found.best.pads_r
+    return float(np.mean(pads.value[found.valid]))
 
 
 def _stop_torque(material: Material) -> float:
     found, log = material.stop(CONSTANT), material.log(CONSTANT)
     true = 0.5 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_fr"])[found.valid]
-    error = found.front.torque[found.valid] - true
+    error = found.best.torque_f.value[found.valid] - true
     return float(np.sqrt(np.mean(error**2) / np.mean(true**2)))
 
 
@@ -159,7 +159,7 @@ def _outside(material: Material) -> float:
     outside: list[NDArray[np.bool_]] = []
     for stop, true in _STOPS.items():
         e = material.stop(stop)
-        outside.append(((e.front.lower > true) | (e.front.upper < true))[e.valid])
+        outside.append(((e.best.pads_f.lower > true) | (e.best.pads_f.upper < true))[e.valid])
     return float(np.mean(np.concatenate(outside)))
 
 

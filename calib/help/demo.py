@@ -143,10 +143,10 @@ def _section_four(outcome: _Outcome) -> list[_Row]:
     e = result.estimate
     truth = truth_of(log, car, e)
     assert truth is not None
-    braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
+    braked = e.braked & (e.speed > 3.0) & np.isfinite(e.best.pads_f.value)
     last = int(np.flatnonzero(braked)[-1])
     pads = {name: e.baselines[name] for name in _METHODS if name in e.baselines}
-    pads["estimate"] = (e.front.pad_friction, e.rear.pad_friction)
+    pads["estimate"] = (e.best.pads_f.value, e.best.pads_r.value)
     rows = []
     for name, (front, rear) in pads.items():
         errors = [
@@ -184,7 +184,7 @@ def _stop(result: Validation, car: Vehicle) -> _Row:
         "pads_r": rear,
         "width_r": rear * wide_r,
         "sum_nominal": share(*e.baselines["nominal"]),
-        "sum_compensated": share(e.front.pad_friction, e.rear.pad_friction),
+        "sum_compensated": share(e.best.pads_f.value, e.best.pads_r.value),
     }
 
 

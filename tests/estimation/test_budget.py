@@ -38,7 +38,7 @@ def median_sigma(e, axle):
 
 
 def sums_agree(e):
-    for axle, made_of in zip((e.front, e.rear), budget(e), strict=True):
+    for axle, made_of in zip((e.best.pads_f, e.best.pads_r), budget(e), strict=True):
         assert made_of.sigma**2 == pytest.approx(median_sigma(e, axle) ** 2, rel=1e-9)
         assert all(variance > 0.0 for variance in made_of.parts.values())
 

@@ -37,8 +37,8 @@ def judged(logs):
     *runs, held_out = logs
     e = estimate(fit(CAR, runs), held_out)
     assert np.mean(e.valid[e.braked]) > 0.8
-    axles = zip((e.front, e.rear), PADS, strict=True)
-    errors = [(axle.pad_friction / mu - 1.0)[e.valid] for axle, mu in axles]
+    axles = zip((e.best.pads_f, e.best.pads_r), PADS, strict=True)
+    errors = [(axle.value / mu - 1.0)[e.valid] for axle, mu in axles]
     rms = np.sqrt(np.mean(np.square(errors), axis=1))
     return list(zip(held(e, *PADS), rms, strict=True))
 

@@ -1,7 +1,7 @@
 """The estimator: causal, blind to truth, honest in its intervals, quiet where it knows nothing."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -45,9 +45,7 @@ def columns(e, until=None):
     """Everything the estimator says of each sample, up to a time [s]."""
     stop = None if until is None else int(np.searchsorted(e.time, until))
     out = {"z": e.z, "eta": e.eta, "valid": e.valid, "braked": e.braked, "covered": e.covered}
-    for side in ("front", "rear"):
-        for f in fields(e.front):
-            out[f"{side}.{f.name}"] = getattr(getattr(e, side), f.name)
+    out |= e.best.columns() | {"force_f": e.force_f, "force_r": e.force_r}
     for name, (front, rear) in e.baselines.items():
         out |= {f"{name}.front": front, f"{name}.rear": rear}
     return {name: np.asarray(x[:stop], float) for name, x in out.items()}
@@ -68,7 +66,7 @@ def with_channels(log, **changed):
 def truth_inside(e, log):
     """Valid samples whose interval holds the true pad friction: shares of both axles."""
     out = []
-    for side, axle in (("f", e.front), ("r", e.rear)):
+    for side, axle in (("f", e.best.pads_f), ("r", e.best.pads_r)):
         mu = log.truth[f"true_mu_pad_{side}"]
         out.append(((axle.lower <= mu) & (mu <= axle.upper))[e.valid])
     return out
@@ -95,11 +93,10 @@ def test_truth_is_never_read(fitted, wet, result):
 def test_rates_agree(fitted, rate):
     """The same stop without noise; between the samples of the slow clock nothing is known."""
     slow, usual = (estimate(fitted, stop(WET, rate=r)) for r in (rate, 200.0))
-    for side in ("front", "rear"):
-        a, b = getattr(slow, side), getattr(usual, side)
+    for a, b in ((slow.best.pads_f, usual.best.pads_f), (slow.best.pads_r, usual.best.pads_r)):
         at = np.linspace(2.2, 6.5, 40)
-        mu_a = np.interp(at, slow.time, a.pad_friction)
-        mu_b = np.interp(at, usual.time, b.pad_friction)
+        mu_a = np.interp(at, slow.time, a.value)
+        mu_b = np.interp(at, usual.time, b.value)
         assert np.max(np.abs(mu_a / mu_b - 1.0)) < 0.01
         width = np.interp(at, usual.time, b.upper - b.lower)
         assert np.all(np.abs(mu_a - mu_b) < 0.25 * width)
@@ -111,12 +108,15 @@ CHANGED = (0.31 / 0.38, 0.27 / 0.38)
 
 
 def test_wet_pads_and_their_change_since_the_ramp_are_found(result):
-    e = result
-    for axle, true, off in zip((e.front, e.rear), CHANGED, (0.03, 0.08), strict=True):
-        assert np.mean(axle.pad_friction[e.valid]) == pytest.approx(0.38 * true, rel=off)
-        assert np.mean(axle.change[e.valid]) == pytest.approx(true, rel=off)
+    e, b = result, result.best
+    for pads, change, true, off in (
+        (b.pads_f, b.change_f, CHANGED[0], 0.03),
+        (b.pads_r, b.change_r, CHANGED[1], 0.08),
+    ):
+        assert np.mean(pads.value[e.valid]) == pytest.approx(0.38 * true, rel=off)
+        assert np.mean(change.value[e.valid]) == pytest.approx(true, rel=off)
     assert min(held(e, 0.31, 0.27)) > 0.85
-    assert min(held(e, *CHANGED, "change_")) >= 0.9
+    assert min(held(e, *CHANGED, "change")) >= 0.9
 
 
 # In doubt: the tyres, the accelerometer.
@@ -136,7 +136,7 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
     assert np.mean(seeing.valid) > 0.5
     assert np.any(blind.valid)
     for e in (seeing, blind):
-        assert min(*held(e, 0.31, 0.27), *held(e, *CHANGED, "change_")) >= 0.9
+        assert min(*held(e, 0.31, 0.27), *held(e, *CHANGED, "change")) >= 0.9
 
 
 @pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (1.0, -0.3)])
@@ -146,22 +146,22 @@ def test_a_wrong_accelerometer_is_put_right_with_v(fitted, wet, scale, bias):
     assert e.accelerometer.scale[-1] == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
     assert G * e.accelerometer.bias[-1] == pytest.approx(-bias, abs=0.05)
     assert min(held(e, 0.31, 0.27)) > 0.9
-    assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.03)
+    assert np.mean(e.best.pads_f.value[e.valid]) == pytest.approx(0.31, rel=0.03)
 
 
 def test_torque_is_that_of_one_wheel(fitted, wet, result):
     """(2) with the estimate: faces A r mu p."""
     v = result.valid
-    expected = 2 * 28.84e-4 * 0.1309 * result.front.pad_friction * wet["p_mc"]
-    assert result.front.torque[v] == pytest.approx(expected[v])
+    expected = 2 * 28.84e-4 * 0.1309 * result.best.pads_f.value * wet["p_mc"]
+    assert result.best.torque_f.value[v] == pytest.approx(expected[v])
     true = wet.truth["true_Tb_fl"]
-    assert np.mean(result.front.torque[v] / true[v]) == pytest.approx(1.0, abs=0.03)
+    assert np.mean(result.best.torque_f.value[v] / true[v]) == pytest.approx(1.0, abs=0.03)
 
 
 def test_normalised_forces_are_those_of_the_plant(fitted, wet, result):
     v = result.valid
-    for axle, true in zip((result.front, result.rear), true_forces(wet), strict=True):
-        assert np.sqrt(np.mean((axle.normalised_force - true)[v] ** 2)) < 0.07 * np.mean(true[v])
+    for force, true in zip((result.force_f, result.force_r), true_forces(wet), strict=True):
+        assert np.sqrt(np.mean((force - true)[v] ** 2)) < 0.07 * np.mean(true[v])
 
 
 def test_eta_is_zeroed_on_the_lead_in(fitted):
@@ -176,10 +176,10 @@ def test_without_v_it_works_and_promises_less(fitted, wet, result):
     log = without(wet, "v")
     e = estimate(fitted, log)
     assert e.slip_f is None
-    assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.06)
+    assert np.mean(e.best.pads_f.value[e.valid]) == pytest.approx(0.31, rel=0.06)
     assert np.mean(np.concatenate(truth_inside(e, log))) > 0.85
     late = slice(-400, -200)
-    for blind, seeing in ((e.front, result.front), (e.rear, result.rear)):
+    for blind, seeing in ((e.best.pads_f, result.best.pads_f), (e.best.pads_r, result.best.pads_r)):
         widths = [np.mean((a.upper - a.lower)[late]) for a in (blind, seeing)]
         assert widths[0] > widths[1]
 
@@ -196,10 +196,10 @@ def test_dry_roads_are_left_alone(fitted):
     """Nominal pads on a stiffer, higher road: torque never worse than nominal by 2 % of it."""
     log = noisy(stop(replace(REAL, tyre=magic(27.0, 1.0)), pressure=32e5), 0)
     e = estimate(fitted, log)
-    for k, (a, axle) in enumerate((("f", e.front), ("r", e.rear))):
+    for k, (a, axle) in enumerate((("f", e.best.torque_f), ("r", e.best.torque_r))):
         true, mu = log.truth[f"true_Tb_{a}l"], log.truth[f"true_mu_pad_{a}"]
         scale = np.sqrt(np.mean(true[e.valid] ** 2))
-        own = np.sqrt(np.mean((axle.torque - true)[e.valid] ** 2)) / scale
+        own = np.sqrt(np.mean((axle.value - true)[e.valid] ** 2)) / scale
         nominal = np.sqrt(np.mean((e.baselines["nominal"][k] / mu - 1.0)[e.valid] ** 2))
         assert own < nominal + 0.02
 
@@ -276,8 +276,8 @@ def test_abs_gate(fitted, wet, wheel):
     e = estimate(fitted, with_channels(wet, **{f"omega_{wheel}": hit}))
     assert not np.any(e.valid[(e.time > 3.01) & (e.time < 4.5)])
     assert np.all(e.valid[(e.time > 2.3) & (e.time < 2.99)])
-    for axle in (e.front, e.rear):
-        assert np.all(np.isfinite(axle.pad_friction[e.time > 2.0]))
+    for axle in (e.best.pads_f, e.best.pads_r):
+        assert np.all(np.isfinite(axle.value[e.time > 2.0]))
 
 
 def test_spikes_of_one_sample_are_no_abs(fitted, wet, result):
@@ -306,8 +306,8 @@ def test_released_brake_is_not_valid(fitted):
 @pytest.mark.parametrize("rolled", [0.4, 0.0])
 def test_with_less_of_a_lead_in_the_interval_is_wider(fitted, wet, rolled):
     whole, short = (estimate(fitted, cut(wet, first)) for first in (0.0, 1.5 - rolled))
-    for axle, good in ((short.rear, whole.rear), (short.front, whole.front)):
-        a, b = ((x.upper - x.lower)[x.pad_friction.size - 200 :] for x in (axle, good))
+    for name in ("pads_r", "pads_f"):
+        a, b = ((x.upper - x.lower)[-200:] for x in (getattr(e.best, name) for e in (short, whole)))
         assert np.all(np.isfinite(a))
         assert np.mean(a) > (0.99 if rolled else 1.1) * np.mean(b)
 
@@ -326,7 +326,7 @@ def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(fitted,
     assert set(e.baselines["nominal"][1]) == {0.6}
     # the sum of forces finds the level at once, whatever the file says
     late = e.valid & (e.time > 3.0)
-    total = 28.84 * 130.9 * e.front.pad_friction + 11.34 * 124.0 * e.rear.pad_friction
+    total = 28.84 * 130.9 * e.best.pads_f.value + 11.34 * 124.0 * e.best.pads_r.value
     true = 28.84 * 130.9 * 0.31 + 11.34 * 124.0 * 0.27
     assert np.mean(total[late]) == pytest.approx(true, rel=0.03)
 
@@ -336,8 +336,9 @@ def test_the_change_is_over_the_ramp_and_not_over_the_file(fitted, wet, result):
     sides = {a: replace(getattr(CAR, a), pad_friction=0.5) for a in ("front", "rear")}
     e = estimate(fitted, wet, replace(CAR, **sides))
     late = e.valid & (e.time > 3.0)
-    for axle, other in ((e.front, result.front), (e.rear, result.rear)):
-        assert axle.change[late] == pytest.approx(other.change[late], rel=0.02)
+    for name in ("change_f", "change_r"):
+        own, other = getattr(e.best, name).value, getattr(result.best, name).value
+        assert own[late] == pytest.approx(other[late], rel=0.02)
 
 
 # Tyres and brakes that act late.
@@ -379,7 +380,7 @@ def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logge
     assert all(figure.startswith("ecu_") for figure in failed)
     assert result.figures["valid_share"] > 0.9
     e = result.estimate
-    assert np.max(e.front.normalised_force[e.valid]) > fitted.tyre.force[-1]
+    assert np.max(e.force_f[e.valid]) > fitted.tyre.force[-1]
     assert min(held(e)) > 0.95
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from calib.base.intervals import Z95
-from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import METRICS, departure, score, truth_of
 from calib.estimation.readout import Bounded, Readout
@@ -21,14 +20,6 @@ N = 1000
 TIME = np.arange(N) / 200.0
 GAIN_F, GAIN_R = 2 * 28.84e-4 * 0.1309, 2 * 11.34e-4 * 0.1240
 """(3) of Table I, both pad faces [m^3]."""
-
-
-def axle(mu, gain, pressure, width=0.05):
-    """An axle that is told ``mu`` everywhere, with an interval of +-``width`` of it."""
-    mu = np.broadcast_to(np.asarray(mu, float), (N,)).copy()
-    return AxleEstimate(
-        mu, mu * (1 - width), mu * (1 + width), mu * gain * pressure, np.full(N, 0.3), mu, mu, mu
-    )
 
 
 SIGMA = 0.02
@@ -74,8 +65,8 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         "z": np.full(N, 0.3),
         "eta": np.full(N, 1.004),
         "speed": np.full(N, 20.0),
-        "front": axle(mu_f, GAIN_F, p),
-        "rear": axle(mu_r, GAIN_R, p),
+        "force_f": np.full(N, 0.3),
+        "force_r": np.full(N, 0.3),
         "valid": np.ones(N, bool) if valid is None else valid,
         "braked": np.ones(N, bool),
         "covered": np.ones(N, bool),

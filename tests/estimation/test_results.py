@@ -72,7 +72,7 @@ def test_one_row_per_sample_with_the_numbers_of_the_estimate(tmp_path):
     # per wheel, positive when it brakes: (2) with Table I
     assert read["brake_torque_fl"] == pytest.approx(np.full(N, 2 * 0.41 * 28.84e-4 * 0.1309 * 20e5))
     assert np.array_equal(read["brake_torque_fl"], read["brake_torque_fr"])
-    assert np.array_equal(read["brake_torque_rl"], e.rear.torque)
+    assert np.array_equal(read["brake_torque_rl"], e.best.torque_r.value)
 
 
 def test_every_log_and_the_summary(tmp_path):

@@ -34,16 +34,16 @@ def test_told_the_intervals_hold_the_truth_and_untold_they_do_not(light, heavy_s
     since = [mu / CAR.front.pad_friction for mu in PADS]
     told, untold = estimate(light, heavy_stop, mass=1.2 * CAR.mass), estimate(light, heavy_stop)
     assert all(np.mean(e.valid[e.braked]) > 0.8 for e in (told, untold))
-    assert min(*held(told, *PADS), *held(told, *since, "change_")) > 0.95
-    assert max(held(untold, *PADS)[0], held(untold, *since, "change_")[0]) < 0.2
+    assert min(*held(told, *PADS), *held(told, *since, "change")) > 0.95
+    assert max(held(untold, *PADS)[0], held(untold, *since, "change")[0]) < 0.2
 
 
 def test_the_mass_of_the_file_stated_again_moves_nothing():
     table = fit(CAR, [noisy(ramp(REAL), 1)])
     log = noisy(stop(with_pads(REAL, *PADS), 35e5), 3)
     once, twice = estimate(table, log), estimate(table, log, mass=CAR.mass)
-    assert np.array_equal(once.front.pad_friction, twice.front.pad_friction, equal_nan=True)
-    assert np.array_equal(once.front.upper, twice.front.upper, equal_nan=True)
+    assert np.array_equal(once.best.pads_f.value, twice.best.pads_f.value, equal_nan=True)
+    assert np.array_equal(once.best.pads_f.upper, twice.best.pads_f.upper, equal_nan=True)
 
 
 def test_a_ramp_with_a_stated_mass_gives_the_pads_and_keeps_the_vehicle(weighed_ramp):

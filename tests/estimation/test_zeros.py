@@ -37,7 +37,7 @@ def test_tyres_that_warm_up_move_no_pads(table, braking, drift):
     found = estimate(table, noisy(rolled(braking, ROLLING, drift), 4), with_laws=False)
     assert found.eta_zero == pytest.approx((1.0 + drift) * RADII - 1.0, abs=1.5e-4)
     assert held(found, *PADS)[1] > 0.95
-    assert np.mean(found.rear.pad_friction, where=found.valid) == pytest.approx(PADS[1], rel=0.05)
+    assert np.mean(found.best.pads_r.value, where=found.valid) == pytest.approx(PADS[1], rel=0.05)
 
 
 def test_a_ramp_is_zeroed_where_it_bites():

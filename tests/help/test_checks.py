@@ -39,13 +39,13 @@ def test_the_hidden_size_is_that_of_the_answer():
     assert answer["settings"]["cda"] == checks.DRAG
 
 
-def wrong_estimate(monkeypatch, change):
-    """Let the estimate of every stop have another front axle."""
+def wrong_estimate(monkeypatch, name, change):
+    """Let a quantity of the front axle be another one in the estimate of every stop."""
     right = validate.estimate
 
     def wrong(*given, **named):
         found = right(*given, **named)
-        return replace(found, front=change(found.front))
+        return replace(found, best=replace(found.best, **{name: change(getattr(found.best, name))}))
 
     monkeypatch.setattr(validate, "estimate", wrong)
 
@@ -79,15 +79,14 @@ def reader_that_takes_everything(monkeypatch):
 
 
 def wrong_pads(monkeypatch):
-    wrong_estimate(monkeypatch, lambda axle: replace(axle, pad_friction=1.1 * axle.pad_friction))
+    wrong_estimate(monkeypatch, "pads_f", lambda x: replace(x, value=1.1 * x.value))
 
 
 def narrow_interval(monkeypatch):
     wrong_estimate(
         monkeypatch,
-        lambda axle: replace(
-            axle, lower=axle.pad_friction * 0.9999, upper=axle.pad_friction * 1.0001
-        ),
+        "pads_f",
+        lambda x: replace(x, lower=x.value * 0.9999, upper=x.value * 1.0001),
     )
 
 

@@ -33,7 +33,7 @@ def test_panels_in_the_order_of_the_paper(drawn):
 def test_pad_friction_with_interval_nominal_and_rivals(drawn, stopped):
     e, pads = stopped.estimate, panel(drawn, "pad-front")
     found = line(pads, PAD)[1]
-    assert np.array_equal(found[e.valid], e.front.pad_friction[e.valid])
+    assert np.array_equal(found[e.valid], e.best.pads_f.value[e.valid])
     assert np.isnan(found[~e.valid]).all()
     # the table's vehicle has 28.84 cm^2 and 130.9 mm in front
     nominal = line(pads, r"$\mu_{p,n}$ of the table")[1]
@@ -45,8 +45,8 @@ def test_pad_friction_with_interval_nominal_and_rivals(drawn, stopped):
         assert np.array_equal(rival[e.valid], e.baselines[name][0][e.valid])
         assert np.isnan(rival[~e.valid]).all()
     low, high = pads.ylim
-    assert low < e.front.lower[e.valid].min()
-    assert high > e.front.upper[e.valid].max()
+    assert low < e.best.pads_f.lower[e.valid].min()
+    assert high > e.best.pads_f.upper[e.valid].max()
 
 
 def test_level_and_pads_of_an_ecu_are_beside_those_of_all_channels(drawn, stopped):
@@ -78,8 +78,8 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
         assert np.array_equal(a, b, equal_nan=True)
     # the interval before the bite is that of the prior, and does not set the axis
     e = stopped.estimate
-    span = e.front.upper[e.valid].max() - e.front.lower[e.valid].min()
-    before = e.front.upper[~e.valid].max() - e.front.lower[~e.valid].min()
+    span = e.best.pads_f.upper[e.valid].max() - e.best.pads_f.lower[e.valid].min()
+    before = e.best.pads_f.upper[~e.valid].max() - e.best.pads_f.lower[~e.valid].min()
     low, high = panel(sheet, "pad-front").ylim
     assert span < high - low < 1.3 * span
     assert before > 1.5 * span

@@ -156,7 +156,7 @@ def test_what_all_cars_share_does_not_shrink_with_their_number(copies):
 def test_it_is_estimated_with_and_its_interval_holds_the_pads(copies):
     found = estimate(merge(copies, "golden"), noisy(stop(WET), 3))
     assert found.valid.sum() > 100
-    for axle, true in ((found.front, 0.31), (found.rear, 0.27)):
+    for axle, true in ((found.best.pads_f, 0.31), (found.best.pads_r, 0.27)):
         held = (axle.lower <= true) & (true <= axle.upper)
         assert np.mean(held[found.valid]) >= 0.9
 

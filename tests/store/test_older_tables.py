@@ -46,6 +46,6 @@ def test_it_is_estimated_with_and_doubts_its_tyres(older, store):
     Store(store).save(older)
     e = estimate(Store(store).load(older.name).table, noisy(stop(WET), 3))
     assert e.valid.sum() > 100
-    for axle, true in ((e.front, 0.31), (e.rear, 0.27)):
+    for axle, true in ((e.best.pads_f, 0.31), (e.best.pads_r, 0.27)):
         held = (axle.lower <= true) & (true <= axle.upper)
         assert np.mean(held[e.valid]) >= 0.9

@@ -1,129 +1,297 @@
-"""How often the 95 % intervals hold the truth, and how large the errors are, on random cars.
+"""Whether the bounds mean what they say: ranks of the truth on cars drawn from the product's lists.
 
-    python tests/studies/coverage.py --cars 150 --seed 2 [--no-v] [--jobs 2]
+    python tests/studies/coverage.py --cars 40 --seed 5 [--first 0] [--only n] [--keep FILE]
+    python tests/studies/coverage.py --kept FILE...
 
-One row per surface; the pooled share with 95 % limits from resampling the cars, since the errors
-within a log are one error seen many times. `--no-v` leaves the reference speed out.
+Simulation-based calibration (Talts et al. 2018, arXiv:1804.06788): where cars and stops are drawn
+from the very priors that the program has, the rank of the truth in what it answers is uniform. Cars
+are drawn from `priors.csv`, stops from `stops.csv`, and go through `tests.studies.plant_r`, whose
+tyres are other curves: one form a car. Half of the files say that the car was weighed. A compliance
+is drawn within the range of its source; of a ramp or a stop beyond the peak all is drawn anew, as
+the maps leave it out. Deceleration and level of the pads are on no list: 0.08 to 0.6 g, 0.6 to 1.1.
+The pads' ratio of the ramp, of which a ramp tells little and which all stops of a car share, lies
+evenly in its prior over the cars: few cars then tell more.
+
+An answer is a median with 95 % bounds, so the rank is that in two halves of a normal distribution
+of the logarithm, which meet the bounds. Printed for each quantity: the share of ranks in ten equal
+bins, coverage at 50, 80 and 95 %, mean and deviation of the error over its sigma (0 and 1 where the
+bounds are right, less than 1 where they are too wide), rms error and median half width; then by
+group. Counted are the samples of `tests.studies.scored_stop`, valid or not; stops weigh alike.
 """
 
 import sys
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
+from scipy.special import ndtr, ndtri
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.estimation.estimator import Estimate, estimate
+from calib.base.arrays import Array
+from calib.base.errors import BrakeCalError
+from calib.base.intervals import Z95
+from calib.base.plain import rows
+from calib.car.mass import WEIGHED
+from calib.car.vehicle import Vehicle
+from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.table.table import Table
-from tests.studies.ensemble import SURFACES, case
-from tests.studies.study import AgainstTruth, arguments, carried_out, pair
+from calib.model.settings import SETTINGS
+from tests.studies import plant_r
+from tests.studies.brakings import BeyondPeakError, Braking, Demand, brakings, held
+from tests.studies.plant_r import Car, G
+from tests.studies.scored_stop import QUANTITIES, Truth, answer, estimators
+from tests.studies.study import arguments, carried_out
 from tests.support.reference_car import without
 
-METHODS = ("kalman", "nominal", "mean_gain", "temperature", "gradient_as_written", "gradient_paper")
-METHODS += ("rls_paper", "rls_difference", "rls_tyre")
+PRIORS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
+STOPS = rows("stops.csv", "calib.fitting")
+
+COMPLIANCE = (1 / 70, 1 / 14)
+"""Range of the source of the prior, slip per force over load [1]."""
+
+PEAK, STIFF = 0.9, 0.25
+"""Of another road: the peak [1] whose stiffness is that of the list, and the power with which the
+stiffness goes with the peak. In words in the list."""
+
+LEVELS = {0.5: 0.6745, 0.8: 1.2816, 0.95: Z95}
+"""Half width of an interval, in sigmas, by its share."""
+
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+"""Whose multiples lie evenly between whole numbers."""
+
+BINS = tuple(f"bin {i}" for i in range(10))
+WITH = {"v": "with v", "n": "without v"}
+GROUPED = (("v", "best"), ("n", "ecu"))
+"""What is shown by group: with all channels, and with those of the ECU alone."""
+
+Job = tuple[int, int, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
-class Row:
-    """One stop: where, how long valid, what share holds the truth, errors and widths [1]."""
+class Driven:
+    """A stop: its log, and the groups that it belongs to, by what they are groups of."""
 
-    car: int
-    surface: str
-    alike: bool
-    valid_share: float
-    samples: int
-    found: np.ndarray
-    """Share in the interval, bias and median half width, by axle, (3, 2)."""
-    rms: dict[str, np.ndarray]
+    log: Log
+    groups: dict[str, str]
 
 
-def tried(job: tuple[int, int, bool]) -> list[Row]:
-    """Fit the ramp of a car, run its stops: (seed, car, whether it has v)."""
-    seed, number, keep_v = job
-    of = case(np.random.default_rng([seed, number]), 3, seed * 1000 + number)
-    table = fit(of.vehicle, [of.ramp if keep_v else without(of.ramp, "v")])
-    logs = [stop.log if keep_v else without(stop.log, "v") for stop in of.stops]
-    return [
-        row(number, table, log, stop.surface, stop.alike)
-        for log, stop in zip(logs, of.stops, strict=True)
-    ]
+def normal(rng: np.random.Generator, name: str) -> float:
+    """A draw of a prior."""
+    return float(rng.normal(float(PRIORS[name]["mean"]), float(PRIORS[name]["sigma"])))
 
 
-def row(car: int, table: Table, log: Log, surface: str, alike: bool) -> Row:
-    """Score one stop against the plant."""
-    e = estimate(table, log)
-    counted = e.braked & (e.speed > 3.0)
-    if not e.valid.any():
-        return Row(car, surface, alike, 0.0, 0, np.full((3, 2), np.nan), {})
-    against = AgainstTruth.of(e, log)
-    found = (against.held.mean(axis=1), against.error.mean(axis=1))
-    found += (np.median(against.half_width, axis=1),)
-    part = float(np.sum(e.valid & counted) / np.sum(counted))
-    return Row(
-        car, surface, alike, part, int(e.valid.sum()), np.array(found), method_errors(e, log)
+def brought(rng: np.random.Generator, name: str, cause: str = "") -> tuple[float, str]:
+    """A draw of what a stop brings, and its cause; ``cause`` where it is already known."""
+    cases = [row for row in STOPS if row["name"] == name]
+    shares = np.array([float(row["share"]) for row in cases])
+    row = cases[int(rng.choice(len(cases), p=shares / shares.sum()))]
+    if cause:
+        row = next(one for one in cases if one["cause"] == cause)
+    return float(rng.normal(float(row["mean"]), float(row["sigma"]))), str(row["cause"])
+
+
+def drawn(rng: np.random.Generator, place: float) -> Car:
+    """A car from the priors; what is on no list as `plant_r.car` has it; ``place`` of the pads'
+    ratio in its prior, 0 to 1."""
+    base = plant_r.car(rng)
+    weighed = bool(rng.random() < 0.5)
+    file = replace(base.vehicle, mass_tolerance=WEIGHED if weighed else Vehicle.mass_tolerance)
+    compliance = 0.0
+    while not COMPLIANCE[0] < compliance < COMPLIANCE[1]:
+        compliance = normal(rng, "compliance")
+    level, apart = rng.normal(0.0, 0.1), SETTINGS.pad_scatter * float(ndtri(place))
+    front, rear = file.front.pad_friction, file.rear.pad_friction
+    return replace(
+        base,
+        vehicle=file,
+        stiffness=1.0 / compliance,
+        peak=float(np.exp(normal(rng, "log_peak"))),
+        load_exponent=normal(rng, "load_exponent"),
+        peak_exponent=normal(rng, "peak_load_exponent"),
+        pads=(front * np.exp(level + 0.5 * apart), rear * np.exp(level - 0.5 * apart)),
+        tyre_ratio=float(np.exp(normal(rng, "log_tyre_ratio"))),
+        radius_load=normal(rng, "radius_load"),
+        mass=file.mass * float(np.exp(rng.normal(0.0, file.mass_tolerance))),
+        cg_to_front_axle=file.cg_to_front_axle * float(np.exp(normal(rng, "cg_to_front_axle"))),
+        cg_height=file.cg_height * float(np.exp(normal(rng, "cg_height"))),
+        a_x_scale=1.0 / (1.0 - normal(rng, "a_x_scale")),
+        pitch=0.0,
     )
 
 
-def method_errors(e: Estimate, log: Log) -> dict[str, np.ndarray]:
-    """Rms relative error of each method over the valid samples, front and rear [1]."""
-    pads = {"kalman": (e.front.pad_friction, e.rear.pad_friction), **e.baselines}
-    truth = np.array([log.truth["true_mu_pad_f"], log.truth["true_mu_pad_r"]])
-    errors = {name: (np.array(pads[name]) / truth - 1.0)[:, e.valid] for name in METHODS}
-    return {name: np.sqrt(np.mean(error**2, axis=1)) for name, error in errors.items()}
+def car_and_runs(rng: np.random.Generator, place: float) -> tuple[Car, Log, Log]:
+    """A car, its ramp and its coast; ``place`` as `drawn` has it."""
+    while True:
+        of = drawn(rng, place)
+        runs = brakings(Demand(of.vehicle, of.mass, of.pads, of.peak), rng)
+        try:
+            ramp, coast = (plant_r.drive(of, name, runs[name], rng) for name in ("ramp", "coast"))
+        except BeyondPeakError:
+            continue
+        return of, ramp, coast
 
 
-def pooled(rows: list[Row]) -> float:
-    """Share of valid samples whose interval holds the truth, both axles."""
-    weights = [r.samples for r in rows]
-    return float(
-        np.average([r.found[0].mean() if r.samples else 0.0 for r in rows], weights=weights)
+def stop(rng: np.random.Generator, of: Car, name: str) -> Driven:
+    """A stop from the list; drawn anew until its road carries it."""
+    while True:
+        try:
+            return tried_stop(rng, of, name)
+        except BeyondPeakError:
+            continue
+
+
+def tried_stop(rng: np.random.Generator, of: Car, name: str) -> Driven:
+    """As `stop`. Raises BeyondPeakError."""
+    change, pads_are = brought(rng, "log_pad_ratio")
+    peak, road_is = brought(rng, "log_peak")
+    stiff, _ = brought(rng, "log_stiffness", road_is)
+    if road_is == "other road":
+        stiff += STIFF * (peak - np.log(PEAK))
+        peak -= np.log(of.peak)
+    tyres = [brought(rng, "log_tyre")[0] for _ in "fr"]
+    load, mass_is = brought(rng, "log_mass")
+    z, level, v0 = rng.uniform(0.08, 0.6), rng.uniform(0.6, 1.1), rng.uniform(14.0, 32.0)
+    pads = of.pads[0] * level * np.exp(0.5 * change), of.pads[1] * level * np.exp(-0.5 * change)
+    unstated = mass_is != "as stated" and of.vehicle.mass_tolerance > WEIGHED
+    today = replace(
+        of,
+        tyre_ratio=of.tyre_ratio * float(np.exp(tyres[1] - tyres[0])),
+        a_x_scale=1.0 / (1.0 - brought(rng, "a_x_scale")[0]),
+        mass=of.vehicle.mass * float(np.exp(load)) if unstated else of.mass,
     )
+    demand = Demand(of.vehicle, of.mass, of.pads, of.peak)
+    road = float(np.exp(stiff + 0.5 * sum(tyres))), float(np.exp(peak))
+    run = Braking(held(demand.pressure(z, pads)), v0, pads, road)
+    log = plant_r.drive(today, name, run, rng)
+    more = G * brought(rng, "a_x_offset")[0] * (run.pressure[: log.time.size] > 0.0)
+    log = replace(log, channels={**log.channels, "a_x": log["a_x"] - more})
+    carries = float(np.exp(peak)) * of.peak
+    slippery = "peak < .3" if carries < 0.3 else "peak .3-.6" if carries < 0.6 else "peak > .6"
+    groups = {
+        "road": road_is if road_is == "ramp's road" else f"other road, {slippery}",
+        "pads": f"pads {pads_are}",
+        "mass": "weighed" if of.vehicle.mass_tolerance <= WEIGHED else
+                "load unstated" if unstated else "mass of the file",
+        "tyre": of.form,
+    }  # fmt: skip
+    return Driven(log, groups)
 
 
-def limits(rows: list[Row], seed: int, draws: int = 1000) -> np.ndarray:
-    """95 % limits of `pooled` by resampling cars."""
-    by_car: dict[int, list[Row]] = {}
-    for r in rows:
-        by_car.setdefault(r.car, []).append(r)
-    rng, names = np.random.default_rng(seed), list(by_car)
-    drawn = (rng.choice(names, len(names)) for _ in range(draws))
-    return np.percentile(
-        [pooled([r for c in cars for r in by_car[c]]) for cars in drawn], [2.5, 97.5]
-    )
+def tried(job: Job) -> list[dict[str, float | str]]:
+    """Five stops of one car: (seed, car, with or without v)."""
+    seed, number, modes = job
+    rng = np.random.default_rng([seed, number])
+    of, ramp, coast = car_and_runs(rng, (0.5 + number * GOLDEN) % 1.0)
+    stops = [stop(rng, of, f"stop {i}") for i in range(5)]
+    out: list[dict[str, float | str]] = []
+    for mode in modes:
+        hidden = () if mode == "v" else ("v",)
+        about: dict[str, float | str] = {"car": f"{seed}:{number}", "v": mode}
+        try:
+            table = fit(of.vehicle, [without(log, *hidden) for log in (ramp, coast)])
+        except BrakeCalError as error:
+            out += [{**about, "stop": i, "refused": f"fit: {error}"} for i in range(len(stops))]
+            continue
+        for i, one in enumerate(stops):
+            frame = estimate(table, without(one.log, *hidden), with_laws=False).to_frame()
+            truth = Truth.of(one.log, of.vehicle)
+            if not truth.counted.any():
+                continue
+            for name, prefix in estimators(frame.columns).items():
+                answers = answer(frame, prefix, of.vehicle)
+                z = float(np.median(truth.braking[truth.counted]))
+                deceleration = "< .2 g" if z < 0.2 else ".2-.4 g" if z < 0.4 else "> .4 g"
+                for quantity in QUANTITIES:
+                    out.append({**about, "stop": i, "estimator": name, "quantity": quantity,
+                                **one.groups, "deceleration": deceleration,
+                                **ranked(answers[quantity], truth.quantities[quantity],
+                                         truth.counted)})  # fmt: skip
+    return out
 
 
-def report(rows: list[Row], seed: int) -> None:
-    """Print the tables."""
-    low, high = limits(rows, seed)
-    print(f"truth in the 95 % interval: {pooled(rows):.3f} of valid samples ({low:.3f}-{high:.3f})")
-    print(
-        f"valid share of braked samples above 3 m/s: {np.mean([r.valid_share for r in rows]):.2f}"
-    )
-    print(f"\n{'surface':<8} {'pads':<9} {'stops':>5} {'valid':>6} {'in interval':>12} "
-          f"{'|bias| %':>12} {'half width %':>13}")  # fmt: skip
-    for surface in SURFACES:
-        for alike in (True, False):
-            part = [r for r in rows if (r.surface, r.alike) == (surface, alike) and r.samples]
-            if part:
-                valid = np.mean([r.valid_share for r in part])
-                _, bias, width = 100 * np.mean([np.abs(r.found) for r in part], axis=0)
-                print(f"{surface:<8} {'alike' if alike else 'differing':<9} {len(part):5d} "
-                      f"{valid:6.2f} {pooled(part):12.3f} {pair(bias, '.1f'):>12} "
-                      f"{pair(width, '.1f'):>13}")  # fmt: skip
-    print("\nmedian rms error of the pad friction, front / rear %")
-    for name in METHODS:
-        errors = [r.rms[name] for r in rows if r.rms]
-        print(f"{name:<20} {pair(100 * np.median(errors, axis=0), '6.1f')}")
+def ranked(
+    answers: tuple[Array, Array, Array], true: Array, counted: Array
+) -> dict[str, float | str]:
+    """Where the truth lies in the answers, means over the counted samples [1]."""
+    value, low, high = (np.log(x[counted]) for x in answers)
+    off = np.log(true[counted]) - value
+    sigma = np.where(off < 0.0, value - low, high - value) / Z95
+    score = off / sigma
+    rank = np.minimum((10.0 * ndtr(score)).astype(int), 9)
+    out: dict[str, float | str] = {f"held {s}": float(np.mean(np.abs(score) <= x))
+                                   for s, x in LEVELS.items()}  # fmt: skip
+    out |= {name: float(np.mean(rank == i)) for i, name in enumerate(BINS)}
+    out |= {"score": float(np.mean(score)), "score squared": float(np.mean(score**2))}
+    out |= {"square": float(np.mean(np.expm1(off) ** 2))}
+    return {**out, "half": float(np.median(0.5 * (np.exp(high - value) - np.exp(low - value))))}
+
+
+def limits(part: pd.DataFrame, column: str = "held 0.95", draws: int = 400) -> tuple[float, float]:
+    """95 % limits of a mean by resampling the cars."""
+    by_car = part.groupby("car")[column].agg(["sum", "count"]).to_numpy()
+    at = np.random.default_rng(1).integers(len(by_car), size=(draws, len(by_car)))
+    means = by_car[at, 0].sum(axis=1) / by_car[at, 1].sum(axis=1)
+    low, high = np.percentile(means, [2.5, 97.5])
+    return float(low), float(high)
+
+
+def by_group(part: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """All groups of the stops."""
+    for column in ("road", "pads", "deceleration", "mass", "tyre"):
+        for name, of in part.groupby(column):
+            yield str(name), of
+
+
+def printed(found: pd.DataFrame) -> None:
+    """The tables, one for each estimator with and without v."""
+    told = found[found["quantity"].notna()]
+    for (mode, name), part in told.groupby(["v", "estimator"], sort=False):
+        stops = part.drop_duplicates(["car", "stop"])
+        print(f"\n{name}, {WITH[str(mode)]}: {stops['car'].nunique()} cars, {len(stops)} stops")
+        print("          ranks in ten bins, %                 50 %  80 %  95 % (limits)     "
+              "error/sigma   rms %  half %")  # fmt: skip
+        for quantity in QUANTITIES:
+            of = part[part["quantity"] == quantity]
+            bins = " ".join(f"{100 * of[b].mean():3.0f}" for b in BINS)
+            covers = "  ".join(f"{of[f'held {s}'].mean():4.2f}" for s in LEVELS)
+            low, high = limits(of)
+            mean = of["score"].mean()
+            spread = float(np.sqrt(of["score squared"].mean() - mean**2))
+            print(f"{quantity:8} {bins}  {covers} ({low:.2f}-{high:.2f})  {mean:+.2f} +- "
+                  f"{spread:.2f}  {100 * np.sqrt(of['square'].mean()):6.1f} "
+                  f"{100 * of['half'].median():6.1f}")  # fmt: skip
+        if (mode, name) not in GROUPED:
+            continue
+        print(f"\n{'95 %, by group':24} stops  " + " ".join(f"{q:>6}" for q in QUANTITIES)
+              + "   rms/half % front     rear")  # fmt: skip
+        for group, of in by_group(part):
+            by = of.groupby("quantity")
+            covers = " ".join(f"{by['held 0.95'].mean()[q]:6.2f}" for q in QUANTITIES)
+            rms, half = 100 * np.sqrt(by["square"].mean()), 100 * by["half"].median()
+            sharp = "  ".join(f"{rms[q]:5.1f}/{half[q]:4.1f}" for q in ("front", "rear"))
+            print(f"{group:24} {len(of) // len(QUANTITIES):5}  {covers}        {sharp}")
+    if "refused" in found:
+        for text, n in found["refused"].value_counts().items():
+            print(f"refused {n} stops: {str(text)[:150]}")
 
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(__doc__, "no_v", cars=150, seed=2, jobs=1)
-    jobs = [(asked.seed, i, not asked.no_v) for i in range(asked.cars)]
-    report([r for rows in carried_out(tried, jobs, asked.jobs) for r in rows], asked.seed)
+    asked = arguments(__doc__, cars=40, seed=5, first=0, jobs=1, only=["v", "n"], keep="", kept=())
+    if asked.kept:
+        printed(pd.concat([pd.read_csv(name) for name in asked.kept]))
+        return
+    jobs: list[Job] = [
+        (asked.seed, i, tuple(asked.only)) for i in range(asked.first, asked.first + asked.cars)
+    ]
+    found = pd.DataFrame(row for part in carried_out(tried, jobs, asked.jobs) for row in part)
+    if asked.keep:
+        found.to_csv(asked.keep, index=False)
+    printed(found)
 
 
 if __name__ == "__main__":

@@ -8,8 +8,9 @@ without. A stop is warned if `validate` has a warning on it, or on the pads or t
 table, with which its answer begins; "unwarned" is what a reader would believe. What is said of the
 coast log is left out: three of ten cars have no resistance at all, and that is named. Errors are
 those of the pad friction against the plant, over the valid samples. In two of five stops the pads
-really changed apart, of the control, too: a warning of that is a right one.
-With ``--weighed`` the vehicle file says that its mass is known to 0.5 %.
+really changed apart, of the control, too: a warning of that is a right one. At last the silent
+ones: stops that are valid, not warned of, and hold less than half. With ``--weighed`` the vehicle
+file says that its mass is known to 0.5 %.
 """
 
 import sys
@@ -44,6 +45,8 @@ class Row:
 
     cause: str
     with_v: bool
+    car: int = 0
+    stop: str = ""
     valid: int = 0
     braked: int = 0
     held: np.ndarray = field(default_factory=lambda: np.zeros(2))
@@ -68,11 +71,11 @@ def tried(job: tuple[str, int, int, bool]) -> list[Row]:
         except BrakeCalError as error:
             out += [Row(cause, with_v, refused=f"fit: {error}") for _ in stops]
         else:
-            out += [row(cause, with_v, table, stop) for stop in stops]
+            out += [row(cause, with_v, number, table, stop) for stop in stops]
     return out
 
 
-def row(cause: str, with_v: bool, table: Table, log: Log) -> Row:
+def row(cause: str, with_v: bool, car: int, table: Table, log: Log) -> Row:
     """One stop against the plant."""
     try:
         result = validate_one(table, log, None, DEFAULTS, baselines=False)
@@ -84,6 +87,8 @@ def row(cause: str, with_v: bool, table: Table, log: Log) -> Row:
     return Row(
         cause,
         with_v,
+        car,
+        log.name,
         valid=int(np.sum(e.valid)),
         braked=int(np.sum(e.braked & (e.speed > 3.0))),
         held=against.held.sum(axis=1),
@@ -111,6 +116,10 @@ def printed(found: list[Row], with_v: bool) -> None:
               f"{valid / max(braked, 1):6.2f} {pair(rms, '.1f'):>12} "
               f"{100 * (1 - len(quiet) / len(answered)):5.0f} % {coverage(quiet):>13}   "
               f"{codes}")  # fmt: skip
+    for r in found:
+        if r.with_v == with_v and r.valid and not r.codes and np.min(r.held) < 0.5 * r.valid:
+            print(f"silent: {r.cause}, car {r.car}, {r.stop}: coverage {coverage([r])}, "
+                  f"rms {pair(100 * np.sqrt(r.squares / r.valid), '.1f')} %")  # fmt: skip
     refusals = Counter(r.refused for r in found if r.refused and r.with_v == with_v)
     for text, n in refusals.most_common(5):
         print(f"refused {n}: {text[:160]}")

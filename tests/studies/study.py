@@ -79,8 +79,8 @@ class AgainstTruth:
         """Of an estimate of a log that holds its truth."""
         truth = np.array([log.truth["true_mu_pad_f"], log.truth["true_mu_pad_r"]])[:, e.valid]
         mu, lower, upper = (
-            np.array([getattr(axle, name) for axle in (e.front, e.rear)])[:, e.valid]
-            for name in ("pad_friction", "lower", "upper")
+            np.array([getattr(axle, name) for axle in (e.best.pads_f, e.best.pads_r)])[:, e.valid]
+            for name in ("value", "lower", "upper")
         )
         held = (truth >= lower) & (truth <= upper)
         return cls(held, mu / truth - 1.0, 0.5 * (upper - lower) / mu)

@@ -89,15 +89,15 @@ def stop(plant: Plant = REAL, pressure: float = 25e5, name: str = "stop", **how:
     return as_log(run, name)
 
 
-def held(e: Estimate, front: float = 0.38, rear: float = 0.38, of: str = "") -> list[float]:
+def held(e: Estimate, front: float = 0.38, rear: float = 0.38, of: str = "pads") -> list[float]:
     """Shares of the valid samples whose interval holds the truth, front and rear [1].
 
-    ``of`` "change_" for the change since the ramp.
+    ``of`` "change" for the change since the ramp.
     """
     out = []
-    for axle, true in ((e.front, front), (e.rear, rear)):
-        low, high = getattr(axle, f"{of}lower"), getattr(axle, f"{of}upper")
-        out.append(float(np.mean(((low <= true) & (true <= high))[e.valid])))
+    for x, true in ((f"{of}_f", front), (f"{of}_r", rear)):
+        told = getattr(e.best, x)
+        out.append(float(np.mean(((told.lower <= true) & (true <= told.upper))[e.valid])))
     return out
 
 
