@@ -44,10 +44,12 @@ class Posterior(Ensemble):
     of a draw grows when an error of that cause grows by one standard deviation. The mean of any x
     then moves by cov(x, pull), and that of all causes is its covariance; see `parts_of`.
     ``held`` (k,) how likely what was known before is to hold for this car, each of it against the
-    field alone, at even odds before the ramps [1].
+    field alone, at even odds before the ramps [1]. ``misfit`` root mean square of what the draws
+    leave of eta and slip, over the errors of sensors and form [1].
     """
 
     pulls: dict[str, Array]
+    misfit: float
     held: Array
 
 
@@ -202,6 +204,7 @@ def posterior(
             "depart_eta": departs["eta"],
             "depart_slip": departs["slip"],
             "pulls": pulls,
+            "misfit": float(np.sqrt(np.mean(left**2))),
             "held": (counts + 0.5) / (counts + field + 1.0),
         }
     )
