@@ -21,7 +21,7 @@ from calib.car.braking import BITE, MOVING
 from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
 from calib.estimation.gates import LOCKS
-from calib.estimation.zeros import drive_slips
+from calib.estimation.zeros import known_slips
 from calib.fitting.draws import ensemble_of
 from calib.fitting.stops import scenarios, seen
 from calib.run.blocks import block_balance, braked_alone
@@ -96,7 +96,8 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     b, plan = e.blocks, e.plan
     road = block_balance(plan.nominal, plan.known.effects, b)
     demanded = road.demanded / plan.nominal.weight
-    shift = b.eta / speed_ratio(*drive_slips(plan.table, road)) / (1.0 + e.eta_zero) - 1.0
+    known = speed_ratio(*known_slips(plan.table, plan.table.vehicle, road))
+    shift = b.eta / known / (1.0 + e.eta_zero) - 1.0
     rolls = block_mean(e.refused[LOCKS].astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     variance = 2.0 * (plan.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
