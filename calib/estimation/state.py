@@ -239,7 +239,8 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     rr += (c.fade_walk * a) ** 2 * dt
     h, k = s.acting, a * s.by_lag
     pa, pl, pr = h * aa + k * al, h * al + k * ll, h * ar + k * lr
-    gain = 1.0 / (h * pa + k * pl + c.noise_z**2 / dt + (c.level_rough * y) ** 2)
+    rough = (c.level_rough * y) ** 2 + (c.lag_rough * a * (x.nominal - h)) ** 2
+    gain = 1.0 / (h * pa + k * pl + c.noise_z**2 / dt + rough)
     off, ga, gl = gain * (y - a * h), gain * pa, gain * pl
     s.level = (
         a + off * pa, max(lag + off * pl, 0.0), rate + off * pr,
