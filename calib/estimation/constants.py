@@ -79,6 +79,7 @@ class Constants:
     level_walk: float = 0.01  # [1/sqrt(s)]
     fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
     fade_walk: float = 0.02
+    jump: float = 3.0  # beyond it an error of prediction is a step of the level [sigma]
     level_rough: float = 0.007  # of a block, relative: road and body
     lag: float = 0.03  # time constant of the brakes [s], and its sigma
     lag_sigma: float = 0.04
