@@ -10,6 +10,7 @@ from cli.logs import read_all
 from cli.options import KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
 
 if TYPE_CHECKING:
+    from calib.car.tyre_file import TyreFile
     from calib.car.vehicle import Vehicle
     from calib.model.roller_bench import RollerBench
     from calib.show.origin import PageOrigin
@@ -19,6 +20,10 @@ BENCH = "Brake forces of both axles, of the same pads on a roller brake tester."
 READ_BENCH = "calib.model.roller_bench_file:read_roller_bench"
 Bench = Annotated["RollerBench | None", option(BENCH, "B.toml", typed=Path | None, make=READ_BENCH)]
 
+TYRE = "Tyre property file (.tir) of both axles; given twice, of the front and the rear axle."
+READ_TYRES = "calib.car.tyre_file:read_tyres"
+Tyres = Annotated["tuple[TyreFile, ...]", option(TYRE, "T.tir", typed=list[Path], make=READ_TYRES)]
+FLEET = "Believe, to half, that tyres and loads are those of the released cars of this model."
 
 FITTED = "Vehicle file; else that of the settings, or of the table of --again."
 Fitted = Annotated[
@@ -41,6 +46,8 @@ def fit(
     effect: OwnEffects,
     mass: Mass,
     bench: Bench,
+    tyre: Tyres,
+    fleet_prior: bool = option(FLEET),
     again: str | None = option(
         "Make this table again, with its vehicle, from its logs in the files and folders LOG.",
         "TABLE",
@@ -54,7 +61,8 @@ def fit(
     From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
     file or of --model are removed from the logs first. The table goes into the store as a new
     version; the same logs give the same version again. A table of an older program, which can no
-    longer be validated, is made anew by --again; give --mass or --bench again, if it had them.
+    longer be validated, is made anew by --again, with the cars of its --fleet-prior; give --mass,
+    --bench or --tyre again, if it had them.
     """
     from dataclasses import replace
 
@@ -66,6 +74,7 @@ def fit(
     from calib.fitting.fit import fit as fit_table
     from calib.show.fit import document, facts, report
     from calib.show.html import page_of
+    from calib.store.fleet import fleet_again, released_cars
     from calib.store.logs_again import logs_again
 
     before = store.load(again) if again else None
@@ -79,7 +88,10 @@ def fit(
     with progress() as step:
         runs = read_all(logs, channel_map, step, more=1)
         step(f"fitting {car.name}", len(logs), len(logs) + 1)
-        table = fit_table(car, runs, mass, bench)
+        cars = fleet_again(store, before) if before else {}
+        if fleet_prior:
+            cars = released_cars(store, car, [run.digest for run in runs])
+        table = fit_table(car, runs, mass, bench, tyre, cars)
     if before:
         of_car = before.table.provenance.identity
         table = replace(table, provenance=replace(table.provenance, identity=of_car))
@@ -87,10 +99,11 @@ def fit(
     tell_kin(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
+    of = origin("vehicle", "model", "bench", "tyre")
     return Answer(
         document(stored, used),
         facts(stored, used),
-        page=lambda: page_of(report(stored, ramps, used, origin("vehicle", "model", "bench"))),
+        page=lambda: page_of(report(stored, ramps, used, of)),
     )
 
 

@@ -82,6 +82,10 @@ class BenchError(InputError):
     """Forces of a roller brake tester are unreadable, or on no line that rises with pressure."""
 
 
+class TyreError(InputError):
+    """A tyre property file is unreadable, incomplete, or of no tyre of the car."""
+
+
 class LimitsError(InputError):
     """A limits file is unreadable or names an unknown metric."""
 

@@ -3,6 +3,7 @@
 logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table, warnings
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -11,12 +12,14 @@ from calib.base.errors import LogError
 from calib.base.warning import judged
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
+from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
 from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration_of
 from calib.fitting.curves import difference_curves, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
+from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics
 from calib.fitting.moments import as_cubic, tyre_posterior
@@ -50,6 +53,8 @@ def fit(
     logs: list[Log],
     mass: float | None = None,
     bench: RollerBench | None = None,
+    tyre: Sequence[TyreFile] = (),
+    fleet: Mapping[str, Table] | None = None,
 ) -> Table:
     """Fit one table from ramped brakings.
 
@@ -63,11 +68,18 @@ def fit(
         vehicle as it is: what was weighed once need not be the load of the next run.
     bench : brake forces of the same pads on a roller brake tester. Their ratio is then known before
         the ramps, as it is to some degree by a `pad_friction_tolerance` of the vehicle.
+    tyre : file of the tyres of both axles, or those of the front and of the rear axle.
+    fleet : tables of other cars of this model by name@version, see
+        `calib.store.fleet.released_cars`.
+
+    What ``tyre`` and ``fleet`` say is half of the prior; a warning says where the ramps contradict
+    it, and the answer is then that of ramps alone.
 
     Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
     and for a pad friction that no pad has; BenchError for forces on rollers that are on no line;
-    VehicleError for a file that the logs contradict; ModelError when an effect cannot be taken out
-    of a log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
+    TyreError for a file of another tyre; VehicleError for a file that the logs contradict;
+    StoreError for a ``fleet`` without draws; ModelError when an effect cannot be taken out of a
+    log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
     which is not finite.
 
     >>> import calib
@@ -83,6 +95,7 @@ def fit(
     read = {(log.name, log.digest): log for log in logs}
     driven = weighed(vehicle, mass)
     stated_ratio = stated_pad_ratio(driven, bench)
+    told = known_before(driven, tyre, fleet or {})
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
     as_read = sort_logs(car, [run.log for run in corrected])
@@ -99,8 +112,12 @@ def fit(
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in normal))
     sources = ", ".join(log.source for log, _, _ in ramps)
     before = ratio_by_levels(car, runs, known, stated_ratio or UNSAID)
-    ensemble, left = explained(car, runs, before, sources, warnings)
-    alone = posterior(car, normal, stated_ratio or UNSAID) if len(normal) < len(runs) else None
+    ensemble, left = explained(car, runs, before, sources, warnings, told)
+    alone = (
+        posterior(car, normal, stated_ratio or UNSAID, known=told)
+        if len(normal) < len(runs)
+        else None
+    )
     of = ridge(car, ensemble, np.linspace(0.0, z_max, 201))
     peak, z_end = find_peak(of), readable_up_to(of)
     if z_end <= 0.0:
@@ -114,8 +131,8 @@ def fit(
             lines=tuple(map(str, warnings)),
         )
     drawn = as_cubic(ensemble, float(np.max(np.median([of.F_f, of.F_r], axis=1))))
-    tyre = tyre_posterior(drawn)
-    ratio = Value(tyre.value("log_pad_ratio"), tyre.sigma("log_pad_ratio"))
+    of_tyre = tyre_posterior(drawn)
+    ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
     scales = pad_levels_of(car, normal, ratio.value)
     level = level_parts(car, scales, runs, known)
     pads = calibration_of(car, float(np.mean(scales)), ratio, level)
@@ -129,7 +146,7 @@ def fit(
         difference=difference,
         paper=paper,
         tyre=tyre_curve(ensemble, runs, of),
-        posterior=tyre,
+        posterior=of_tyre,
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
@@ -140,10 +157,12 @@ def fit(
             *remarks(runs, left, ratio, known, peak, len(coasts), bench),
             *bought(runs, ensemble, alone),
             *measured(driven, bench, pads),
+            *likely(told, ensemble.held),
         ),
-        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench),
+        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
         warnings=(
-            *judged(car.name, of_calibration(car, pads, tyre, stated_ratio)),
+            *judged(vehicle.name, contradicted(told, ensemble.held)),
+            *judged(car.name, of_calibration(car, pads, of_tyre, stated_ratio)),
             *warnings,
         ),
         budget=table_budget(car, level, pads, parts_of(drawn, ensemble)),

@@ -12,34 +12,25 @@ leave the prior as it is (preconditioned Crank-Nicolson, Cotter et al. 2013, doi
 The sequence of draws is fixed: the same logs give the same table.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Index
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, spread_evenly
-from calib.fitting.regression import Regression
+from calib.fitting.known import LINEAR, NONLINEAR, TO_LINEAR, Known, weights_of
+from calib.fitting.regression import LinearPrior, Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
 DRAWS = 2048
 """Size of the ensemble: its 2.5 % quantile is known to a tenth of a sigma."""
 
-_SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
-_NONLINEAR = (
-    "load_exponent",
-    "peak_load_exponent",
-    "log_peak",
-    "log_pad_ratio",
-    "cg_to_front_axle",
-    "cg_height",
-)
 _PRIORS = {"tyres": [*range(8), 11, 12], "unlike_pads": [8], "load_geometry": [9, 10, 13]}
-"""Part of a budget of the numbers of a draw: forms, `_NONLINEAR`, compliances, fall of radii."""
+"""Part of a budget of the numbers of a draw: forms, `NONLINEAR`, compliances, fall of radii."""
 
 
 @dataclass(frozen=True)
@@ -50,11 +41,13 @@ class Posterior(Ensemble):
     of a draw grows when an error of that cause grows by one standard deviation. The mean of any x
     then moves by cov(x, pull), and that of all causes is its covariance; see `parts_of`.
     ``misfit`` root mean square of what the draws leave of eta and slip, over the errors of sensors
-    and form [1].
+    and form [1]. ``held`` (k,) how likely what was known before is to hold for this car, each of it
+    against the field alone, at even odds before the ramps [1].
     """
 
     pulls: dict[str, Array]
     misfit: float
+    held: Array
 
 
 def parts_of(x: Array, e: Posterior) -> dict[str, Array]:
@@ -77,26 +70,16 @@ def _even_root(covariance: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
 
 
-@cache
-def _amounts() -> tuple[Array, Array]:
-    """Standard normal numbers, and ln of the Gamma distributed ones with the same quantiles."""
-    from scipy.special import gammaincinv, ndtr
-
-    x = np.linspace(-7.0, 7.0, 2001)
-    return x, np.log(gammaincinv(_SPARSE, ndtr(x)))
-
-
 def _from_normal(x: Array, ratio: Value) -> Ensemble:
     """The prior's draws (n, 5 + 6) from standard normal ones; unit compliances."""
-    amount = np.exp(np.interp(x[:, : len(FORMS)], *_amounts()))
     priors = PRIORS | {"log_pad_ratio": (ratio.value, ratio.sigma)}
     drawn = {
         name: priors[name][0] + priors[name][1] * column
-        for name, column in zip(_NONLINEAR, x[:, len(FORMS) :].T, strict=True)
+        for name, column in zip(NONLINEAR, x[:, len(FORMS) :].T, strict=True)
     }
     one = np.ones(x.shape[0])
     return Ensemble(
-        forms=amount / amount.sum(axis=1, keepdims=True),
+        forms=weights_of(x[:, : len(FORMS)]),
         load_exponent=drawn["load_exponent"],
         peak_load_exponent=drawn["peak_load_exponent"],
         peak=np.exp(drawn["log_peak"]),
@@ -112,35 +95,85 @@ def _from_normal(x: Array, ratio: Value) -> Ensemble:
     )
 
 
-def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAWS) -> Posterior:
+class _Mixture:
+    """The prior as a map of standard normal numbers: the field's, and half of it what is known."""
+
+    def __init__(self, known: Sequence[Known], ratio: Value) -> None:
+        own = len(FORMS) + len(NONLINEAR)
+        self.ratio, self.own, self.dimension = ratio, own, own + bool(known)
+        field = Known("", "", np.zeros(own + 3), np.eye(own + 3)).with_ratio(ratio)[2]
+        self.precision = np.linalg.inv(TO_LINEAR @ TO_LINEAR.T)
+        self.parts = []
+        for mean, V, weight in (one.with_ratio(ratio) for one in known):
+            slope = TO_LINEAR @ np.linalg.solve(V[:own, :own], V[:own, own:]).T
+            left = TO_LINEAR @ V[own:, own:] @ TO_LINEAR.T - slope @ V[:own, own:] @ TO_LINEAR.T
+            root, middle = np.linalg.cholesky(V[:own, :own]), LINEAR + TO_LINEAR @ mean[own:]
+            self.parts.append((mean[:own], root, middle, slope, left, weight - field))
+
+    def of(self, x: Array) -> Index:
+        """Which part each draw is of, (n,): 0 the field, then what is known in its order."""
+        from scipy.special import ndtr
+
+        if not self.parts:
+            return np.zeros(x.shape[0], dtype=np.int64)
+        above = (2.0 * ndtr(x[:, -1]) - 1.0) * len(self.parts)
+        return np.asarray(np.ceil(np.clip(above, 0.0, len(self.parts))), dtype=np.int64)
+
+    def drawn(self, x: Array) -> tuple[Ensemble, LinearPrior]:
+        """Draws (n,) of normal numbers (n, d), with the prior of their linear parameters."""
+        which, y = self.of(x), x[:, : self.own].copy()
+        precision, pull = np.zeros((y.shape[0], 3, 3)), np.zeros((y.shape[0], 3))
+        log = np.zeros(y.shape[0])
+        before = self.precision @ LINEAR
+        for i, (mean, root, middle, slope, left, weight) in enumerate(self.parts, 1):
+            at = which == i
+            moved = y[at] @ root.T
+            y[at], linear, inverse = mean + moved, middle + moved @ slope.T, np.linalg.inv(left)
+            precision[at], pull[at] = inverse - self.precision, linear @ inverse - before
+            square = np.einsum("np,np->n", linear @ inverse, linear) - before @ LINEAR
+            norm = np.linalg.slogdet(inverse)[1] - np.linalg.slogdet(self.precision)[1]
+            log[at] = weight + 0.5 * (norm - square)
+        return _from_normal(y, self.ratio), LinearPrior(precision, pull, log)
+
+
+def posterior(
+    car: Vehicle,
+    runs: list[RampRun],
+    ratio: Value,
+    draws: int = DRAWS,
+    known: Sequence[Known] = (),
+) -> Posterior:
     """The ensemble given the ramps ``runs``; ``ratio`` what is known of the pads' ratio before.
 
+    What else is ``known`` has equal parts of half of the prior; the other half is the field's.
     Raises ValueError where no draw of the prior explains the ramps at all, or nothing is left of a
     ramp.
     """
     from scipy.special import ndtri
 
     regression = Regression(car, runs)
-    dimension = len(FORMS) + len(_NONLINEAR)
+    prior = _Mixture(known, ratio)
     rng = np.random.default_rng(40)
-    start = ndtri(spread_evenly(draws, dimension))
+    start = ndtri(spread_evenly(draws, prior.dimension))
 
     def log_evidence(x: Array) -> Array:
-        return regression.solve(_from_normal(x, ratio))[0]
+        return regression.solve(*prior.drawn(x))[0]
 
     x = _carried(start, log_evidence, rng)
-    e = _from_normal(x, ratio)
-    _, mean, A = regression.solve(e)
+    e, of_linear = prior.drawn(x)
+    _, mean, A = regression.solve(e, of_linear)
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
     left = regression.left(e, found)
     departs = regression.departures(left)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
-    before = np.hstack([x, (found - regression.start) @ np.linalg.cholesky(regression.precision)])
+    before = np.hstack([x[:, : prior.own], regression.standard(found, of_linear)])
     pulls = regression.pulls(left)
     for part, columns in _PRIORS.items():
         pulls[part] = np.hstack([pulls.get(part, before[:, :0]), before[:, columns]])
+    field, *others = np.bincount(prior.of(x), minlength=len(known) + 1)
+    counts = len(known) * np.array(others, dtype=np.float64)
     return Posterior(
         **{
             **vars(e),
@@ -152,6 +185,7 @@ def posterior(car: Vehicle, runs: list[RampRun], ratio: Value, draws: int = DRAW
             "depart_slip": departs["slip"],
             "pulls": pulls,
             "misfit": float(np.sqrt(np.mean(left**2))),
+            "held": (counts + 0.5) / (counts + field + 1.0),
         }
     )
 

@@ -134,6 +134,19 @@ def _carried_on(
     }
 
 
+@dataclass(frozen=True)
+class LinearPrior:
+    """What is known of the linear parameters of each draw beyond the field's prior.
+
+    ``precision`` (n, 3, 3) and ``pull`` (n, 3), precision times mean, over those of the field;
+    ``log_weight`` (n,), with what the norms of the densities and the pads' ratio add.
+    """
+
+    precision: Array
+    pull: Array
+    log_weight: Array
+
+
 class Regression:
     """The rows of all ramps: eta of each, then slip of each.
 
@@ -209,16 +222,23 @@ class Regression:
         whole = np.concatenate(eta + slip, axis=-1) @ self.white.T
         return whole[:3], whole[3], rolls
 
-    def solve(self, e: Ensemble) -> tuple[Array, Array, Array]:
+    def solve(self, e: Ensemble, prior: LinearPrior) -> tuple[Array, Array, Array]:
         """Log evidence (n,), mean (n, 3) and precision (n, 3, 3) of the linear parameters."""
         H, y, rolls = self.rows(e)
-        A = np.einsum("ink,jnk->nij", H, H) + self.precision
-        g = np.einsum("ink,nk->ni", H, y) + self.precision @ self.start
+        A = np.einsum("ink,jnk->nij", H, H) + self.precision + prior.precision
+        g = np.einsum("ink,nk->ni", H, y) + self.precision @ self.start + prior.pull
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
-        log = -0.5 * (square + np.log(np.linalg.det(A)))
+        log = prior.log_weight - 0.5 * (square + np.log(np.linalg.det(A)))
         possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
+
+    def standard(self, linear: Array, prior: LinearPrior) -> Array:
+        """The linear parameters (n, 3) in the coordinates in which their prior is standard."""
+        precision = self.precision + prior.precision
+        pull = self.precision @ self.start + prior.pull
+        off = linear - np.linalg.solve(precision, pull[..., None])[..., 0]
+        return np.asarray(np.einsum("ni,nij->nj", off, np.linalg.cholesky(precision)))
 
     def left(self, e: Ensemble, linear: Array) -> Array:
         """What the draws with ``linear`` (n, 3) leave of the rows (n, k), whitened."""

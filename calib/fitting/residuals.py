@@ -3,6 +3,8 @@
 A ramp that no draw carries, or that all leave far more of than the sensors err by, makes no table.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from calib.base.arrays import Array, Index
@@ -11,6 +13,7 @@ from calib.base.names import G
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, brake_share, shown
+from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.model.ramp import RampRun, sigma_eta, sigma_slip
 from calib.model.settings import SETTINGS
@@ -33,6 +36,7 @@ def explained(
     ratio: Value,
     sources: str,
     warnings: tuple[PlausibilityWarning, ...],
+    known: Sequence[Known],
 ) -> tuple[Posterior, Residuals]:
     """The ensemble of the ramps, ``ratio`` known of the pads before, and what it leaves of them.
 
@@ -40,7 +44,7 @@ def explained(
     """
     lines = tuple(map(str, warnings))
     try:
-        found = posterior(car, runs, ratio)
+        found = posterior(car, runs, ratio, known=known)
     except ValueError as error:
         raise LogError(
             "no tyre carries the forces of the ramps",

@@ -69,7 +69,8 @@ def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
 
 def _note(table: Table, ramps: bool) -> str:
     origin = table.provenance
-    of = ", ".join([p.id for p in origin.parents] or [log.name for log in origin.logs])
+    cars = origin.parents if table.spread or table.by_hand else ()
+    of = ", ".join([p.id for p in cars] or [log.name for log in origin.logs])
     note = f"Digest {table.digest[:16]}, made of {of} with {table.provenance.program}. "
     note += "Bands are 95 %. Grey: beyond the usable range."
     if ramps:

@@ -8,6 +8,7 @@ vehicle file, the track, the method) is in every one of them and in their mean.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -16,7 +17,7 @@ from calib.base.errors import RevisionError
 from calib.base.program import PROGRAM
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
-from calib.car.vehicle import NOT_OF_THE_CAR
+from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
 from calib.store.mean import inflated, mean_curves, mean_pads
 from calib.store.mixture import mean_maps
 from calib.store.version import Stored
@@ -174,6 +175,11 @@ def _each(parents: Sequence[Stored]) -> Iterator[str]:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
         if parent.table.by_hand:
             yield f"{parent.id} was corrected by hand and is no measurement; merge its parent"
+        if parent.table.fleet:
+            yield (
+                f"{parent.id} rests on other cars by its prior, which would count twice; fit it "
+                "without --fleet-prior"
+            )
         if reach < _LEAST_RANGE * longest:
             yield (
                 f"{parent.id} ends at eta {1.0 + reach:.5f}, less than half of the range of the "
@@ -191,8 +197,8 @@ def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
                 )
         if a.ramps & b.ramps:
             yield f"{a.id} and {b.id} are made of the same ramp"
-        if differ := _differ(a.table, b.table):
-            yield f"{a.id} and {b.id} are of different vehicles: {', '.join(differ[:4])}"
+        if apart := differ(a.table, b.table.vehicle):
+            yield f"{a.id} and {b.id} are of different vehicles: {', '.join(apart[:4])}"
         elif a.table.posterior.names != b.table.posterior.names:
             yield f"{a.id} and {b.id} have other tyre parameters; fit the older one again"
 
@@ -201,8 +207,8 @@ def _identity(stored: Stored, mark: str) -> str:
     return stored.table.provenance.identity.get(mark, "")
 
 
-def _differ(a: Table, b: Table) -> list[str]:
+def differ(table: Table, vehicle: Vehicle) -> list[str]:
     """What differs of the vehicles but the name and what is open about the car."""
-    found = changes(a, b)
+    found = changes(table, replace(table, vehicle=vehicle))
     of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in found.get(part, ())]
     return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *NOT_OF_THE_CAR)]

@@ -218,7 +218,9 @@ class TableReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a table comes from: ``identity`` of the car, ``parents`` that it was merged from."""
+    """Where a table comes from: ``identity`` of the car, ``parents`` that it was merged from, or
+    cars that its prior rests on, see `Table.fleet`.
+    """
 
     logs: tuple[LogReference, ...]
     settings: dict[str, float]
@@ -351,6 +353,12 @@ class Table:
         held = {name: record.pop(name) for name in COLUMNS}
         curves = {name: columns for name, columns in held.items() if columns is not None}
         return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
+
+    @property
+    def fleet(self) -> tuple[TableReference, ...]:
+        """The cars of its model that the prior of a fit rests on."""
+        merged = self.spread is not None or self.by_hand
+        return () if merged else self.provenance.parents
 
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:

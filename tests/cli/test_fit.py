@@ -11,6 +11,7 @@ from calib.logs.write import write_csv
 from calib.store.store import Store
 from calib.table.budget import pads_budget, summary
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
+from tests.support.tyre_files import written
 
 VEHICLE = SEDAN / "vehicle.toml"
 CASE = sample_logs() / "hidden" / "case_3"
@@ -230,3 +231,39 @@ def test_a_table_is_made_again_from_logs_that_are_still_there(brake_cal, log, st
 
 def test_without_a_table_to_make_again_it_needs_a_vehicle(brake_cal, log, store):
     assert brake_cal("fit", log, "--store", store).code == 2
+
+
+def test_released_cars_and_a_tyre_file_are_parents(brake_cal, log, store, tmp_path):
+    """A second car of the model rests on the first; it is made again from the same, and no mean."""
+    first = ("fit", log, "--vehicle", VEHICLE, "--store", store)
+    second, file = tmp_path / "second.csv", tmp_path / "second.toml"
+    write_csv(noisy(ramp(with_pads(REAL, 0.38, 0.36)), 5), second)
+    file.write_text(VEHICLE.read_text().replace("sedan-2up", "second"))
+    fit = ("fit", second, "--vehicle", file, "--store", store)
+    assert brake_cal(*fit, "--fleet-prior").code == 2  # no store
+    assert brake_cal(*first).code == 0
+    assert brake_cal(*fit, "--fleet-prior").code == 4  # a draft
+    release = ("tables", "release", "sedan-2up@1", "--reason", "stops agree", "--store", store)
+    assert brake_cal(*release).code == 0
+    assert brake_cal(*fit).code == 0
+    ran = brake_cal(*fit, "--fleet-prior", "--json")
+    assert (ran.code, json.loads(ran.out)["table"]) == (0, "second@2")
+    tables = Store(store)
+    plain, rests = (tables.load(f"second@{n}").table for n in (1, 2))
+    parent = tables.load("sedan-2up@1")
+    assert [(x.id, x.digest) for x in rests.provenance.parents] == [(parent.id, parent.digest)]
+    assert plain.provenance.parents == ()
+    assert plain.digest != rests.digest
+    again = brake_cal("fit", "--again", "second@2", second, "--store", store, "--json")
+    assert json.loads(again.out)["table"] == "second@2"
+    assert (
+        brake_cal("tables", "merge", "sedan-2up", "second@2", "--name", "g", "--store", store).code
+        == 2
+    )
+    assert brake_cal("tables", "verify", "--store", store).code == 0
+    path = written(tmp_path / "tyre.tir", FNOMIN=4300.0)
+    assert brake_cal(*fit, "--tyre", path).code == 0
+    tyre = tables.load("second@3").table
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert ("tyre", digest) in [(x.role, x.digest) for x in tyre.provenance.logs]
+    assert brake_cal(*fit, "--tyre", written(path, PKX1=None)).code == 3

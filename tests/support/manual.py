@@ -12,6 +12,7 @@ import pytest
 
 from calib.help.samples import sample_logs
 from cli.main import main
+from tests.support.tyre_files import written
 
 FOLDER = Path(__file__).parents[2] / "calib" / "manual"
 PAGES = sorted(FOLDER.glob("*.md"))
@@ -116,6 +117,7 @@ def working_folder(folder: Path) -> None:
     vehicle = (sample_logs() / "sedan" / "vehicle.toml").read_text().replace("sedan-2up", "car")
     (folder / "car.toml").write_text(vehicle)
     (folder / "bench.toml").write_text(BENCH)
+    written(folder / "tyre.tir")
     (folder / "found").mkdir()
     (folder / "found" / "model.toml").write_text(MODEL)
     assert run(folder, "brake-cal fit ramp.csv coast.csv --vehicle car.toml") == 0

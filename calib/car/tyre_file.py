@@ -1,0 +1,119 @@
+"""A tyre property file (.tir): the braking part of Pacejka's Magic Formula 5.2 and later.
+
+    d = F_z/F_N - 1,  F_N = LFZO FNOMIN
+    K/F_z = (PKX1 + PKX2 d) exp(PKX3 d) LKX                 slip stiffness over load
+    mu    = (PDX1 + PDX2 d) LMUX                            peak
+    E     = (PEX1 + PEX2 d + PEX3 d^2) (1 + PEX4) LEX,  C = PCX1 LCX
+    R_e   = R_0 - F_N/c_z (DREFF atan(BREFF F_z/F_N) + FREFF F_z/F_N)
+
+Source: Pacejka, Tyre and Vehicle Dynamics, 4.3.2 and (7.13). Its offsets, camber and inflation
+pressure are not read. Not valid far from the nominal load F_N.
+"""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.bounded import TOML, bytes_of
+from calib.base.digest import file_digest
+from calib.base.errors import TyreError
+
+_RANGES = {"FNOMIN": (500.0, 30000.0), "PCX1": (1.0, 2.2), "PDX1": (0.2, 2.5), "PDX2": (-1.0, 1.0),
+           "PEX1": (-20.0, 1.0), "PKX1": (4.0, 120.0), "PKX2": (-60.0, 60.0),
+           "PKX3": (-2.0, 2.0)}  # fmt: skip
+"""Keys that a file must have, with what tyres of cars and vans have."""
+
+_USUAL = dict.fromkeys(("LFZO", "LCX", "LMUX", "LEX", "LKX"), 1.0) | dict.fromkeys(
+    ("PEX2", "PEX3", "PEX4", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF", "FREFF"),
+    0.0,
+)
+"""Other keys that are read, with their value where a file has none."""
+
+_UNITS = {"FORCE": ("newton", "newtons", "n"), "LENGTH": ("meter", "meters", "metre", "m")}
+_FAR = 3.0  # times the nominal load, or a part of it, where the polynomials say nothing
+_WHAT = "a tyre property file (.tir) of the Magic Formula 5.2, 6.1 or 6.2 (PAC2002, MF-Tyre)"
+_LINE = re.compile(r"^\s*(\w+)\s*=\s*'?([^\s$!']+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class TyreFile:
+    """The ``keys`` of a file that tell of braking [SI], and the digest of its bytes."""
+
+    name: str
+    source: str
+    digest: str
+    keys: dict[str, float]
+
+    def at(self, load: float) -> tuple[float, float]:
+        """Slip stiffness over load and peak [1] at a wheel load [N]. Raises TyreError."""
+        k, nominal = self.keys, self.keys["FNOMIN"] * self.keys["LFZO"]
+        d = load / nominal - 1.0
+        stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
+        peak = (k["PDX1"] + k["PDX2"] * d) * k["LMUX"]
+        if not (1.0 / _FAR < d + 1.0 < _FAR and 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0):
+            raise TyreError(
+                f"at {load:.0f} N, a wheel of this car, stiffness over load is {stiffness:.3g} and "
+                f"the peak {peak:.3g}",
+                where=self.source,
+                expected=f"a load about the nominal {nominal:.0f} N, 2 to 200, and 0.1 to 3",
+                do="give the file of a tyre of this car; check FNOMIN and the scale factors",
+            )
+        return stiffness, peak
+
+    def curve(self, load: float) -> tuple[Array, Array]:
+        """Share of the peak (n,), rising, and slip times stiffness over the peak (n,), all [1]."""
+        k = self.keys
+        d, C = load / (k["FNOMIN"] * k["LFZO"]) - 1.0, k["PCX1"] * k["LCX"]
+        E = (k["PEX1"] + k["PEX2"] * d + k["PEX3"] * d * d) * (1.0 + k["PEX4"]) * k["LEX"]
+        x = np.linspace(0.0, 20.0, 4001)
+        use = np.sin(C * np.arctan(x - min(E, 1.0) * (x - np.arctan(x))))
+        top = int(np.argmax(use)) + 1
+        return use[:top], C * x[:top]
+
+    def radius_load(self, load: float) -> float | None:
+        """Share by which the rolling radius falls when the load doubles [1]; None: not told."""
+        k, use = self.keys, load / (self.keys["FNOMIN"] * self.keys["LFZO"])
+        if not all(k[n] > 0.0 for n in ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")):
+            return None
+        slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * use) ** 2) + k["FREFF"]
+        return load / k["VERTICAL_STIFFNESS"] * slope / k["UNLOADED_RADIUS"]
+
+
+def read_tyre(path: Path | str) -> TyreFile:
+    """Read a tyre property file. Raises TyreError with all that is wrong.
+
+    That is a file that cannot be read, a missing key, a unit that is not N or m, a value that no
+    tyre has.
+    """
+    text = bytes_of(Path(path), TOML, TyreError, _WHAT).decode("latin-1")
+    found = {key.upper(): value for key, value in _LINE.findall(text)}
+    keys, flaws = {}, []
+    for key, names in _UNITS.items():
+        if found.get(key, names[0]).lower() not in names:
+            flaws.append(f"{key} is in {found[key]}, expected {names[0]}")
+    for key in (*_RANGES, *_USUAL):
+        low, high = _RANGES.get(key, (-1e9, 1e9))
+        written = found.get(key, str(_USUAL.get(key, "missing")))
+        try:
+            keys[key] = float(written)
+        except ValueError:
+            keys[key] = math.nan
+        if not low <= keys[key] <= high:
+            usual = f"{low:g} to {high:g}" if key in _RANGES else "a number"
+            flaws.append(f"{key} is {written}, expected {usual}")
+    if flaws:
+        do = f"give {_WHAT}, in newton and meter; or fit without --tyre"
+        raise TyreError(flaws[0], where=path, do=do, lines=tuple(flaws[1:]))
+    return TyreFile(Path(path).stem, str(path), file_digest(Path(path)), keys)
+
+
+def read_tyres(paths: Sequence[Path]) -> tuple[TyreFile, ...]:
+    """The tyres of both axles, or of the front and the rear axle. Raises TyreError."""
+    if len(paths) > 2:
+        raise TyreError(f"{len(paths)} files of tyres", expected="one, or front and rear")
+    return tuple(read_tyre(path) for path in paths)

@@ -1,0 +1,192 @@
+"""What is known before the ramps: as much as it says, and never against the ramps."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from calib.base.warning import judged
+from calib.car.tyre_file import read_tyre
+from calib.fitting import known as module
+from calib.fitting.draws import draws_of
+from calib.fitting.fit import fit
+from calib.fitting.known import Known, contradicted, known_before
+from calib.fitting.posterior import posterior
+from calib.fitting.stated_pads import UNSAID
+from calib.table.table import Calibration, Value
+from tests.support.plant import magic
+from tests.support.reference_car import CAR, IDEAL, noisy, prepared, ramp, with_ratio, without
+from tests.support.tyre_files import written
+
+RATIO, STIFFNESS, SIZE = 1.08, 25.0, 14
+FIELD = Known("all cars", "tyre_file", np.zeros(SIZE), np.eye(SIZE))
+
+
+def plant(stiffness=STIFFNESS, ratio=RATIO):
+    return replace(with_ratio(IDEAL, ratio), tyre=magic(stiffness, 0.9))
+
+
+@pytest.fixture(scope="module")
+def run():
+    return prepared(without(noisy(ramp(plant()), 1), "v"))
+
+
+@pytest.fixture(scope="module")
+def alone(run):
+    return posterior(CAR, [run], UNSAID)
+
+
+@pytest.fixture(scope="module")
+def tyre(tmp_path_factory):
+    """The tyre file of the plant, its stiffness times a factor."""
+    folder = tmp_path_factory.mktemp("tyres")
+
+    def of(factor=1.0):
+        path = folder / f"tyre_{factor}.tir"
+        load = 0.25 * CAR.weight
+        return read_tyre(written(path, FNOMIN=load, PKX1=factor * STIFFNESS))
+
+    return of
+
+
+def inside(x, true, share=0.95):
+    low, high = np.quantile(x, [0.5 - 0.5 * share, 0.5 + 0.5 * share])
+    return low < true < high
+
+
+def test_to_know_the_field_is_to_know_nothing(run, alone):
+    """Even odds stay even, and the answer is that of the ramp."""
+    e = posterior(CAR, [run], UNSAID, known=(FIELD,))
+    assert e.held == pytest.approx(0.5, abs=0.06)
+    both = posterior(CAR, [run], UNSAID, known=(FIELD, FIELD))
+    assert both.held == pytest.approx(0.5, abs=0.08)
+    for name in ("log_pad_ratio", "compliance_f", "load_exponent", "radius_load"):
+        found, before = getattr(e, name), getattr(alone, name)
+        assert np.mean(found) == pytest.approx(np.mean(before), abs=0.15 * np.std(before))
+        assert np.std(found) == pytest.approx(np.std(before), rel=0.12)
+
+
+@pytest.mark.parametrize("stated", [Value(0.0, 0.02), Value(0.1, 0.01), Value(0.05, 0.12)])
+def test_a_stated_ratio_multiplies_what_is_known(stated):
+    """Densities of one coordinate on a grid; a second one follows through its correlation."""
+    at, mean, sigma = module._RATIO, 0.6, 0.8
+    covariance = np.eye(SIZE)
+    covariance[at, at], covariance[at, 0] = sigma**2, 0.3
+    covariance[0, at] = 0.3
+    one = np.zeros(SIZE)
+    one[at] = mean
+    found, spread, weight = Known("x", "tyre_file", one, covariance).with_ratio(stated)
+    r = np.linspace(-1.0, 1.0, 200_001)
+    own = norm.pdf(r, UNSAID.sigma * mean, UNSAID.sigma * sigma)
+    product = own * norm.pdf(r, stated.value, stated.sigma) / norm.pdf(r, 0.0, UNSAID.sigma)
+    field = norm.pdf(r, stated.value, stated.sigma)
+    total, step = np.sum(product), r[1] - r[0]
+    middle = np.sum(r * product) / total
+    assert stated.value + stated.sigma * found[at] == pytest.approx(middle, abs=1e-5)
+    assert stated.sigma * math.sqrt(spread[at, at]) == pytest.approx(
+        math.sqrt(np.sum((r - middle) ** 2 * product) / total), rel=1e-3
+    )
+    moved = (middle / UNSAID.sigma - mean) * 0.3 / sigma**2
+    assert found[0] == pytest.approx(moved, abs=1e-4)
+    none = FIELD.with_ratio(stated)[2]
+    assert weight - none == pytest.approx(math.log(total * step / np.sum(field * step)), abs=1e-3)
+
+
+def test_the_right_tyre_file_narrows(run, alone, tyre):
+    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, [tyre()], {}))
+    assert e.held[0] > 0.6
+    assert np.std(np.log(e.compliance_f)) < 0.9 * np.std(np.log(alone.compliance_f))
+    for found, true in (
+        (e.log_pad_ratio, math.log(RATIO)),
+        (e.compliance_f, 1.0 / STIFFNESS),
+        (e.compliance_r, 1.0 / STIFFNESS),
+    ):
+        assert inside(found, true)
+    assert not judged("car", contradicted(known_before(CAR, [tyre()], {}), e.held))
+
+
+def test_files_of_front_and_rear_are_those_of_their_axles(tyre):
+    (one,) = known_before(CAR, [tyre(1.1), tyre(0.9)], {})
+    front, rear = (module.LINEAR + module.TO_LINEAR @ one.mean[-3:])[:2]
+    assert front == pytest.approx(1.0 / (1.1 * STIFFNESS), rel=1e-6)
+    assert rear == pytest.approx(1.0 / (0.9 * STIFFNESS), rel=1e-6)
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.25])
+def test_a_tyre_file_a_fifth_off_leaves_the_truth_inside(run, tyre, factor):
+    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, [tyre(factor)], {}))
+    assert inside(e.log_pad_ratio, math.log(RATIO))
+    assert inside(e.compliance_f, 1.0 / STIFFNESS, 0.99)
+
+
+def test_a_tyre_file_that_the_ramp_contradicts_is_told_and_not_followed(run, alone, tyre):
+    known = known_before(CAR, [tyre(2.2)], {})
+    e = posterior(CAR, [run], UNSAID, known=known)
+    (said,) = judged("car", contradicted(known, e.held))
+    assert (said.code, said.log) == ("tyre_file", "car")
+    assert said.measured < said.expected[0] < 0.5
+    assert np.mean(e.compliance_f) == pytest.approx(
+        np.mean(alone.compliance_f), abs=0.5 * np.std(alone.compliance_f)
+    )
+    assert np.std(e.log_pad_ratio) > 0.8 * np.std(alone.log_pad_ratio)
+
+
+@pytest.fixture(scope="module")
+def fleet():
+    """Draws of five cars of one tyre whose pads scatter by 7 % in ratio."""
+    exact = Value(1.0, 0.01)
+    pads = Calibration(exact, exact, exact, exact)
+
+    def car(seed, ratio):
+        log = without(noisy(ramp(plant(ratio=ratio)), seed), "v")
+        drawn = draws_of(CAR, posterior(CAR, [prepared(log)], UNSAID), pads)
+        return SimpleNamespace(draws=drawn, map=0, level_map=0)
+
+    ratios = (0.93, 1.0, 1.07, 0.97, 1.04)
+    return {f"c{i}@1": car(10 + i, ratio) for i, ratio in enumerate(ratios)}
+
+
+def test_cars_of_one_tyre_tell_of_the_next(run, alone, fleet):
+    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, (), fleet))
+    assert e.held[0] > 0.6
+    assert np.std(np.log(e.compliance_f)) < 0.85 * np.std(np.log(alone.compliance_f))
+    assert inside(e.log_pad_ratio, math.log(RATIO))
+    assert inside(e.compliance_f, 1.0 / STIFFNESS)
+
+
+def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
+    (one,) = known_before(CAR, (), dict(list(fleet.items())[:1]))
+    (five,) = known_before(CAR, (), fleet)
+    (many,) = known_before(CAR, (), {f"{i}{id_}": t for i in range(40) for id_, t in fleet.items()})
+    for of in (one, five, many):
+        variance = np.diag(of.covariance)
+        assert np.all(variance > module._APART)
+        assert np.all(variance < 1.01)
+    assert np.trace(one.covariance) > np.trace(five.covariance) > np.trace(many.covariance)
+    assert one.covariance[10, 10] == pytest.approx(1.0, abs=0.35)  # heights differ by loads
+
+
+def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
+    other = prepared(noisy(ramp(plant(0.62 * STIFFNESS)), 3))
+    known, before = known_before(CAR, (), fleet), posterior(CAR, [other], UNSAID)
+    e = posterior(CAR, [other], UNSAID, known=known)
+    (said,) = judged("car", contradicted(known, e.held))
+    assert said.code == "fleet_prior"
+    assert np.mean(e.compliance_f) == pytest.approx(np.mean(before.compliance_f), rel=0.03)
+    assert inside(e.log_pad_ratio, math.log(RATIO))
+
+
+def test_a_table_names_what_its_prior_rests_on(tyre):
+    run, file = noisy(ramp(plant()), 1), tyre()
+    cars = {"b@1": fit(CAR, [noisy(ramp(plant(ratio=1.0)), 2)])}
+    table = fit(CAR, [run], tyre=[file], fleet=cars)
+    made_of = table.provenance
+    assert [(x.name, x.digest) for x in made_of.logs if x.role == "tyre"] == [
+        (file.name, file.digest)
+    ]
+    assert [(x.id, x.digest) for x in table.fleet] == [("b@1", cars["b@1"].digest)]
+    assert table.digest == fit(CAR, [run], tyre=[file], fleet=cars).digest
+    assert not fit(CAR, [run]).fleet

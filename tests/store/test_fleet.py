@@ -1,0 +1,83 @@
+"""Which tables of a store are the cars of a model, by their states, vehicles and parents."""
+
+from dataclasses import replace
+
+import pytest
+
+from calib.base.errors import RevisionError, StoreError
+from calib.store.fleet import fleet_again, released_cars
+from calib.store.merge import merge
+from calib.store.state import StateDecision
+from calib.store.store import Store
+from calib.table.table import LogReference, TableReference
+from tests.support.cars_of_a_line import car_table
+from tests.support.signing import RELEASE
+from tests.support.tables import VEHICLE
+
+NEW = replace(VEHICLE, name="new", mass_tolerance=0.005)
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "tables")
+
+
+def car(number, **more):
+    """A car under a name of its own; ``more`` of its provenance."""
+    table, name = car_table(number, 26.0 + number), f"car{number}"
+    origin = replace(table.provenance, **more)
+    vehicle = replace(table.vehicle, name=name)
+    return replace(table, name=name, vehicle=vehicle, provenance=origin)
+
+
+def test_newest_released_version_of_each_other_car_of_the_model(store):
+    for number in (1, 2, 3):
+        store.save(car(number), RELEASE)
+    newer = replace(car(1), quality={"runs": 2.0})
+    store.save(newer, RELEASE)
+    store.save(car(4))  # a draft
+    heavier = replace(car(5), vehicle=replace(car(5).vehicle, mass=1900.0))
+    store.save(heavier, RELEASE)
+    own = store.save(car(6), RELEASE)
+    found = released_cars(store, NEW, own.ramps)
+    assert sorted(found) == ["car1@2", "car2@1", "car3@1"]
+    assert found["car1@2"].digest == newer.digest
+
+
+def test_tables_that_rest_on_others_do_not_count(store):
+    first = store.save(car(1), RELEASE)
+    store.save(car(2, parents=(TableReference(first.id, first.digest),)), RELEASE)
+    tyre = LogReference("t", "0" * 64, "tyre")
+    store.save(car(3, logs=(*car(3).provenance.logs, tyre)), RELEASE)
+    assert list(released_cars(store, NEW, ())) == ["car1@1"]
+
+
+def test_a_mean_stands_for_its_cars_or_for_one_more(store, tmp_path):
+    parents = [store.save(car(number)) for number in (1, 2)]
+    mean = merge(parents, "golden")
+    store.save(mean, RELEASE)
+    assert sorted(released_cars(store, NEW, ())) == ["car1@1", "car2@1"]
+    elsewhere = Store(tmp_path / "line")
+    elsewhere.save(mean, RELEASE)
+    assert list(released_cars(elsewhere, NEW, ())) == ["golden@1"]
+
+
+def test_a_store_without_such_cars(store):
+    store.save(car(1))
+    with pytest.raises(StoreError):
+        released_cars(store, NEW, ())
+
+
+def test_the_same_cars_again_or_none(store):
+    first = store.save(car(1), RELEASE)
+    rests = store.save(car(2, parents=(TableReference(first.id, first.digest),)))
+    store.judge(first.id, StateDecision("withdrawn", "pads recalled"))
+    assert {id_: table.digest for id_, table in fleet_again(store, rests).items()} == {
+        first.id: first.digest
+    }
+    other = store.save(car(3, parents=(TableReference(first.id, "0" * 64),)))
+    with pytest.raises(StoreError):
+        fleet_again(store, other)
+    assert fleet_again(store, first) == {}
+    with pytest.raises(RevisionError):
+        merge([first, rests], "golden")
