@@ -28,13 +28,15 @@ def export(
     single: bool = option("Single precision; for c-header, a2l.", None, "--float"),
     elf: Path | None = option("Linked program (ELF), for addresses of an a2l.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
+    without_effect: list[str] = option("Known effect that no ECU senses; repeatable.", "NAME"),
     unreleased: bool = option("Also a version that is not released; the file then says so."),
     signed: Signed,
     store: Tables,
 ) -> Answer:
     """Write a table for a calibration tool or an ECU.
 
-    Only a released one, unless --unreleased is given. Every file states the table's id, digest and
+    Only a released one, unless --unreleased is given; a car with a known effect that no ECU senses,
+    such as discs that fade, only --without-effect. Every file states the table's id, digest and
     state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     from calib.base.errors import ExchangeError
@@ -47,8 +49,8 @@ def export(
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED
     how: dict[str, Any] = {"points": points, "bits": bits, "single": single, "elf": elf}
-    how["unreleased"] = unreleased
-    options = "--format, --points, --fixed-point, --float, --elf"
+    how |= {"unreleased": unreleased, "without_effects": without_effect}
+    options = "--format, --points, --fixed-point, --float, --elf, --without-effect"
     with at_option(options, ExchangeError), writing(out):
         written = write(stored, out, form, quality=quality, **how)
     for axis in written.data.axes:

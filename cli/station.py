@@ -70,6 +70,7 @@ def station(
     from calib.base.digest import file_digest
     from calib.base.plain import counted
     from calib.base.publish import workshop
+    from calib.car.effects.combined import not_sensed
     from calib.car.vehicle import require_same_car
     from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
     from calib.line.station.golden import golden_table
@@ -122,6 +123,8 @@ def station(
     tell_kin(store, stored)
     if export and not stored.state.released:
         say("no exports: only a released table may reach an ECU")
+    elif export and (beyond := not_sensed(stored.table.vehicle.effects)):
+        say(f"no exports: an ECU cannot sense {', '.join(beyond)}; see `brake-cal tables export`")
     if found.passed and not stored.state.released:
         say("a person decides: `brake-cal tables release` with this station.json as --evidence")
     return Answer(document, facts(found, stored), FAILED * (not found.passed))

@@ -15,7 +15,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.car.effects.combined import body_load_shift, total_axle_moment, total_body_force
+from calib.car.effects.combined import total_axle_moment, total_body_force, total_load_shift
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, braking_sum
 from calib.car.history import Motion, constant_speed
@@ -26,9 +26,9 @@ from calib.car.vehicle import Axle, Vehicle
 class ForceBalance:
     """Forces of a run [N], shapes (n,).
 
-    ``load_f``, ``load_r`` axle loads (6), (7), by the height at which known effects slow the body;
-    ``moment_f``, ``moment_r`` moments on the wheels besides the brake, inertia and drive included,
-    as a force at the road; ``drive_f``, ``drive_r`` the drive's part of them; ``body`` forces that
+    ``load_f``, ``load_r`` axle loads (6), (7), as known effects move them; ``moment_f``,
+    ``moment_r`` moments on the wheels besides the brake, inertia and drive included, as a force at
+    the road; ``other_f``, ``other_r`` of them all but the inertia; ``body`` forces that
     slow the body directly; ``tyre_sum`` sum of all tyre forces (5), (17).
     """
 
@@ -36,8 +36,8 @@ class ForceBalance:
     load_r: Array
     moment_f: Array
     moment_r: Array
-    drive_f: Array
-    drive_r: Array
+    other_f: Array
+    other_r: Array
     body: Array
     tyre_sum: Array
 
@@ -72,22 +72,20 @@ def force_balance(
         spin = (-G * z / vehicle.front.rolling_radius, -G * z / vehicle.rear.rolling_radius)
     if drive is None:
         drive = (np.zeros_like(z), np.zeros_like(z))
-    drive_f, drive_r = (
-        -torque / axle.rolling_radius for axle, torque in zip(axles, drive, strict=True)
-    )
+    other_f, other_r = (moment - torque for moment, torque in zip(moments, drive, strict=True))
     moment_f, moment_r = (
         moment_at_road(axle, moment, rate)
-        for axle, moment, rate in zip(axles, moments, spin, strict=True)
+        for axle, moment, rate in zip(axles, (other_f, other_r), spin, strict=True)
     )
     body = total_body_force(vehicle, effects, motion)
-    shifted = vehicle.weight * body_load_shift(vehicle, effects, history)
+    shifted = vehicle.weight * total_load_shift(vehicle, effects, history)
     return ForceBalance(
         load_f=load_f - shifted,
         load_r=load_r + shifted,
-        moment_f=moment_f + drive_f,
-        moment_r=moment_r + drive_r,
-        drive_f=drive_f,
-        drive_r=drive_r,
+        moment_f=moment_f,
+        moment_r=moment_r,
+        other_f=other_f / vehicle.front.rolling_radius,
+        other_r=other_r / vehicle.rear.rolling_radius,
         body=body,
         tyre_sum=braking_sum(vehicle, z, body),
     )

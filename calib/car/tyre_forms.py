@@ -53,10 +53,11 @@ _RISE = np.diff(_OVER_USE, axis=0)
 def mean_inverse(use: Array, weights: Array) -> Array:
     """X of the tyres with ``weights`` (n, 5) of the forms, at ``use`` (n, k) [1].
 
+    A wheel that drives slips the other way.
     X/u by linear interpolation over the root of 1 - u, faster than the forms: 1e-5 off at most.
     """
-    u = np.clip(use, 0.0, NEAR_PEAK)
+    u = np.minimum(np.abs(use), NEAR_PEAK)
     at = (1.0 - np.sqrt(1.0 - u)) * (_NODES / (1.0 - _Q_END))
     cell = np.minimum(at.astype(np.int64), _NODES - 1)
     forms = _OVER_USE[cell] + (at - cell)[..., None] * _RISE[cell]
-    return np.asarray(u * np.einsum("nkf,nf->nk", forms, weights))
+    return np.asarray(np.copysign(u, use) * np.einsum("nkf,nf->nk", forms, weights))

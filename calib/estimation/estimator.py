@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.names import WHEELS
+from calib.car.effects.combined import sensed
 from calib.car.vehicle import Vehicle
 from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.gates import Gates, undisturbed, validity
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
-from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
+from calib.estimation.zeros import known_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
-from calib.model.known_effects import remove_known_effects
+from calib.model.known_effects import CorrectedRun, remove_known_effects
 from calib.model.sensors import judge_accelerometer
 from calib.run.accelerometer import Accelerometer
 from calib.run.axle_signals import Signals, eta_of, signals
@@ -228,10 +229,12 @@ def estimate(
     filed = with_pads(ran.vehicle, table.vehicle)
     means = blocks(read)
     best = read_out(table, filed, plan.known, plan.noise, read, means, held)
-    own, sensed = SensorNoise(**table.noise), _sensed(car, log, read)
-    of = means if sensed is read else blocks(sensed)
-    ecu = read_out(exported or table, filed, plan.known, own, sensed, of, held, with_v=False)
-    driven = drive_slips(used, forces.balance)
+    own, (as_ecu, taken_out) = SensorNoise(**table.noise), _as_ecu(car, log, read, ran)
+    of = means if as_ecu is read else blocks(as_ecu)
+    by_ecu = replace(plan.known, effects=sensed(plan.known.effects))
+    ecu = read_out(exported or table, filed, by_ecu, own, as_ecu, of, held, with_v=False)
+    ecu = ecu.without(taken_out.factor_f / ran.factor_f, taken_out.factor_r / ran.factor_r)
+    driven = known_slips(used, ran.vehicle, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
     run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, forces, eta)
@@ -268,14 +271,19 @@ def estimate(
     )
 
 
-def _sensed(car: Vehicle, log: Log, read: Signals) -> Signals:
-    """The signals by the pressure of the master cylinder alone, as an ECU has it."""
+def _as_ecu(
+    car: Vehicle, log: Log, read: Signals, ran: CorrectedRun
+) -> tuple[Signals, CorrectedRun]:
+    """The signals by the pressure of the master cylinder alone, with the effects taken out that an
+    ECU knows; ``read`` and ``ran`` themselves where these are all.
+    """
     wheels = {f"p_{w}" for w in WHEELS}
-    if wheels.isdisjoint(log.channels):
-        return read
+    own = sensed(car.effects)
+    if wheels.isdisjoint(log.channels) and own == car.effects:
+        return read, ran
     channels = {name: x for name, x in log.channels.items() if name not in wheels}
-    ran = remove_known_effects(car, replace(log, channels=channels))
-    return signals(ran.log, ran.vehicle)
+    taken_out = remove_known_effects(replace(car, effects=own), replace(log, channels=channels))
+    return signals(taken_out.log, taken_out.vehicle), taken_out
 
 
 def _normalised(plan: Plan, s: Signals, forces: BrakeBalance, best: Readout) -> Pair:

@@ -21,7 +21,7 @@ from calib.car.braking import BITE, MOVING
 from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
 from calib.estimation.gates import LOCKS
-from calib.estimation.zeros import drive_slips
+from calib.estimation.zeros import known_slips
 from calib.fitting.draws import ensemble_of
 from calib.fitting.stops import scenarios, seen
 from calib.run.blocks import block_balance, braked_alone
@@ -29,12 +29,13 @@ from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
 from calib.run.wheels import WheelParts, crossed_diagonal
 
-SURE = 8.0
-"""Logarithm of the odds of exchanged axles from which no sample is valid: 3000 to 1, for a mistake
-of one log in a hundred. Front pads at half their friction on a softer road have up to 5."""
+SURE = 5.0
+"""Logarithm of the odds of exchanged axles from which no sample is valid: 150 to 1. Weak front pads
+and light braking on any road have none above 0, swapped logs of cars as they are 10 and more."""
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
 """Decelerations [1] between which blocks are averaged."""
-_COUNT = 4096  # scenarios: with fewer the odds of weak pads turn over
+_COUNTS = (512, 4096)  # scenarios; the first tell enough where they explain the log as it is
+_EXPLAINED, _FAR = -12.0, -20.0  # logarithms of such a likelihood, and of odds that are enough
 _FORM = 0.03  # of eta - 1, relative: forms of tyres, and loads that move late
 _FINEST = 5e-5  # least error of a mean of eta - 1 [1]
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
@@ -73,12 +74,18 @@ def axles_exchanged(e: Estimate) -> float | None:
     z, shift, error = _curve(e)
     if draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
         return None
-    s = scenarios(car, ensemble_of(car, draws), _COUNT)
-    shown = np.stack([seen(car, s, float(at)).shift for at in z], axis=1)
+    ensemble = ensemble_of(car, draws)
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     precision = np.asarray(np.linalg.inv(np.diag(error**2) + zero**2), dtype=float)
-    given, other = (_evidence(x - shown, precision) for x in (shift, 1.0 / (1.0 + shift) - 1.0))
-    return other - given
+    odds = 0.0
+    for count in _COUNTS:
+        s = scenarios(car, ensemble, count)
+        shown = np.stack([seen(car, s, float(at)).shift for at in z], axis=1)
+        given, other = (_evidence(x - shown, precision) for x in (shift, 1.0 / (1.0 + shift) - 1.0))
+        odds = other - given
+        if given > _EXPLAINED and odds < _FAR:
+            break
+    return odds
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:
@@ -89,7 +96,8 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     b, plan = e.blocks, e.plan
     road = block_balance(plan.nominal, plan.known.effects, b)
     demanded = road.demanded / plan.nominal.weight
-    shift = b.eta / speed_ratio(*drive_slips(plan.table, road)) / (1.0 + e.eta_zero) - 1.0
+    known = speed_ratio(*known_slips(plan.table, plan.table.vehicle, road))
+    shift = b.eta / known / (1.0 + e.eta_zero) - 1.0
     rolls = block_mean(e.refused[LOCKS].astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     variance = 2.0 * (plan.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length

@@ -2,13 +2,12 @@
 
     schema = 1
     [limits]
-    torque_error_f = { max = 0.05 }
     valid_share = { min = 0.7 }
+    pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1] }
 
-Between pass and fail there may be a warning: `pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1] }`
-fails outside the first range and warns outside the second; `-inf` and `inf` leave an end open.
-`min` and `max` are other words for the ends of `fail`. With `required = true` a metric that a log
-cannot give fails.
+It fails outside ``fail`` and warns outside ``warn``; `-inf` and `inf` leave an end open. `min` and
+`max` are other words for the ends of ``fail``. With `required = true` a metric that a log cannot
+give fails.
 """
 
 import math
@@ -98,9 +97,8 @@ def read_limits(path: Path, known: Collection[str]) -> tuple[Limit, ...]:
     entries = file.limits.entries()
     if not entries:
         raise LimitsError("no limits in it", where=path, expected="metrics in the table [limits]")
-    return tuple(_limit(name, entry) for name, entry in entries)
-
-
-def _limit(name: str, entry: _LimitSection) -> Limit:
-    (low, high), (warn_low, warn_high) = entry.ends, entry.warn or OPEN
-    return Limit(name, low, high, warn_low, warn_high, entry.required)
+    return tuple(
+        Limit(name, low, high, warn_low, warn_high, one.required)
+        for name, one in entries
+        for (low, high), (warn_low, warn_high) in [(one.ends, one.warn or OPEN)]
+    )

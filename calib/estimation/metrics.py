@@ -100,10 +100,13 @@ def score(log: Log, vehicle: Vehicle, e: Estimate) -> Figures:
             for name, value in _of_quantity(quantity, valid, told).items():
                 key = f"{of}{name}_{side}"
                 figures[_NAMES.get(key, key)] = value
-    figures |= _reference(e, e.valid & e.ecu.valid & counted)
-    inside = [figures.get(f"inside_{side}") for side in "fr"]
-    if None not in inside:
-        figures["truth_in_interval"] = float(np.mean(np.array(inside, dtype=float)))
+    both = e.valid & e.ecu.valid & counted
+    if e.blocks.v is not None and both.any():
+        figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, both)
+        figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, both)
+    if truth is not None and (e.valid & counted).any():
+        inside = [figures.get(f"inside_{side}") or 0.0 for side in "fr"]
+        figures["truth_in_interval"] = float(np.mean(inside))
     return {name: figures.get(name) for name in METRICS}
 
 
@@ -113,18 +116,18 @@ def counted_samples(e: Estimate) -> Mask:
 
 
 def _quantities(of: Readout, truth: tuple[_AxleTruth, _AxleTruth] | None) -> dict[str, _Quantity]:
-    sums = of.torque_sum.value
-    given = ((of.pads_f, of.torque_f.value), (of.pads_r, of.torque_r.value), (of.level, sums))
+    front, rear = (of.pads_f, of.torque_f.value), (of.pads_r, of.torque_r.value)
+    both = of.level, of.torque_sum.value
     if truth is None:
-        return {side: _Quantity(*x) for side, x in zip(_SIDES, given, strict=True)}
+        return {"f": _Quantity(*front), "r": _Quantity(*rear), "level": _Quantity(*both)}
     total = 2.0 * (truth[0].torque + truth[1].torque)
     with np.errstate(divide="ignore", invalid="ignore"):
-        level = of.level.value * total / sums
-    true = (*((t.pad_friction, t.torque) for t in truth), (level, total))
-    return {side: _Quantity(*x, *t) for side, x, t in zip(_SIDES, given, true, strict=True)}
-
-
-_SIDES = ("f", "r", "level")
+        level = of.level.value * total / of.torque_sum.value
+    return {
+        "f": _Quantity(*front, truth[0].pad_friction, truth[0].torque),
+        "r": _Quantity(*rear, truth[1].pad_friction, truth[1].torque),
+        "level": _Quantity(*both, level, total),
+    }
 
 
 def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
@@ -138,23 +141,23 @@ def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
             "pad_friction_drift": abs(float(np.mean(x[-third:]) / np.mean(x[:third]) - 1.0)),
             "interval": float(np.median(0.5 * (q.x.upper - q.x.lower)[valid] / x)),
         }
-    if q.true is None or q.true_torque is None or not valid.any():
+    true, true_torque = q.true, q.true_torque
+    if true is None or true_torque is None or not valid.any():
         return out
+    scale = _rms(true_torque[told])
     with np.errstate(divide="ignore", invalid="ignore"):
-        error = q.x.value / q.true - 1.0
-    inside = (q.true >= q.x.lower) & (q.true <= q.x.upper)
-    found = {
-        "torque_error": _ratio(_rms((q.torque - q.true_torque)[told]), _rms(q.true_torque[told])),
-        "pad_friction_bias": abs(np.mean(error[valid])),
-        "final_error": abs(error[told][-1]),
-        "inside": np.mean(inside[valid]),
-    }
-    known = valid & np.isfinite(q.true) & (q.true > 0.0)
+        over = q.x.value / true
+        found = {
+            "torque_error": _rms((q.torque - true_torque)[told]) / (scale or np.nan),
+            "pad_friction_bias": abs(np.mean(over[valid] - 1.0)),
+            "final_error": abs(over[told][-1] - 1.0),
+            "inside": np.mean(((true >= q.x.lower) & (true <= q.x.upper))[valid]),
+        }
+    known = valid & np.isfinite(true) & (true > 0.0)
     if known.any():
-        rest = q.x.at(known).deviations(q.true[known])
-        found |= {"normalised_error": _rms(rest), "truth": np.mean(q.true[known])}
-    finite = {k: float(v) for k, v in found.items() if v is not None and np.isfinite(v)}
-    return out | finite
+        rest = q.x.at(known).deviations(true[known])
+        found |= {"normalised_error": _rms(rest), "truth": np.mean(true[known])}
+    return out | {name: float(value) for name, value in found.items() if np.isfinite(value)}
 
 
 def _innovation(e: Estimate) -> Figures:
@@ -165,16 +168,6 @@ def _innovation(e: Estimate) -> Figures:
         return {}
     colour = float(np.mean(told[1:] * told[:-1]))
     return {"innovation_rms": _rms(told), "innovation_colour": colour}
-
-
-def _reference(e: Estimate, both: Mask) -> Figures:
-    """How far the ECU is from the estimate with v, where there is one and ``both`` are valid."""
-    if e.blocks.v is None or not both.any():
-        return {}
-    return {
-        "ecu_reference_f": departure(e.ecu.pads_f, e.best.pads_f, both),
-        "ecu_reference_r": departure(e.ecu.pads_r, e.best.pads_r, both),
-    }
 
 
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
@@ -197,10 +190,6 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
 def share(part: Mask, whole: Mask) -> float:
     """Share of a part of the ``whole`` [1]; 0 of nothing, which must not pass."""
     return float(np.sum(part)) / max(float(np.sum(whole)), 1.0)
-
-
-def _ratio(a: float, b: float) -> float | None:
-    return a / b if b > 0.0 else None
 
 
 def _rms(x: Array) -> float:

@@ -5,7 +5,7 @@
 What is handed out: the same numbers for every command, and for an ECU without a speed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.constants import constants
 from calib.estimation.state import Reason, Sample
 from calib.estimation.step import Answer, run
-from calib.estimation.zeros import drive_slips
+from calib.estimation.zeros import known_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance
@@ -90,6 +90,11 @@ class Readout:
     innovation: Array
     reason: Index
 
+    def without(self, factor_f: Array | float, factor_r: Array | float) -> "Readout":
+        """The same with pad frictions of which known effects are taken out by these factors."""
+        front, rear = self.pads_f.times(factor_f), self.pads_r.times(factor_r)
+        return replace(self, pads_f=front, pads_r=rear)
+
     @property
     def valid(self) -> Mask:
         """Samples in which the model holds."""
@@ -139,7 +144,7 @@ def read_out(
     forces = block_balance(car, known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     R = car.front.rolling_radius
-    driven = drive_slips(table, forces)
+    driven = known_slips(table, car, forces)
     columns = (
         forces.demanded / car.weight,
         (B_f + B_r) / car.weight,

@@ -39,7 +39,7 @@ def to_dict(
         "state": stored.state.word,
         "mass": asdict(results[0].mass) if results else None,
         "warnings": [warning_dict(w) for w in all_warnings(stored.table.warnings, results)],
-        "verdict": _verdict(all(r.passed for r in results)),
+        "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "proof": proof_of(results),
         "exported": None if how is None else asdict(how),
         "logs": [_of_log(r) for r in results],
@@ -61,7 +61,7 @@ def _of_log(r: Validation) -> dict[str, object]:
         "log": r.log,
         "digest": r.digest,
         "role": r.role,
-        "verdict": _verdict(r.passed),
+        "verdict": PASSED if r.passed else FAILED,
         "proof": r.proof,
         "figures": {key: _finite(value) for key, value in r.figures.items()},
         "limits": [
@@ -87,10 +87,6 @@ def _of_log(r: Validation) -> dict[str, object]:
         },
         **({"notes": notes} if notes else {}),
     }
-
-
-def _verdict(passed: bool) -> str:
-    return PASSED if passed else FAILED
 
 
 def _finite(value: float | None) -> float | None:

@@ -24,9 +24,9 @@ def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
     return (*of_run, *judged(log.name, of_changes(pads_together(e), pads_apart(e))))
 
 
-def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[PlausibilityWarning]:
+def limit_warnings(log: str, limits: tuple[Judgement, ...]) -> Iterator[PlausibilityWarning]:
     """A warning for each metric that passes and lies outside the range without warning."""
-    for one in judged:
+    for one in limits:
         if one.warned and one.value is not None:
             yield PlausibilityWarning(
                 one.figure,

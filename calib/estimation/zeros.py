@@ -1,8 +1,8 @@
 """What eta and the slips read on the lead-in, where no brake acts: the radii of the day.
 
-A motor slips the wheels there too; the table's tyre curve says by how much, and only the rest is
-zeroed. Wrong by the drive's slip times what the road's stiffness differs from that of the ramp. For
-the baselines and the drawings; the step finds its own zeros.
+Engine, motor and other known effects slip the wheels besides the brakes; the table's tyre curve
+says by how much, and only the rest is zeroed. Wrong by that slip times what the road's stiffness
+differs from that of the ramp. The zeros are for baselines and drawings; the step finds its own.
 """
 
 import math
@@ -11,24 +11,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.car.balance import ForceBalance
-from calib.car.forces import speed_ratio
+from calib.car.forces import axle_loads, speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals, eta_of
 from calib.run.noise import SensorNoise, aged
+from calib.table.budget import front_share
 from calib.table.table import Table
 
 Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
 
 
-def drive_slips(table: Table, road: ForceBalance) -> Pair:
-    """Slip of both axles [1] (n,) that engine or motor causes; zero where none is logged."""
+def known_slips(table: Table, car: Vehicle, road: ForceBalance) -> Pair:
+    """Slip of both axles [1] (n,) besides that of a car which nothing but its brakes slows.
+
+    Other moments on the wheels, engine or motor among them, add to the force of an axle; its load
+    is that of the whole deceleration, and what known effects move. The map of a table knows none
+    of them. ``car`` with the pads of the file; those of the ramp share the brake force.
+    """
+    rolling = [2.0 * axle.wheel_mass / car.mass for axle in (car.front, car.rear)]
+    alone = road.demanded / (1.0 + sum(rolling))
+    share = front_share(car, table.calibration.pad_log_ratio.value)
 
     def slip(force: Array, load: Array) -> Array:
-        F = force / load
+        F = force / np.maximum(load, 0.1 * car.weight)
         return np.asarray(np.sign(F) * np.interp(np.abs(F), table.tyre.force, table.tyre.slip))
 
-    return slip(road.drive_f, road.load_f), slip(road.drive_r, road.load_r)
+    front, rear = (
+        slip(part * road.demanded - inert * alone + other, load)
+        - slip(part * road.demanded - inert * alone, by_brakes)
+        for part, inert, other, load, by_brakes in zip(
+            (share, 1.0 - share),
+            rolling,
+            (road.other_f, road.other_r),
+            (road.load_f, road.load_r),
+            axle_loads(car, alone / car.weight),
+            strict=True,
+        )
+    )
+    return front, rear
 
 
 def zero_of_eta(s: Signals, driven: Pair, noise: SensorNoise, car: Vehicle) -> float:

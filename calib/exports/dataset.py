@@ -17,6 +17,7 @@ import numpy as np
 from calib.base.arrays import Array, Index
 from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
+from calib.car.effects.combined import not_sensed, sensed
 from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
@@ -339,6 +340,17 @@ class Dataset:
             },
         )
 
+    @property
+    def _effects(self) -> dict[str, str]:
+        """Known effects that the ECU has to take out, and those that it cannot."""
+        effects = self.stored.table.vehicle.effects
+        beyond = not_sensed(effects)
+        told = {
+            "effects to take out": ", ".join(sensed(effects).described),
+            "effects not known to the ECU": "; ".join(f"{k}: {why}" for k, why in beyond.items()),
+        }
+        return {key: text for key, text in told.items() if text}
+
     def facts(self) -> dict[str, str]:
         """Facts that every file states, by key."""
         stored, table, content = self.stored, self.stored.table, self.content()
@@ -351,6 +363,7 @@ class Dataset:
             "vehicle": table.vehicle.name,
             **({"parents": parents} if parents else {}),
             **({"set by hand": "; ".join(map(str, table.by_hand))} if table.by_hand else {}),
+            **self._effects,
             "ends": _CLAMP,
             **{f"breakpoints {a.label}": a.placed for a in self.axes},
             "validation": self.quality.words,

@@ -1,6 +1,7 @@
 """A table written as the file of a calibration tool, an ECU or another program."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
+from calib.car.effects.combined import not_sensed
 from calib.exports.addresses import find_addresses
 from calib.exports.dataset import Axis, Dataset, build
 from calib.exports.write import FORMATS
@@ -89,6 +91,26 @@ def _over(data: Dataset, axis: Axis) -> list[str]:
     return [one.label for one in data.maps if axis.label in [a.label for a in one.axes]]
 
 
+def _require_sensed(stored: Stored, without_effects: Sequence[str]) -> None:
+    """Raise StoreError for an effect that an ECU cannot sense and that nobody named."""
+    beyond = not_sensed(stored.table.vehicle.effects)
+    if unknown := [name for name in without_effects if name not in beyond]:
+        raise ExchangeError(
+            f"{unknown[0]} is no known effect of {stored.id} that an ECU cannot sense",
+            expected=", ".join(beyond) or "none",
+        )
+    left = {name: why for name, why in beyond.items() if name not in without_effects}
+    if left:
+        raise StoreError(
+            "the ECU cannot take out "
+            + ", ".join(f"{name}: it does not know {why}" for name, why in left.items()),
+            where=stored.id,
+            expected="effects that pressure, deceleration and wheel speeds show",
+            do="see what it costs in ecu_* of `brake-cal validate`, and hand it out with "
+            + " ".join(f"--without-effect {name}" for name in left),
+        )
+
+
 def export(
     stored: Stored,
     path: Path | str,
@@ -101,6 +123,7 @@ def export(
     quality: Quality = UNPROVED,
     date: str | None = None,
     unreleased: bool = False,
+    without_effects: Sequence[str] = (),
 ) -> Exported:
     """Write a version of a table to the file ``path``; an existing file is replaced.
 
@@ -115,9 +138,11 @@ def export(
     quality : result of a validation, see `calib.store.evidence.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
     unreleased : write a version that is not released, too; the file then says so.
+    without_effects : known effects of the car that an ECU cannot sense, which are left to it.
 
-    Raises StoreError for a version that is not released, ExchangeError where the format is not
-    known or cannot hold the numbers, ProgramError where ``elf`` does not hold the table, OSError.
+    Raises StoreError for a version that is not released, or whose car has such an effect that is
+    not named; ExchangeError where the format is not known or cannot hold the numbers, or for a name
+    of no such effect; ProgramError where ``elf`` does not hold the table; OSError.
 
     >>> import tempfile
     >>> from pathlib import Path
@@ -140,6 +165,7 @@ def export(
             do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "
             "...`, or hand it out as it is with --unreleased: the file then says so",
         )
+    _require_sensed(stored, without_effects)
     path = Path(path)
     form = _form_of(path, form)
     for given, has, what in (

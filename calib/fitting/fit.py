@@ -27,6 +27,7 @@ from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
 from calib.fitting.posterior import parts_of, posterior
 from calib.fitting.provenance import provenance
+from calib.fitting.rear_valve import rear_valve
 from calib.fitting.remarks import remarks, stated, taken_out
 from calib.fitting.residuals import explained
 from calib.fitting.ridge import find_peak, readable_up_to, ridge
@@ -163,6 +164,7 @@ def fit(
         warnings=(
             *judged(vehicle.name, contradicted(told, ensemble.held)),
             *judged(car.name, of_calibration(car, pads, of_tyre, stated_ratio)),
+            *judged(", ".join(r.name for r in runs), rear_valve(car, ensemble, runs, before)),
             *warnings,
         ),
         budget=table_budget(car, level, pads, parts_of(drawn, ensemble)),

@@ -22,8 +22,8 @@ Z = np.array([0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.6, 0.85])
 SHIFTS = 21
 """Number of values of (eta - 1)/z, from the least to the greatest that the scenarios show."""
 
-SLIP = np.array([-1.5, -0.5, 0.5, 1.5])
-"""ln(slip/z) from its mean in a place, in standard deviations."""
+SLIP = np.array([-2.25, -0.75, 0.75, 2.25])
+"""ln(slip/z) from its mean in a place, in standard deviations: a road near its peak is at 2."""
 
 QUANTILES = (0.025, 0.5, 0.975)
 
@@ -94,13 +94,21 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | None = None) -> tuple[PadMap, 
         near = np.exp(-0.5 * ((at.shift[:, None] - axis * z) / error) ** 2) / error * rolls
         near += _EMPTY * float(np.max(near)) / near.shape[0] * rolls
         log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
-        mean, sigma = _moments(near, log_slip)
+        middle, spread = _moments(near, log_slip[:, None])
+        mean, sigma = middle[:, 0], np.maximum(np.sqrt(spread[:, 0, 0]), 0.02)
         apart = (log_slip[:, None] - mean) / sigma
         both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - SLIP) / _NEAR) ** 2)
         both += _EMPTY * float(np.max(near)) / near.shape[0] * rolls[..., None]
+        both = both.reshape(log_slip.size, -1)
         row = {"log_slip": _along(mean), "log_slip_sigma": _along(sigma)}
-        for name, of in asked.items():
-            found = of.quantiles(both.reshape(log_slip.size, -1))
+        # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
+        middle, joint = _moments(both, np.stack([log_slip, s.log_pad_ratio, s.change], axis=1))
+        off = (mean[:, None] + sigma[:, None] * SLIP).ravel() - middle[:, 0]
+        for k, (name, of) in enumerate(asked.items(), 1):
+            found = of.quantiles(both)
+            slope = joint[:, 0, k] / joint[:, 0, 0]
+            left = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
+            found = found[:, 1:2] + left * (found - found[:, 1:2]) + (slope * off)[:, None]
             found = found + more * (name == "ratio")
             row |= _bounded(name, found.reshape(axis.size, SLIP.size, 3))
         width = (row["ratio_upper"] - row["ratio_lower"]) / (
@@ -127,15 +135,20 @@ def _shifts(shown: list[Seen]) -> Array:
     return np.asarray(_DENSE * np.sinh(np.linspace(low, high, SHIFTS)))
 
 
+def _moments(weight: Array, x: Array) -> tuple[Array, Array]:
+    """Means (c, k) and covariances (c, k, k) of ``x`` (n, k) with weights (n, c)."""
+    share = (weight / weight.sum(axis=0)).T
+    centre = x.mean(axis=0)
+    apart = x - centre
+    mean = share @ apart
+    products = (apart[:, :, None] * apart[:, None, :]).reshape(x.shape[0], -1)
+    square = (share @ products).reshape(-1, x.shape[1], x.shape[1])
+    covariance = square - mean[:, :, None] * mean[:, None, :]
+    return mean + centre, covariance + 1e-12 * np.eye(x.shape[1])
+
+
 def _along(x: Array) -> Array:
     return np.repeat(x[:, None], SLIP.size, axis=1)
-
-
-def _moments(weight: Array, x: Array) -> tuple[Array, Array]:
-    """Mean and standard deviation of ``x`` (n,) with weights (n, c), (c,) each."""
-    total = weight.sum(axis=0)
-    mean = x @ weight / total
-    return mean, np.sqrt(np.maximum(x**2 @ weight / total - mean**2, 0.02**2))
 
 
 def _bounded(name: str, x: Array) -> dict[str, Array]:

@@ -31,7 +31,8 @@ _ROUGH = 0.02  # share of the variance of that error that is not alike from poin
 class _Ramp:
     """One ramp, zeroed on its lead-in: means of groups of blocks, (k,) each.
 
-    ``brake`` brake force of both axles over the weight, ``moment_f``, ``moment_r`` other moments;
+    ``brake`` brake force of both axles over the weight, ``moment_f``, ``moment_r`` other moments
+    and ``rolling`` deceleration and moments of the lead-in, (3,), not zeroed;
     ``log_odds`` of the axles' pressures; ``alone`` share of the front axle where one axle brakes
     alone, else None. Without v ``slip`` is what the wheels lose against the speed that a_x carries
     on. Variances are those of the sensors. Else there is, of one standard deviation, ``zero_eta``;
@@ -42,6 +43,7 @@ class _Ramp:
     brake: Array
     moment_f: Array
     moment_r: Array
+    rolling: Array
     log_odds: Array
     alone: float | None
     eta: Array
@@ -84,11 +86,15 @@ def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
             "scale": np.zeros((speed.size, 0)),
         }
     B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
+    # the loads of the run, as known effects move them, are those of this deceleration
+    moved = (run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle) / car.cg_height
+    rolling = (moved, run.moment_f / car.weight, run.moment_r / car.weight)
     return _Ramp(
-        z=mean(b.z),
+        z=mean(moved),
         brake=zeroed(run.brake_sum) / car.weight,
-        moment_f=zeroed(run.moment_f) / car.weight,
-        moment_r=zeroed(run.moment_r) / car.weight,
+        moment_f=mean(run.moment_f) / car.weight,
+        moment_r=mean(run.moment_r) / car.weight,
+        rolling=np.array([np.mean(x[lead]) for x in rolling]),
         log_odds=np.log(B_f / B_r),
         alone={None: None, "f": 1.0, "r": 0.0}[run.only],
         eta=mean(b.eta) / eta_zero - 1.0,
@@ -213,12 +219,16 @@ class Regression:
                 self.car, e, r.z, share * r.brake + r.moment_f, (1.0 - share) * r.brake + r.moment_r
             )
             rolls &= unit.rolls.all(axis=1)
+            z, moment_f, moment_r = (np.full((e.size, 1), x) for x in r.rolling)
+            zero = unit_slips(self.car, e, z, moment_f, moment_r)
+            by_f, by_r = unit.front - zero.front, unit.rear - zero.rear
+            grown_f, grown_r = unit.grown_f - zero.grown_f, unit.grown_r - zero.grown_r
             known = r.eta * (1.0 - PRIORS["compliance"][0] * unit.front)
-            eta.append([unit.front, -unit.rear, unit.grown_r - unit.grown_f, known])
+            eta.append([by_f, -by_r, grown_r - grown_f, known])
             front, rear = unit.share, 1.0 - unit.share
             seen = np.broadcast_to(r.slip, front.shape)
-            grown = front * unit.grown_f + rear * unit.grown_r
-            slip.append([front * unit.front, rear * unit.rear, -grown, seen])
+            grown = front * grown_f + rear * grown_r
+            slip.append([front * by_f, rear * by_r, -grown, seen])
         whole = np.concatenate(eta + slip, axis=-1) @ self.white.T
         return whole[:3], whole[3], rolls
 

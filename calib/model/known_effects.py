@@ -5,11 +5,10 @@
                                                                  pads without the effects
     mass, radii, inertias as driven                              into the vehicle
 
-What slows the body or the wheels beside the brakes (drag, grade, engine) stays an effect: it takes
-its part of the balance of forces, and so does a logged torque of engine or motor: with
-``engine_drag`` among the known effects both are counted. The load transfer that pitch delays is
-left to the estimator, which carries it as a state of its own, with the car's pitch mode where that
-is known.
+What slows the body or the wheels beside the brakes (drag, grade, engine), or moves load between the
+axles (pitch), stays an effect: it takes its part of the balance of forces, which a fit carries
+forward and an estimate takes out (`calib.estimation.zeros`). So does a logged torque of engine or
+motor: with ``engine_drag`` among the known effects both are counted.
 """
 
 from dataclasses import dataclass, replace
@@ -31,7 +30,7 @@ from calib.car.effects.combined import (
     wheel_speed_delay,
     wheel_speed_factors,
 )
-from calib.car.effects.effect import Effect, acts_on_brakes, changes_readings, slows
+from calib.car.effects.effect import Effect, acts_on_brakes, changes_readings, in_balance
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, deceleration
 from calib.car.history import Motion, RunHistory, constant_speed
@@ -53,7 +52,7 @@ _HEAT_ITERATIONS = 3
 
 
 @dataclass(frozen=True)
-class _CorrectedRun:
+class CorrectedRun:
     """A run as the car without the effects would have given it.
 
     ``vehicle`` as driven, with those effects left that take part in the balance of forces, drag
@@ -67,7 +66,7 @@ class _CorrectedRun:
     factor_r: Array
 
 
-def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
+def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     """Take the known effects of a vehicle, empirical terms among them, out of a log.
 
     A run without such effects comes back as it is. Causal: no sample depends on a later one, unless
@@ -78,11 +77,11 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
     """
     known = default_model(vehicle)
     _refuse_force_over_temperature(known.effects, log)
-    car = replace(as_driven(vehicle, known.effects), effects=chosen(known.effects, slows))
+    car = replace(as_driven(vehicle, known.effects), effects=chosen(known.effects, in_balance))
     effects = chosen(known.effects, _changes_log)
     ones = np.ones_like(log.time)
     if not effects:
-        return _CorrectedRun(car, log, ones, ones)
+        return CorrectedRun(car, log, ones, ones)
     model = replace(known, vehicle=car, effects=effects)
     history = _history(model, log)
     channels = {**log.channels, "a_x": -G * history.z, **_in_time(effects, log, history)}
@@ -101,7 +100,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> _CorrectedRun:
         clamp = [brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES]
         factors = pad_factors(effects, history, clamp[0], clamp[1])
     notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
-    return _CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
+    return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
 
 
 def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import plus_minus
 from calib.base.write import write_whole
+from calib.car.effects.combined import not_sensed
 from calib.estimation.limits import FAILED, WARNING, Judgement
 from calib.estimation.results import SUMMARY, fill
 from calib.estimation.results import to_dict as validation_dict
@@ -149,13 +150,14 @@ def write_all(
 ) -> dict[str, Any]:
     """Write everything into ``work`` and return the document of `station.json`.
 
-    Only a released table is exported, so that no other reaches an ECU. ``date`` is that of a cdfx
+    Only a released table is exported, so that no other reaches an ECU, and none whose known effects
+    an ECU cannot sense. ``date`` is that of a cdfx
     and of the report.
     Raises OSError, ExchangeError.
     """
     results = list(found.results)
     fill(results, validation_dict(stored, results), work)
-    if stored.state.released:
+    if stored.state.released and not not_sensed(stored.table.vehicle.effects):
         quality = read_quality(work / SUMMARY, stored)
         for form in dict.fromkeys(forms):
             export(stored, work / export_name(form), form, quality=quality, date=date)

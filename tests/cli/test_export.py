@@ -2,11 +2,15 @@ import hashlib
 import json
 import re
 import subprocess
+from dataclasses import replace
 
 import pytest
 
+from calib.car.effects.effects import Effects
 from calib.exports.write import FORMATS
+from calib.store.store import Store
 from tests.support.programs import linked, made_elf, needs_gcc
+from tests.support.tables import made_table
 
 
 def test_the_manual_names_every_format(brake_cal):
@@ -124,3 +128,15 @@ def test_a_program_that_does_not_fit_ends_with_3_and_writes_nothing(tables, tmp_
     assert "has no symbol sedan_eta" in ran.err
     assert "SEDAN_DEFINE" in ran.err
     assert not (tmp_path / "a").exists()
+
+
+def test_an_effect_that_no_ecu_senses_ends_with_4_until_it_is_named(brake_cal, tmp_path):
+    fades = Effects({"pad_thermal_fade": {"fade_slope": 1e-3, "fade_onset": 150.0}})
+    table = made_table()
+    Store(tmp_path / "s").save(replace(table, vehicle=replace(table.vehicle, effects=fades)))
+    words = ("tables", "export", "sedan", "--unreleased", "--store", tmp_path / "s")
+    out = tmp_path / "car.dcm"
+    assert brake_cal(*words, "--out", out).code == 4
+    assert not out.exists()
+    assert brake_cal(*words, "--out", out, "--without-effect", "pad_thermal_fade").code == 0
+    assert brake_cal(*words, "--out", out, "--without-effect", "hydraulic_lag").code == 2

@@ -1,8 +1,10 @@
 import hashlib
+from dataclasses import replace
 
 import pytest
 
-from calib.base.errors import ExchangeError
+from calib.base.errors import ExchangeError, StoreError
+from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.exports.export import ENDINGS, export
 
 
@@ -35,3 +37,45 @@ def test_what_cannot_be_written_is_refused_and_nothing_is_there(
     with pytest.raises(ExchangeError, match=says):
         export(stored, tmp_path / name, **options)
     assert not list(tmp_path.glob("car*"))
+
+
+FADING = {"pad_thermal_fade": {"fade_slope": 1e-3, "fade_onset": 150.0}}
+
+
+def with_effects(stored, parameters, *terms):
+    car = replace(stored.table.vehicle, effects=Effects(parameters, terms))
+    return replace(stored, table=replace(stored.table, vehicle=car))
+
+
+@pytest.mark.parametrize("form", ENDINGS)
+def test_an_effect_that_no_ecu_senses_is_refused_until_it_is_named(stored, tmp_path, form):
+    fades = with_effects(stored, {**FADING, "hydraulic_lag": {"time_constant": 0.1}})
+    path = tmp_path / f"car.{ENDINGS[form]}"
+    with pytest.raises(StoreError, match="pad_thermal_fade"):
+        export(fades, path)
+    assert not path.exists()
+    written = export(fades, path, without_effects=["pad_thermal_fade"])
+    assert b"pad_thermal_fade" in written.content
+    assert b"hydraulic_lag" in written.content
+    facts = written.data.facts()
+    assert "hydraulic_lag" not in facts["effects not known to the ECU"]
+
+
+def test_a_name_of_no_such_effect_is_refused(stored, tmp_path):
+    lags = with_effects(stored, {"hydraulic_lag": {"time_constant": 0.1}})
+    for of, name in ((stored, "pad_thermal_fade"), (lags, "hydraulic_lag")):
+        with pytest.raises(ExchangeError, match=name):
+            export(of, tmp_path / "car.dcm", without_effects=[name])
+    assert export(lags, tmp_path / "car.dcm").path.exists()
+
+
+@pytest.mark.parametrize(("driver", "beyond"), [("temperature", True), ("pressure", False)])
+def test_a_term_over_what_no_ecu_senses_is_refused(stored, tmp_path, driver, beyond):
+    term = EmpiricalTerm("brakes", driver, (0.0, 1.0), (0.0, 0.1))
+    if beyond:
+        with pytest.raises(StoreError, match="brakes:temperature"):
+            export(with_effects(stored, {}, term), tmp_path / "car.dcm")
+    names = ["brakes:temperature"] * beyond
+    assert export(
+        with_effects(stored, {}, term), tmp_path / "car.dcm", without_effects=names
+    ).path.exists()

@@ -59,8 +59,7 @@ def made(monkeypatch, follows, jump=0.0):
 def conditional(of, shift, slip_at, follows):
     """Mean and sigma of ratio or change of the toy, given shift, and its own place of ln slip.
 
-    ``slip_at`` standard deviations from the mean of ln slip at that shift, with what the map takes
-    the place of a slip for; None where the slip is not asked.
+    ``slip_at`` standard deviations from the mean of ln slip at that shift.
     """
     own = {"ratio": OF_RAMP**2 + CHANGE**2, "change": CHANGE**2}[of]
     ratio = OF_RAMP**2 + CHANGE**2
@@ -69,7 +68,7 @@ def conditional(of, shift, slip_at, follows):
     slip = follows**2 * ratio + SCATTER**2
     left = slip - both**2 / eta  # of ln slip at a shift
     k = np.array([RISE * own, follows * own])
-    one = np.array([[eta, both], [both, slip + module._NEAR**2 * left]])
+    one = np.array([[eta, both], [both, slip]])
     there = np.array([shift - BASE, both / eta * (shift - BASE) + slip_at * math.sqrt(left)])
     gain = np.linalg.solve(one, k)
     return float(gain @ there), math.sqrt(own - gain @ k)

@@ -247,7 +247,7 @@ def answer(subject: Subject, log: Log) -> Answer:
     front, rear = (result.figures[f"pad_friction_{axle}"] for axle in "fr")
     pads = None if front is None or rear is None else (front, rear)
     names = _names(result.all_warnings)
-    return Answer(result.verdict, names, result.figures["valid_share"], pads)
+    return Answer(result.word, names, result.figures["valid_share"], pads)
 
 
 def _names(warnings: tuple) -> tuple[str, ...]:

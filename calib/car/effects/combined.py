@@ -14,11 +14,11 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.effects.catalogue import CALIPER, LINE, SENSOR
 from calib.car.effects.effect import Effect, Pair, Parameters
-from calib.car.effects.effects import Effects
+from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import effect_of
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import low_pass
-from calib.car.own_effects.own_effect import definition
+from calib.car.own_effects.own_effect import definition, every_effect
 from calib.car.vehicle import Axle, Vehicle
 
 _SHORTEST = 1e-6
@@ -29,6 +29,33 @@ def chosen(effects: Effects, test: Callable[[Effect], bool]) -> Effects:
     """The effects, terms among them, that pass a test. Raises ModelError for an unknown name."""
     kept = effects.only(*(name for name in effects.names if test(definition(effects, name))))
     return replace(kept, terms=tuple(term for term in effects.terms if test(effect_of(term))))
+
+
+def not_sensed(effects: Effects) -> dict[str, str]:
+    """The effects that an ECU cannot take out, with what it would have to know.
+
+    A term is named by its place and driver. An effect of the user's own says so in its card; one
+    whose file was not given is taken as sensed.
+    """
+    known = every_effect(effects)
+    told = {name: known[name].card.not_sensed for name in effects.names if name in known}
+    told |= {_term(term): _DRIVERS.get(term.driver, "") for term in effects.terms}
+    return {name: why for name, why in told.items() if why}
+
+
+def sensed(effects: Effects) -> Effects:
+    """The effects that an ECU can take out."""
+    left_out = not_sensed(effects)
+    terms = tuple(term for term in effects.terms if _term(term) not in left_out)
+    return replace(effects.without(*left_out), terms=terms)
+
+
+_DRIVERS = {"temperature": "the temperature of the discs", "time": "when the run began"}
+"""What an ECU does not know of the drivers of terms."""
+
+
+def _term(term: EmpiricalTerm) -> str:
+    return f"{term.place}:{term.driver}"
 
 
 def _hooks(
@@ -124,12 +151,6 @@ def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) ->
     """Sum of the load that is shifted from the front to the rear axle, over W [1] (n,)."""
     shifts = (hook(vehicle, own, history) for hook, own in _hooks(effects, "load_shift"))
     return np.asarray(sum(shifts, 0.0 * history.z))
-
-
-def body_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
-    """The part of `total_load_shift` by effects that are a force on the body: where it acts."""
-    slow = [name for name in effects.names if definition(effects, name).body_force is not None]
-    return total_load_shift(vehicle, effects.only(*slow), history)
 
 
 def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:

@@ -47,7 +47,8 @@ class Card:
     """Description of an effect for the user.
 
     The first of ``parameters`` is its strength: at ``neutral`` there is no effect, for any value
-    of the others.
+    of the others. ``not_sensed`` what an ECU would have to know to take it out, and cannot by
+    pressure, deceleration and wheel speeds; empty where these will do.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Card:
     looks_like: str
     parameters: tuple[Parameter, ...]
     neutral: float = 0.0
+    not_sensed: str = ""
 
     @property
     def units(self) -> dict[str, str]:
@@ -135,7 +137,7 @@ def _card(row: dict[str, str], parameters: tuple[Parameter, ...]) -> Card:
     neutral = float(row["neutral"])
     equation = f"{row['equation']}; no effect at {parameters[0].name} = {neutral:g}"
     texts = (row["cause"], equation, row["source"], row["looks_like"])
-    return Card(row["name"], *texts, parameters, neutral)
+    return Card(row["name"], *texts, parameters, neutral, row["not_sensed"])
 
 
 CARDS = _cards()
@@ -169,6 +171,11 @@ def changes_readings(effect: Effect) -> bool:
 def slows(effect: Effect) -> bool:
     """Whether an effect slows body or wheels besides the brakes, so is in the force balance."""
     return _any(effect, ("axle_moment", "body_force"))
+
+
+def in_balance(effect: Effect) -> bool:
+    """Whether an effect is in the force balance: it `slows`, or moves load between the axles."""
+    return slows(effect) or effect.load_shift is not None
 
 
 _BRAKES = ("pressure", "friction", "wheels")
