@@ -59,7 +59,7 @@ class Ensemble:
         """Number of draws."""
         return int(self.peak.size)
 
-    def take(self, which: Index | Mask) -> "Ensemble":
+    def take(self, which: Index | Mask | slice) -> "Ensemble":
         """These draws alone."""
         return Ensemble(*(getattr(self, f.name)[which] for f in fields(Ensemble)))
 

@@ -119,7 +119,8 @@ def fit(
         if len(normal) < len(runs)
         else None
     )
-    of = ridge(car, ensemble, np.linspace(0.0, z_max, 201))
+    some = ensemble.take(slice(None, None, 4))
+    of = ridge(car, some, np.linspace(0.0, z_max, 201))
     peak, z_end = find_peak(of), readable_up_to(of)
     if z_end <= 0.0:
         raise LogError(
@@ -139,14 +140,14 @@ def fit(
     pads = calibration_of(car, float(np.mean(scales)), ratio, level)
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
-    difference, paper = difference_curves(car, ensemble, runs, z_end)
+    difference, paper = difference_curves(car, some, runs, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
         difference=difference,
         paper=paper,
-        tyre=tyre_curve(ensemble, runs, of),
+        tyre=tyre_curve(some, runs, of),
         posterior=of_tyre,
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),

@@ -5,6 +5,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.bias import front_biased_up_to
 from calib.car.vehicle import Vehicle
+from calib.fitting.regression import told
 from calib.fitting.residuals import Residuals
 from calib.fitting.ridge import Peak
 from calib.model.ramp import RampRun
@@ -45,4 +46,4 @@ def outliers(run: RampRun, left: Array) -> list[float]:
     """Times [s] of the blocks of a run whose eta lies past ``outlier`` sigma of `FitSettings`."""
     if not left.size:
         return []
-    return [float(t) for t in run.blocks.end[run.use][np.abs(left) > SETTINGS.outlier]]
+    return [float(t) for t in run.blocks.end[told(run)][np.abs(left) > SETTINGS.outlier]]

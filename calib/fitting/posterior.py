@@ -14,6 +14,7 @@ The sequence of draws is fixed: the same logs give the same table.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -23,9 +24,11 @@ from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, spread_evenly
 from calib.fitting.known import LINEAR, NONLINEAR, TO_LINEAR, Known, weights_of
 from calib.fitting.regression import LinearPrior, Regression
+from calib.fitting.stated_pads import UNSAID
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
+_OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
 DRAWS = 2048
 """Size of the ensemble: its 2.5 % quantile is known to a tenth of a sigma."""
 
@@ -40,9 +43,9 @@ class Posterior(Ensemble):
     ``pulls`` (n, m) by part of a budget (`calib.table.budget`): by how much ln of the probability
     of a draw grows when an error of that cause grows by one standard deviation. The mean of any x
     then moves by cov(x, pull), and that of all causes is its covariance; see `parts_of`.
-    ``misfit`` root mean square of what the draws leave of eta and slip, over the errors of sensors
-    and form [1]. ``held`` (k,) how likely what was known before is to hold for this car, each of it
-    against the field alone, at even odds before the ramps [1].
+    ``held`` (k,) how likely what was known before is to hold for this car, each of it against the
+    field alone, at even odds before the ramps [1]. ``misfit`` root mean square of what the draws
+    leave of eta and slip, over the errors of sensors and form [1].
     """
 
     pulls: dict[str, Array]
@@ -70,9 +73,26 @@ def _even_root(covariance: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
 
 
+@cache
+def _tails() -> tuple[Array, Array]:
+    """Standard normal numbers, and those of the pads' ratio with the same quantiles.
+
+    Some cars have other pads than the file says, or a fault: `_OTHER` of them, `_APART` as far.
+    """
+    from scipy.special import ndtr, ndtri
+
+    r = np.linspace(-9.0, 9.0, 2001)
+    below = (1.0 - _OTHER) * ndtr(r) + _OTHER * ndtr(r / _APART)
+    return ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)), r
+
+
 def _from_normal(x: Array, ratio: Value) -> Ensemble:
     """The prior's draws (n, 5 + 6) from standard normal ones; unit compliances."""
     priors = PRIORS | {"log_pad_ratio": (ratio.value, ratio.sigma)}
+    if ratio == UNSAID:
+        pads = len(FORMS) + NONLINEAR.index("log_pad_ratio")
+        x = x.copy()
+        x[:, pads] = np.interp(x[:, pads], *_tails())
     drawn = {
         name: priors[name][0] + priors[name][1] * column
         for name, column in zip(NONLINEAR, x[:, len(FORMS) :].T, strict=True)
@@ -165,7 +185,7 @@ def posterior(
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
-    left = regression.left(e, found)
+    left = regression.left(e, found) @ regression.white.T
     departs = regression.departures(left)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
     before = np.hstack([x[:, : prior.own], regression.standard(found, of_linear)])

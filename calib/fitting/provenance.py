@@ -51,10 +51,6 @@ def settings() -> dict[str, float]:
     return {
         "block": BLOCK,
         "bite_pressure": BITE,
-        "model_error": SETTINGS.model_error,
-        "form_error": SETTINGS.form_error,
-        "form_reach": SETTINGS.form_reach,
         "pads_repeat": SETTINGS.pads_repeat,
-        "tyres_differ": SETTINGS.tyres_differ,
         "pad_scatter": SETTINGS.pad_scatter,
     }

@@ -56,13 +56,17 @@ class _Ramp:
     scale: Array
 
 
-def _ramp(car: Vehicle, run: RampRun) -> _Ramp:
+def told(run: RampRun) -> Index:
+    """The braked blocks of a ramp of which eta and slip tell."""
+    return np.flatnonzero(run.braked & (run.blocks.speed > _SLOW))
+
+
+def _ramp(car: Vehicle, run: RampRun, most: int | None) -> _Ramp:
     b, noise = run.blocks, run.noise
-    lead = run.rolling
-    at = np.flatnonzero(run.braked & (b.speed > _SLOW))
+    at, lead = told(run), run.rolling
     if not (at.size and lead.size):
         raise ValueError("no blocks of a braking, or none of rolling before it")
-    groups = np.array_split(at, min(_GROUPS, at.size))
+    groups = np.array_split(at, min(most or at.size, at.size))
     time, rolled = np.array([g.size for g in groups]) * b.length, lead.size * b.length
 
     def mean(x: Array) -> Array:
@@ -154,14 +158,16 @@ class LinearPrior:
 
 
 class Regression:
-    """The rows of all ramps: eta of each, then slip of each.
+    """The rows of all ramps: eta of each, then slip of each, in ``most`` groups of blocks.
+
+    None for ``most`` makes each block a row.
 
     ``errors`` (k, m) by part of a budget: what each error of one standard deviation makes of the
     rows; ``precision`` (3, 3) and ``start`` (3,) of the linear parameters by the prior.
     """
 
-    def __init__(self, car: Vehicle, runs: list[RampRun]) -> None:
-        self.car, self.ramps = car, [_ramp(car, run) for run in runs]
+    def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
+        self.car, self.ramps = car, [_ramp(car, run, most) for run in runs]
         (mean, sigma), (fall, fall_sigma) = PRIORS["compliance"], PRIORS["radius_load"]
         apart = PRIORS["log_tyre_ratio"][1] * mean
         prior = np.diag([sigma**2, sigma**2, fall_sigma**2])
@@ -206,8 +212,8 @@ class Regression:
         self.places = z
         return np.asarray(size[:, None] * size * near)
 
-    def rows(self, e: Ensemble) -> tuple[Array, Array, Mask]:
-        """Design (3, n, k) and data (n, k), whitened; whether forces are below the peaks (n,)."""
+    def rows(self, e: Ensemble) -> tuple[Array, Mask]:
+        """Design and data (4, n, k); whether forces are below the peaks (n,)."""
         eta, slip, rolls = [], [], np.ones(e.size, dtype=bool)
         for r in self.ramps:
             share = (
@@ -229,12 +235,12 @@ class Regression:
             seen = np.broadcast_to(r.slip, front.shape)
             grown = front * grown_f + rear * grown_r
             slip.append([front * by_f, rear * by_r, -grown, seen])
-        whole = np.concatenate(eta + slip, axis=-1) @ self.white.T
-        return whole[:3], whole[3], rolls
+        return np.concatenate(eta + slip, axis=-1), rolls
 
     def solve(self, e: Ensemble, prior: LinearPrior) -> tuple[Array, Array, Array]:
         """Log evidence (n,), mean (n, 3) and precision (n, 3, 3) of the linear parameters."""
-        H, y, rolls = self.rows(e)
+        rows, rolls = self.rows(e)
+        *H, y = rows @ self.white.T
         A = np.einsum("ink,jnk->nij", H, H) + self.precision + prior.precision
         g = np.einsum("ink,nk->ni", H, y) + self.precision @ self.start + prior.pull
         mean = np.linalg.solve(A, g[..., None])[..., 0]
@@ -251,8 +257,8 @@ class Regression:
         return np.asarray(np.einsum("ni,nij->nj", off, np.linalg.cholesky(precision)))
 
     def left(self, e: Ensemble, linear: Array) -> Array:
-        """What the draws with ``linear`` (n, 3) leave of the rows (n, k), whitened."""
-        H, y, _ = self.rows(e)
+        """What the draws with ``linear`` (n, 3) leave of the rows (n, k)."""
+        *H, y = self.rows(e)[0]
         return np.asarray(y - np.einsum("ink,ni->nk", H, linear))
 
     def pulls(self, left: Array) -> dict[str, Array]:

@@ -7,24 +7,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calib.base.arrays import Array, Index
+from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.names import G
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, brake_share, shown
+from calib.fitting.ensemble import Ensemble
 from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
-from calib.model.ramp import RampRun, sigma_eta, sigma_slip
-from calib.model.settings import SETTINGS
+from calib.fitting.regression import Regression
+from calib.model.ramp import RampRun
 from calib.table.table import Value
 
 _SOME = 64  # draws whose median is taken: it is known far better than a block
 
 _MOST = 3.0
 """Root mean square of the residuals of eta past which a ramp is not explained: foreign tyres leave
-0.7 to 1.5, wheel speeds of 20 Hz 2, one that is held for 0.1 s, and moves the ratio of the pads by
-a sixth, 5."""
+0.5 to 1.4, a wheel speed that is held for 0.1 s, and moves the ratio of the pads by a sixth, 5."""
 
 Residuals = list[tuple[Array, Array]]
 """Of eta and of slip of each run, see `residuals`."""
@@ -67,34 +65,19 @@ def explained(
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Of eta and of slip, over their sigma, over the blocks used (k,); no slip without v.
+    """Of eta and of slip, over their sigma, at the blocks `told` (k,); no slip without v.
 
-    Both are zeroed on the lead-in. Of a ramp with one axle only nothing: its forces are another's.
+    Of a ramp with one axle only nothing: its forces are another's.
     """
+    none = np.empty(0)
     if run.only is not None:
-        return np.empty(0), np.empty(0)
+        return none, none
     some = e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64))
-    b, use = run.blocks, np.flatnonzero(run.use)
-    pressures = [np.maximum(p[use], 1.0) for p in (b.p_f, b.p_r)]
-    share = brake_share(car, some.log_pad_ratio[:, None], np.log(pressures[0] / pressures[1]))
-    forces = (
-        (part * run.brake_sum[use] + moment[use]) / car.weight
-        for part, moment in ((share, run.moment_f), (1.0 - share, run.moment_r))
-    )
-    of = shown(car, some, b.z[use], *forces)
-    rise, slip = (np.median(x, axis=0) for x in (of.rise, of.slip))
-    first = np.isin(use, run.rolling)
-    measured = b.eta[use] / np.mean(b.eta[run.rolling]) - 1.0
-    of_eta = (measured - rise + np.mean(rise[first])) / _at(
-        sigma_eta(run, run.since_rolling(b.eta)), use
-    )
-    if run.slip is None:
-        return of_eta, np.empty(0)
-    speed = np.maximum(b.speed[use], SETTINGS.min_speed)
-    slip = slip + G * b.z[use] * np.mean(some.v_late) / speed
-    left = run.slip[use] - np.mean(run.slip[run.rolling]) - slip + np.mean(slip[first])
-    return of_eta, left / _at(sigma_slip(run, run.since_rolling(run.slip)), use)
-
-
-def _at(sigma: Array, use: Index) -> Array:
-    return np.asarray(sigma[use])
+    of = Regression(car, [run], most=None)
+    linear = np.stack([some.compliance_f, some.compliance_r, some.radius_load], axis=1)
+    sigma = np.linalg.norm(np.hstack([of.errors["noise"], of.errors["tyres"]]), axis=1)
+    lasting = np.hstack([of.errors["zeros"], of.errors["accelerometer"]])
+    left = of.left(some, linear)
+    left -= left @ of.white.T @ of.white @ lasting @ lasting.T  # as far as the run tells them
+    eta, slip = np.split(np.median(left, axis=0) / sigma, 2)
+    return eta, none if run.slip is None else slip

@@ -10,7 +10,6 @@ scale follows from the sum of forces. The forces give the slips through the comp
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +28,6 @@ from calib.run.filters import since
 from calib.run.noise import SensorNoise, aged
 
 Array = NDArray[np.float64]
-A = TypeVar("A", float, Array)
 
 ZEROED = 3.0
 """Time before the bite over which eta and slip are zeroed [s]."""
@@ -43,9 +41,8 @@ class RampRun:
     the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
-    is exact; ``only`` the axle that brakes alone, None where both do; ``model_error`` of the tyre's
-    curve relative to the slip [1]; ``left_out`` blocks of the braking in which something else acts,
-    see `calib.fitting.disturbances`.
+    is exact; ``only`` the axle that brakes alone, None where both do; ``left_out`` blocks
+    of the braking in which something else acts, see `calib.fitting.disturbances`.
     """
 
     name: str
@@ -60,7 +57,6 @@ class RampRun:
     use: NDArray[np.bool_]
     accelerometer: Accelerometer | None = None
     only: Axle | None = None
-    model_error: Array | float = SETTINGS.model_error
     left_out: NDArray[np.bool_] | None = None
 
     @cached_property
@@ -120,8 +116,7 @@ def prepare(
     known = np.isfinite(aged(b.end, b.lead_in, _eta_density(run)))
     if run.slip is not None:
         known |= np.isfinite(aged(b.end, b.lead_in, _slip_density(run)))
-    run = replace(run, use=run.use & known & (b.lead_in | _steady(vehicle, run)))
-    return run if run.only else replace(run, model_error=_model_error(vehicle, run))
+    return replace(run, use=run.use & known & (b.lead_in | _steady(vehicle, run)))
 
 
 def _steady(vehicle: Vehicle, run: RampRun) -> NDArray[np.bool_]:
@@ -130,24 +125,6 @@ def _steady(vehicle: Vehicle, run: RampRun) -> NDArray[np.bool_]:
     time = run.blocks.end
     rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, time))
     return since(time, rate > SETTINGS.fastest) > SETTINGS.late
-
-
-def _model_error(vehicle: Vehicle, run: RampRun) -> Array:
-    """What the tyre's curve may be off, relative to the slip [1], (k,).
-
-    Near its peak a tyre yields more than a cubic does, and the fit would take that for another
-    ratio of the pads. Where one axle brakes alone its force is known, and no such thing happens.
-    """
-    F_f, F_r, _ = normalised_forces(vehicle, run, 0.0)
-    return np.hypot(SETTINGS.model_error, form_error(np.maximum(F_f, F_r)))
-
-
-def form_error(force: A) -> A:
-    """What the cubic of the tyre is off near its peak, relative to the slip [1].
-
-    ``force`` normalised force of the axle that is nearer to the peak [1].
-    """
-    return SETTINGS.form_error * (force / SETTINGS.form_reach) ** 12
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
@@ -188,23 +165,6 @@ def predict(
     b = run.blocks
     lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
     return speed_ratio(slip_f, slip_r), mean + lag
-
-
-def sigma_eta(run: RampRun, signal: Array) -> Array:
-    """Standard deviation of eta of a block [1]: two axle means, their age, and the model error."""
-    return _sigma(run, _eta_density(run), signal)
-
-
-def sigma_slip(run: RampRun, signal: Array) -> Array:
-    """Standard deviation of the mean slip of a block [1], likewise: v and the wheels."""
-    return _sigma(run, _slip_density(run), signal)
-
-
-def _sigma(run: RampRun, density: Array, signal: Array) -> Array:
-    """Of a block with a ``density`` [s^0.5] of the sensors' noise and a ``signal`` [1], (k,)."""
-    b = run.blocks
-    sensor = density / np.sqrt(b.length) * aged(b.end, b.lead_in, density)
-    return np.asarray(np.hypot(sensor, run.model_error * signal))
 
 
 def _eta_density(run: RampRun) -> Array:

@@ -18,16 +18,6 @@ class FitSettings:
     pads_repeat: float = 0.015
     """How alike the pads are on the ramps of one fit (standard deviation): friction changes by
     about 0.05 % per kelvin, and discs are 30 K warmer or colder from one ramp to the next."""
-    model_error: float = 0.01
-    """What the tyre curve itself is off, relative to the slip: about what third-party plants
-    show."""
-    form_error: float = 0.11
-    """What the curve is off at ``form_reach``, relative to the slip; with the power of twelve of
-    the force it is 2 % at 0.86 of that. The best cubic misses a Magic Formula by 1 % of the slip at
-    0.8 of its peak (`tests/fitting/test_near_the_peak.py`), over some thirty blocks alike, which
-    the fit takes for as many errors by chance."""
-    form_reach: float = 0.7
-    """Normalised force of an axle from which the form of the curve says little."""
     min_speed: float = 5.0
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0

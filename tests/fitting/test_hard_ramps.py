@@ -8,10 +8,9 @@ import pytest
 from calib.car.vehicle import Axle
 from calib.fitting.fit import fit
 from calib.model.parameters import PRIORS
-from calib.model.ramp import sigma_eta
 from tests.studies.clean_cars import logs, plant
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
-from tests.support.reference_car import CAR, REAL, noisy, one_axle, prepared, ramp
+from tests.support.reference_car import CAR, REAL, noisy, ramp
 
 TRUE = CAR.front.pad_friction, CAR.rear.pad_friction
 
@@ -50,19 +49,6 @@ def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
     assert abs(ratio.value) < 0.1
     assert abs(ratio.value) < 1.96 * ratio.sigma
     assert "pad_ratio" not in [one.code for one in found.warnings]
-
-
-def test_the_model_error_grows_near_the_peak_where_both_axles_brake():
-    def errors(log):
-        run = prepared(log)
-        return np.broadcast_to(run.model_error, run.blocks.end.shape)[run.use]
-
-    usual = errors(ramp(REAL, 4e5))  # to 0.45 g
-    hard = errors(ramp(REAL, 7e5))  # to 0.75 g
-    assert usual.max() < 0.015
-    assert hard[0] == pytest.approx(usual[0])
-    assert hard.max() > 0.05
-    assert np.ptp(errors(one_axle(REAL, "f"))) == 0.0
 
 
 PADS = 0.42
@@ -118,12 +104,3 @@ def test_a_top_that_bends_more_than_a_cubic_leads_to_no_far_minimum():
     for found, true in zip(pads, made.pads(0.0), strict=True):
         assert found.value == pytest.approx(true, rel=0.08)
         assert found.ci95[0] < true < found.ci95[1]
-
-
-def test_the_sizes_of_the_wheels_have_no_say_in_what_the_brakes_do_to_eta():
-    run = drive(Plant(SPORTS), lambda t: 8e5 * max(t - 1.5, 0.0), 33.0, duration=5.0)
-    log = noisy(as_log(run, "ramp"), 0)
-    one = prepared(log, SPORTS)
-    other = replace(one, blocks=replace(one.blocks, omega_r=1.1 * one.blocks.omega_r))
-    seen = [sigma_eta(each, each.since_rolling(each.blocks.eta)) for each in (one, other)]
-    assert seen[1][one.use] == pytest.approx(seen[0][one.use], rel=0.11)

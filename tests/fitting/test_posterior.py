@@ -114,10 +114,12 @@ def test_same_ramp_same_bits(run, seeing):
         assert getattr(again, one.name).tobytes() == getattr(seeing, one.name).tobytes()
 
 
-def test_parts_by_cause_are_nearly_the_covariance_of_the_draws(seeing, blind):
+def test_parts_by_cause_are_nearly_the_covariance_of_the_draws(run):
     """By Gauss and Bayes they are it, but for the draws and what is not linear; a part of a fixed
     quantity is nought."""
-    for e in (seeing, blind):
+    normal = Value(0.0, 0.06)  # stated: without the tails of a car of which nothing is known
+    for log in (run, without(run, "v")):
+        e = posterior(CAR, [prepared(log)], normal)
         pads = e.log_pad_ratio[None] - np.mean(e.log_pad_ratio)
         moved = [pads @ (x - x.mean(axis=0)) / e.size for x in e.pulls.values()]
         whole = sum(float(np.sum(by**2)) for by in moved)
@@ -137,7 +139,7 @@ def test_a_second_ramp_narrows(run, seeing):
     harder = noisy(ramp(with_ratio(IDEAL, RATIO), 6e5, name="harder"), 3)
     both = posterior(CAR, [prepared(run), prepared(harder)], USUAL)
     assert np.std(both.compliance_f) < 1.02 * np.std(seeing.compliance_f)
-    assert sigma(both) < 1.02 * sigma(seeing)
+    assert sigma(both) < 1.06 * sigma(seeing)
     assert interval(both.log_pad_ratio)[0] < math.log(RATIO) < interval(both.log_pad_ratio)[1]
 
 
