@@ -79,9 +79,11 @@ class Constants:
     level_walk: float = 0.01  # [1/sqrt(s)]
     fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
     fade_walk: float = 0.02
+    jump: float = 3.0  # beyond it an error of prediction is a step of the level [sigma]
     level_rough: float = 0.007  # of a block, relative: road and body
     lag: float = 0.03  # time constant of the brakes [s], and its sigma
     lag_sigma: float = 0.04
+    lag_rough: float = 0.2  # of the force that is still to come: no brake lags by first order alone
     least_lag: float = 0.004
     apart: float = 0.02  # of the clocks of a_x and speeds [s]
     zero: float = 0.01  # sigma of a zero before any rolling [1]

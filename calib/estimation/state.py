@@ -239,13 +239,20 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     rr += (c.fade_walk * a) ** 2 * dt
     h, k = s.acting, a * s.by_lag
     pa, pl, pr = h * aa + k * al, h * al + k * ll, h * ar + k * lr
-    gain = 1.0 / (h * pa + k * pl + c.noise_z**2 / dt + (c.level_rough * y) ** 2)
+    rough = (c.level_rough * y) ** 2 + (c.lag_rough * a * (x.nominal - h)) ** 2
+    spread = h * pa + k * pl + c.noise_z**2 / dt + rough
+    jump = min((y - a * h) ** 2 - c.jump**2 * spread, (c.level_sigma * h) ** 2)
+    keep = math.exp(-dt / c.memory)
+    if jump > 0.0:  # pads that change at once: what no noise explains, and the means are of others
+        aa, pa = aa + jump / h**2, pa + jump / h
+        keep *= spread / (spread + jump)
+        spread += jump
+    gain = 1.0 / spread
     off, ga, gl = gain * (y - a * h), gain * pa, gain * pl
     s.level = (
         a + off * pa, max(lag + off * pl, 0.0), rate + off * pr,
         aa - ga * pa, al - ga * pl, ar - ga * pr, ll - gl * pl, lr - gl * pr, rr - gain * pr * pr,
     )  # fmt: skip
-    keep = math.exp(-dt / c.memory)
     weight, z, shift, zz = s.sums
     weight, z = keep * weight + 1.0, keep * z + y
     s.sums = weight, z, keep * shift + x.eta / s.eta.value - 1.0, keep * zz + y * y

@@ -151,6 +151,27 @@ def test_a_lag_of_the_brakes_is_found():
     assert after[-1].lag == answers[-1].lag
 
 
+@pytest.mark.parametrize("noise", [1e-6, 1e-4, 1e-3])
+@pytest.mark.parametrize("lag", [0.001, 0.08, 0.15])
+def test_a_lag_is_found_however_quiet_the_sensors_are(lag, noise):
+    answers, _ = run(stop(lag=lag), constants(noise_z=noise))
+    assert answers[-1].lag == pytest.approx(lag, abs=0.02)
+
+
+def test_pads_that_step_are_followed_within_three_blocks():
+    """From 0.8 to 0.6 while the pressure holds; the bounds hold them but for the step itself."""
+    blocks = stop(level=0.8, last=3.0)
+    speed, zero = blocks[-1].rim, 0.012
+    for _ in range(20):
+        z = 0.6 * 0.4
+        speed -= G * (z + zero) * DT
+        blocks.append(replace_sample(blocks[-1], demand=z + zero, z=z + zero, rim=speed, v=speed))
+    answers, _ = run(blocks)
+    for answer in answers[-17:]:
+        assert answer.level == pytest.approx(math.log(0.6), abs=0.03)
+        assert answer.level_lower < math.log(0.6) < answer.level_upper
+
+
 def replace_sample(x, **changed):
     return x._replace(**changed)
 
