@@ -3,12 +3,15 @@
 A normal ramp shows the level of both axles' pads together, one with the front axle only that of the
 front pads. So a ramp with one axle tells the pads' ratio; normal ramps among themselves tell
 nothing of it, for their levels move with it alike.
+
+The force counts from the lead-in: neither the zero of a_x nor a resistance that stays moves it.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import PRIORS
 from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
@@ -26,23 +29,43 @@ def level_sigmas(vehicle: Vehicle, run: RampRun, known: Resistance) -> tuple[flo
     """Relative sigma [1] of the pad scale of a run from noise, resistance and accelerometer.
 
     The scale is sum(z y)/sum(z^2) of what the brakes demand y: an error e(z) moves it by
-    sum(z e)/sum(z^2). The accelerometer errs by c z + bias, the same all along the run.
+    sum(z e)/sum(z^2). From the lead-in on, the accelerometer errs by its scale; without one by its
+    zero, too. The noise of the lead-in is in a resistance that was found there, and counts beside
+    one that is given.
     """
-    braked = run.use & ~run.blocks.lead_in
-    z = run.blocks.z[braked]
+    b, lead = run.blocks, run.rolling
+    braked = run.use & ~b.lead_in
+    z = b.z[braked]
     square = float(z @ z)
-    noise = run.noise.z / np.sqrt(run.blocks.length * square)
-    resist = float(known.sigma_z(vehicle, run.blocks.speed[braked]) @ z) / square
+    # sum(z e)/sum(z^2) of an e that is 1
+    lever = float(z.sum()) / square
+    noise = run.noise.z / np.sqrt(b.length * square)
+    if lead.size and known.known:
+        noise = np.hypot(noise, lever * run.noise.z / np.sqrt(b.length * lead.size))
+    resist = float(known.sigma_z(vehicle, b.speed[braked]) @ z) / square
+    if run.accelerometer is None or lead.size:
+        return float(noise), resist, _scale(run)[1]
+    return float(noise), resist, lever * float(run.accelerometer.sigma(np.asarray(1.0 / lever)))
+
+
+def _scale(run: RampRun) -> tuple[float, float]:
+    """By what a_x still reads too much under braking, and its sigma [1].
+
+    Only v tells it; without v it is that of usual sensors, on bodies that pitch.
+    """
     if run.accelerometer is None:
-        return float(noise), resist, 0.0
-    # c + bias sum(z)/sum(z^2): as of the one deceleration sum(z^2)/sum(z)
-    typical = np.asarray(square / float(z.sum()))
-    return float(noise), resist, float(run.accelerometer.sigma(typical) / typical)
+        return 0.0, 0.0
+    if run.slip is None:
+        return PRIORS["a_x_scale"]
+    return 0.0, float(np.sqrt(run.accelerometer.variance_scale))
 
 
 def pad_levels_of(vehicle: Vehicle, runs: list[RampRun], log_ratio: float) -> Array:
     """Level of the pads of each run over those of the file [1], at a ratio of the pads, (runs,)."""
-    scales = [pad_scale(run, *nominal_forces(vehicle, run, log_ratio)) for run in runs]
+    scales = [
+        (1.0 - _scale(run)[0]) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
+        for run in runs
+    ]
     return np.maximum(scales, LEAST)
 
 

@@ -70,6 +70,15 @@ class RampRun:
         lead = np.flatnonzero(self.blocks.lead_in & self.use)
         return lead[-round(ZEROED / self.blocks.length) :]
 
+    @cached_property
+    def braking(self) -> Array:
+        """Brake force of both axles [N] (k,) from what is demanded of them on the lead-in.
+
+        The brakes do nothing there: it is the zero of a_x, a slope, what else slows the car.
+        """
+        zero = np.mean(self.brake_sum[self.rolling]) if self.rolling.size else 0.0
+        return np.asarray(self.brake_sum - zero)
+
     def since_rolling(self, measured: Array) -> Array:
         """Eta or slip [1] (k,) less what it was on the lead-in: what the brakes did to it.
 
@@ -130,7 +139,7 @@ def _steady(vehicle: Vehicle, run: RampRun) -> NDArray[np.bool_]:
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
     """Common factor on the brake forces that makes their sum the demanded one, least squares."""
     total = (B_f + B_r)[run.braked]
-    return float(total @ run.brake_sum[run.braked] / (total @ total))
+    return float(total @ run.braking[run.braked] / (total @ total))
 
 
 def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ import pytest
 
 from calib.car.effects.effects import Effects
 from calib.fitting.budget import level_parts
+from calib.fitting.ensemble import PRIORS
 from calib.fitting.fit import fit
 from calib.model.resistance import Resistance
 from calib.run.accelerometer import Accelerometer
@@ -66,18 +67,18 @@ def test_a_wrong_mass_moves_the_pads_by_the_part_of_the_mass(clean):
 
 
 def test_a_wrong_scale_of_the_accelerometer_moves_the_pads_by_its_part(clean, tables):
-    """Without v it shows nowhere; the rest of the part is what an offset may be.
+    """Without v it shows nowhere: a scale of one sigma moves them by the part.
 
     What is read on the lead-in is scaled too, and half believed to be a resistance.
     """
-    off = 0.02
+    off = PRIORS["a_x_scale"][1]
     log = noisy(clean, 1)
     scaled = replace(log, channels={**log.channels, "a_x": (1.0 + off) * log["a_x"]})
     wrong = fit(UNWEIGHED, [without(scaled, "v")])
     for axle, moved in zip(pads_budget(tables[1]), pads_budget(wrong), strict=True):
         error = float(np.log(moved.pad_friction / axle.pad_friction))
         assert error == pytest.approx(off, rel=0.2)
-        assert off <= axle.relative["accelerometer"] <= 1.3 * off
+        assert axle.relative["accelerometer"] == pytest.approx(off, rel=0.01)
 
 
 def sensed(scale=0.0, bias=0.0, together=0.0):
@@ -88,6 +89,7 @@ def sensed(scale=0.0, bias=0.0, together=0.0):
 def test_level_parts_in_closed_form(clean):
     run = prepared(noisy(clean, 1), effects=EFFECTS)
     braked = run.use & ~run.blocks.lead_in
+    lead = run.blocks.lead_in & run.use
     z = run.blocks.z[braked]
     lever = z.sum() / (z @ z)
     car = replace(CAR, mass_tolerance=0.02)
@@ -99,14 +101,25 @@ def test_level_parts_in_closed_form(clean):
     alone = parts()
     assert alone["mass"] == pytest.approx(4e-4)
     assert alone["accelerometer"] == alone["resistance"] == 0.0
-    assert alone["noise"] == pytest.approx(run.noise.z**2 / (run.blocks.length * z @ z))
-    assert parts(scale=1e-4)["accelerometer"] == pytest.approx(1e-4)
-    assert parts(bias=1e-6)["accelerometer"] == pytest.approx(1e-6 * lever**2)
-    assert parts(scale=1e-4, bias=1e-6, together=-5e-6)["accelerometer"] == pytest.approx(
-        1e-4 + 1e-6 * lever**2 - 2.0 * 5e-6 * lever
-    )
-    rolling = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 1e-6)), known=True)
+    density = run.noise.z**2 / run.blocks.length
+    assert alone["noise"] == pytest.approx(density * (1.0 / (z @ z) + lever**2 / lead.sum()))
+    assert parts(scale=1e-4, bias=1e-6, together=-5e-6)["accelerometer"] == pytest.approx(1e-4)
+    rolling = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 1e-6)))
     assert parts(known=rolling)["resistance"] == pytest.approx(1e-6 * lever**2)
+    # found on the lead-in, it holds the noise of that
+    assert parts(known=rolling)["noise"] == pytest.approx(density / (z @ z))
+
+
+def test_a_ramp_without_a_lead_in_holds_the_zero_of_the_accelerometer(clean):
+    run = prepared(noisy(clean, 1), effects=EFFECTS)
+    bare = replace(run, use=run.use & ~run.blocks.lead_in)
+    z = bare.blocks.z[bare.use]
+    lever = z.sum() / (z @ z)
+    sensor = sensed(scale=1e-4, bias=1e-6, together=-5e-6)
+    rolling = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 1e-6)), known=True)
+    parts = level_parts(CAR, np.ones(1), [replace(bare, accelerometer=sensor)], rolling)
+    assert parts["accelerometer"] == pytest.approx(1e-4 + 1e-6 * lever**2 - 2.0 * 5e-6 * lever)
+    assert parts["resistance"] == pytest.approx(1e-6 * lever**2)
 
 
 def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
