@@ -27,8 +27,6 @@ from calib.fitting.stated_pads import UNSAID
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 
-_SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
-
 NONLINEAR = (
     "load_exponent",
     "peak_load_exponent",
@@ -57,6 +55,7 @@ _CENTRE, _WIDTH = np.array([PRIORS[name] for name in NONLINEAR]).T
 _RATIO = _NAMES.index("log_pad_ratio")
 _APART = np.array([float(ROWS[name]["model"]) for name in _NAMES])
 _OF_FILE = np.array([float(ROWS[n]["tyre_file"] or PRIORS[n][1]) / PRIORS[n][1] for n in _NAMES])
+_SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing
 _COUNT = 200  # independent draws that the kept ones are worth
 
@@ -98,12 +97,12 @@ def known_before(
 
 
 def contradicted(known: Sequence[Known], held: Array) -> Iterator[Measured]:
-    """How likely each is to hold beside the ramps, (k,), to be judged."""
+    """How likely each is to hold by the ramps, ``held`` (k,), to be judged."""
     return (Measured(one.code, p) for one, p in zip(known, held.tolist(), strict=True))
 
 
 def likely(known: Sequence[Known], held: Array) -> Iterator[str]:
-    """How likely each is to hold for the car of the ramps."""
+    """The same in words."""
     for one, p in zip(known, held.tolist(), strict=True):
         yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
 
@@ -137,9 +136,8 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
 
     x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
     off = np.mean((weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
-    likely = np.exp(-0.5 * (off - off.min()) / _OF_FILE[0] ** 2)
-    mean = likely @ x / likely.sum()
-    return mean, (likely * (x - mean).T) @ (x - mean) / likely.sum()
+    weight = np.exp(-0.5 * (off - off.min()) / _OF_FILE[0] ** 2)
+    return np.average(x, axis=0, weights=weight), np.cov(x.T, aweights=weight, ddof=0)
 
 
 def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:

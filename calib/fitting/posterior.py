@@ -153,9 +153,8 @@ def posterior(
 ) -> Posterior:
     """The ensemble given the ramps ``runs``; ``ratio`` what is known of the pads' ratio before.
 
-    What else is ``known`` has equal parts of half of the prior; the other half is the field's.
-    Raises ValueError where no draw of the prior explains the ramps at all, or nothing is left of a
-    ramp.
+    What else is ``known`` shares half of the prior. Raises ValueError where no draw of the prior
+    explains the ramps at all, or nothing is left of a ramp.
     """
     from scipy.special import ndtri
 
