@@ -15,6 +15,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -23,16 +24,17 @@ from calib.base.bounded import TOML, bytes_of
 from calib.base.digest import file_digest
 from calib.base.errors import TyreError
 
-_RANGES = {"FNOMIN": (500.0, 30000.0), "PCX1": (1.0, 2.2), "PDX1": (0.2, 2.5), "PDX2": (-1.0, 1.0),
-           "PEX1": (-20.0, 1.0), "PKX1": (4.0, 120.0), "PKX2": (-60.0, 60.0),
-           "PKX3": (-2.0, 2.0)}  # fmt: skip
-"""Keys that a file must have, with what tyres of cars and vans have."""
-
-_USUAL = dict.fromkeys(("LFZO", "LCX", "LMUX", "LEX", "LKX"), 1.0) | dict.fromkeys(
-    ("PEX2", "PEX3", "PEX4", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF", "FREFF"),
-    0.0,
-)
-"""Other keys that are read, with their value where a file has none."""
+_SCALE, _ANY = (0.1, 10.0, 1.0), (-math.inf, math.inf, 0.0)
+_KEYS = {
+    "FNOMIN": (500.0, 30000.0, ...), "LFZO": _SCALE,
+    "PKX1": (4.0, 120.0, ...), "PKX2": (-60.0, 60.0, ...), "PKX3": (-2.0, 2.0, ...), "LKX": _SCALE,
+    "PDX1": (0.2, 2.5, ...), "PDX2": (-1.0, 1.0, ...), "LMUX": _SCALE,
+    "PEX1": (-20.0, 1.0, ...), "PEX2": _ANY, "PEX3": _ANY, "PEX4": _ANY, "LEX": (0.0, 10.0, 1.0),
+    "PCX1": (1.0, 2.2, ...), "LCX": _SCALE,
+    "UNLOADED_RADIUS": _ANY, "VERTICAL_STIFFNESS": _ANY,
+    "DREFF": _ANY, "BREFF": _ANY, "FREFF": _ANY,
+}  # fmt: skip
+"""What is read: what tyres of cars and vans have, and the value where a file has none."""
 
 _UNITS = {"FORCE": ("newton", "newtons", "n"), "LENGTH": ("meter", "meters", "metre", "m")}
 _FAR = 3.0  # times the nominal load, or a part of it, where the polynomials say nothing
@@ -49,10 +51,13 @@ class TyreFile:
     digest: str
     keys: dict[str, float]
 
+    def over(self, load: float) -> float:
+        """A wheel load [N] over the nominal one [1]."""
+        return load / (self.keys["FNOMIN"] * self.keys["LFZO"])
+
     def at(self, load: float) -> tuple[float, float]:
         """Slip stiffness over load and peak [1] at a wheel load [N]. Raises TyreError."""
-        k, nominal = self.keys, self.keys["FNOMIN"] * self.keys["LFZO"]
-        d = load / nominal - 1.0
+        k, d = self.keys, self.over(load) - 1.0
         stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
         peak = (k["PDX1"] + k["PDX2"] * d) * k["LMUX"]
         if not (1.0 / _FAR < d + 1.0 < _FAR and 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0):
@@ -60,15 +65,15 @@ class TyreFile:
                 f"at {load:.0f} N, a wheel of this car, stiffness over load is {stiffness:.3g} and "
                 f"the peak {peak:.3g}",
                 where=self.source,
-                expected=f"a load about the nominal {nominal:.0f} N, 2 to 200, and 0.1 to 3",
+                expected=f"a load about {load / (d + 1.0):.0f} N, 2 to 200, and 0.1 to 3",
                 do="give the file of a tyre of this car; check FNOMIN and the scale factors",
             )
         return stiffness, peak
 
     def curve(self, load: float) -> tuple[Array, Array]:
         """Share of the peak (n,), rising, and slip times stiffness over the peak (n,), all [1]."""
-        k = self.keys
-        d, C = load / (k["FNOMIN"] * k["LFZO"]) - 1.0, k["PCX1"] * k["LCX"]
+        k, d = self.keys, self.over(load) - 1.0
+        C = k["PCX1"] * k["LCX"]
         E = (k["PEX1"] + k["PEX2"] * d + k["PEX3"] * d * d) * (1.0 + k["PEX4"]) * k["LEX"]
         x = np.linspace(0.0, 20.0, 4001)
         use = np.sin(C * np.arctan(x - min(E, 1.0) * (x - np.arctan(x))))
@@ -77,7 +82,7 @@ class TyreFile:
 
     def radius_load(self, load: float) -> float | None:
         """Share by which the rolling radius falls when the load doubles [1]; None: not told."""
-        k, use = self.keys, load / (self.keys["FNOMIN"] * self.keys["LFZO"])
+        k, use = self.keys, self.over(load)
         if not all(k[n] > 0.0 for n in ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")):
             return None
         slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * use) ** 2) + k["FREFF"]
@@ -85,30 +90,22 @@ class TyreFile:
 
 
 def read_tyre(path: Path | str) -> TyreFile:
-    """Read a tyre property file. Raises TyreError with all that is wrong.
+    """Read a tyre property file. Raises TyreError with all that is wrong."""
+    from calib.base.record import OneOf, QuantityMark, section, validated  # pydantic
 
-    That is a file that cannot be read, a missing key, a unit that is not N or m, a value that no
-    tyre has.
-    """
+    schema = section(
+        "TyreKeys",
+        "What is read of a tyre property file.",
+        {
+            key: (Annotated[float, QuantityMark("1", low, high)], usual)
+            for key, (low, high, usual) in _KEYS.items()
+        }
+        | {key: (Annotated[str, OneOf(names)], names[0]) for key, names in _UNITS.items()},
+    )
     text = bytes_of(Path(path), TOML, TyreError, _WHAT).decode("latin-1")
-    found = {key.upper(): value for key, value in _LINE.findall(text)}
-    keys, flaws = {}, []
-    for key, names in _UNITS.items():
-        if found.get(key, names[0]).lower() not in names:
-            flaws.append(f"{key} is in {found[key]}, expected {names[0]}")
-    for key in (*_RANGES, *_USUAL):
-        low, high = _RANGES.get(key, (-1e9, 1e9))
-        written = found.get(key, str(_USUAL.get(key, "missing")))
-        try:
-            keys[key] = float(written)
-        except ValueError:
-            keys[key] = math.nan
-        if not low <= keys[key] <= high:
-            usual = f"{low:g} to {high:g}" if key in _RANGES else "a number"
-            flaws.append(f"{key} is {written}, expected {usual}")
-    if flaws:
-        do = f"give {_WHAT}, in newton and meter; or fit without --tyre"
-        raise TyreError(flaws[0], where=path, do=do, lines=tuple(flaws[1:]))
+    found = {key.upper(): value.lower() for key, value in _LINE.findall(text)}
+    known = {key: found[key] for key in schema.model_fields if key in found}
+    keys = validated(known, schema, path, TyreError).model_dump(exclude={*_UNITS})
     return TyreFile(Path(path).stem, str(path), file_digest(Path(path)), keys)
 
 

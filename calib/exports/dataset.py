@@ -459,11 +459,12 @@ _COLUMNS = {
     "level": "ln of the brake force over that which z demands",
     "log_slip": "mean of ln(slip/z)",
     "log_slip_sigma": "standard deviation of ln(slip/z)",
+    "share": "share of the stops with this z that show such a shift",
     "prior": "share of the ratio that is prior",
 }
 _BOUNDS = ("_lower", "_upper")
 
-_FLAT = {"log_slip", "log_slip_sigma"}
+_FLAT = {"log_slip", "log_slip_sigma", "share"}
 """Columns that are the same along the last axis, and are written without it."""
 
 

@@ -13,12 +13,15 @@ from calib.car.balance import brake_forces
 from calib.car.forces import speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
+from calib.model.settings import SETTINGS
 
+ROWS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
 PRIORS = {
-    row["name"]: (float(row["mean"]), float(row["sigma"]))
-    for row in rows("priors.csv", "calib.fitting")
+    name: (float(row["mean"]), float(row["sigma"] or SETTINGS.pad_scatter))
+    for name, row in ROWS.items()
 }
-"""Mean and sigma of each prior by name; the file has their sources."""
+"""Mean and sigma of each prior by name. The file has their sources, the share of the field's
+variance by which cars of one ``model`` are apart, and the sigma of what a ``tyre_file`` says."""
 
 DEPART_AT = np.linspace(0.05, 0.95, 10)
 """Decelerations at which the departure of a tyre from its form is kept [1]."""

@@ -1,14 +1,13 @@
 r"""What a user knows of a car before its ramps: files of its tyres, released cars of its model.
 
-It is told in coordinates in which the field's prior is standard normal: five for the form of the
-tyre, the `NONLINEAR`, then mean and difference of the compliances and the fall of the radii. What
-is known is a normal distribution there. Half of the prior stays the field's, so that a car that
-contradicts what is known takes its answer from the field.
+Each says a normal distribution over coordinates in which the field's prior is standard normal. Half
+of the prior stays the field's, so that a car that contradicts what is known takes its answer from
+the field.
 
     draws of each car --less the field's prior--> what its ramps tell --> model --> one more car
 
-Cars of a model have one mean, and a scatter about it of `_APART` of the field's variance, all of it
-normal: a hierarchical model (Gelman et al., Bayesian Data Analysis, ch. 5).
+Cars of a model have one mean and scatter about it, all of it normal: a hierarchical model (Gelman
+et al., Bayesian Data Analysis, ch. 5).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,12 +22,10 @@ from calib.car.tyre_file import TyreFile
 from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.draws import ensemble_of
-from calib.fitting.ensemble import PRIORS, spread_evenly
+from calib.fitting.ensemble import PRIORS, ROWS, spread_evenly
 from calib.fitting.stated_pads import UNSAID
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
-
-_SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 
 NONLINEAR = (
     "load_exponent",
@@ -38,7 +35,13 @@ NONLINEAR = (
     "cg_to_front_axle",
     "cg_height",
 )
-"""What enters forces and slips nonlinearly, in the order of the coordinates."""
+"""What enters forces and slips nonlinearly."""
+
+_NAMES = (*["form"] * len(FORMS), *NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
+"""The coordinates in their order, by the rows of the priors."""
+
+OWN = len(FORMS) + len(NONLINEAR)
+"""Number of coordinates that are drawn; the others are linear and integrated out."""
 
 _COMPLIANCE, _SIGMA = PRIORS["compliance"]
 _LESS = 0.5 * PRIORS["log_tyre_ratio"][1] * _COMPLIANCE
@@ -48,30 +51,13 @@ TO_LINEAR = np.array(
 )
 """Compliances and fall of the radii are LINEAR + TO_LINEAR @ (the last three coordinates)."""
 
-_RATIO = len(FORMS) + NONLINEAR.index("log_pad_ratio")
-_APART = np.array([
-    *(0.1,) * len(FORMS), 0.1, 0.1,  # tyres of one kind
-    0.5,  # the road of the day
-    0.5, 1.0 - 1e-6, 0.5,  # pads of a grade, the load of a car and its height
-    (0.07 * _COMPLIANCE / _SIGMA) ** 2,  # stiffness: air and warmth of the day
-    0.25, 0.1,  # new tyres at their pressure are apart by half of what worn ones are
-])  # fmt: skip
-"""Share of the field's variance by which cars of one model are apart, by coordinate [1]."""
-
+_CENTRE, _WIDTH = np.array([PRIORS[name] for name in NONLINEAR]).T
+_RATIO = _NAMES.index("log_pad_ratio")
+_APART = np.array([float(ROWS[name]["model"]) for name in _NAMES])
+_OF_FILE = np.array([float(ROWS[n]["tyre_file"] or PRIORS[n][1]) / PRIORS[n][1] for n in _NAMES])
+_SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing
 _COUNT = 200  # independent draws that the kept ones are worth
-
-_OF_TYRES = (
-    *(sigma / PRIORS[name][1] for name, sigma in zip(NONLINEAR, (0.05, 0.04, 0.15), strict=False)),
-    *(1.0, 1.0, 1.0),  # nothing of pads and loads
-    *(0.12 * _COMPLIANCE / _SIGMA, 0.07 * _COMPLIANCE / (2.0 * _LESS), 0.5),
-)
-"""Sigmas of what a file tells of, after the forms: load exponents 0.05 and 0.04, peak 15 %,
-stiffness 12 % of both axles and 7 % apart. The stiffness of a tyre moves by 10 to 20 % with
-inflation, warmth and wear (Carlson and Gerdes 2005); its peak is that of the bench's belt, which is
-no road's: LKX and LMUX of the files are there for both."""
-
-_FORM = 0.05  # by which the slips of a tyre on the road are off the curve of the file [1]
 
 
 @dataclass(frozen=True)
@@ -87,64 +73,61 @@ class Known:
         """Mean and covariance in the coordinates of ``ratio`` instead of `UNSAID`, and log weight.
 
         ``ratio`` is what is known of the pads' ratio before the ramps from elsewhere: its density
-        over that of `UNSAID` multiplies this one, and says how likely this one is.
+        over that of `UNSAID` multiplies this one, and says how likely this one is beside the field.
         """
-        d, h = (UNSAID.sigma / ratio.sigma) ** 2 - 1.0, ratio.value * UNSAID.sigma / ratio.sigma**2
+        finer, off = UNSAID.sigma / ratio.sigma, ratio.value / ratio.sigma
+        d, h = finer**2 - 1.0, off * finer
         column, at = self.covariance[:, _RATIO], self.mean[_RATIO]
         more = 1.0 + d * column[_RATIO]
-        mean = self.mean + column * (h - d * at) / more
-        weight = -0.5 * (np.log(more) + (d * at**2 - 2.0 * h * at - h**2 * column[_RATIO]) / more)
-        scale = np.ones(mean.size)
-        scale[_RATIO] = UNSAID.sigma / ratio.sigma
-        mean[_RATIO] -= ratio.value / UNSAID.sigma
+        misfit = (d * at**2 - 2.0 * h * at - h**2 * column[_RATIO]) / more + off**2
+        scale = np.where(np.arange(column.size) == _RATIO, finer, 1.0)
+        mean = scale * (self.mean + column * (h - d * at) / more)
+        mean[_RATIO] -= off
         covariance = self.covariance - d * np.outer(column, column) / more
-        return scale * mean, scale[:, None] * scale * covariance, float(weight)
+        weight = -0.5 * float(np.log(more / finer**2) + misfit)
+        return mean, np.outer(scale, scale) * covariance, weight
 
 
 def known_before(
     car: Vehicle, tyres: Sequence[TyreFile], fleet: Mapping[str, Table]
 ) -> tuple[Known, ...]:
     """What files of tyres and cars of the model say. Raises TyreError; StoreError without draws."""
-    said = (_of_tyres(car, tyres) if tyres else None, _of_fleet(car, fleet) if fleet else None)
-    return tuple(one for one in said if one)
+    of_cars = (_of_fleet(car, fleet),) if fleet else ()
+    return (_of_tyres(car, tyres), *of_cars) if tyres else of_cars
 
 
 def contradicted(known: Sequence[Known], held: Array) -> Iterator[Measured]:
-    """How likely each is to hold beside the ramps, (k,), to be judged."""
+    """How likely each is to hold by the ramps, ``held`` (k,), to be judged."""
     return (Measured(one.code, p) for one, p in zip(known, held.tolist(), strict=True))
 
 
 def likely(known: Sequence[Known], held: Array) -> Iterator[str]:
-    """How likely each is to hold for the car of the ramps."""
+    """The same in words."""
     for one, p in zip(known, held.tolist(), strict=True):
         yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
 
 
 def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:
     """What files say of the tyres: one of both axles, or those of the front and the rear axle."""
-    use, half, rows, slips = np.linspace(0.1, 0.9, 20), 0.25 * car.weight, [], []
-    sigma = np.array(_OF_TYRES)
+    use, rows, slips = np.linspace(0.1, 0.9, 20), [], []
+    mean, sigma = np.zeros(_OF_FILE.size), _OF_FILE.copy()
     for tyre, axle in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
-        load = 0.5 * axle
-        (less, low), (more, high) = tyre.at(0.8 * load), tyre.at(1.25 * load)
-        q, p = np.log([less / more, low / high]) / np.log(1.25 / 0.8)
-        stiffness, peak = tyre.at(load)
-        fall = tyre.radius_load(load)
+        loads = 0.5 * axle * np.array([0.8, 1.0, 1.25])
+        told = np.log([tyre.at(load) for load in loads])
+        falling, (stiffness, peak) = np.polyfit(np.log(4.0 * loads / car.weight), told, 1)
+        fall = tyre.radius_load(loads[1])
         if fall is None:
             fall, sigma[-1] = LINEAR[2], 1.0
-        beyond = np.log(load / half)
-        rows.append([q, p, np.log(peak) + p * beyond, np.exp(-q * beyond) / stiffness, fall])
-        slips.append(np.interp(use, *tyre.curve(load)))
-    mean, priors = np.mean(rows, axis=0), np.array([PRIORS[name] for name in NONLINEAR[:3]])
-    exponents = (mean[:3] - priors[:, 0]) / priors[:, 1]
-    linear = np.linalg.solve(TO_LINEAR, [rows[0][3], rows[1][3], mean[4]] - LINEAR)
-    sigma[-3:-1] *= mean[3] / _COMPLIANCE
-    form, covariance = _form(use, np.mean(slips, axis=0))
-    whole = np.zeros((_APART.size, _APART.size))
-    np.fill_diagonal(whole, np.concatenate([form, sigma**2]))
-    whole[: form.size, : form.size] = covariance
-    at = np.concatenate([form, exponents, np.zeros(3), linear])
-    return Known(" and ".join(t.name for t in tyres), "tyre_file", at, whole)
+        rows.append([*-falling, peak, np.exp(-stiffness), fall])
+        slips.append(np.interp(use, *tyre.curve(loads[1])))
+    *nonlinear, compliance, fall = np.mean(rows, axis=0)
+    forms = len(FORMS)
+    mean[forms : forms + 3] = (nonlinear - _CENTRE[:3]) / _WIDTH[:3]
+    mean[OWN:] = np.linalg.solve(TO_LINEAR, [rows[0][3], rows[1][3], fall] - LINEAR)
+    sigma[OWN : OWN + 2] *= compliance / _COMPLIANCE
+    covariance = np.diag(sigma**2)
+    mean[:forms], covariance[:forms, :forms] = _form(use, np.mean(slips, axis=0))
+    return Known(" and ".join(t.name for t in tyres), "tyre_file", mean, covariance)
 
 
 def _form(use: Array, slip: Array) -> tuple[Array, Array]:
@@ -153,9 +136,8 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
 
     x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
     off = np.mean((weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
-    likely = np.exp(-0.5 * (off - off.min()) / _FORM**2)
-    mean = likely @ x / likely.sum()
-    return mean, (likely * (x - mean).T) @ (x - mean) / likely.sum()
+    weight = np.exp(-0.5 * (off - off.min()) / _OF_FILE[0] ** 2)
+    return np.average(x, axis=0, weights=weight), np.cov(x.T, aweights=weight, ddof=0)
 
 
 def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
@@ -183,12 +165,11 @@ def _coordinates(car: Vehicle, table: Table) -> Array:
     amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
     logs = {"log_peak": np.log(e.peak), "cg_to_front_axle": np.log(e.cg_to_front_axle),
             "cg_height": np.log(e.cg_height)}  # fmt: skip
-    priors = PRIORS | {"log_pad_ratio": (UNSAID.value, UNSAID.sigma)}
-    of = {**vars(e), **logs}
-    columns = [(of[name] - priors[name][0]) / priors[name][1] for name in NONLINEAR]
+    nonlinear = np.stack([{**vars(e), **logs}[name] for name in NONLINEAR], axis=1)
     linear = np.stack([e.compliance_f, e.compliance_r, e.radius_load], axis=1) - LINEAR
     forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
-    return np.column_stack([forms, *columns, *np.linalg.solve(TO_LINEAR, linear.T)])
+    of_linear = np.linalg.solve(TO_LINEAR, linear.T).T
+    return np.hstack([forms, (nonlinear - _CENTRE) / _WIDTH, of_linear])
 
 
 @cache

@@ -92,6 +92,7 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | None = None) -> tuple[PadMap, 
         form = _FORM * at.shift
         error = np.sqrt(form**2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
         near = np.exp(-0.5 * ((at.shift[:, None] - axis * z) / error) ** 2) / error * rolls
+        share = near.sum(axis=0) * np.gradient(axis)
         near += _EMPTY * float(np.max(near)) / near.shape[0] * rolls
         log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
         middle, spread = _moments(near, log_slip[:, None])
@@ -100,7 +101,8 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | None = None) -> tuple[PadMap, 
         both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - SLIP) / _NEAR) ** 2)
         both += _EMPTY * float(np.max(near)) / near.shape[0] * rolls[..., None]
         both = both.reshape(log_slip.size, -1)
-        row = {"log_slip": _along(mean), "log_slip_sigma": _along(sigma)}
+        flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
+        row = {name: _along(x) for name, x in flat.items()}
         # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
         middle, joint = _moments(both, np.stack([log_slip, s.log_pad_ratio, s.change], axis=1))
         off = (mean[:, None] + sigma[:, None] * SLIP).ravel() - middle[:, 0]

@@ -22,7 +22,7 @@ from calib.base.arrays import Array, Index
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, spread_evenly
-from calib.fitting.known import LINEAR, NONLINEAR, TO_LINEAR, Known, weights_of
+from calib.fitting.known import LINEAR, NONLINEAR, OWN, TO_LINEAR, Known, weights_of
 from calib.fitting.regression import LinearPrior, Regression
 from calib.fitting.stated_pads import UNSAID
 from calib.model.ramp import RampRun
@@ -89,14 +89,10 @@ def _tails() -> tuple[Array, Array]:
 def _from_normal(x: Array, ratio: Value) -> Ensemble:
     """The prior's draws (n, 5 + 6) from standard normal ones; unit compliances."""
     priors = PRIORS | {"log_pad_ratio": (ratio.value, ratio.sigma)}
+    columns = dict(zip(NONLINEAR, x[:, len(FORMS) :].T, strict=True))
     if ratio == UNSAID:
-        pads = len(FORMS) + NONLINEAR.index("log_pad_ratio")
-        x = x.copy()
-        x[:, pads] = np.interp(x[:, pads], *_tails())
-    drawn = {
-        name: priors[name][0] + priors[name][1] * column
-        for name, column in zip(NONLINEAR, x[:, len(FORMS) :].T, strict=True)
-    }
+        columns["log_pad_ratio"] = np.interp(columns["log_pad_ratio"], *_tails())
+    drawn = {name: priors[name][0] + priors[name][1] * of for name, of in columns.items()}
     one = np.ones(x.shape[0])
     return Ensemble(
         forms=weights_of(x[:, : len(FORMS)]),
@@ -119,16 +115,8 @@ class _Mixture:
     """The prior as a map of standard normal numbers: the field's, and half of it what is known."""
 
     def __init__(self, known: Sequence[Known], ratio: Value) -> None:
-        own = len(FORMS) + len(NONLINEAR)
-        self.ratio, self.own, self.dimension = ratio, own, own + bool(known)
-        field = Known("", "", np.zeros(own + 3), np.eye(own + 3)).with_ratio(ratio)[2]
-        self.precision = np.linalg.inv(TO_LINEAR @ TO_LINEAR.T)
-        self.parts = []
-        for mean, V, weight in (one.with_ratio(ratio) for one in known):
-            slope = TO_LINEAR @ np.linalg.solve(V[:own, :own], V[:own, own:]).T
-            left = TO_LINEAR @ V[own:, own:] @ TO_LINEAR.T - slope @ V[:own, own:] @ TO_LINEAR.T
-            root, middle = np.linalg.cholesky(V[:own, :own]), LINEAR + TO_LINEAR @ mean[own:]
-            self.parts.append((mean[:own], root, middle, slope, left, weight - field))
+        self.ratio, self.dimension = ratio, OWN + bool(known)
+        self.parts = [one.with_ratio(ratio) for one in known]
 
     def of(self, x: Array) -> Index:
         """Which part each draw is of, (n,): 0 the field, then what is known in its order."""
@@ -141,18 +129,18 @@ class _Mixture:
 
     def drawn(self, x: Array) -> tuple[Ensemble, LinearPrior]:
         """Draws (n,) of normal numbers (n, d), with the prior of their linear parameters."""
-        which, y = self.of(x), x[:, : self.own].copy()
-        precision, pull = np.zeros((y.shape[0], 3, 3)), np.zeros((y.shape[0], 3))
-        log = np.zeros(y.shape[0])
-        before = self.precision @ LINEAR
-        for i, (mean, root, middle, slope, left, weight) in enumerate(self.parts, 1):
-            at = which == i
-            moved = y[at] @ root.T
-            y[at], linear, inverse = mean + moved, middle + moved @ slope.T, np.linalg.inv(left)
-            precision[at], pull[at] = inverse - self.precision, linear @ inverse - before
-            square = np.einsum("np,np->n", linear @ inverse, linear) - before @ LINEAR
-            norm = np.linalg.slogdet(inverse)[1] - np.linalg.slogdet(self.precision)[1]
-            log[at] = weight + 0.5 * (norm - square)
+        which, y, field = self.of(x), x[:, :OWN].copy(), np.linalg.inv(TO_LINEAR @ TO_LINEAR.T)
+        precision, pull = np.tile(field, (len(x), 1, 1)), np.tile(field @ LINEAR, (len(x), 1))
+        log = np.zeros(len(x))
+        for i, (mean, covariance, weight) in enumerate(self.parts, 1):
+            at, root = which == i, np.linalg.cholesky(covariance)
+            moved = mean + x[at, :OWN] @ root[:, :OWN].T
+            y[at], linear = moved[:, :OWN], LINEAR + moved[:, OWN:] @ TO_LINEAR.T
+            left, narrower = TO_LINEAR @ root[OWN:, OWN:], np.diag(root)[OWN:]
+            own = np.linalg.inv(left @ left.T)
+            precision[at], pull[at] = own, linear @ own
+            square = np.einsum("np,np->n", pull[at], linear) - LINEAR @ field @ LINEAR
+            log[at] = weight - np.log(narrower).sum() - 0.5 * square
         return _from_normal(y, self.ratio), LinearPrior(precision, pull, log)
 
 
@@ -165,9 +153,8 @@ def posterior(
 ) -> Posterior:
     """The ensemble given the ramps ``runs``; ``ratio`` what is known of the pads' ratio before.
 
-    What else is ``known`` has equal parts of half of the prior; the other half is the field's.
-    Raises ValueError where no draw of the prior explains the ramps at all, or nothing is left of a
-    ramp.
+    What else is ``known`` shares half of the prior. Raises ValueError where no draw of the prior
+    explains the ramps at all, or nothing is left of a ramp.
     """
     from scipy.special import ndtri
 
@@ -188,7 +175,7 @@ def posterior(
     left = regression.left(e, found) @ regression.white.T
     departs = regression.departures(left)
     front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
-    before = np.hstack([x[:, : prior.own], regression.standard(found, of_linear)])
+    before = np.hstack([x[:, :OWN], of_linear.standard(found)])
     pulls = regression.pulls(left)
     for part, columns in _PRIORS.items():
         pulls[part] = np.hstack([pulls.get(part, before[:, :0]), before[:, columns]])

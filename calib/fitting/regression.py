@@ -146,15 +146,20 @@ def _carried_on(
 
 @dataclass(frozen=True)
 class LinearPrior:
-    """What is known of the linear parameters of each draw beyond the field's prior.
+    """What is known of the linear parameters of each draw before the ramps.
 
-    ``precision`` (n, 3, 3) and ``pull`` (n, 3), precision times mean, over those of the field;
-    ``log_weight`` (n,), with what the norms of the densities and the pads' ratio add.
+    ``precision`` (n, 3, 3) and ``pull`` (n, 3), precision times mean; ``log_weight`` (n,) of the
+    draw, with the norm of that density.
     """
 
     precision: Array
     pull: Array
     log_weight: Array
+
+    def standard(self, linear: Array) -> Array:
+        """The linear parameters (n, 3) in the coordinates in which this is standard normal."""
+        off = linear - np.linalg.solve(self.precision, self.pull[..., None])[..., 0]
+        return np.asarray(np.einsum("ni,nij->nj", off, np.linalg.cholesky(self.precision)))
 
 
 class Regression:
@@ -163,16 +168,11 @@ class Regression:
     None for ``most`` makes each block a row.
 
     ``errors`` (k, m) by part of a budget: what each error of one standard deviation makes of the
-    rows; ``precision`` (3, 3) and ``start`` (3,) of the linear parameters by the prior.
+    rows.
     """
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
         self.car, self.ramps = car, [_ramp(car, run, most) for run in runs]
-        (mean, sigma), (fall, fall_sigma) = PRIORS["compliance"], PRIORS["radius_load"]
-        apart = PRIORS["log_tyre_ratio"][1] * mean
-        prior = np.diag([sigma**2, sigma**2, fall_sigma**2])
-        prior[:2, :2] = sigma**2 + 0.25 * apart**2 * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        self.precision, self.start = np.linalg.inv(prior), np.array([mean, mean, fall])
         self.errors = self._errors()
         covariance = sum(error @ error.T for error in self.errors.values())
         self.white = np.linalg.inv(np.linalg.cholesky(np.asarray(covariance)))
@@ -241,20 +241,13 @@ class Regression:
         """Log evidence (n,), mean (n, 3) and precision (n, 3, 3) of the linear parameters."""
         rows, rolls = self.rows(e)
         *H, y = rows @ self.white.T
-        A = np.einsum("ink,jnk->nij", H, H) + self.precision + prior.precision
-        g = np.einsum("ink,nk->ni", H, y) + self.precision @ self.start + prior.pull
+        A = np.einsum("ink,jnk->nij", H, H) + prior.precision
+        g = np.einsum("ink,nk->ni", H, y) + prior.pull
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
         log = prior.log_weight - 0.5 * (square + np.log(np.linalg.det(A)))
         possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
         return np.where(possible, log, -np.inf), mean, A
-
-    def standard(self, linear: Array, prior: LinearPrior) -> Array:
-        """The linear parameters (n, 3) in the coordinates in which their prior is standard."""
-        precision = self.precision + prior.precision
-        pull = self.precision @ self.start + prior.pull
-        off = linear - np.linalg.solve(precision, pull[..., None])[..., 0]
-        return np.asarray(np.einsum("ni,nij->nj", off, np.linalg.cholesky(precision)))
 
     def left(self, e: Ensemble, linear: Array) -> Array:
         """What the draws with ``linear`` (n, 3) leave of the rows (n, k)."""

@@ -20,7 +20,7 @@ def remarks(
     known: Resistance,
     peak: Peak,
     coasts: int,
-    bench: RollerBench | None = None,
+    bench: RollerBench | None,
 ) -> tuple[str, ...]:
     """What the user must know of this table, in words.
 

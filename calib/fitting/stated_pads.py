@@ -4,15 +4,11 @@ import math
 from collections.abc import Iterator
 
 from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import PRIORS
 from calib.model.roller_bench import RollerBench
-from calib.model.settings import SETTINGS
 from calib.table.table import Calibration, Value
 
-_UNSAID = SETTINGS.pad_scatter / math.sqrt(2.0)
-"""Sigma of the pads of one axle [1] where the user speaks of the other axle only."""
-
-
-UNSAID = Value(0.0, SETTINGS.pad_scatter)
+UNSAID = Value(*PRIORS["log_pad_ratio"])
 """ln of the pads' ratio over that of the file where the user said nothing."""
 
 
@@ -27,7 +23,8 @@ def stated_pad_ratio(vehicle: Vehicle, bench: RollerBench | None) -> Value | Non
     front, rear = vehicle.front.pad_friction_tolerance, vehicle.rear.pad_friction_tolerance
     if front is None and rear is None:
         return None
-    return Value(0.0, math.hypot(*(_UNSAID if one is None else one for one in (front, rear))))
+    unsaid = UNSAID.sigma / math.sqrt(2.0)  # of one axle, where he speaks of the other only
+    return Value(0.0, math.hypot(*(unsaid if one is None else one for one in (front, rear))))
 
 
 def measured(vehicle: Vehicle, bench: RollerBench | None, pads: Calibration) -> Iterator[str]:

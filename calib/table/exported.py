@@ -25,6 +25,9 @@ LEAST_BITS = 16
 near 0 and reaches far, and 8 bits would be 0.8 % off in the mass, and so in every pad."""
 
 
+_UNREAD = ("share", "prior")
+"""Columns that say how much a map knows, and give no answer."""
+
 _NARROWEST = 1e-3
 """Least width of bounds in the weights of the breakpoints [1]."""
 
@@ -125,17 +128,18 @@ def written_map(held: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(held: Map, i: int, points: int | None) -> Index:
-    """Values of axis ``i`` to keep, by all slices along it of every column but the prior.
+    """Values of axis ``i`` to keep, by all slices along it of every column that is read.
 
-    An error counts over the half width of the bounds there: where they are narrow the map is read,
-    and where they are wide it says little.
+    An error counts as often as stops show the cell, and over the width of the bounds there: where
+    they are wide the map says little.
     """
     x = [*held.axes.values()][i]
     if points is None:
         return np.arange(x.size)
-    names = [name for name in held.names if name != "prior"]
+    names = [name for name in held.names if name not in _UNREAD]
     lower, upper = (held.grid(held.bounded[0] + end) for end in ("_lower", "_upper"))
-    narrow = 1.0 / np.maximum(upper - lower, _NARROWEST) ** 2
+    shown = held.grid("share") if "share" in held.names else 1.0
+    narrow = shown / np.maximum(upper - lower, _NARROWEST) ** 2
     slices, weights = (
         np.concatenate([np.moveaxis(grid, i, -1).reshape(-1, x.size) for grid in grids])
         for grids in ([held.grid(name) for name in names], [narrow] * len(names))

@@ -85,8 +85,8 @@ class PadMap(Map):
 
     Axes: ``z`` brake force that the zeroed deceleration demands, over the weight; ``shift``
     (eta - 1)/z; ``slip`` how far ln(slip/z) is from its mean in this place, in standard
-    deviations. ``log_slip`` is that mean, ``log_slip_sigma`` that deviation; both are the same
-    along ``slip``.
+    deviations. ``log_slip`` is that mean, ``log_slip_sigma`` that deviation, and ``share`` that of
+    the stops with this z which show such a shift: the same along ``slip``.
 
     The ratio is front over rear, over that of the vehicle file. ``ratio`` and ``change``, the ln of
     the ratio over that of the ramp, are medians, with 95 % bounds. ``prior`` is the share of the
@@ -105,6 +105,7 @@ class PadMap(Map):
     change_upper: Array
     log_slip: Array
     log_slip_sigma: Array
+    share: Array
     prior: Array
 
 

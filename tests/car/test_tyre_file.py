@@ -71,6 +71,7 @@ def test_fall_of_the_rolling_radius(path):
         ({"PEX1": "none"}, "PEX1"),
         ({"LKX": "nan"}, "LKX"),
         ({"FNOMIN": 4.3}, "FNOMIN"),
+        ({"LFZO": 0.0}, "LFZO"),
     ],
 )
 def test_files_that_are_refused(path, changed, names):

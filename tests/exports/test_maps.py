@@ -94,7 +94,7 @@ def test_dcmReader_sees_each_map_over_its_two_distributions(mapped, tmp_path):
     )  # fmt: skip
     assert run.stderr == ""
     maps = {name: rest for name, *rest in json.loads(run.stdout)}
-    flat = {"sedan_log_slip", "sedan_log_slip_sigma"}
+    flat = {"sedan_log_slip", "sedan_log_slip_sigma", "sedan_share"}
     thick = {name for name in made_map().names if f"sedan_{name}" not in flat}
     assert maps.keys() == flat | {f"sedan_{name}_s{i}" for name in thick for i in (1, 2, 3)}
     for column in OFF:

@@ -129,11 +129,11 @@ Z, SHIFT, SLIP = (0.1, 0.3, 0.45, 0.8), (-0.004, 0.0, 0.003, 0.007, 0.02), (-1.0
 def made_map(z=Z, shift=SHIFT, slip=SLIP):
     """The closed form A + B_Z z + B_SHIFT shift + B_SLIP slip: exact however it is read.
 
-    The mean of ln(slip/z) is z - 3 - shift, its sigma 0.2 + z.
+    The mean of ln(slip/z) is z - 3 - shift, its sigma 0.2 + z; every shift is as usual.
     """
     axes = [np.array(z), np.array(shift), np.array(slip)]
     x, y, s = np.meshgrid(*axes, indexing="ij")
-    seen = {"log_slip": x - 3.0 - y, "log_slip_sigma": 0.2 + x}
+    seen = {"log_slip": x - 3.0 - y, "log_slip_sigma": 0.2 + x, "share": np.full_like(x, 0.2)}
     return PadMap.of(axes, **_bounded(A + B_Z * x + B_SHIFT * y + B_SLIP * s), **seen)
 
 

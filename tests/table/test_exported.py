@@ -25,7 +25,7 @@ def curved():
     ends = {"_lower": ratio - half, "": ratio, "_upper": ratio + 1.3 * half}
     columns = {f"{name}{end}": x for name in ("ratio", "change") for end, x in ends.items()}
     seen = {"log_slip": -3.0 - z + 9.0 * shift, "log_slip_sigma": 0.1 + 0.5 * z}
-    return PadMap.of(axes, **columns, **seen, prior=half)
+    return PadMap.of(axes, **columns, **seen, share=np.ones_like(z), prior=half)
 
 
 def test_in_double_on_all_rows_nothing_changes():
@@ -35,11 +35,10 @@ def test_in_double_on_all_rows_nothing_changes():
 
 def test_breakpoints_are_those_where_the_map_bends():
     """Linear between two values of z and three of shift: those are kept, and nothing is lost."""
+    values = np.outer([1.0, 0.2, 0.5], [0.3, -0.2, 0.4, 0.5])[..., None]
     bent = PadMap.of(
         [np.array([0.1, 0.4, 0.8]), np.array([-0.004, 0.003, 0.008, 0.02]), np.zeros(1)],
-        **dict.fromkeys(
-            made_map().names, np.outer([1.0, 0.2, 0.5], [0.3, -0.2, 0.4, 0.5])[..., None]
-        ),
+        **dict.fromkeys(made_map().names, values) | {"share": np.ones_like(values)},
     )
     fine = bent.on([np.linspace(0.1, 0.8, 15), np.linspace(-0.004, 0.02, 25), np.zeros(1)])
     made = written_map(fine, Precision(points=4), "map")
@@ -47,6 +46,20 @@ def test_breakpoints_are_those_where_the_map_bends():
     assert {0.4} <= set(made.axes["z"].values.round(12))
     assert made.axes["shift"].values == pytest.approx([-0.004, 0.003, 0.008, 0.02])
     assert made.misfit["z"].worst < 1e-12
+
+
+def test_breakpoints_stand_where_stops_are():
+    """A wild end that no stop shows takes none of the points that a bend in the middle needs."""
+    z, shift = np.array([0.1, 0.4]), np.linspace(-0.3, 0.3, 25)
+    usual = np.exp(-0.5 * (shift / 0.05) ** 2)
+    values = np.tanh(shift / 0.05) + np.where(np.abs(shift) > 0.2, np.cos(300.0 * shift), 0.0)
+    grids = {name: np.tile(values, (2, 1))[..., None] for name in made_map().names}
+    grids |= {"ratio_lower": grids["ratio"] - 0.1, "ratio_upper": grids["ratio"] + 0.1}
+    grids["share"] = np.tile(usual, (2, 1))[..., None]
+    whole = PadMap.of([z, shift, np.zeros(1)], **grids)
+    made = written_map(whole, Precision(points=9), "map")
+    read = np.interp(shift, made.axes["shift"].values, made.columns["ratio"].values[:9])
+    assert np.max(np.abs(read - values)[usual > 0.1]) < 0.06
 
 
 @pytest.mark.parametrize("points", [2, 5, 9])
