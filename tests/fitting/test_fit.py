@@ -135,14 +135,14 @@ def test_units_and_formats_do_not_matter(tmp_path, run):
 
 @pytest.mark.parametrize("rate", [40.0, 1000.0])
 def test_rate_of_the_log_does_not_matter(rate, table, clean):
-    """Without noise: what the sampling alone does to D, against 200 Hz."""
+    """Without noise: what the sampling alone does to D against 200 Hz, over its band."""
     slow = drive(
         REAL, lambda t: 5e5 * max(t - 1.5, 0.0), 33.0, duration=9.5, stop_speed=8.0, rate=rate
     )
     here, there = (fit(CAR, [log]).difference for log in (as_log(slow), clean))
     common = np.linspace(1.0, min(here.eta[-1], there.eta[-1]), 20)
     off = np.interp(common, here.eta, here.D) - np.interp(common, there.eta, there.D)
-    assert np.max(np.abs(off)) < 0.02 * np.max(there.D)
+    assert np.max(np.abs(off)) < 0.05 * np.max(there.upper - there.lower)
 
 
 def test_a_log_without_braking_serves_as_a_coast(table, run, coast):
