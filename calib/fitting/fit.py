@@ -27,7 +27,6 @@ from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
 from calib.fitting.posterior import parts_of, posterior
 from calib.fitting.provenance import provenance
-from calib.fitting.rear_valve import rear_valve
 from calib.fitting.remarks import remarks, stated, taken_out
 from calib.fitting.residuals import explained
 from calib.fitting.ridge import find_peak, readable_up_to, ridge
@@ -113,7 +112,7 @@ def fit(
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in normal))
     sources = ", ".join(log.source for log, _, _ in ramps)
     before = ratio_by_levels(car, runs, known, stated_ratio or UNSAID)
-    ensemble, left = explained(car, runs, before, sources, warnings, told)
+    ensemble, left, valve = explained(car, runs, before, sources, warnings, told)
     alone = (
         posterior(car, normal, stated_ratio or UNSAID, known=told)
         if len(normal) < len(runs)
@@ -165,7 +164,7 @@ def fit(
         warnings=(
             *judged(vehicle.name, contradicted(told, ensemble.held)),
             *judged(car.name, of_calibration(car, pads, of_tyre, stated_ratio)),
-            *judged(", ".join(r.name for r in runs), rear_valve(car, ensemble, runs, before)),
+            *valve,
             *warnings,
         ),
         budget=table_budget(car, level, pads, parts_of(drawn, ensemble)),

@@ -9,11 +9,12 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning, judged
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
+from calib.fitting.rear_valve import rear_valve
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
@@ -35,10 +36,11 @@ def explained(
     sources: str,
     warnings: tuple[PlausibilityWarning, ...],
     known: Sequence[Known],
-) -> tuple[Posterior, Residuals]:
+) -> tuple[Posterior, Residuals, tuple[PlausibilityWarning, ...]]:
     """The ensemble of the ramps, ``ratio`` known of the pads before, and what it leaves of them.
 
-    LogError, with the ``sources`` of the ramps, where it does not explain them.
+    With a warning where a valve of the rear pressure explains them better; LogError, with the
+    ``sources`` of the ramps, where nothing does.
     """
     lines = tuple(map(str, warnings))
     try:
@@ -53,7 +55,8 @@ def explained(
         ) from error
     left = [residuals(car, found, run) for run in runs]
     worst = max(float(np.sqrt(np.mean(eta**2))) for eta, _ in left if eta.size)
-    if worst > _MOST:
+    valve = tuple(judged(", ".join(run.name for run in runs), rear_valve(car, found, runs, ratio)))
+    if worst > _MOST and not valve:
         raise LogError(
             f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
             where=sources,
@@ -61,7 +64,7 @@ def explained(
             do="look at the wheel speeds with `brake-cal check`: one may be late, or coarse",
             lines=lines,
         )
-    return found, left
+    return found, left, valve
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:

@@ -202,8 +202,8 @@ def test_pads_need_not_swallow_a_valve_that_is_known(hidden):
     seen = validate(table, stops)
     assert max(worst(vehicle, blind)) > 0.05
     assert all(r.passed for r in seen)
-    # tyres that may differ between the axles leave some of the ratio open, and the interval says so
-    assert max(worst(vehicle, seen)) < 0.5 * max(worst(vehicle, blind))
+    # the pads are 14 % apart from the file's, which a ramp hardly tells, and the interval says so
+    assert max(worst(vehicle, seen)) < 0.7 * max(worst(vehicle, blind))
     for error, name in zip(worst(vehicle, seen), ("interval_f", "interval_r"), strict=True):
         assert error < max(result.figures[name] for result in seen)
     together = agreement(seen)
