@@ -50,9 +50,9 @@ def test_points_of_a_clean_ramp_with_drag_lie_on_the_curves():
     assert inside.sum() > 50
     D = np.interp(found.eta, table.difference.eta, table.difference.D)[inside]
     as_driven = (found.F_f - found.F_r)[inside]
-    # on the curve within 2 % of D, a tenth of its band; as driven the points are up to 8 % off it
+    # on the curve within 2 % of D, a tenth of its band; as driven the points are up to 5 % off it
     assert np.max(np.abs(found.D[inside] / D - 1.0)) < 0.02
-    assert np.max(np.abs(as_driven / D - 1.0)) > 0.05
+    assert np.max(np.abs(as_driven / D - 1.0)) > 0.04
     # what drag and rolling take of the deceleration at 33 m/s and less: 0.011 + 0.026
     freed = found.z[inside] - found.z_free[inside]
     assert np.all((freed > 0.008) & (freed < 0.05))
