@@ -58,7 +58,7 @@ def schema(
     from calib.help.documents import FILES, documents, schema_of
     from calib.show.facts import Facts
 
-    written = {name: one.title.replace("`", "") for name, one in documents().items()}
+    written = {name: one.title for name, one in documents().items()}
     if name is not None:
         emit_json(schema_of(name))
     elif json:

@@ -91,6 +91,24 @@ def force_balance(
     )
 
 
+def turning_shares(vehicle: Vehicle) -> tuple[float, float]:
+    """Mass that the turning wheels of front and rear axle are worth, over that of the car [1]."""
+    front, rear = (2.0 * axle.wheel_mass / vehicle.mass for axle in (vehicle.front, vehicle.rear))
+    return front, rear
+
+
+def braked_tyres(
+    vehicle: Vehicle, share: Array | float, brake: Array, slowed: Array
+) -> tuple[Array, Array]:
+    """Tyre forces of the axles where the brakes alone slow the car, (13), (14).
+
+    ``brake`` force of both axles, of which the front one has the ``share`` [1]; ``slowed`` M dv/dt,
+    of which the wheels' inertia carries its part. All in N, or all over the weight.
+    """
+    front, rear = turning_shares(vehicle)
+    return share * brake - front * slowed, (1.0 - share) * brake - rear * slowed
+
+
 def moment_at_road(axle: Axle, moment: Array | float, spin: Array) -> Array:
     """Force at the road [N] of the moments on both wheels of an axle besides the brake, (1).
 

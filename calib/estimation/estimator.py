@@ -82,16 +82,17 @@ class Estimate:
     """The estimator's answer on one log, at its rate.
 
     ``plan`` what it started from, ``read`` the signals, known effects taken out, with their means
-    over ``blocks``; ``eta`` zeroed (22) [1]; ``z`` [1]; ``force_f``, ``force_r`` F_x/F_z [1];
-    ``valid`` the estimator stands behind the sample, ``refused`` where not, by reason; ``braked``
-    pads bite; ``baselines`` pad friction (front, rear) by method name; ``eta_zero`` what was zeroed
-    [1]; ``factor_f``, ``factor_r`` what known effects did to the pad friction, which is given
-    without them [1]; ``notes`` name the baselines left out; ``best`` what the step makes of all
-    channels, ``ecu`` without a speed.
+    over ``blocks`` and their balance of ``forces``; ``eta`` zeroed (22) [1]; ``z`` [1];
+    ``force_f``, ``force_r`` F_x/F_z [1]; ``valid`` the estimator stands behind the sample,
+    ``refused`` where not, by reason; ``braked`` pads bite; ``baselines`` pad friction (front, rear)
+    by method name; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what known effects
+    did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
+    ``best`` what the step makes of all channels, ``ecu`` without a speed.
     """
 
     plan: Plan
     read: Signals
+    forces: BrakeBalance
     time: Array
     z: Array
     eta: Array
@@ -134,8 +135,7 @@ class Estimate:
     @cached_property
     def response(self) -> BrakeResponse | None:
         """How the brakes answered the pressure over the whole run; None if it tells too little."""
-        forces = brake_balance(self.plan.nominal, self.plan.known.effects, self.read)
-        return brake_response(self.read, forces)
+        return brake_response(self.read, self.forces)
 
     @cached_property
     def accelerometer(self) -> Accelerometer:
@@ -246,6 +246,7 @@ def estimate(
     return Estimate(
         plan=plan,
         read=read,
+        forces=forces,
         time=read.time,
         z=read.z,
         eta=eta,

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.car.balance import ForceBalance
+from calib.car.balance import ForceBalance, braked_tyres, turning_shares
 from calib.car.forces import axle_loads, speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals, eta_of
@@ -29,27 +29,19 @@ def known_slips(table: Table, car: Vehicle, road: ForceBalance) -> Pair:
     is that of the whole deceleration, and what known effects move. The map of a table knows none
     of them. ``car`` with the pads of the file; those of the ramp share the brake force.
     """
-    rolling = [2.0 * axle.wheel_mass / car.mass for axle in (car.front, car.rear)]
-    alone = road.demanded / (1.0 + sum(rolling))
+    alone = road.demanded / (1.0 + sum(turning_shares(car)))
     share = front_share(car, table.calibration.pad_log_ratio.value)
 
     def slip(force: Array, load: Array) -> Array:
         F = force / np.maximum(load, 0.1 * car.weight)
         return np.asarray(np.sign(F) * np.interp(np.abs(F), table.tyre.force, table.tyre.slip))
 
-    front, rear = (
-        slip(part * road.demanded - inert * alone + other, load)
-        - slip(part * road.demanded - inert * alone, by_brakes)
-        for part, inert, other, load, by_brakes in zip(
-            (share, 1.0 - share),
-            rolling,
-            (road.other_f, road.other_r),
-            (road.load_f, road.load_r),
-            axle_loads(car, alone / car.weight),
-            strict=True,
-        )
+    front, rear = braked_tyres(car, share, road.demanded, alone)
+    load_f, load_r = axle_loads(car, alone / car.weight)
+    return (
+        slip(front + road.other_f, road.load_f) - slip(front, load_f),
+        slip(rear + road.other_r, road.load_r) - slip(rear, load_r),
     )
-    return front, rear
 
 
 def zero_of_eta(s: Signals, driven: Pair, noise: SensorNoise, car: Vehicle) -> float:

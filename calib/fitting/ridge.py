@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.car.balance import braked_tyres, turning_shares
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, brake_share, shown
@@ -45,10 +46,8 @@ class Ridge:
 
 def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
-    inert = [2.0 * axle.wheel_mass / car.mass for axle in (car.front, car.rear)]
-    brake = z * (1.0 + sum(inert))
-    share = brake_share(car, e.log_pad_ratio)[:, None]
-    front, rear = share * brake - inert[0] * z, (1.0 - share) * brake - inert[1] * z
+    brake = z * (1.0 + sum(turning_shares(car)))
+    front, rear = braked_tyres(car, brake_share(car, e.log_pad_ratio)[:, None], brake, z)
     of = shown(car, e, z, front, rear)
     load_f, load_r = (load / car.weight for load in axle_loads(car, z))
     return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, of.slip_f, of.slip_r)

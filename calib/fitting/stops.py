@@ -9,6 +9,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.plain import rows
+from calib.car.balance import braked_tyres, turning_shares
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, brake_share, shown, spread_evenly
@@ -104,19 +105,13 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
     less what the wheels' inertia takes.
     """
     brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
-    rolling = [2.0 * axle.wheel_mass / car.mass for axle in (car.front, car.rear)]
-    true = brake[:, 0] / (1.0 + sum(rolling))
+    true = brake / (1.0 + sum(turning_shares(car)))
     share = brake_share(car, s.log_pad_ratio, odds)[:, None]
-    force_f, force_r = (
-        part * brake - inert * true[:, None]
-        for part, inert in zip((share, 1.0 - share), rolling, strict=True)
-    )
     here = shown(
         car,
         s.of,
-        true[:, None],
-        force_f,
-        force_r,
+        true,
+        *braked_tyres(car, share, brake, true),
         at=np.array([z]),
         peak=s.peak,
         softer=(np.exp(-s.stiff_f)[:, None], np.exp(-s.stiff_r)[:, None]),

@@ -1,7 +1,7 @@
 """The documents that commands print or write, by `documents.toml`, as JSON Schemas.
 
 [fit-json]
-title = "`brake-cal fit LOG... --json`"
+title = "brake-cal fit LOG... --json"
 [fit-json.keys]
 new = "true or false: false where the same content was stored already"
 """
@@ -50,7 +50,7 @@ class Document:
         single = {name: one for name, one in values.items() if not name.endswith(SEVERAL)}
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
-            "title": self.title.replace("`", ""),
+            "title": self.title,
             "type": "object",
             "properties": {"schema": {"const": 1}, **single},
             **({"patternProperties": several} if several else {}),

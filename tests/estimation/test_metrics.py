@@ -60,6 +60,7 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
     values = {
         "plan": SimpleNamespace(table=mapped_table()),
         "read": None,
+        "forces": None,
         "refused": {},
         "time": TIME,
         "z": np.full(N, 0.3),
