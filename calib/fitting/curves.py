@@ -20,10 +20,11 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.balance import braked_tyres, turning_shares
+from calib.car.bias import front_share
 from calib.car.forces import axle_loads, paper_curves
 from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, brake_share, shown
+from calib.fitting.ensemble import Ensemble, shown
 from calib.model.ramp import RampRun
 from calib.model.settings import SETTINGS
 from calib.table.table import (
@@ -62,7 +63,7 @@ class Ridge:
 def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
     brake = z * (1.0 + sum(turning_shares(car)))
-    front, rear = braked_tyres(car, brake_share(car, e.log_pad_ratio)[:, None], brake, z)
+    front, rear = braked_tyres(car, front_share(car, e.log_pad_ratio)[:, None], brake, z)
     of = shown(car, e, z, front, rear)
     load_f, load_r = (load / car.weight for load in axle_loads(car, z))
     return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, of.slip_f, of.slip_r)

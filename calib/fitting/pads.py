@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import PRIORS
 from calib.model.parameters import AT
@@ -20,7 +21,7 @@ from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.resistance import Resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.settings import SETTINGS
-from calib.table.budget import Parts, axle_budgets, front_share
+from calib.table.budget import Parts, axle_budgets
 from calib.table.table import Calibration, TableBudget, Value
 
 UNSAID = Value(*PRIORS["log_pad_ratio"])
