@@ -12,6 +12,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.car.balance import brake_forces
+from calib.car.bias import front_share
 from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
@@ -24,7 +25,6 @@ from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance
 from calib.run.noise import SensorNoise
-from calib.table.budget import front_share
 from calib.table.table import Table
 
 

@@ -11,9 +11,9 @@ import math
 from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
+from calib.car.bias import front_share
 from calib.car.keys import FRONT, KEYS, REAR
 from calib.car.vehicle import Vehicle
-from calib.table.budget import front_share
 from calib.table.table import Calibration
 
 POSSIBLE = 0.26
