@@ -139,11 +139,6 @@ class Estimate:
         of_run = dict.fromkeys(self.unfit, bites)
         return of_run | {one.words: bites & (self.best.reason == one) for one in reasons}
 
-    @property
-    def telling(self) -> Mask:
-        """The valid samples (n,); without any, those in which the pads bite."""
-        return self.valid if self.valid.any() else self.braked
-
     @cached_property
     def response(self) -> BrakeResponse | None:
         """How the brakes answered the pressure over the whole run; None if it tells too little."""

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.car.balance import brake_forces
-from calib.car.effects.combined import as_driven
 from calib.car.effects.effects import Effects
 from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
@@ -62,12 +61,6 @@ def calibrated(table: Table) -> Vehicle:
     return replace(
         car, front=front, rear=replace(car.rear, pad_friction=scale * car.rear.pad_friction)
     )
-
-
-def as_used(table: Table, vehicle: Vehicle | None, mass: float | None = None) -> Vehicle:
-    """The car of an estimate as it is driven: mass, radii and inertias with their known errors."""
-    car = with_effects(table, vehicle, mass)
-    return with_pads(as_driven(car, car.effects), vehicle or table.vehicle)
 
 
 def with_effects(table: Table, vehicle: Vehicle | None, mass: float | None = None) -> Vehicle:

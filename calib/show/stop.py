@@ -93,7 +93,7 @@ def of_validation(
         over("wheel-speeds", "Wheel speeds", y="wheel speed [rad/s]", lines=wheels, columns=5),
         *_panels(e.columns(), e.valid, means, over, more),
     )
-    kind = "stop" if truth_of(log, car, e) is None else "simulation"
+    kind = "stop" if truth_of(log, e) is None else "simulation"
     lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
     refused = {why: lasts for why, lasts in lost.items() if lasts >= 0.05}
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
@@ -223,7 +223,7 @@ def _bounded(
 def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:
     """What a log has beside the estimate, by panel: slips, other methods, nominal pads, truth."""
     found: dict[str, list[Line]] = {"slip": [], "axle-torques": []}
-    truth, time = truth_of(log, car, e), e.time
+    truth, time = truth_of(log, e), e.time
     for i, (_, name, stroke) in enumerate(_AXLES):
         axle, pressure = (car.front, car.rear)[i], np.maximum((e.pressure_f, e.pressure_r)[i], 0.0)
         slip = (e.slip_f, e.slip_r)[i]
@@ -241,9 +241,8 @@ def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[L
         torque = 2.0 * brake_torque(axle, axle.pad_friction, pressure) / 1e3
         torques = [Line(time, torque, thin, f"{name}, pads {whose}", mean=MEAN)]
         if truth is not None:
-            true = truth[i]
-            held.append(Line(time, smooth(time, true.pad_friction), TRUTH, "truth"))
-            torques.append(Line(time, 2.0 * true.torque / 1e3, TRUTH, f"{name} truth"))
+            held.append(Line(time, smooth(time, truth.pad_friction[i]), TRUTH, "truth"))
+            torques.append(Line(time, 2.0 * truth.torque[i] / 1e3, TRUTH, f"{name} truth"))
         found[f"pad-{name}"] = held
         found["axle-torques"] += torques
     return found
