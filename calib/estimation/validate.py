@@ -31,7 +31,7 @@ from calib.estimation.metrics import (
 from calib.estimation.plan import as_used
 from calib.estimation.warnings import limit_warnings, warnings_of
 from calib.logs.log import Log
-from calib.plausibility.speed import NO_SPEED, wrong_speed
+from calib.plausibility.run import wrong_speed
 from calib.run.axle_signals import signals
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
@@ -205,7 +205,7 @@ def validate_one(
             why = f"the wheel speeds fit with {one.wheels} exchanged"
             result = _without_answer(result, why)
     if (wrong := wrong_speed(warnings)) is not None:
-        result = _without_answer(result, NO_SPEED[wrong.code])
+        result = _without_answer(result, wrong.what)
     figures = score(log, car, result)
     return Validation(
         log=log.name,

@@ -21,13 +21,12 @@ from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
 from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
-from calib.fitting.metrics import metrics
 from calib.fitting.moments import as_cubic, tyre_posterior
 from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
 from calib.fitting.posterior import parts_of, posterior
 from calib.fitting.provenance import provenance
-from calib.fitting.remarks import remarks, stated, taken_out
+from calib.fitting.quality import metrics, remarks
 from calib.fitting.residuals import explained
 from calib.fitting.ridge import find_peak, readable_up_to, ridge
 from calib.fitting.stated_pads import UNSAID, measured, stated_pad_ratio
@@ -41,8 +40,7 @@ from calib.model.roller_bench import RollerBench
 from calib.model.sensors import of_whole_run, put_right
 from calib.model.sort_logs import sort_logs
 from calib.plausibility.pads import of_calibration, require_possible_pads
-from calib.plausibility.speed import require_measured_speed
-from calib.plausibility.vehicle_file import require_file_of_run
+from calib.plausibility.run import wrong_speed
 from calib.run.noise import worst_noise
 from calib.table.invariants import require_finite
 from calib.table.table import Table, Value
@@ -75,9 +73,9 @@ def fit(
     What ``tyre`` and ``fleet`` say is half of the prior; a warning says where the ramps contradict
     it, and the answer is then that of ramps alone.
 
-    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
-    and for a pad friction that no pad has; BenchError for forces on rollers that are on no line;
-    TyreError for a file of another tyre; VehicleError for a file that the logs contradict;
+    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead;
+    BenchError for forces on rollers that are on no line; TyreError for a file of another tyre;
+    VehicleError for a file that the logs contradict, and for a pad friction that no pad has;
     StoreError for a ``fleet`` without draws; ModelError when an effect cannot be taken out of a
     log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
     which is not finite.
@@ -107,7 +105,8 @@ def fit(
         for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
     ]
     warnings = (*file_warnings(vehicle), *log_warnings(car, *as_read, known))
-    require_measured_speed(warnings)
+    if (wrong := wrong_speed(warnings)) is not None:
+        raise wrong
     normal = with_both_axles(runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in normal))
     sources = ", ".join(log.source for log, _, _ in ramps)
@@ -137,8 +136,7 @@ def fit(
     scales = pad_levels_of(car, normal, ratio.value)
     level = level_parts(car, scales, runs, known)
     pads = calibration_of(car, float(np.mean(scales)), ratio, level)
-    require_file_of_run(car, pads, warnings)
-    require_possible_pads(car, pads, sources)
+    require_possible_pads(car, pads, warnings)
     difference, paper = difference_curves(car, some, runs, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
@@ -153,9 +151,9 @@ def fit(
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, runs, left, peak, z_max, _weight(before, ratio)),
         remarks=(
-            *taken_out(driven),
-            *stated(mass_used(vehicle, mass)),
-            *remarks(runs, left, ratio, known, peak, len(coasts), bench),
+            *remarks(
+                driven, mass_used(vehicle, mass), runs, left, ratio, known, peak, coasts, bench
+            ),
             *bought(runs, ensemble, alone),
             *measured(driven, bench, pads),
             *likely(told, ensemble.held),

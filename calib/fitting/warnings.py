@@ -1,36 +1,18 @@
-"""What a fit says against its logs and its vehicle file."""
+"""What a fit says against its vehicle file and its logs."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from calib.base.warning import Measured, PlausibilityWarning, judged
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
+from calib.logs.log import Log
 from calib.model.resistance import ROLLING, Resistance
 from calib.model.resistance import identify as identify_resistance
 from calib.model.sensors import judge_accelerometer
 from calib.model.sort_logs import Prepared
-from calib.plausibility.bend import bend_of
-from calib.plausibility.run import run_warnings
+from calib.plausibility.run import of_bend, run_warnings
 from calib.run.axle_signals import signals
 from calib.run.brake_response import brake_balance, brake_response
-
-
-def log_warnings(
-    vehicle: Vehicle, ramps: list[Prepared], coasts: list[Prepared], known: Resistance
-) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on the logs of a fit, which need no fit.
-
-    ``ramps``, ``coasts`` with the blocks as read; ``known`` the resistance that was identified. A
-    ramp is compared with the resistance of the coasts alone, where there are any.
-    """
-    coasted = [(b, noise.z) for _, b, noise in coasts]
-    rolling = identify_resistance(vehicle, coasted) if coasts else known
-    runs = [(run, rolling) for run in ramps] + [(run, known) for run in coasts]
-    return (
-        *_of_resistance(vehicle, known),
-        *(warning for run, own in runs for warning in _of_run(vehicle, run, known, own)),
-        *_of_bends(vehicle, ramps, coasts),
-    )
 
 
 def file_warnings(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
@@ -38,29 +20,34 @@ def file_warnings(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     return tuple(w for w in plausible(vehicle) if not w.code.startswith("pad_friction"))
 
 
-def _of_resistance(vehicle: Vehicle, known: Resistance) -> tuple[PlausibilityWarning, ...]:
-    """Of a rolling resistance that was identified, not of one that the vehicle file gives."""
-    effect, name = ROLLING
-    if effect in vehicle.effects:
-        return ()
-    found = known.effects.parameters[effect][name]
-    return judged(vehicle.name, [Measured("rolling_resistance", found)])
-
-
-def _of_bends(
-    vehicle: Vehicle, ramps: list[Prepared], coasts: list[Prepared]
+def log_warnings(
+    vehicle: Vehicle, ramps: list[Prepared], coasts: list[Prepared], known: Resistance
 ) -> Iterator[PlausibilityWarning]:
+    """Warnings on the logs of a fit, which need no fit.
+
+    ``ramps``, ``coasts`` with the blocks as read; ``known`` the resistance that was identified,
+    doubted where the vehicle file does not give it. A ramp is compared with that of the coasts
+    alone, and with their straight course, where there are any.
+    """
+    effect, name = ROLLING
+    if effect not in vehicle.effects:
+        found = known.effects.parameters[effect][name]
+        yield from judged(vehicle.name, [Measured("rolling_resistance", found)])
+    coasted = [(b, noise.z) for _, b, noise in coasts]
+    rolling = identify_resistance(vehicle, coasted) if coasts else known
     straight = [log for log, _, _ in coasts]
-    for log, _, _ in ramps:
-        bend = bend_of(log, signals(log, vehicle), vehicle.track_width, straight)
-        yield from judged(log.name, bend)
+    for run in ramps:
+        yield from _of_run(vehicle, run, known, rolling, straight)
+    for run in coasts:
+        yield from _of_run(vehicle, run, known, known, ())
 
 
 def _of_run(
-    vehicle: Vehicle, run: Prepared, known: Resistance, rolling: Resistance
-) -> tuple[PlausibilityWarning, ...]:
+    vehicle: Vehicle, run: Prepared, known: Resistance, rolling: Resistance, straight: Sequence[Log]
+) -> Iterator[PlausibilityWarning]:
     log, b, noise = run
-    sensor = judge_accelerometer(vehicle, rolling, b, noise)
     s = signals(log, vehicle)
+    sensor = judge_accelerometer(vehicle, rolling, b, noise)
     response = brake_response(s, brake_balance(vehicle, known.effects, s))
-    return run_warnings(log, s, vehicle, sensor, response)
+    yield from run_warnings(log, s, vehicle, sensor, response)
+    yield from judged(log.name, of_bend(log, s, vehicle.track_width, straight))
