@@ -30,7 +30,7 @@ from calib.fitting.quality import metrics, remarks
 from calib.fitting.residuals import explained
 from calib.fitting.ridge import find_peak, readable_up_to, ridge
 from calib.fitting.stated_pads import UNSAID, measured, stated_pad_ratio
-from calib.fitting.warnings import file_warnings, log_warnings
+from calib.fitting.warnings import warnings_of
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.ramp import prepare
@@ -104,7 +104,7 @@ def fit(
         without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
         for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
     ]
-    warnings = (*file_warnings(vehicle), *log_warnings(car, *as_read, known))
+    warnings = tuple(warnings_of(vehicle, car, *as_read, known))
     if (wrong := wrong_speed(warnings)) is not None:
         raise wrong
     normal = with_both_axles(runs)

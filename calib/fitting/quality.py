@@ -21,16 +21,11 @@ from calib.table.table import Value
 
 
 def metrics(
-    vehicle: Vehicle,
-    runs: list[RampRun],
-    left: Residuals,
-    peak: Peak,
-    z_max: float,
-    nominal_weight: float,
+    vehicle: Vehicle, runs: list[RampRun], left: Residuals, peak: Peak, z_max: float, nominal: float
 ) -> dict[str, float]:
     """Quality metrics of the fit, each a plain number.
 
-    ``left`` residuals of the ``runs``; ``nominal_weight`` of what was known of the pads' ratio
+    ``left`` residuals of the ``runs``; ``nominal`` weight of what was known of the pads' ratio
     before the ramps in what is known of it now [1].
     """
     eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
@@ -43,7 +38,7 @@ def metrics(
         "residual_eta_rms_sigma": float(np.sqrt(np.mean(eta**2))),
         "residual_slip_rms_sigma": float(np.sqrt(np.mean(slip**2))) if slip.size else 0.0,
         "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
-        "pad_ratio_nominal_weight": nominal_weight,
+        "pad_ratio_nominal_weight": nominal,
         "runs": float(len(runs)),
     }
 

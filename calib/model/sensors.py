@@ -23,7 +23,7 @@ def of_whole_run(vehicle: Vehicle, b: Blocks, noise: SensorNoise) -> Acceleromet
     The resistance is not known yet: usual values with their spread stand for it.
     """
     usual = identify_resistance(vehicle, [])
-    return judge_accelerometer(vehicle, usual, b, noise).at(-1)
+    return judge_accelerometer(vehicle, usual, b, noise)
 
 
 def judge_accelerometer(
@@ -32,7 +32,7 @@ def judge_accelerometer(
     b: Blocks,
     noise: SensorNoise,
 ) -> Accelerometer:
-    """Scale and offset of the accelerometer of a run, block by block."""
+    """Scale and offset of the accelerometer of a run by all of it."""
     unexplained = block_balance(vehicle, known.effects, b).demanded / vehicle.weight
     sigma = known.sigma_z(vehicle, b.speed)
     return accelerometer(b, unexplained, sigma, noise.z, noise.v)

@@ -62,8 +62,8 @@ def likely_entry(vehicle: Vehicle, found: Calibration) -> str:
     summed = math.log(share * math.exp(a) + (1.0 - share) * math.exp(b))
     if math.hypot(summed, a - b - swap) < min(abs(a), abs(b)):
         return "[front] and [rear] are exchanged"
-    front = abs(a) > abs(b)
-    name, axle, factor = ("front", vehicle.front, a) if front else ("rear", vehicle.rear, b)
+    axles = (a, "front", vehicle.front), (b, "rear", vehicle.rear)
+    factor, name, axle = max(axles, key=lambda one: abs(one[0]))
     area = from_si(axle.piston_area, "cm^2", "m^2")
     return (
         f"{name}.piston_area: {area * math.exp(factor):.4g} cm^2 instead of {area:.4g} cm^2, or "
@@ -72,19 +72,15 @@ def likely_entry(vehicle: Vehicle, found: Calibration) -> str:
 
 
 def of_calibration(
-    vehicle: Vehicle,
-    calibration: Calibration,
-    posterior: TyrePosterior,
-    stated: Value | None = None,
+    vehicle: Vehicle, found: Calibration, posterior: TyrePosterior, stated: Value | None = None
 ) -> Iterator[Measured]:
     """Pads against the file's, their ratio, the stiffness of the tyres.
 
     ``stated`` what the user says of the logarithm of the ratio: it is to be near that.
     """
-    pads_f, pads_r = calibration.pad_friction_f.value, calibration.pad_friction_r.value
-    yield relative("pads_off_file_f", pads_f, vehicle.front.pad_friction)
-    yield relative("pads_off_file_r", pads_r, vehicle.rear.pad_friction)
-    rho, known = calibration.pad_log_ratio, stated.value if stated else 0.0
+    yield relative("pads_off_file_f", found.pad_friction_f.value, vehicle.front.pad_friction)
+    yield relative("pads_off_file_r", found.pad_friction_r.value, vehicle.rear.pad_friction)
+    rho, known = found.pad_log_ratio, stated.value if stated else 0.0
     yield Measured("pad_ratio", rho.value - known, rho.sigma, lambda x: math.expm1(known + x))
     yield Measured("tyre_stiffness", math.exp(-posterior.value("log_compliance")))
 

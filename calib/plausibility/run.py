@@ -66,11 +66,7 @@ _NO_SPEED = {
 
 
 def run_warnings(
-    log: Log,
-    s: Signals,
-    vehicle: Vehicle,
-    sensor: Accelerometer,
-    response: BrakeResponse | None,
+    log: Log, s: Signals, vehicle: Vehicle, sensor: Accelerometer, response: BrakeResponse | None
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings on a run.
 
@@ -87,7 +83,7 @@ def run_warnings(
 
 
 def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
-    """One signal twice, values that are held or late, pressure of the car that rolls freely [bar]."""
+    """One signal twice, values that are held or late, pressure of a car that rolls freely [bar]."""
     for one, other, same in twice(log, [name for name in _COMPARED if name in log]):
         yield Measured("same_signal", same, words={"one": one, "other": other})
     yield Measured("v_held", held_time(log))
@@ -112,8 +108,7 @@ def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:
         loads = np.stack(axle_loads(vehicle, block_mean(s.z, n)))
         force = block_mean(np.stack(brake_forces(vehicle, s.p_f, s.p_r)), n) / np.maximum(loads, 1)
         driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
-        glitch = np.min(loads, axis=0) <= 0.0  # of a_x
-        told = (v > MOVING) & ~driven & ~glitch
+        told = (v > MOVING) & ~driven & np.all(loads > 0.0, axis=0)  # else a glitch of a_x
         yield from _slip_of_v(slip[:, told], force[:, told], n * s.sample_time)
     yield from _lost_pulses(log, s)
 
@@ -175,18 +170,17 @@ def of_bend(
 
 
 def of_accelerometer(sensor: Accelerometer) -> Iterator[Measured]:
-    """Scale, slope, offset, drag and delay as known at the end of the run."""
-    at = sensor.at(-1)
-    scale, other = float(at.scale), float(at.other_scale)
+    """Scale, slope, offset, drag and delay."""
+    scale, other = sensor.scale, sensor.other_scale
     if other != 0.0:
         yield Measured("v_scale", other / (1.0 - other))
     else:
-        yield Measured("a_x_scale", scale / (1.0 - scale), math.sqrt(at.variance_scale))
-    if at.wanders > _WANDERS:
-        yield Measured("a_x_against_v", float(at.disagrees))
-    yield Measured("a_x_offset", -G * float(at.bias), G * math.sqrt(at.variance_bias))
-    yield Measured("unexplained_drag", G * float(at.drag))
-    yield Measured("a_x_late", float(at.lag), math.sqrt(at.variance_lag))
+        yield Measured("a_x_scale", scale / (1.0 - scale), math.sqrt(sensor.variance_scale))
+    if sensor.wanders > _WANDERS:
+        yield Measured("a_x_against_v", sensor.disagrees)
+    yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
+    yield Measured("unexplained_drag", G * sensor.drag)
+    yield Measured("a_x_late", sensor.lag, math.sqrt(sensor.variance_lag))
 
 
 def of_brakes(response: BrakeResponse, odds: float) -> Iterator[Measured]:
@@ -196,14 +190,13 @@ def of_brakes(response: BrakeResponse, odds: float) -> Iterator[Measured]:
     that goes with the speed where it hands over to the brakes before the car stands; each of them,
     and both, are as likely. A run that is not braked down to 3 m/s says nothing of the second.
     """
-    first = math.hypot(response.share_sigma, _USUAL)
-    last = math.hypot(response.fading_sigma, _FADING)
-    at_once = likelihood_ratio(response.share, first, _FORCE)
-    late = likelihood_ratio(response.fading, last, _FORCE)
-    if max(odds, _STATED) * (at_once + late + at_once * late) / 3.0 > _MOTOR:
-        surer = response.share if at_once > late else response.fading
-        yield Measured("unexplained_braking_force", surer)
-    yield Measured("braking_force_missing", response.share, response.share_sigma)
+    share, sigma = response.share, response.share_sigma
+    late, sigma_late = response.fading, response.fading_sigma
+    one = likelihood_ratio(share, math.hypot(sigma, _USUAL), _FORCE)
+    other = likelihood_ratio(late, math.hypot(sigma_late, _FADING), _FORCE)
+    if max(odds, _STATED) * (one + other + one * other) / 3.0 > _MOTOR:
+        yield Measured("unexplained_braking_force", share if one > other else late)
+    yield Measured("braking_force_missing", share, sigma)
     at, step, scatter = response.step
     yield Measured("force_step", step, scatter, words={"at": at})
     yield Measured("pressure_lag", response.delay, response.delay_sigma)
@@ -211,13 +204,8 @@ def of_brakes(response: BrakeResponse, odds: float) -> Iterator[Measured]:
 
 def wrong_speed(warnings: Iterable[PlausibilityWarning]) -> LogError | None:
     """The error of a run that is warned of a v that says nothing of the car; None of another."""
-    wrong = next((warning for warning in warnings if warning.code in _NO_SPEED), None)
-    if wrong is None:
-        return None
-    return LogError(
-        _NO_SPEED[wrong.code],
-        where=wrong.log,
-        expected="a v and an a_x that agree on how the car slows, or no v",
-        do="leave v out of the log: rename its column, or map it to no channel",
-        lines=(str(wrong),),
-    )
+    do = "leave v out of the log: rename its column, or map it to no channel"
+    for one in warnings:
+        if one.code in _NO_SPEED:
+            return LogError(_NO_SPEED[one.code], where=one.log, do=do, lines=(str(one),))
+    return None
