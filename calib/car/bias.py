@@ -10,6 +10,7 @@ inertia of the wheels is neglected, as in (9).
 """
 
 import math
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from calib.base.arrays import Array
 from calib.car.balance import brake_forces
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
+
+T = TypeVar("T", float, Array)
 
 
 def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:
@@ -31,10 +34,15 @@ def pressure_per_g(vehicle: Vehicle) -> float:
     return vehicle.weight / sum(force_per_pressure(vehicle))
 
 
-def front_share(vehicle: Vehicle) -> float:
-    """Share of the front axle in the brake force [1], the same at every pressure."""
+def front_share(vehicle: Vehicle, log_ratio: T) -> T:
+    """Share of the front axle in the brake force [1], the same at every pressure.
+
+    ``log_ratio`` ln of the pads' ratio, front over rear, over that of the vehicle file [1]; where
+    the axles have pressures of their own, plus ln of the front one over the rear one.
+    """
     front, rear = force_per_pressure(vehicle)
-    return front / (front + rear)
+    share: T = front / (front + rear * np.exp(-log_ratio))
+    return share
 
 
 def front_biased_up_to(vehicle: Vehicle) -> float:
@@ -44,7 +52,7 @@ def front_biased_up_to(vehicle: Vehicle) -> float:
     a rear brake it is below the z of rear-wheel lift; infinite without a rear brake; zero when the
     car is rear-biased at every z.
     """
-    share = front_share(vehicle)
+    share = front_share(vehicle, 0.0)
     z = (share * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
     return math.inf if share == 1.0 else max(z, 0.0)
 
@@ -56,7 +64,7 @@ def ideal_front_share(vehicle: Vehicle, z: Array) -> Array:
 
 def friction_used(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
     """Friction that the front and the rear axle use at z [1] (n,) each; infinite when lifted."""
-    share = front_share(vehicle)
+    share = front_share(vehicle, 0.0)
     front, rear = (
         np.where(load > 0.0, part * z * vehicle.weight / np.where(load > 0.0, load, 1.0), math.inf)
         for part, load in zip((share, 1.0 - share), axle_loads(vehicle, z), strict=True)
@@ -69,7 +77,7 @@ def locks_at(vehicle: Vehicle, friction: float) -> tuple[float, float]:
 
     Infinite for an axle that never locks. Only the smaller of the two is reached.
     """
-    share, L, h = front_share(vehicle), vehicle.wheelbase, vehicle.cg_height
+    share, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height
     left = share * L - friction * h  # phi z L = mu (l_r + z h), from (6)
     front = friction * vehicle.cg_to_rear_axle / left if left > 0.0 else math.inf
     rear = friction * vehicle.cg_to_front_axle / ((1.0 - share) * L + friction * h)  # from (7)

@@ -145,7 +145,7 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
     return _VehicleFacts(
         wheelbase=vehicle.wheelbase,
         pressure_per_g=pressure_per_g(vehicle) / _BAR,
-        front_share=front_share(vehicle),
+        front_share=front_share(vehicle, 0.0),
         front_biased_up_to=_finite(front_biased_up_to(vehicle)),
         rear_lifts_at=vehicle.cg_to_front_axle / vehicle.cg_height,
         front=_axle(vehicle.front, rest_f, half_f),
@@ -163,7 +163,7 @@ def _axle(axle: Axle, rest: float, half: float) -> _AxleFacts:
 def _distribution(vehicle: Vehicle) -> tuple[_Braking, ...]:
     z = np.array(_DECELERATIONS)
     pressure = z * pressure_per_g(vehicle)
-    share, axles = np.full_like(z, front_share(vehicle)), (vehicle.front, vehicle.rear)
+    share, axles = np.full_like(z, front_share(vehicle, 0.0)), (vehicle.front, vehicle.rear)
     torques = (
         force * axle.rolling_radius * pressure
         for force, axle in zip(force_per_pressure(vehicle), axles, strict=True)

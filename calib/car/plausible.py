@@ -48,7 +48,7 @@ _OF: dict[str, Callable[[Vehicle], float]] = {
     "disc_ratio_f": lambda car: car.front.effective_radius / car.front.rolling_radius,
     "disc_ratio_r": lambda car: car.rear.effective_radius / car.rear.rolling_radius,
     "pressure_per_g": lambda car: from_si(pressure_per_g(car), "bar", "Pa"),
-    "brake_share_f": front_share,
+    "brake_share_f": lambda car: front_share(car, 0.0),
     "front_biased_up_to": front_biased_up_to,
     "lock_efficiency": lambda car: lock_efficiency(car, _GOOD_ROAD),
 }

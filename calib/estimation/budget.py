@@ -11,9 +11,10 @@ import math
 import numpy as np
 
 from calib.base.arrays import Mask
+from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded
-from calib.table.budget import AxleBudget, front_share
+from calib.table.budget import AxleBudget
 
 
 def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:

@@ -12,7 +12,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.errors import InputError
-from calib.car.balance import ForceBalance, brake_forces
+from calib.car.balance import ForceBalance
+from calib.car.bias import front_share
 from calib.car.vehicle import Axle
 from calib.table.table import Table
 
@@ -48,9 +49,7 @@ def by_map(table: Table, eta: Array, b: ForceBalance) -> Pair:
     )
     braked = np.clip(b.demanded / table.vehicle.weight, z[0], z[-1])
     ratio = plane(np.stack([braked, np.clip((eta - 1.0) / braked, shift[0], shift[-1])], axis=-1))
-    # of the brake forces: as of nominal pads at one pressure, times the ratio of the map
-    B_f, B_r = brake_forces(table.vehicle, np.ones_like(eta), np.ones_like(eta), ratio)
-    share = B_f / (B_f + B_r)
+    share = front_share(table.vehicle, ratio)
     F_f = (share * b.demanded + b.moment_f) / b.load_f
     return F_f, ((1.0 - share) * b.demanded + b.moment_r) / b.load_r
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning, judged
+from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
 from calib.estimation.limits import Judgement
 from calib.estimation.metrics import METRICS
 from calib.logs.log import Log
 from calib.plausibility.pads import of_changes
 from calib.plausibility.run import run_warnings
-from calib.table.budget import front_share
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.car.balance import ForceBalance, braked_tyres, turning_shares
+from calib.car.bias import front_share
 from calib.car.forces import axle_loads, speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals, eta_of
 from calib.run.noise import SensorNoise, aged
-from calib.table.budget import front_share
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

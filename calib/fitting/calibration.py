@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.table.budget import Parts, front_share
+from calib.table.budget import Parts
 from calib.table.table import Calibration, Value
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import rows
-from calib.car.balance import brake_forces
 from calib.car.forces import speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
@@ -164,17 +163,6 @@ def shown(
         slip_r=slip_r,
         rolls=unit.rolls,
     )
-
-
-def brake_share(car: Vehicle, log_ratio: Array, log_odds: Array | float = 0.0) -> Array:
-    """Share of the front axle in the brake force [1].
-
-    ``log_ratio`` of the pads over that of the vehicle file; ``log_odds`` ln of the pressure of the
-    front axle over that of the rear one.
-    """
-    one = np.ones(())
-    B_f, B_r = brake_forces(car, one, one)
-    return np.asarray(1.0 / (1.0 + B_r / B_f * np.exp(-log_ratio - log_odds)))
 
 
 def spread_evenly(count: int, dimension: int) -> Array:

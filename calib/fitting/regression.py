@@ -14,8 +14,9 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import G
+from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, brake_share, unit_slips
+from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, unit_slips
 from calib.model.ramp import RampRun
 
 _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of them
@@ -217,7 +218,7 @@ class Regression:
         eta, slip, rolls = [], [], np.ones(e.size, dtype=bool)
         for r in self.ramps:
             share = (
-                brake_share(self.car, e.log_pad_ratio[:, None], r.log_odds)
+                front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
                 if r.alone is None
                 else np.full((e.size, 1), r.alone)
             )

@@ -11,9 +11,10 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.balance import braked_tyres, turning_shares
+from calib.car.bias import front_share
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, brake_share, shown
+from calib.fitting.ensemble import Ensemble, shown
 from calib.model.settings import SETTINGS
 
 _SURE = 0.00135
@@ -47,7 +48,7 @@ class Ridge:
 def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
     brake = z * (1.0 + sum(turning_shares(car)))
-    front, rear = braked_tyres(car, brake_share(car, e.log_pad_ratio)[:, None], brake, z)
+    front, rear = braked_tyres(car, front_share(car, e.log_pad_ratio)[:, None], brake, z)
     of = shown(car, e, z, front, rear)
     load_f, load_r = (load / car.weight for load in axle_loads(car, z))
     return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, of.slip_f, of.slip_r)

@@ -10,9 +10,10 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.plain import rows
 from calib.car.balance import braked_tyres, turning_shares
+from calib.car.bias import front_share
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, brake_share, shown, spread_evenly
+from calib.fitting.ensemble import Ensemble, shown, spread_evenly
 
 _LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
@@ -106,7 +107,7 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
     """
     brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
     true = brake / (1.0 + sum(turning_shares(car)))
-    share = brake_share(car, s.log_pad_ratio, odds)[:, None]
+    share = front_share(car, s.log_pad_ratio + odds)[:, None]
     here = shown(
         car,
         s.of,

@@ -13,8 +13,8 @@ from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, relative
+from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.table.budget import front_share
 from calib.table.table import Calibration, TyrePosterior, Value
 
 _POSSIBLE = (0.05, 1.0)

@@ -98,7 +98,7 @@ def card(one: Card) -> Facts:
 
 def sheet(vehicle: Vehicle) -> Sheet:
     """Return the sheet of a vehicle with its nominal pads."""
-    share, per_g = front_share(vehicle), pressure_per_g(vehicle) / BAR
+    share, per_g = front_share(vehicle, 0.0), pressure_per_g(vehicle) / BAR
     z = np.linspace(0.0, min(1.0, 0.98 * vehicle.cg_to_front_axle / vehicle.cg_height), 201)
     used_f, used_r = friction_used(vehicle, z)
     used = [

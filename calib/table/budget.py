@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.car.balance import brake_forces
+from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, Table
 
@@ -135,12 +136,6 @@ def level_of(table: Table) -> Parts:
     total = max((cal.pad_scale.sigma / cal.pad_scale.value) ** 2 - of_ratio**2, 0.0)
     mass = min(table.vehicle.mass_tolerance**2, total)
     return {"mass": mass, "ramp": total - mass}
-
-
-def front_share(vehicle: Vehicle, log_ratio: float) -> float:
-    """Share of the front axle in the brake force at one pressure, at a pad ratio."""
-    B_f, B_r = brake_forces(vehicle, np.ones(()), np.ones(()), log_ratio)
-    return float(B_f / (B_f + B_r))
 
 
 class PadLevels(NamedTuple):

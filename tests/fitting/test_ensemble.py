@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from calib.car.tyre_forms import FORMS
-from calib.fitting.ensemble import (
-    PRIORS,
-    brake_share,
-    spread_evenly,
-    unit_slips,
-)
+from calib.fitting.ensemble import PRIORS, spread_evenly, unit_slips
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 
@@ -17,7 +12,6 @@ L, L_F, H = 2.805, 1.1556, 0.615
 """Wheelbase, way to the front axle, height of the centre of gravity [m]: Table I."""
 
 Z = np.array([0.05, 0.2, 0.5])
-TABLE_I = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 """Share of the front axle in the brake force at one pressure and one friction."""
 
 
@@ -91,19 +85,6 @@ def test_beyond_the_peak_or_off_the_road_a_wheel_does_not_roll():
     assert not unit_slips(CAR, one_car(), Z, 0.1 * Z[None], 0.9 * rear[None]).rolls.any()
     lifting = np.array([L_F / H])  # where the rear load is zero
     assert not unit_slips(CAR, one_car(), lifting, np.zeros((1, 1)), np.zeros((1, 1))).rolls.any()
-
-
-def test_share_of_the_front_brakes():
-    assert brake_share(CAR, np.zeros(1)) == pytest.approx(TABLE_I)
-    odds = TABLE_I / (1.0 - TABLE_I)
-    better = brake_share(CAR, np.log([1.5]))
-    assert better / (1.0 - better) == pytest.approx(1.5 * odds)
-    assert brake_share(CAR, np.array([40.0])) == pytest.approx(1.0)  # the rear axle has no brakes
-    assert brake_share(CAR, np.array([-40.0])) == pytest.approx(0.0, abs=1e-12)
-    # half of the pressure at the rear is twice the ratio of the pads
-    assert brake_share(CAR, np.zeros(1), np.log(2.0)) == pytest.approx(
-        brake_share(CAR, np.log([2.0]))
-    )
 
 
 def test_taking_draws_takes_all_of_each():

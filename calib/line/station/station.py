@@ -13,6 +13,7 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.base.plain import counted, plain
 from calib.base.warning import PlausibilityWarning
+from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import METRICS as OF_STOPS
@@ -26,7 +27,6 @@ from calib.run.limits import LIMITS
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.store.version import Stored
-from calib.table.budget import front_share
 from calib.table.table import Table
 
 _LONGEST = 64
