@@ -8,9 +8,9 @@ from calib.base.arrays import Array
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import MassUsed
 from calib.car.vehicle import Vehicle
+from calib.fitting.curves import Peak
 from calib.fitting.regression import told
 from calib.fitting.residuals import Residuals
-from calib.fitting.ridge import Peak
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
 from calib.model.roller_bench import RollerBench
