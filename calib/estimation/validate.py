@@ -21,7 +21,7 @@ from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement
 from calib.estimation.metrics import Figures, baseline_errors, counted_samples, score, share
 from calib.estimation.warnings import warnings_of
 from calib.logs.log import Log
-from calib.plausibility.speed import NO_SPEED, wrong_speed
+from calib.plausibility.run import wrong_speed
 from calib.run.axle_signals import signals
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
@@ -188,7 +188,7 @@ def validate_one(
         *(warning for warning, _ in columns),
     )
     wrong = wrong_speed(warnings)
-    unfit = [why for _, why in columns if why] + ([NO_SPEED[wrong.code]] if wrong else [])
+    unfit = [why for _, why in columns if why] + ([wrong.what] if wrong else [])
     result = replace(result, unfit=tuple(unfit))
     figures = score(log, result)
     return Validation(
