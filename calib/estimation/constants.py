@@ -22,8 +22,9 @@ class Reader:
         from scipy.interpolate import RegularGridInterpolator
 
         self.axes = list(m.axes.values())
-        cells = np.stack([m.grid(name) for name in columns], axis=-1)
-        self._read = RegularGridInterpolator(self.axes, cells)
+        cells = np.stack([getattr(m, name) for name in columns], axis=-1)
+        shape = [axis.size for axis in self.axes]
+        self._read = RegularGridInterpolator(self.axes, cells.reshape(*shape, -1))
 
     def width(self, axis: int, x: Array) -> Array:
         """Width of the cell of an axis in which ``x`` lies."""

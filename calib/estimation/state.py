@@ -19,11 +19,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
 from calib.estimation.constants import Constants
-from calib.estimation.reasons import Reason
 from calib.run.driving_record import STEADY
 from calib.run.noise import WALK
 
@@ -61,25 +59,6 @@ Numbers = tuple[float, ...]
 """Of a Kalman filter: its states, then the upper half of their covariance, row by row."""
 
 
-class Seen(NamedTuple):
-    """What the state shows of the brakes after each block, (n,)."""
-
-    level: Array  # of the pads as they are now, of the pressure as it is now [1]
-    level_variance: Array  # of its ln, by noise
-    z: Array  # mean of the demanded brake force over the weight [1]; 0 before any braking
-    shift: Array  # mean of eta - 1 from its zero [1]
-    demand_variance: Array  # of the zero of z
-    shift_variance: Array
-    slip: Array  # ln(slip/z)
-    slip_variance: Array
-    scale: Array  # of a_x [1]
-    scale_variance: Array
-    covariance: Array  # of slip and scale
-    log_odds: Array  # as in `Sample`
-    innovation: Array  # of the wheels, in standard deviations; NaN where they do not count
-    reason: Array  # a `Reason` by all but level and map
-
-
 @dataclass(slots=True)
 class State:
     """All that the estimator remembers."""
@@ -107,14 +86,18 @@ class State:
 
 def started(c: Constants) -> State:
     """The state before the first block: radii within 1 %, pads of any level."""
-    zeros = [Zero(x, c.zero**2) for x in (0.0, 1.0, 0.0)]
-    s = State(*zeros, level=(1.0, c.lag, *(0.0,) * 4, c.lag_sigma**2))
+    demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, 1.0, 0.0))
+    s = State(demand, eta, slip, level=(1.0, c.lag, *(0.0,) * 4, c.lag_sigma**2))
     _forget_stop(c, s)
     return s
 
 
 def follow(c: Constants, s: State, x: Sample) -> Numbers:
-    """Take in a block; what is then `Seen` of the brakes. Changes the state."""
+    """Take in a block; what is then known of the brakes. Changes the state.
+
+    `State.level`, ``sums`` and ``speed``; variances of the zeros; share of the pressure that acts;
+    innovation of the wheels, NaN where they do not count; time braked; four of the sample.
+    """
     dt, most = c.block, c.zero**2
     for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
         variance = zero.variance + walk * walk * dt
@@ -136,24 +119,10 @@ def follow(c: Constants, s: State, x: Sample) -> Numbers:
     _move(c, s, x, abs(s.mean_z - before), braking=braking)
     innovation = _see_speed(c, s, x, braking=braking) if counts else math.nan
     s.z = x.z
-    return (*_seen(c, s, x, braking=braking), x.log_odds, innovation, _reason(c, s, x))
-
-
-def _seen(c: Constants, s: State, x: Sample, *, braking: bool) -> Numbers:
-    """All of `Seen` but the last three."""
-    v, log_slip, _, scale, *_, ss, _, se, _, _, ee = s.speed
-    steady = max(s.level[0], LEAST)
-    acts = min(max(s.acting / x.nominal, LEAST), 1.0 / LEAST) if braking else 1.0
-    weight, _, shift, zz = s.sums
-    count = max(weight, 1.0)
-    shift /= count
-    # a mean over decelerations that differ is not the curve at their mean
-    bent = shift * max(zz / count / s.mean_z**2 - 1.0, 0.0) if weight else 0.0
-    noise = (c.noise_omega * c.radius / max(v, 1.0)) ** 2 / (c.block * count)
-    return (  # in its order
-        steady * acts, min(max(s.level[3], 0.0) / steady**2, 1.0),
-        s.mean_z, shift, s.demand.variance, noise + s.eta.variance + bent**2,
-        log_slip, ss, scale, ee, se,
+    acts = s.acting / x.nominal if braking else 1.0
+    return (
+        *s.level, *s.sums, *s.speed, s.demand.variance, s.eta.variance, acts, innovation,
+        s.braked, x.pressure, x.rim, x.disturbed, x.log_odds,
     )  # fmt: skip
 
 
@@ -227,9 +196,8 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     s.mean_z = max(z / weight, LEAST_Z)
 
 
-LEAST_Z, LEAST, USUAL_Z = 0.01, 0.02, 0.1
-"""Mean deceleration, and level or share of the pressure that acts, below which there is none; the
-deceleration at which maps are read before any braking [1]."""
+LEAST_Z = 0.01
+"""Mean deceleration below which there is none [1]."""
 
 
 def _move(c: Constants, s: State, x: Sample, bends: float, *, braking: bool) -> None:
@@ -303,13 +271,3 @@ def measured(x: Numbers, h: float, k: float, rest: float, variance: float) -> tu
         ss - gs * ps, so - gs * po, se - gs * pe,
         oo - go * po, oe - go * pe, ee - gain * pe * pe,
     ), rest * math.sqrt(gain)  # fmt: skip
-
-
-def _reason(c: Constants, s: State, x: Sample) -> float:
-    if x.pressure <= c.least_pressure:
-        return Reason.NOT_BRAKED
-    if x.disturbed:  # before the rims: those of locked wheels are slow
-        return x.disturbed
-    if x.rim <= MOVING:
-        return Reason.SLOW
-    return Reason.JUST_APPLIED if s.braked < c.settle + 0.5 * c.block else Reason.VALID

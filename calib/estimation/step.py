@@ -16,9 +16,10 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
+from calib.car.braking import MOVING
 from calib.estimation.constants import LEVEL, PADS, Constants
 from calib.estimation.reasons import Reason
-from calib.estimation.state import LEAST, USUAL_Z, Numbers, Sample, Seen, State, follow, started
+from calib.estimation.state import LEAST_Z, Numbers, Sample, State, follow, started
 
 
 class Answer(NamedTuple):
@@ -51,37 +52,64 @@ def run(c: Constants, samples: Iterable[Sample]) -> Answer:
     return _answers(c, s, [follow(c, s, x) for x in samples])
 
 
+_LEAST, _USUAL_Z = 0.02, 0.1
+"""Level, or share of the pressure that acts, below which there is none [1]; deceleration at which
+the maps are read before any braking [1]."""
+
+
 def _answers(c: Constants, s: State, blocks: Sequence[Numbers]) -> Answer:
-    """Answer each block."""
-    seen = Seen(*np.array(blocks).T)
-    z = np.where(seen.z > 0.0, seen.z, USUAL_Z)
-    before, at = c.level(z), seen.shift / z
-    log_slip, sigma = c.ratio(z, at, 0.0 * z)[len(PADS) :]
+    """Answer each block, as `follow` left it."""
+    rows = np.array(blocks).T
+    steady, aa = np.maximum(rows[0], _LEAST), rows[3]
+    weight, sum_z, sum_shift, sum_zz = rows[9:13]
+    v, log_slip, _, scale, *_, ss, _, se, _, _, ee = rows[13:27]
+    demand_variance, eta_variance, acts, innovation, *asked, log_odds = rows[27:]
+    new, count = weight == 0.0, np.maximum(weight, 1.0)
+    z = np.where(new, _USUAL_Z, np.maximum(sum_z / count, LEAST_Z))
+    shift, before = sum_shift / count, c.level(z)
     # what the map says of the slip, and by it of the scale of a_x
-    gain, rest = 1.0 / (seen.slip_variance + sigma**2), log_slip - seen.slip
-    e = seen.scale + gain * seen.covariance * rest
-    slip = seen.slip + gain * seen.slip_variance * rest
-    slip_sigma = np.sqrt(gain * seen.slip_variance) * sigma
-    accelerometer = seen.demand_variance / z**2
-    accelerometer = accelerometer + np.maximum(seen.scale_variance - gain * seen.covariance**2, 0.0)
-    known = before[: len(LEVEL)]
-    noisy = Z95 * np.sqrt(seen.level_variance + accelerometer)
-    level = widened(known, noisy) + np.log(seen.level * np.maximum(1.0 - e, LEAST))
-    of_map = np.asarray((c.ratio.axes[1][0] <= at) & (at <= c.ratio.axes[1][-1]))
-    axis, told = ((slip - log_slip) / sigma, slip_sigma / sigma), of_map & (seen.z >= c.least_z)
+    usual, sigma = c.ratio(z, shift / z, 0.0 * z)[len(PADS) :]
+    gain, rest = 1.0 / (ss + sigma**2), usual - log_slip
+    slip, slip_sigma = log_slip + gain * ss * rest, np.sqrt(gain * ss) * sigma
+    scaled = np.maximum(1.0 - scale - gain * se * rest, _LEAST)
+    # friction as it is now, of the pressure as it is now
+    pads = steady * np.clip(acts, _LEAST, 1.0 / _LEAST)
+    noise = np.minimum(np.maximum(aa, 0.0) / steady**2, 1.0)
+    accelerometer = demand_variance / z**2 + np.maximum(ee - gain * se**2, 0.0)
+    level = widened(before[: len(LEVEL)], Z95 * np.sqrt(noise + accelerometer))
+    level = level + np.log(pads * scaled)
+    # a mean over decelerations that differ is not the curve at their mean
+    bent = shift * np.maximum(sum_zz / count / z**2 - 1.0, 0.0)
+    wheels = c.noise_omega * c.radius / np.maximum(v, 1.0) / np.sqrt(c.block * count)
+    at = z, shift / z, (slip - usual) / sigma
+    errors = np.sqrt(wheels**2 + eta_variance + bent**2) / z, slip_sigma / sigma
+    of_map = np.asarray((c.ratio.axes[1][0] <= at[1]) & (at[1] <= c.ratio.axes[1][-1]))
     prior = before[len(LEVEL) :].reshape(3, 2, -1)
-    now, read = _look(c, seen._replace(z=z), axis, prior, told)
-    pads, zeros = _keep(c, s, now, read, seen.level, seen.z == 0.0)
-    possible = (np.exp(level[0]) > c.least_level) & (np.exp(level[0]) < c.most_level)
-    reason = np.select(
-        [seen.reason > Reason.VALID, ~possible, ~of_map],
-        [seen.reason, Reason.NO_PAD, Reason.BEYOND_MAP],
-        Reason.VALID,
-    )
+    now, zeros = _look(c, at, errors, prior, of_map & ~new & (z >= c.least_z))
+    # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
+    unread = ((now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])) ** 2
+    now[:, 0] += unread * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
+    best, zeros = _keep(c, s, now, zeros, pads, new)
+    reason = _reasons(c, asked, np.exp(level[0]), of_map)
     return Answer(
-        level, pads[:, 0], pads[:, 1], seen.level_variance, accelerometer, zeros,
-        slip, slip_sigma, seen.innovation, reason,
+        level, best[:, 0], best[:, 1], noise, accelerometer, zeros,
+        slip, slip_sigma, innovation, reason,
     )  # fmt: skip
+
+
+def _reasons(c: Constants, asked: Sequence[Array], level: Array, of_map: Mask) -> Array:
+    """The first `Reason` that applies, by time braked, pressure, rim and disturbance ``asked``."""
+    braked, pressure, rim, disturbed = asked
+    holds = [
+        pressure <= c.least_pressure,
+        disturbed > 0.0,  # before the rims: those of locked wheels are slow
+        rim <= MOVING,
+        braked < c.settle + 0.5 * c.block,
+        (level <= c.least_level) | (level >= c.most_level),
+        ~of_map,
+    ]
+    pads = Reason.JUST_APPLIED, Reason.NO_PAD, Reason.BEYOND_MAP
+    return np.select(holds, [Reason.NOT_BRAKED, disturbed, Reason.SLOW, *pads], Reason.VALID)
 
 
 def widened(x: Array, more: Array) -> Array:
@@ -94,31 +122,24 @@ def widened(x: Array, more: Array) -> Array:
 
 
 def _look(
-    c: Constants, seen: Seen, slip: tuple[Array, Array], prior: Array, told: Mask
+    c: Constants, at: Sequence[Array], errors: tuple[Array, Array], prior: Array, told: Mask
 ) -> tuple[Array, Array]:
     """Medians and bounds of ln of the ratio and of its change (3, 2, n); variance by reading (n,).
 
-    ``slip`` and its sigma, along the axis of the map; ``prior`` before eta is read, where it is not
-    ``told`` or the map knows no more.
+    ``at`` the three axes of the map, the last two with ``errors``; ``prior`` before eta is read,
+    where it is not ``told`` or the map knows no more.
     """
-    at, sigma, none = seen.shift / seen.z, np.sqrt(seen.shift_variance) / seen.z, 0.0 * seen.z
-    h, k = np.minimum(sigma, c.ratio.width(1, at)), np.minimum(slip[1], 1.0)
-    read = c.ratio(
-        np.broadcast_to(seen.z, (5, at.size)),
-        at + np.stack([none, -h, h, none, none]),
-        slip[0] + np.stack([none, none, none, -k, k]),
-    )[: len(PADS)].reshape(3, 2, 5, -1)
-    now, zeros = read[:, :, 0], none
-    for low, high, spread in ((1, 2, sigma / h), (3, 4, slip[1] / k)):
+    steps = np.minimum(errors[0], c.ratio.width(1, at[1])), np.minimum(errors[1], 1.0)
+    places = np.repeat(np.stack(at)[:, None], 5, axis=1)
+    places[1, 1:3] += np.multiply.outer((-1.0, 1.0), steps[0])
+    places[2, 3:5] += np.multiply.outer((-1.0, 1.0), steps[1])
+    read = c.ratio(*places)[: len(PADS)].reshape(3, 2, 5, -1)
+    now, zeros = read[:, :, 0], 0.0 * at[0]
+    for low, high, spread in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     told = told & (now[2, 0] - now[1, 0] < prior[2, 0] - prior[1, 0])
-    now, zeros = np.where(told, now, prior), np.where(told, zeros, 0.0)
-    # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
-    moved = seen.log_odds - (prior[0, 0] - c.ramp_ratio)
-    open_ = ((now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])) ** 2
-    now[:, 0] += open_ * moved - seen.log_odds
-    return now, zeros
+    return np.where(told, now, prior), np.where(told, zeros, 0.0)
 
 
 def _keep(
@@ -131,10 +152,13 @@ def _keep(
     kept, aged = [], []
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
     for row, a, first in zip(rows, level.tolist(), new.tolist(), strict=True):
-        variance = c.ageing**2 * s.age + (c.unlike * math.log(a / s.level_then)) ** 2
-        more, (middle, _, low, _, high, *_) = Z95 * math.sqrt(variance), s.kept
-        known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-        if first or row[4] - row[2] <= known:
+        better, variance = first, 0.0
+        if not first:
+            variance = c.ageing**2 * s.age + (c.unlike * math.log(a / s.level_then)) ** 2
+            more, (middle, _, low, _, high, *_) = Z95 * math.sqrt(variance), s.kept
+            known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
+            better = row[4] - row[2] <= known
+        if better:
             s.kept, s.age, s.level_then, variance = row, 0.0, a, 0.0
         s.age += c.block
         kept.append(s.kept)
