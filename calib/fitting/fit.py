@@ -18,7 +18,7 @@ from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration_of
 from calib.fitting.curves import difference_curves, tyre_curve
 from calib.fitting.disturbances import without_disturbances
-from calib.fitting.draws import draws_of
+from calib.fitting.ensemble import draws_of
 from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics

@@ -112,14 +112,14 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
         car,
         s.of,
         true,
-        *braked_tyres(car, share, brake, true),
+        np.stack(braked_tyres(car, share, brake, true)),
         at=np.array([z]),
         peak=s.peak,
-        softer=(np.exp(-s.stiff_f)[:, None], np.exp(-s.stiff_r)[:, None]),
+        softer=np.exp(-np.stack([s.stiff_f, s.stiff_r]))[..., None],
     )
     return Seen(
         shift=here.rise[:, 0],
         slip=here.slip[:, 0],
         level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
-        rolls=(here.rolls & (np.maximum(here.slip_f, here.slip_r) < 0.3))[:, 0],
+        rolls=(here.rolls & np.all(here.slips < 0.3, axis=0))[:, 0],
     )

@@ -28,8 +28,7 @@ from calib.base.random_effects import RandomEffects, quantile95, random_effects
 from calib.car.forces import paper_curves
 from calib.fitting.calibration import calibration_of
 from calib.fitting.curves import differences, tyre_forces
-from calib.fitting.draws import ensemble_of
-from calib.fitting.ensemble import Ensemble
+from calib.fitting.ensemble import Ensemble, ensemble_of
 from calib.fitting.moments import as_cubic
 from calib.fitting.ridge import Ridge, ridge
 from calib.model.settings import SETTINGS
