@@ -75,6 +75,8 @@ class Constants:
     settle: float = 0.3  # time of braking before an answer stands [s]
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
+    least_level: float = 0.05  # of any pads: soaked ones [1]
+    most_level: float = 3.0  # the best of racing pads, with a tenth of error [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
     level_walk: float = 0.01  # [1/sqrt(s)]
     fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk

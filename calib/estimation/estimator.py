@@ -1,7 +1,6 @@
 r"""The estimator on one log: causal, at the log's own rate, what an ECU would give.
 
     log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
-                                       \-> gates -> valid
                                        \-> baselines, shown beside it
 
 The step is in `calib.estimation.step`; beside it stand the paper's law and what the paper argues
@@ -16,12 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.names import WHEELS
+from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.vehicle import Vehicle
 from calib.estimation.baselines import BaselineRun, baselines
-from calib.estimation.gates import Gates, undisturbed, validity
+from calib.estimation.constants import Constants
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.readout import Readout, read_out
+from calib.estimation.reasons import Reason, disturbances
 from calib.estimation.zeros import known_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
 from calib.model.known_effects import CorrectedRun, remove_known_effects
@@ -73,7 +74,7 @@ COLUMNS = {
 """Columns of an estimate as a table and as a file, in their order, with their units.
 
 Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is a
-`calib.estimation.step.Reason`.
+`calib.estimation.reasons.Reason`.
 """
 
 
@@ -83,11 +84,11 @@ class Estimate:
 
     ``plan`` what it started from, ``read`` the signals, known effects taken out, with their means
     over ``blocks`` and their balance of ``forces``; ``eta`` zeroed (22) [1]; ``z`` [1];
-    ``force_f``, ``force_r`` F_x/F_z [1]; ``valid`` the estimator stands behind the sample,
-    ``refused`` where not, by reason; ``braked`` pads bite; ``baselines`` pad friction (front, rear)
-    by method name; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what known effects
-    did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
-    ``best`` what the step makes of all channels, ``ecu`` without a speed.
+    ``force_f``, ``force_r`` F_x/F_z [1]; ``braked`` pads bite; ``baselines`` pad friction (front,
+    rear) by method name; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what known
+    effects did to the pad friction, which is given without them [1]; ``notes`` name the baselines
+    left out; ``best`` what the step makes of all channels, ``ecu`` without a speed; ``unfit`` why
+    no sample of the run counts, where that is so.
     """
 
     plan: Plan
@@ -99,10 +100,7 @@ class Estimate:
     speed: Array
     force_f: Array
     force_r: Array
-    valid: Mask
-    refused: dict[str, Mask]
     braked: Mask
-    covered: Mask
     baselines: dict[str, tuple[Array, Array]]
     best: Readout
     ecu: Readout
@@ -115,6 +113,7 @@ class Estimate:
     factor_f: Array | float = 1.0
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
+    unfit: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
@@ -126,6 +125,19 @@ class Estimate:
             for name, pads in (("front", self.best.pads_f), ("rear", self.best.pads_r))
         ]
         return f"{count}; pad friction at {self.time[last]:.2f} s: {', '.join(pads)}"
+
+    @property
+    def valid(self) -> Mask:
+        """Samples in which the model holds (n,)."""
+        return self.best.valid & (not self.unfit)
+
+    @property
+    def refused(self) -> dict[str, Mask]:
+        """Samples in which the pads bite and the model does not hold, (n,) each, by reason."""
+        bites = np.maximum(self.pressure_f, self.pressure_r) > BITE
+        reasons = [one for one in Reason if one is not Reason.VALID]
+        of_run = dict.fromkeys(self.unfit, bites)
+        return of_run | {one.words: bites & (self.best.reason == one) for one in reasons}
 
     @property
     def telling(self) -> Mask:
@@ -176,7 +188,6 @@ def estimate(
     table: Table,
     log: Log,
     vehicle: Vehicle | None = None,
-    gates: Gates | None = None,
     *,
     mass: float | None = None,
     with_laws: bool = True,
@@ -192,7 +203,6 @@ def estimate(
     log : the run, with an unbraked lead-in in which eta is zeroed.
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
-    gates : of ``valid``; by default those that were tried.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
     with_laws : without, the only baseline is nominal pads.
     read : `signals` of the log with the table's vehicle, where they are known.
@@ -221,18 +231,17 @@ def estimate(
     radius = ran.vehicle.rear.rolling_radius
     if read is None or ran.log is not log or radius != table.vehicle.rear.rolling_radius:
         read = signals(ran.log, nominal or ran.vehicle)
-    plan = plan_for(used, ran.log, read, nominal, gates)
+    plan = plan_for(used, ran.log, read, nominal)
     forces = brake_balance(plan.nominal, plan.known.effects, read)
     cornering = _cornering(table, plan.nominal, ran.log, read, forces)
-    calm = undisturbed(plan.gates, ran.log, read, cornering)
-    held = ~np.logical_and.reduce([*calm.values()])
+    disturbed = disturbances(ran.log, read, cornering)
     filed = with_pads(ran.vehicle, table.vehicle)
     means = blocks(read)
-    best = read_out(table, filed, plan.known, plan.noise, read, means, held)
+    best = read_out(table, filed, plan.known, plan.noise, read, means, disturbed)
     own, (as_ecu, taken_out) = SensorNoise(**table.noise), _as_ecu(car, log, read, ran)
     of = means if as_ecu is read else blocks(as_ecu)
     by_ecu = replace(plan.known, effects=sensed(plan.known.effects))
-    ecu = read_out(exported or table, filed, by_ecu, own, as_ecu, of, held, with_v=False)
+    ecu = read_out(exported or table, filed, by_ecu, own, as_ecu, of, disturbed, with_v=False)
     ecu = ecu.without(taken_out.factor_f / ran.factor_f, taken_out.factor_r / ran.factor_r)
     driven = known_slips(used, ran.vehicle, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
@@ -241,8 +250,6 @@ def estimate(
     others, notes = baselines(run, laws=with_laws)
     normalised = _normalised(plan, read, forces, best)
     slips = zeroed_slips(read, driven, plan.noise)
-    greatest = float(table.tyre.force[-1])
-    judged = validity(plan.gates, read, best, normalised, forces.active, greatest, calm)
     return Estimate(
         plan=plan,
         read=read,
@@ -253,10 +260,7 @@ def estimate(
         speed=read.speed,
         force_f=normalised[0],
         force_r=normalised[1],
-        valid=judged.valid,
-        refused=judged.refused,
-        braked=np.maximum(read.p_f, read.p_r) > plan.gates.pressure,
-        covered=np.maximum(*normalised) <= greatest,
+        braked=np.maximum(read.p_f, read.p_r) > Constants.least_pressure,
         baselines=others,
         best=best,
         ecu=ecu,

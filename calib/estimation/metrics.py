@@ -89,7 +89,8 @@ def score(log: Log, vehicle: Vehicle, e: Estimate) -> Figures:
     truth, counted = truth_of(log, vehicle, e), counted_samples(e)
     figures: Figures = {"eta_zero": vehicle.radius_mismatch(e.eta_zero), **_innovation(e)}
     if (e.valid & counted).any():
-        figures["covered_share"] = share(e.valid & counted & e.covered, e.valid & counted)
+        covered = np.maximum(e.force_f, e.force_r) <= e.plan.table.tyre.force[-1]
+        figures["covered_share"] = share(e.valid & counted & covered, e.valid & counted)
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
     for of, answer, valid, told in (
         ("", e.best, e.valid & counted, counted & np.isfinite(e.best.pads_f.value)),

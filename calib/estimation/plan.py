@@ -9,7 +9,6 @@ from calib.car.effects.combined import as_driven
 from calib.car.effects.effects import Effects
 from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
-from calib.estimation.gates import Gates
 from calib.logs.log import Log
 from calib.model.resistance import DRAG, ROLLING, Resistance
 from calib.run.axle_signals import Signals
@@ -32,7 +31,6 @@ class Plan:
     known: Resistance
     noise: SensorNoise
     ramp_level: Parts
-    gates: Gates
 
 
 def plan_for(
@@ -40,7 +38,6 @@ def plan_for(
     log: Log,
     s: Signals,
     vehicle: Vehicle | None = None,
-    gates: Gates | None = None,
 ) -> Plan:
     """The plan of a log: nominal pads of ``vehicle``, or those of the calibration."""
     return Plan(
@@ -49,7 +46,6 @@ def plan_for(
         known=known_resistance(table),
         noise=_merged_noise(table, lead_in_noise(log, s)),
         ramp_level=level_of(table) if vehicle is None else {},
-        gates=gates or Gates(),
     )
 
 

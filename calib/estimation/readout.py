@@ -17,13 +17,13 @@ from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.estimation.constants import constants
-from calib.estimation.state import Reason, Sample
+from calib.estimation.reasons import Reason
+from calib.estimation.state import Sample
 from calib.estimation.step import Answer, run
 from calib.estimation.zeros import known_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance
-from calib.run.filters import block_mean
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
 
@@ -131,15 +131,15 @@ def read_out(
     noise: SensorNoise,
     s: Signals,
     b: Blocks,
-    disturbed: Mask,
+    disturbed: Index,
     *,
     with_v: bool = True,
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
     ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance; ``b``
-    means of the signals over blocks; ``disturbed`` samples (n,) in which a wheel locks or the car
-    corners; ``with_v`` whether the reference speed is used where it is logged.
+    means of the signals over blocks; ``disturbed`` as `disturbances` has it, (n,); ``with_v``
+    whether the reference speed is used where it is logged.
     """
     forces = block_balance(car, known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
@@ -154,7 +154,7 @@ def read_out(
         np.maximum(R * b.omega_f / (1.0 - driven[0]), 0.3),
         forces.load_r / car.weight,
         b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
-        block_mean(disturbed.astype(float), b.samples) > 0.0,
+        disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1),
         np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
     )
     # by the mean of its sample times a log that goes on would have another length

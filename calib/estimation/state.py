@@ -16,27 +16,15 @@ a_x.
 import math
 from collections import deque
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import NamedTuple
 
 from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
 from calib.estimation.constants import Constants
+from calib.estimation.reasons import Reason
 from calib.run.driving_record import STEADY
 from calib.run.noise import WALK
-
-
-class Reason(IntEnum):
-    """Why an answer does not stand; 0 for one that does. The first that applies."""
-
-    VALID = 0
-    NOT_BRAKED = 1
-    SLOW = 2
-    JUST_APPLIED = 3
-    DISTURBED = 4
-    NO_ZERO = 5
-    BEYOND_MAP = 6
 
 
 class Sample(NamedTuple):
@@ -44,8 +32,9 @@ class Sample(NamedTuple):
 
     ``demand`` brake force that the deceleration ``z`` demands, ``nominal`` that of nominal pads,
     over the weight [1]; ``pressure`` [Pa]; ``eta`` [1] as read; ``rim`` speed of the front wheels'
-    rims [m/s]; ``rear_share`` of the load [1]; ``v`` [m/s], NaN where not logged; ``disturbed``
-    while a wheel locks or the car corners; ``log_odds`` ln of the front pressure over the rear one.
+    rims [m/s]; ``rear_share`` of the load [1]; ``v`` [m/s], NaN where not logged; ``disturbed`` the
+    number of a `Reason` while the car is steered or a wheel locks; ``log_odds`` ln of the front
+    pressure over the rear one.
     """
 
     demand: float
@@ -56,7 +45,7 @@ class Sample(NamedTuple):
     rim: float
     rear_share: float
     v: float
-    disturbed: bool
+    disturbed: float
     log_odds: float = 0.0
 
 
@@ -86,7 +75,7 @@ class Seen(NamedTuple):
     means that forget, with the weighted sums of demanded brake force, eta - 1 and the square of the
     former; ``speed`` [m/s]; ``slip`` ln(slip/z) and ``scale`` of a_x, with variances and their
     covariance; variances of the zeros; ``log_odds`` as in `Sample`; ``lag`` [s]; ``innovation`` of
-    the wheels; ``reason`` by all but the map.
+    the wheels; ``reason`` by all but level and map.
     """
 
     told: Array
@@ -336,13 +325,11 @@ def measured(x: Numbers, h: float, k: float, rest: float, variance: float) -> tu
     ), rest * math.sqrt(gain)  # fmt: skip
 
 
-def _reason(c: Constants, s: State, x: Sample) -> Reason:
+def _reason(c: Constants, s: State, x: Sample) -> float:
     if x.pressure <= c.least_pressure:
         return Reason.NOT_BRAKED
+    if x.disturbed:  # before the rims: those of locked wheels are slow
+        return x.disturbed
     if x.rim <= MOVING:
         return Reason.SLOW
-    if s.braked < c.settle + 0.5 * c.block:
-        return Reason.JUST_APPLIED
-    if x.disturbed:
-        return Reason.DISTURBED
-    return Reason.NO_ZERO if s.eta.variance >= 0.9 * c.zero**2 else Reason.VALID
+    return Reason.JUST_APPLIED if s.braked < c.settle + 0.5 * c.block else Reason.VALID

@@ -18,7 +18,8 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.intervals import Z95
 from calib.estimation.constants import LEVEL, PADS, Constants
-from calib.estimation.state import LEAST_Z, Numbers, Reason, Sample, Seen, State, follow, started
+from calib.estimation.reasons import Reason
+from calib.estimation.state import LEAST_Z, Numbers, Sample, Seen, State, follow, started
 
 
 class Answer(NamedTuple):
@@ -69,8 +70,12 @@ def _answers(c: Constants, s: State, blocks: Sequence[Numbers]) -> Array:
         rows = np.vstack([s.held, rows])
     out = rows[np.cumsum(told) - (0 if s.held else 1)]
     s.held = out[-1].tolist()
-    beyond = (seen.reason == Reason.VALID) & ~_on_map(c, *_means(seen))
-    reason = np.where(beyond, Reason.BEYOND_MAP, seen.reason)
+    reason, level = seen.reason, np.exp(out[:, 0])
+    for why, holds in (
+        (Reason.NO_PAD, (level > c.least_level) & (level < c.most_level)),
+        (Reason.BEYOND_MAP, _on_map(c, *_means(seen))),
+    ):
+        reason = np.where((reason == Reason.VALID) & ~holds, why, reason)
     return np.column_stack([out, seen.innovation, reason])
 
 

@@ -10,8 +10,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.mass import MassUsed, mass_used
@@ -200,12 +198,10 @@ def validate_one(
         *saturated(log.name, seen),
         *(one.warning for one in columns),
     )
-    for one in columns:
-        if one.sure:
-            why = f"the wheel speeds fit with {one.wheels} exchanged"
-            result = _without_answer(result, why)
+    unfit = [f"the wheel speeds fit with {one.wheels} exchanged" for one in columns if one.sure]
     if (wrong := wrong_speed(warnings)) is not None:
-        result = _without_answer(result, NO_SPEED[wrong.code])
+        unfit.append(NO_SPEED[wrong.code])
+    result = replace(result, unfit=tuple(unfit))
     figures = score(log, car, result)
     return Validation(
         log=log.name,
@@ -218,12 +214,6 @@ def validate_one(
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )
-
-
-def _without_answer(result: Estimate, why: str) -> Estimate:
-    """Return the estimate with no valid sample, for one reason that the whole run gives."""
-    refused = {**result.refused, why: result.braked}
-    return replace(result, valid=np.zeros_like(result.valid), refused=refused)
 
 
 def all_warnings(

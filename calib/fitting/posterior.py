@@ -22,8 +22,8 @@ from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, spread_evenly
 from calib.fitting.known import COMPLIANCE, OWN, RATIO, Known, drawn, log_more, part_of
+from calib.fitting.pads import UNSAID
 from calib.fitting.regression import Regression
-from calib.fitting.stated_pads import UNSAID
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 

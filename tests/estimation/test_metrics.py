@@ -10,7 +10,7 @@ from calib.base.intervals import Z95
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import METRICS, departure, score, truth_of
 from calib.estimation.readout import Bounded, Readout
-from calib.estimation.state import Reason
+from calib.estimation.reasons import Reason
 from calib.logs.log import Log
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR
@@ -61,18 +61,15 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         "plan": SimpleNamespace(table=mapped_table()),
         "read": None,
         "forces": None,
-        "refused": {},
         "time": TIME,
         "z": np.full(N, 0.3),
         "eta": np.full(N, 1.004),
         "speed": np.full(N, 20.0),
-        "force_f": np.full(N, 0.3),
-        "force_r": np.full(N, 0.3),
-        "valid": np.ones(N, bool) if valid is None else valid,
+        "force_f": np.full(N, 0.1),
+        "force_r": np.full(N, 0.1),
         "braked": np.ones(N, bool),
-        "covered": np.ones(N, bool),
         "baselines": {"nominal": (np.full(N, 0.38), np.full(N, 0.38))},
-        "best": readout(mu_f, mu_r, pressure=pressure, innovation=noise),
+        "best": readout(mu_f, mu_r, pressure=pressure, valid=valid, innovation=noise),
         "ecu": readout(mu_f, mu_r, pressure=pressure),
         "blocks": Blocks(
             end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
@@ -160,7 +157,8 @@ def test_shares_count_braked_samples_above_3_metres_a_second():
     braked = np.arange(N) >= 100
     speed = np.where(np.arange(N) < 700, 20.0, 2.0)
     covered = np.arange(N) < 300
-    e = made_estimate(valid=valid, braked=braked, speed=speed, covered=covered)
+    force = np.where(covered, 0.9, 1.1) * mapped_table().tyre.force[-1]
+    e = made_estimate(valid=valid, braked=braked, speed=speed, force_f=force, force_r=0.5 * force)
     figures = scored(e, BLIND)
     assert figures["valid_share"] == pytest.approx(300 / 600)
     assert figures["covered_share"] == pytest.approx(100 / 300)

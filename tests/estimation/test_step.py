@@ -8,7 +8,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 from calib.base.names import G
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, Reader
-from calib.estimation.state import Reason, Sample, measured, started
+from calib.estimation.reasons import Reason
+from calib.estimation.state import Sample, measured, started
 from calib.estimation.step import run as run_all
 from calib.estimation.step import step
 from calib.table.maps import LevelMap
@@ -67,7 +68,7 @@ def stop(level=0.8, *, lag=1e-3, zero=0.012, wheels=0.998, rolling=1.5, apart=0.
         rim = v * (1.0 - slip) / (1.0 + 0.4 * (eta / turned - 1.0))
         out.append(
             Sample(z + zero, nominal, 4e7 / 4.0 * nominal, z + zero, eta, rim, 0.4,
-                   v if with_v else math.nan, False)
+                   v if with_v else math.nan, 0.0)
         )  # fmt: skip
     return out
 
@@ -196,7 +197,7 @@ def test_zeros_follow_what_drifts_until_the_bite():
 def test_without_a_lead_in_all_is_finite_and_wide():
     whole, short = (run(stop(rolling=r))[0] for r in (1.5, 0.0))
     assert np.all(np.isfinite([a[:-2] for a in short]))
-    assert short[-1].reason == Reason.NO_ZERO
+    assert short[-1].reason == Reason.VALID
     widths = [a[-1].ratio_upper - a[-1].ratio_lower for a in (whole, short)]
     assert widths[1] > widths[0]
     assert short[-1].level == pytest.approx(math.log(0.8), abs=0.1)
@@ -213,7 +214,8 @@ def test_reasons():
     for changed, reason in (
         ({"pressure": 1e5}, Reason.NOT_BRAKED),
         ({"rim": 1.0}, Reason.SLOW),
-        ({"disturbed": True}, Reason.DISTURBED),
+        ({"disturbed": Reason.CORNERS}, Reason.CORNERS),
+        ({"disturbed": Reason.LOCKED, "rim": 1.0}, Reason.LOCKED),
     ):
         assert step(constants(), s, replace_sample(last, **changed)).reason == reason
 
@@ -250,7 +252,7 @@ def test_whatever_is_read_the_answer_is_finite(seed):
         v = math.nan if rng.random() < 0.5 else 20.0 * x[6]
         blocks.append(
             Sample(x[0], pressure / 1e7, pressure, x[3], math.exp(0.1 * x[4]),
-                   max(20.0 * x[5], 0.3), 0.4, v, bool(rng.random() < 0.1), x[7])
+                   max(20.0 * x[5], 0.3), 0.4, v, 4.0 * (rng.random() < 0.1), x[7])
         )  # fmt: skip
     answers, _ = run(blocks)
     told = np.array([answer[:15] for answer in answers], dtype=float)

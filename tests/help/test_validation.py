@@ -4,10 +4,11 @@ import re
 
 import numpy as np
 
+from calib.car.braking import MOVING
+from calib.estimation.constants import Constants
 from calib.estimation.estimator import COLUMNS
-from calib.estimation.gates import Gates
 from calib.estimation.limits import DEFAULTS
-from calib.estimation.state import Reason
+from calib.estimation.reasons import LATERAL, RECOVER, STEERING, Reason
 from calib.help.page import FOLDER
 
 PAGE = (FOLDER / "validation.md").read_text()
@@ -37,15 +38,13 @@ def test_the_default_limits_are_those_of_the_program():
 
 
 def test_the_gates_and_the_reasons_are_those_of_the_program():
-    gates = Gates()
     for words in (
-        f"below {gates.pressure / 1e5:g} bar, or the car below {gates.speed:g} m/s",
-        f"less than {gates.settle:g} s",
-        f"and {gates.recover:g} s after it",
-        f"(below {gates.possible[0]:g} or above {gates.possible[1]:g})",
-        f"more than {gates.beyond:g} times",
-        f"more than {gates.lateral:g} m/s^2",
-        f"more than {np.rad2deg(gates.steering):g} degrees",
+        f"below {Constants.least_pressure / 1e5:g} bar, or the car below {MOVING:g} m/s",
+        f"less than {Constants.settle:g} s",
+        f"and {RECOVER:g} s after it",
+        f"(a level below {Constants.least_level:g} or above {Constants.most_level:g})",
+        f"more than {LATERAL:g} m/s^2",
+        f"more than {np.rad2deg(STEERING):g} degrees",
         *(f"{reason.value} {reason.name.lower().replace('_', ' ')}" for reason in Reason),
     ):
         assert words in " ".join(PAGE.split()), words

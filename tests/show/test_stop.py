@@ -97,8 +97,7 @@ def test_a_result_of_an_older_program_is_drawn_without_what_it_lacks(stopped, tm
 
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
-    nowhere = np.zeros(stopped.estimate.time.size, bool)
-    none = replace(stopped, estimate=replace(stopped.estimate, valid=nowhere))
+    none = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
     assert len(stop.of_validation(sedan, "sedan@1", transition, none).overview().axes) == 8
 
 
