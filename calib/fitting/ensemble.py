@@ -108,8 +108,9 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
 
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
     """The ensemble of which a table of ``car`` kept these draws."""
+    columns = vars(draws)
     kept = {
-        name: np.squeeze(np.stack([getattr(draws, column) for column in own], axis=1))
+        name: columns.get(name, np.stack([columns[one] for one in own], axis=1))
         for name, own in _COLUMNS.items()
     }
     return Ensemble(**kept | {name: kept[name] / getattr(car, name) for name in _LENGTHS})

@@ -113,7 +113,7 @@ def fit(
     require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
     difference, paper = difference_curves(car, some, both, z_end)
-    pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
+    pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,

@@ -48,20 +48,17 @@ def _quantiles(x: Array, weights: Array) -> Array:
 
 
 def pressure_odds(runs: list[RampRun]) -> Array:
-    """ln of the front pressure over the rear one at `Z` (k,), as on the ramps; 0 where one rules.
+    """ln of the front pressure over the rear one at `Z` (k,), as on ramps of both axles.
 
-    A known valve, or pressures of the wheels that are logged, make them differ.
+    0 where one pressure rules; a known valve, or logged pressures of the wheels, make them differ.
     """
-    z, odds = [], []
-    for run in runs:
-        if run.only is None:
-            b, at = run.blocks, run.braked
-            z.append(b.z[at])
-            odds.append(np.log(np.maximum(b.p_f[at], 1.0) / np.maximum(b.p_r[at], 1.0)))
-    along, apart = np.concatenate(z), np.concatenate(odds)
-    order = np.array_split(np.argsort(along), min(20, along.size))
-    at, mean = (np.array([np.mean(x[k]) for k in order]) for x in (along, apart))
-    return np.asarray(np.interp(Z, at, mean))
+    x = np.hstack(
+        [np.stack([run.blocks.z, run.blocks.p_f, run.blocks.p_r])[:, run.braked] for run in runs]
+    )
+    z, p_f, p_r = x[:, np.argsort(x[0])]
+    rows = np.stack([z, np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0))])
+    groups = np.array_split(rows, min(20, z.size), axis=1)
+    return np.asarray(np.interp(Z, *np.transpose([group.mean(axis=1) for group in groups])))
 
 
 def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, LevelMap]:

@@ -29,6 +29,7 @@ _FINEST = 5e-4  # eta - 1 or slip below which an error of the form is no smaller
 _ROUGH = 0.02  # share of the variance of that error that is not alike from point to point
 
 _KINDS = ("eta", "slip")  # of rows, in their order
+_ALONE: dict[str | None, float] = {"f": np.inf, "r": -np.inf}  # ln of the odds of its pressure
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def _ramp(car: Vehicle, run: RampRun, most: int | None) -> _Ramp:
         brake=(mean(run.brake_sum) - np.mean(run.brake_sum[lead])) / car.weight,
         moments=np.array(moments),
         rolling=np.array([np.mean(x[lead]) for x in rolling]),
-        log_odds=np.log(B_f / B_r),
+        log_odds=np.log(B_f / B_r) + _ALONE.get(run.only, 0.0),
         only=run.only,
         rows=np.array([mean(b.eta) / eta_zero - 1.0, slip]),
         errors={
@@ -181,9 +182,7 @@ class Regression:
         """Design and data (4, n, k); whether forces are below the peaks (n,)."""
         rows, rolls = [], np.ones(e.size, dtype=bool)
         for r in self.ramps:
-            share = {"f": np.ones((e.size, 1)), "r": np.zeros((e.size, 1))}.get(
-                r.only or "", front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
-            )
+            share = front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
             forces = np.stack([share, 1.0 - share]) * r.brake + r.moments[:, None]
             unit = unit_slips(self.car, e, r.z, forces)
             rolls &= unit.rolls.all(axis=1)
@@ -205,9 +204,9 @@ class Regression:
         rows, rolls = self.rows(e)
         *H, y = rows @ self.white.T
         y = y - np.einsum("ink,ni->nk", H, centre)
-        A = np.einsum("ink,jnk->nij", H, H)
-        A = root.transpose(0, 2, 1) @ A @ root + np.eye(3)
-        g = np.einsum("ink,nk,nij->nj", H, y, root, optimize=True)
+        H = np.einsum("ink,nij->jnk", H, root)
+        A = np.einsum("ink,jnk->nij", H, H) + np.eye(3)
+        g = np.einsum("ink,nk->ni", H, y)
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
         log = -0.5 * (square + np.log(np.linalg.det(A)))
