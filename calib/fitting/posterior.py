@@ -117,9 +117,8 @@ def posterior(
         pulls[part] = np.hstack([pulls.get(part, before[:, :0]), before[:, columns]])
     field, *others = np.bincount(part_of(x, known), minlength=len(known) + 1)
     counts = len(known) * np.array(others, dtype=np.float64)
-    late, departs = regression.late(left, rng), regression.departures(left)
     return Posterior(
-        **vars(replace(e, v_late=late, depart_eta=departs["eta"], depart_slip=departs["slip"])),
+        **vars(e) | regression.beside(left, rng),
         pulls=pulls,
         misfit=float(np.sqrt(np.mean(left**2))),
         held=(counts + 0.5) / (counts + field + 1.0),

@@ -222,24 +222,17 @@ class Regression:
         """How ln of the probability of a draw grows with each of `errors`, (n, m) by part."""
         return {part: left @ (self.white @ error) for part, error in self.errors.items()}
 
-    def late(self, left: Array, rng: np.random.Generator) -> Array:
-        """Time by which v is late [s] (n,), mean of the runs that have v; 0 without any."""
-        error = self.white @ self.clock
-        if not error.size:
-            return np.zeros(left.shape[0])
-        root = np.linalg.cholesky(np.eye(error.shape[1]) - error.T @ error)
-        drawn = left @ error
-        drawn += rng.standard_normal(drawn.shape) @ root.T
-        return np.asarray(_CLOCK * np.mean(drawn, axis=1))
+    def beside(self, left: Array, rng: np.random.Generator) -> dict[str, Array]:
+        """What else an `Ensemble` has, by name, from what its draws leave.
 
-    def departures(self, left: Array) -> dict[str, Array]:
-        """Relative departure of eta - 1 and slip from the forms at `DEPART_AT`, (n, k) each.
-
-        The mean of the correlated error, given what the draws leave, ``left``.
+        ``v_late`` a draw of the mean of the runs that have v, 0 without any; ``depart_eta`` and
+        ``depart_slip`` means of the correlated error of the form.
         """
-        pull, near = left @ self.white, _near(self.places, DEPART_AT)
-        return {
-            of: PRIORS[f"form_error_{of}"][0] * (pull * size) @ near
+        clock, near = self.white @ self.clock, _near(self.places, DEPART_AT)
+        root = np.linalg.cholesky(np.eye(clock.shape[1]) - clock.T @ clock)
+        late = left @ clock + rng.standard_normal((len(left), clock.shape[1])) @ root.T
+        return {"v_late": _CLOCK * np.sum(late, axis=1) / max(clock.shape[1], 1)} | {
+            f"depart_{of}": PRIORS[f"form_error_{of}"][0] * (left @ self.white * size) @ near
             for of, size in self.departs.items()
         }
 
