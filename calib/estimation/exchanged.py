@@ -22,7 +22,7 @@ from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
 from calib.estimation.reasons import Reason
 from calib.estimation.zeros import known_slips
-from calib.fitting.draws import ensemble_of
+from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
 from calib.run.blocks import block_balance, braked_alone
 from calib.run.filters import block_mean
