@@ -81,7 +81,7 @@ def stiffness(e: Estimate) -> tuple[float, float]:
     i, tyre = int(np.flatnonzero(e.valid)[-1]), e.plan.table.tyre
     z = float(np.clip(e.z[i], tyre.force[1], tyre.force[-1]))
     on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
-    return math.log(on_ramp) - float(e.best.slip[i]), float(e.best.slip_sigma[i])
+    return math.log(on_ramp) - float(e.best.step.slip[i]), float(e.best.step.slip_sigma[i])
 
 
 def _alike(level: Array, tyres: Array, sigma: Array) -> list[list[int]]:

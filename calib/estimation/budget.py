@@ -29,17 +29,20 @@ def budget(e: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
 
 
 def _of_axle(e: Estimate, pads: Bounded, *, front: bool) -> AxleBudget:
-    best, draws, car = e.best, e.plan.table.draws, e.plan.table.vehicle
+    step, draws, car = e.best.step, e.plan.table.draws, e.plan.table.vehicle
     valid = np.flatnonzero(e.valid)
     order = np.argsort((pads.upper / pads.lower)[valid], kind="stable")
     i = valid[order[(order.size - 1) // 2]]  # the earlier one of an even number
     filed = car.front.pad_friction / car.rear.pad_friction
-    share = front_share(car, math.log(best.ratio.value[i] / filed))
+    share = front_share(car, math.log(e.best.ratio.value[i] / filed))
     lever = 1.0 - share if front else share
-    whole, level = (float(x.sigma[i]) ** 2 for x in (pads, best.level))
+    whole, level = (float(x.sigma[i]) ** 2 for x in (pads, e.best.level))
     ramp = 0.0 if draws is None else float(np.var(draws.log_pad_ratio))
-    of_level = {"accelerometer": float(best.accelerometer[i]), "noise": float(best.noise[i])}
-    of_ratio = {"zeros": lever**2 * float(best.zeros[i]), "tyres": lever**2 * ramp}
+    of_level = {
+        "accelerometer": float(step.accelerometer[i]),
+        "noise": float(step.noise[i]),
+    }
+    of_ratio = {"zeros": lever**2 * float(step.zeros[i]), "tyres": lever**2 * ramp}
     parts = _split(level, of_level, "mass") | _split(whole - level, of_ratio, "unlike_pads")
     return AxleBudget(float(pads.value[i]), parts)
 

@@ -72,7 +72,8 @@ def score(log: Log, e: Estimate) -> Figures:
         "ecu_valid_share": share(by_ecu, counted),
     }
     # errors of prediction of blocks above 3 m/s after the lead-in
-    rest = e.best.innovation[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
+    rest = e.best.step.innovation[e.blocks.samples - 1 :: e.blocks.samples]
+    rest = rest[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
     rest = rest[np.isfinite(rest)]
     if rest.size > 10:
         found["innovation_rms"] = _rms(rest)
@@ -152,9 +153,9 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     and v need not narrow them: the spread is at least half of the ECU's own, as a difference that
     is small against the interval that is handed out does no harm.
     """
-    ecu, best = ecu.at(valid), best.at(valid)
-    spread = np.sqrt(np.maximum(ecu.sigma**2 - best.sigma**2, (0.5 * ecu.sigma) ** 2))
-    return float(_rms(np.log(ecu.value / best.value) / spread))
+    own, other = ecu.sigma[valid], best.sigma[valid]
+    spread = np.sqrt(np.maximum(own**2 - other**2, (0.5 * own) ** 2))
+    return float(_rms(np.log(ecu.value / best.value)[valid] / spread))
 
 
 def _rms(x: Array) -> Array:

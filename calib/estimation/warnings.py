@@ -24,8 +24,8 @@ def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
 
 def _apart(e: Estimate, i: int) -> tuple[float, float]:
     """ln of the front pads' change over the rear ones', at a sample; its sigma."""
-    of = e.best.change
-    return float(of.value[i]), float((of.upper - of.lower)[i]) / (2.0 * Z95)
+    middle, low, high = e.best.step.change[:, i].tolist()
+    return middle, (high - low) / (2.0 * Z95)
 
 
 def _together(e: Estimate, i: int) -> tuple[float, float]:
@@ -37,7 +37,7 @@ def _together(e: Estimate, i: int) -> tuple[float, float]:
     share = front_share(plan.table.vehicle, plan.table.calibration.pad_log_ratio.value)
     level = share * best.change_f.value[i] + (1.0 - share) * best.change_r.value[i]
     resistance = float(plan.known.sigma_z(plan.nominal, e.speed[i : i + 1])[0])
-    sensors = float(best.noise[i] + best.accelerometer[i])
+    sensors = float(best.step.noise[i] + best.step.accelerometer[i])
     ramp = sum(variance for part, variance in plan.ramp_level.items() if part != "mass")
     variance = sensors + (resistance / max(float(e.z[i]), 0.02)) ** 2 + ramp
     return math.log(level), math.sqrt(variance)

@@ -16,7 +16,7 @@ from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import difference_curves, find_peak, readable_up_to, ridge, tyre_curve
 from calib.fitting.disturbances import without_disturbances
-from calib.fitting.draws import draws_of
+from calib.fitting.ensemble import draws_of
 from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.moments import as_cubic, tyre_posterior
@@ -111,7 +111,7 @@ def fit(
     pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))
     require_possible_pads(car, pads, warnings)
     difference, paper = difference_curves(car, some, both, z_end)
-    pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
+    pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
