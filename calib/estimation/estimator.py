@@ -34,6 +34,7 @@ from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
 from calib.run.lateral import lateral
 from calib.run.noise import SensorNoise, aged, lead_in_noise, worst_noise
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -237,6 +238,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
+    require_maps(table)
     known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     car = weighed(replace(table.vehicle, effects=known), mass)
     ran, read, means, road = seen = _seen(table, car, log)

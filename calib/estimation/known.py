@@ -24,7 +24,7 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
     car, pads, scale = table.vehicle, vehicle or table.vehicle, 1.0
     if vehicle is None:
         share, half = front_share(car, 0.0), math.exp(0.5 * table.calibration.pad_log_ratio.value)
-        scale = table.calibration.pad_scale.value * (share * half + (1.0 - share) / half)
+        scale = table.calibration.pad_scale.value * float(share * half + (1.0 - share) / half)
     front = replace(car.front, pad_friction=scale * pads.front.pad_friction)
     rear = replace(car.rear, pad_friction=scale * pads.rear.pad_friction)
     return replace(car, front=front, rear=rear)

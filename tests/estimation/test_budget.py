@@ -56,8 +56,8 @@ def test_they_add_up_with_given_pads(table, logs):
 
 def test_where_nothing_is_braked_there_is_no_budget(table, logs):
     e = estimate(table, logs["dry"])
-    none = np.zeros_like(e.braked)
-    assert budget(replace(e, unfit=("not braked",), braked=none)) is None
+    free = replace(e.read, p_f=0.0 * e.read.p_f, p_r=0.0 * e.read.p_r)
+    assert budget(replace(e, unfit=("not braked",), read=free)) is None
 
 
 def test_a_weighed_car_has_less_of_the_mass(table, logs):

@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 from calib.base.intervals import Z95
+from calib.car.effects.effects import Effects
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import METRICS, departure, score, truth_of
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.reasons import Reason
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
-from calib.run.blocks import Blocks
+from calib.run.blocks import Blocks, block_balance
+from calib.run.noise import SensorNoise
 from tests.support.reference_car import CAR
 from tests.support.tables import mapped_table
 
@@ -53,19 +55,27 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, inn
 
 
 def made_estimate(
-    mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation=None, force=0.1, speed=None
+    mu_f=0.40,
+    mu_r=0.36,
+    *,
+    pressure=20e5,
+    valid=None,
+    innovation=None,
+    force=0.1,
+    speed=None,
+    **changed,
 ):
     """5 s of braking at 0.3 g and 20 m/s; blocks of 50 ms, all braked."""
     blocks = 100
     one, flat = np.ones(blocks), np.ones(N)
     noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
     best = readout(mu_f, mu_r, pressure=pressure, valid=valid, innovation=noise)
-    load = (
-        2.0
-        * best.torque_f.value
-        / CAR.front.rolling_radius
-        / (0.1 * flat if force is None else force)
-    )
+    load = 2.0 * best.torque_f.value / CAR.front.rolling_radius / force
+    means = Blocks(
+        end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
+        omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
+        lead_in=one < 0.0, samples=10, length=0.05,
+    )  # fmt: skip
     values = {
         "table": mapped_table(),
         "car": CAR,
@@ -76,19 +86,16 @@ def made_estimate(
             speed=20.0 * flat if speed is None else speed, lead_in=flat < 0.0, sample_time=0.005,
         ),
         "forces": SimpleNamespace(
-            balance=SimpleNamespace(moment_f=0.0, moment_r=0.0, load_f=load, load_r=load)
+            active=flat > 0.0,
+            balance=SimpleNamespace(moment_f=0.0, moment_r=0.0, load_f=load, load_r=load),
         ),
         "best": best,
         "ecu": readout(mu_f, mu_r, pressure=pressure),
-        "blocks": Blocks(
-            end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
-            omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
-            lead_in=one < 0.0, samples=10, length=0.05,
-        ),
-        "road": None,
-        "noise": None,
+        "blocks": means,
+        "road": block_balance(CAR, Effects(), means),
+        "noise": SensorNoise(4e-4, 1e-4, 3e-4, 1e-3),
     }  # fmt: skip
-    return Estimate(**values)
+    return Estimate(**(values | changed))
 
 
 def truth_log(mu_f=0.40, mu_r=0.36, *, pressure=20e5, pads=True):
