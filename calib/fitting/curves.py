@@ -1,5 +1,7 @@
 r"""The three look-ups of a table from an ensemble: D(eta), f1 and f2(eta), and g(slip).
 
+    z --(pads, loads)--> F_f, F_r --tyres--> eta          D = F_f - F_r          of every draw
+
 On a ramp the deceleration z orders everything, so z is the parameter; nothing is binned by eta.
 
        eta            The rising branch ends at the peak of eta. Beyond it the same eta is met
@@ -8,18 +10,21 @@ On a ramp the deceleration z orders everything, so z is the parameter; nothing i
         | /
         +------- z
 
-Every draw has its D at an eta; the table has their median and the middle 95 %.
+Every draw has its D at an eta; the table has their median and the middle 95 %. Quasi-steady,
+without drag, one master-cylinder pressure for both axles.
 """
 
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
 
-from calib.car.forces import paper_curves
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.car.balance import braked_tyres, turning_shares
+from calib.car.bias import front_share
+from calib.car.forces import axle_loads, paper_curves
 from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble
-from calib.fitting.one_axle_ramps import with_both_axles
-from calib.fitting.ridge import Ridge, ridge
+from calib.fitting.ensemble import Ensemble, shown
 from calib.model.ramp import RampRun
 from calib.model.settings import SETTINGS
 from calib.table.table import (
@@ -31,90 +36,122 @@ from calib.table.table import (
     TyreCurve,
 )
 
-Array = NDArray[np.float64]
+_BAND = (0.5, 0.025, 0.975)
+_SURE = 0.00135  # share of the draws in which eta must go on rising to doubt its peak: 3 sigma
 
-_BAND = (0.025, 0.5, 0.975)
+
+@dataclass(frozen=True)
+class Ridge:
+    """The ramps as draws have them, over ``z`` (k,): (n, k) each, all [1].
+
+    ``eta``; normalised forces ``F_f``, ``F_r``; slips of the tyres ``slip_f``, ``slip_r``.
+    """
+
+    z: Array
+    eta: Array
+    F_f: Array
+    F_r: Array
+    slip_f: Array
+    slip_r: Array
+
+    @property
+    def middle(self) -> Array:
+        """Median of eta, (k,)."""
+        return np.asarray(np.median(self.eta, axis=0))
+
+
+def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
+    """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
+    brake = z * (1.0 + sum(turning_shares(car)))
+    front, rear = braked_tyres(car, front_share(car, e.log_pad_ratio)[:, None], brake, z)
+    of = shown(car, e, z, front, rear)
+    load_f, load_r = (load / car.weight for load in axle_loads(car, z))
+    return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, of.slip_f, of.slip_r)
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Where eta turns on the ramp: ``z``, ``eta`` [1]; ``real`` if it surely falls after it."""
+
+    z: float
+    eta: float
+    real: bool
+
+
+def find_peak(of: Ridge) -> Peak:
+    """Test whether eta peaks inside the range of a ridge."""
+    top = int(np.argmax(of.middle))
+    falls = np.quantile(of.eta[:, top] - of.eta[:, -1], _SURE) > 0.0
+    return Peak(float(of.z[top]), float(of.middle[top]), bool(falls))
+
+
+def readable_up_to(of: Ridge) -> float:
+    """Greatest z [1] up to which eta rises steeply enough that f1 and f2 can be read from it."""
+    slope = np.diff(of.middle)
+    flat = np.flatnonzero(slope < SETTINGS.flat * slope[0])
+    return float(of.z[flat[0]] if flat.size else of.z[-1])
 
 
 def difference_curves(
-    vehicle: Vehicle, e: Ensemble, runs: list[RampRun], z_end: float
+    car: Vehicle, e: Ensemble, runs: list[RampRun], z_end: float
 ) -> tuple[DifferenceCurve, PaperCurves]:
-    """D(eta) over the rising branch, up to ``z_end`` [1], and f1, f2(eta) of Fig. 6 from it.
+    """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it.
 
-    The band is that of D at a given eta. f1 and f2 are at the load split of the ramp's z; (18) is
-    exact.
+    The band is that of D at a given eta.
     """
-    z = np.linspace(0.0, z_end, SETTINGS.rows)
-    of = ridge(vehicle, e, z)
+    of = ridge(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(of.middle[-1]), SETTINGS.rows)
-    lower, D, upper = np.quantile(differences(of, eta), _BAND, axis=0)
-    measured = [
-        run.since_rolling(run.blocks.eta)[run.use & ~run.blocks.lead_in]
-        for run in with_both_axles(runs)
-    ]
-    count = _count(eta, 1.0 + np.concatenate(measured))
-    flags = _flags(count)
-    at = np.interp(eta, of.middle, z)
-    f1, f2 = paper_curves(vehicle, at, D)
-    f1_a, f2_a = paper_curves(vehicle, at, lower)
-    f1_b, f2_b = paper_curves(vehicle, at, upper)
-    return (
-        DifferenceCurve(eta, D, lower, upper, count, flags),
-        PaperCurves(eta, at, f1, f1_a, f1_b, f2, f2_b, f2_a, count, flags),
+    seen = [1.0 + run.since_rolling(run.blocks.eta)[run.braked] for run in runs]
+    d = DifferenceCurve(*_columns(eta, differences(of, eta), seen))
+    return d, paper_of(car, d, np.interp(eta, of.middle, of.z))
+
+
+def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
+    """f1, f2(eta) from D(eta) at the load split of the ramp's ``z`` (k,) [1]; (18) is exact."""
+    (f1, f2), (f1_lower, f2_upper), (f1_upper, f2_lower) = (
+        paper_curves(car, z, D) for D in (d.D, d.lower, d.upper)
     )
+    return PaperCurves(d.eta, z, f1, f1_lower, f1_upper, f2, f2_lower, f2_upper, d.count, d.flag)
 
 
-def tyre_curve(e: Ensemble, runs: list[RampRun], of: Ridge) -> TyreCurve:
+def tyre_curve(e: Ensemble, of: Ridge, runs: list[RampRun]) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle, up to the greatest measured.
 
     Draws have no more force than `NEAR_PEAK` of their peak.
     """
     greatest = 1.1 * float(np.median(np.maximum(of.F_f, of.F_r)[:, -1]))
-    tyres = list(zip(*_tyres(e), strict=True))
-    end = np.median([np.interp(greatest, force, slip) for slip, force in tyres])
+    end = np.median([np.interp(greatest, force, slip) for slip, force in _tyres(e)])
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
-    lower, g, upper = np.quantile(tyre_forces(e, grid), _BAND, axis=0)
-    seen = np.median([of.slip_f, of.slip_r], axis=1)
-    shown = [
-        np.interp(run.blocks.z[run.use], of.z, s) for run in with_both_axles(runs) for s in seen
-    ]
-    count = _count(grid, np.concatenate(shown))
-    return TyreCurve(grid, g, lower, upper, count, _flags(count))
+    slips = [np.median(slip, axis=0) for slip in (of.slip_f, of.slip_r)]
+    seen = [np.interp(run.blocks.z[run.use], of.z, slip) for run in runs for slip in slips]
+    return TyreCurve(*_columns(grid, tyre_forces(e, grid), seen))
 
 
 def differences(of: Ridge, eta: Array) -> Array:
     """D of the draws of a ridge at ``eta`` (k,) of its rising branch, (n, k) [1]."""
-    rows = zip(np.maximum.accumulate(of.eta, axis=1), of.D, strict=True)
+    rows = zip(np.maximum.accumulate(of.eta, axis=1), of.F_f - of.F_r, strict=True)
     return np.array([np.interp(eta, x, D) for x, D in rows])
 
 
 def tyre_forces(e: Ensemble, slip: Array) -> Array:
     """g of the draws at ``slip`` (k,), (n, k) [1]."""
-    return np.array([np.interp(slip, x, g) for x, g in zip(*_tyres(e), strict=True)])
+    return np.array([np.interp(slip, x, g) for x, g in _tyres(e)])
 
 
-def _tyres(e: Ensemble) -> tuple[Array, Array]:
-    """Slip and force of the mean tyre of both axles, up to near its peak, (n, k) each."""
+def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
+    """Slip and force (k,) of the mean tyre of both axles of each draw, up to near its peak."""
     use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)
     reach = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
-    return reach[:, None] * (inverse_forms(use) @ e.forms.T).T, e.peak[:, None] * use
+    slips = reach[:, None] * (inverse_forms(use) @ e.forms.T).T
+    return list(zip(slips, e.peak[:, None] * use, strict=True))
 
 
-def _count(grid: Array, measured: Array) -> Array:
-    """How many of ``measured`` lie within one and a half rows of each row of the grid."""
-    reach = 1.5 * (grid[1] - grid[0])
-    ordered = np.sort(measured)
-    above = np.searchsorted(ordered, grid + reach)
-    below = np.searchsorted(ordered, grid - reach)
-    return np.asarray(above - below, dtype=float)
-
-
-def _flags(count: Array) -> Array:
-    measured = count >= SETTINGS.min_count
-    flags = np.full(count.size, EXTRAPOLATED)
-    if measured.any():
-        first, last = np.flatnonzero(measured)[[0, -1]]
-        flags[first : last + 1] = INTERPOLATED
-        flags[: first + 1] = INTERPOLATED  # D(1) = 0 is known
-    flags[measured] = MEASURED
-    return flags
+def _columns(grid: Array, draws: Array, seen: list[Array]) -> tuple[Array, ...]:
+    """Grid, median and band of the ``draws`` (n, k), blocks ``seen`` near each row, and flags."""
+    off = np.abs(np.concatenate(seen) - grid[:, None])
+    count = np.count_nonzero(off < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
+    enough = count >= SETTINGS.min_count
+    flags = np.full(grid.size, EXTRAPOLATED)
+    flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED  # 0 at 0 is known
+    flags[enough] = MEASURED
+    return grid, *np.quantile(draws, _BAND, axis=0), count, flags

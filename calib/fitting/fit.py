@@ -9,37 +9,32 @@ from dataclasses import asdict
 import numpy as np
 
 from calib.base.errors import LogError
-from calib.base.warning import judged
+from calib.base.warning import PlausibilityWarning, judged
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
-from calib.fitting.budget import level_parts, table_budget
-from calib.fitting.calibration import calibration_of
-from calib.fitting.curves import difference_curves, tyre_curve
+from calib.fitting.curves import difference_curves, find_peak, readable_up_to, ridge, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
 from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.metrics import metrics
 from calib.fitting.moments import as_cubic, tyre_posterior
-from calib.fitting.one_axle_ramps import bought, with_both_axles
-from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
-from calib.fitting.posterior import parts_of, posterior
+from calib.fitting.pads import calibration_of, level_of, measured, ratio_by_levels, stated_pad_ratio
+from calib.fitting.posterior import parts_of
 from calib.fitting.provenance import provenance
 from calib.fitting.remarks import remarks, stated, taken_out
 from calib.fitting.residuals import explained
-from calib.fitting.ridge import find_peak, readable_up_to, ridge
-from calib.fitting.stated_pads import UNSAID, measured, stated_pad_ratio
 from calib.fitting.warnings import file_warnings, log_warnings
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
-from calib.model.ramp import prepare
-from calib.model.resistance import RESISTANCE
+from calib.model.ramp import RampRun, prepare
+from calib.model.resistance import RESISTANCE, Resistance
 from calib.model.resistance import identify as identify_resistance
 from calib.model.roller_bench import RollerBench
-from calib.model.sensors import of_whole_run, put_right
-from calib.model.sort_logs import sort_logs
+from calib.model.sensors import put_right
+from calib.model.sort_logs import Prepared, sort_logs
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.speed import require_measured_speed
 from calib.plausibility.vehicle_file import require_file_of_run
@@ -94,33 +89,82 @@ def fit(
     """
     read = {(log.name, log.digest): log for log in logs}
     driven = weighed(vehicle, mass)
-    stated_ratio = stated_pad_ratio(driven, bench)
-    told = known_before(driven, tyre, fleet or {})
+    said, told = stated_pad_ratio(driven, bench), known_before(driven, tyre, fleet or {})
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
-    as_read = sort_logs(car, [run.log for run in corrected])
-    sensors, _ = own = [[of_whole_run(car, *run[1:]) for run in group] for group in as_read]
-    ramps, coasts = (list(map(put_right, *pair)) for pair in zip(as_read, own, strict=True))
-    known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
-    runs = [
-        without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
-        for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
-    ]
-    warnings = (*file_warnings(vehicle), *log_warnings(car, *as_read, known))
+    ramps, coasts = sort_logs(car, [run.log for run in corrected])
+    runs, known = _ready(car, ramps, coasts)
+    warnings = (*file_warnings(vehicle), *log_warnings(car, ramps, coasts, known))
     require_measured_speed(warnings)
-    normal = with_both_axles(runs)
-    z_max = float(max(np.max(run.blocks.z[run.use]) for run in normal))
     sources = ", ".join(log.source for log, _, _ in ramps)
-    before = ratio_by_levels(car, runs, known, stated_ratio or UNSAID)
+    before = ratio_by_levels(car, runs, known, said)
     ensemble, left, valve = explained(car, runs, before, sources, warnings, told)
-    alone = (
-        posterior(car, normal, stated_ratio or UNSAID, known=told)
-        if len(normal) < len(runs)
-        else None
-    )
-    some = ensemble.take(slice(None, None, 4))
+    # curves over eta and the level of both axles' pads are of ramps on which both brake
+    both, some = [run for run in runs if run.only is None], ensemble.take(slice(None, None, 4))
+    z_max = max(float(np.max(run.blocks.z[run.use])) for run in both)
     of = ridge(car, some, np.linspace(0.0, z_max, 201))
     peak, z_end = find_peak(of), readable_up_to(of)
+    _require_rising(car, z_end, sources, warnings)
+    drawn = as_cubic(ensemble, float(np.max(np.median([of.F_f, of.F_r], axis=1))))
+    of_tyre = tyre_posterior(drawn)
+    ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
+    scale, level = level_of(car, both, known, ratio.value)
+    pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))
+    require_file_of_run(car, pads, warnings)
+    require_possible_pads(car, pads, sources)
+    difference, paper = difference_curves(car, some, both, z_end)
+    pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
+    table = Table(
+        name=vehicle.name,
+        vehicle=vehicle,
+        difference=difference,
+        paper=paper,
+        tyre=tyre_curve(some, of, both),
+        posterior=of_tyre,
+        calibration=pads,
+        effects=known.effects.only(*RESISTANCE),
+        noise=asdict(worst_noise([run.noise for run in runs])),
+        quality=metrics(car, runs, left, peak, z_max, min((ratio.sigma / before.sigma) ** 2, 1.0)),
+        remarks=(
+            *taken_out(driven),
+            *stated(mass_used(vehicle, mass)),
+            *remarks(runs, left, ratio, known, peak, len(coasts), bench),
+            *measured(driven, bench, pads),
+            *likely(told, ensemble.held),
+        ),
+        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
+        warnings=(
+            *judged(vehicle.name, contradicted(told, ensemble.held)),
+            *judged(car.name, of_calibration(car, pads, of_tyre, said)),
+            *valve,
+            *warnings,
+        ),
+        budget=budget,
+        map=pad_map,
+        level_map=level_map,
+        draws=draws_of(car, ensemble, pads),
+    )
+    require_finite(table)
+    return table
+
+
+def _ready(
+    car: Vehicle, ramps: list[Prepared], coasts: list[Prepared]
+) -> tuple[list[RampRun], Resistance]:
+    """The ramps ready to fit, accelerometers put right, and the resistance by all runs."""
+    right = [put_right(car, run) for run in (*ramps, *coasts)]
+    known = identify_resistance(car, [(b, noise.z) for (_, b, noise), _ in right])
+    runs = [
+        without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
+        for (log, b, noise), sensor in right[: len(ramps)]
+    ]
+    return runs, known
+
+
+def _require_rising(
+    car: Vehicle, z_end: float, sources: str, warnings: tuple[PlausibilityWarning, ...]
+) -> None:
+    """Raise LogError where eta rises up to no ``z_end`` [1]."""
     if z_end <= 0.0:
         raise LogError(
             "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
@@ -131,51 +175,3 @@ def fit(
             do="check areas and radii of the brakes in the vehicle file",
             lines=tuple(map(str, warnings)),
         )
-    drawn = as_cubic(ensemble, float(np.max(np.median([of.F_f, of.F_r], axis=1))))
-    of_tyre = tyre_posterior(drawn)
-    ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
-    scales = pad_levels_of(car, normal, ratio.value)
-    level = level_parts(car, scales, runs, known)
-    pads = calibration_of(car, float(np.mean(scales)), ratio, level)
-    require_file_of_run(car, pads, warnings)
-    require_possible_pads(car, pads, sources)
-    difference, paper = difference_curves(car, some, runs, z_end)
-    pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
-    table = Table(
-        name=vehicle.name,
-        vehicle=vehicle,
-        difference=difference,
-        paper=paper,
-        tyre=tyre_curve(some, runs, of),
-        posterior=of_tyre,
-        calibration=pads,
-        effects=known.effects.only(*RESISTANCE),
-        noise=asdict(worst_noise([run.noise for run in runs])),
-        quality=metrics(car, runs, left, peak, z_max, _weight(before, ratio)),
-        remarks=(
-            *taken_out(driven),
-            *stated(mass_used(vehicle, mass)),
-            *remarks(runs, left, ratio, known, peak, len(coasts), bench),
-            *bought(runs, ensemble, alone),
-            *measured(driven, bench, pads),
-            *likely(told, ensemble.held),
-        ),
-        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
-        warnings=(
-            *judged(vehicle.name, contradicted(told, ensemble.held)),
-            *judged(car.name, of_calibration(car, pads, of_tyre, stated_ratio)),
-            *valve,
-            *warnings,
-        ),
-        budget=table_budget(car, level, pads, parts_of(drawn, ensemble)),
-        map=pad_map,
-        level_map=level_map,
-        draws=draws_of(car, ensemble, pads),
-    )
-    require_finite(table)
-    return table
-
-
-def _weight(before: Value, now: Value) -> float:
-    """Share of what was known of the pads' ratio ``before`` in what is known ``now`` [1]."""
-    return min((now.sigma / before.sigma) ** 2, 1.0)

@@ -23,7 +23,7 @@ from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.draws import ensemble_of
 from calib.fitting.ensemble import PRIORS, ROWS, spread_evenly
-from calib.fitting.stated_pads import UNSAID
+from calib.fitting.pads import UNSAID
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 

@@ -5,9 +5,9 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.bias import front_biased_up_to
 from calib.car.vehicle import Vehicle
+from calib.fitting.curves import Peak
 from calib.fitting.regression import told
 from calib.fitting.residuals import Residuals
-from calib.fitting.ridge import Peak
 from calib.model.ramp import RampRun
 from calib.model.settings import SETTINGS
 

@@ -2,8 +2,8 @@
 
     slip = c F (1 + b2 F + b3 F^2)        the best such curve of every draw, up to a force
 
-Readers of a table that know that tyre go on: the figures of a ramp, the mean of cars, the models of
-a diagnosis. Estimates do not: they have the maps.
+Readers of a table that know that tyre go on: the figures of a ramp, the mean of cars, gauge studies
+and files for calibration tools. Estimates do not: they have the maps.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ def as_cubic(e: Ensemble, greatest: float) -> Array:
     use = force / e.peak[:, None]
     x = np.einsum("nkf,nf->nk", inverse_forms(use), e.forms) / use
     bend = np.linalg.lstsq(np.column_stack([force, force**2]), (x - 1.0).T, rcond=None)[0]
-    drawn = RampParameters[Array](
+    of_draws = RampParameters(
         log_compliance=0.5 * np.log(e.compliance_f * e.compliance_r),
         curvature_2=bend[0],
         curvature_3=bend[1],
@@ -31,14 +31,10 @@ def as_cubic(e: Ensemble, greatest: float) -> Array:
         log_tyre_ratio=np.log(e.compliance_f / e.compliance_r),
         radius_load=e.radius_load,
     )
-    return np.stack(drawn)
+    return np.stack(of_draws)
 
 
 def tyre_posterior(drawn: Array) -> TyrePosterior:
     """Mean and covariance of ``drawn`` (8, n)."""
-    covariance = np.cov(drawn, bias=True)
-    return TyrePosterior(
-        names=RampParameters._fields,
-        mean=tuple(np.mean(drawn, axis=1).tolist()),
-        covariance=tuple(tuple(row) for row in covariance.tolist()),
-    )
+    mean, covariance = np.mean(drawn, axis=1).tolist(), np.cov(drawn, bias=True).tolist()
+    return TyrePosterior(RampParameters._fields, tuple(mean), tuple(map(tuple, covariance)))

@@ -23,8 +23,8 @@ from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, spread_evenly
 from calib.fitting.known import LINEAR, NONLINEAR, OWN, TO_LINEAR, Known, weights_of
+from calib.fitting.pads import UNSAID
 from calib.fitting.regression import LinearPrior, Regression
-from calib.fitting.stated_pads import UNSAID
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from calib.car.mass import MassUsed
 from calib.car.vehicle import Vehicle
+from calib.fitting.curves import Peak
 from calib.fitting.metrics import outliers
 from calib.fitting.residuals import Residuals
-from calib.fitting.ridge import Peak
 from calib.model.ramp import RampRun
 from calib.model.resistance import Resistance
 from calib.model.roller_bench import RollerBench

@@ -11,19 +11,15 @@ from calib.run.blocks import Blocks, block_balance
 from calib.run.noise import SensorNoise
 
 
-def put_right(run: Prepared, sensor: Accelerometer) -> Prepared:
-    """The run with the z that the tyres feel, by its accelerometer as judged over all of it."""
-    log, b, noise = run
-    return log, replace(b, z=sensor.corrected(b.z)), noise
-
-
-def of_whole_run(vehicle: Vehicle, b: Blocks, noise: SensorNoise) -> Accelerometer:
-    """Scale and offset of the accelerometer of a calibration run by all of its blocks.
+def put_right(vehicle: Vehicle, run: Prepared) -> tuple[Prepared, Accelerometer]:
+    """The run with the z that the tyres feel; scale and offset by all of its blocks.
 
     The resistance is not known yet: usual values with their spread stand for it.
     """
+    log, b, noise = run
     usual = identify_resistance(vehicle, [])
-    return judge_accelerometer(vehicle, usual, b, noise).at(-1)
+    sensor = judge_accelerometer(vehicle, usual, b, noise).at(-1)
+    return (log, replace(b, z=sensor.corrected(b.z)), noise), sensor
 
 
 def judge_accelerometer(

@@ -26,7 +26,7 @@ from calib.model.ramp import (
     predict,
     prepare,
 )
-from calib.model.sensors import of_whole_run, put_right
+from calib.model.sensors import put_right
 from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
@@ -77,8 +77,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     vehicle = ran.vehicle
     read = blocks(signals(ran.log, vehicle))
     noise = sensor_noise(ran.log, read)
-    sensor = of_whole_run(vehicle, read, noise)
-    _, b, _ = put_right((ran.log, read, noise), sensor)
+    (_, b, _), sensor = put_right(vehicle, (ran.log, read, noise))
     effects = table.effects.with_(vehicle.effects)
     run = prepare(vehicle, log.name, b, noise, effects, sensor)
     parameters = parameters_of(table.posterior)

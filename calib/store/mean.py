@@ -25,21 +25,17 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.random_effects import RandomEffects, quantile95, random_effects
-from calib.car.forces import paper_curves
-from calib.fitting.calibration import calibration_of
-from calib.fitting.curves import differences, tyre_forces
+from calib.fitting.curves import Ridge, differences, paper_of, ridge, tyre_forces
 from calib.fitting.draws import ensemble_of
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.moments import as_cubic
-from calib.fitting.ridge import Ridge, ridge
+from calib.fitting.pads import calibration_of
 from calib.model.settings import SETTINGS
-from calib.table.budget import PadLevels, axle_budgets, level_of, pad_levels, pad_scale
+from calib.table.budget import PadLevels, level_of, pad_levels, pad_scale
 from calib.table.table import (
     Array,
     DifferenceCurve,
-    PaperCurves,
     Table,
-    TableBudget,
     TyreCurve,
     TyrePosterior,
     Value,
@@ -80,18 +76,9 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects,
     of_g = _on_one_axis(0.0, g, lambda slip: [own_share_of_tyre(t, slip) for t in tables])
     scatter, columns = _mean(of_D, weights)
     difference, tyre = DifferenceCurve(*columns), TyreCurve(*_mean(of_g, weights)[1])
-    paper = _paper(tables, difference, weights)
+    z = np.asarray(weights @ [np.interp(of_D.axis, t.paper.eta, t.paper.z) for t in tables])
+    paper = paper_of(tables[0].vehicle, difference, z)
     return {"difference": difference, "paper": paper, "tyre": tyre}, scatter, weights
-
-
-def _paper(tables: Sequence[Table], d: DifferenceCurve, weights: Array) -> PaperCurves:
-    """f1 and f2 from the mean ``d``."""
-    vehicle = tables[0].vehicle
-    z = np.asarray(weights @ [np.interp(d.eta, t.paper.eta, t.paper.z) for t in tables])
-    f1, f2 = paper_curves(vehicle, z, d.D)
-    f1_a, f2_a = paper_curves(vehicle, z, d.lower)
-    f1_b, f2_b = paper_curves(vehicle, z, d.upper)
-    return PaperCurves(d.eta, z, f1, f1_a, f1_b, f2, f2_b, f2_a, d.count, d.flag)
 
 
 def _mean(of: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ...]]:
@@ -136,29 +123,13 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], 
     shared = _shared([level_of(t) for t in tables], weights)
     level = {part: float(x) for part, x in shared.items()} | {_CARS: float(of_cars[0])}
     mean, parts = _posterior(tables, weights)
-    if RATIO in names:
-        at = names.index(RATIO)
-        ratio = {part: float(share[at, at]) for part, share in parts.items()}
-    else:  # a table whose tyre knows no pads
-        open_ = [t.calibration.pad_log_ratio.sigma**2 for t in tables]
-        ratio = {"ramp": float(weights @ open_), _CARS: float(of_cars[1])}
+    at = names.index(RATIO)
     middle = PadLevels(float(scatter.mean[0]), float(scatter.mean[1]))
-    log_ratio = Value(middle.ratio, float(np.sqrt(sum(ratio.values()))))
-    pads = calibration_of(vehicle, pad_scale(vehicle, middle), log_ratio, level)
-    front, rear = axle_budgets(vehicle, pads, level, ratio)
-    found = {
-        "posterior": TyrePosterior(
-            names, tuple(mean.tolist()), _rows(np.sum(list(parts.values()), axis=0))
-        ),
-        "calibration": pads,
-        "budget": TableBudget(
-            front=front.relative,
-            rear=rear.relative,
-            level=level,
-            posterior={part: _rows(share) for part, share in parts.items()},
-        ),
-    }
-    return found, scatter
+    ratio = Value(middle.ratio, float(np.sqrt(sum(part[at, at] for part in parts.values()))))
+    pads, budget = calibration_of(vehicle, pad_scale(vehicle, middle), level, ratio, parts)
+    covariance = tuple(map(tuple, np.sum(list(parts.values()), axis=0).tolist()))
+    posterior = TyrePosterior(names, tuple(mean.tolist()), covariance)
+    return {"posterior": posterior, "calibration": pads, "budget": budget}, scatter
 
 
 def inflated(found: RandomEffects) -> Array:
@@ -197,11 +168,6 @@ def _shared(of: Sequence[Mapping[str, Any]], weights: Array) -> dict[str, Array]
             if part not in _OWN:
                 out[part] = out.get(part, np.zeros(())) + weight * np.asarray(share)
     return out
-
-
-def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:
-    even = 0.5 * (matrix + matrix.T)
-    return tuple(tuple(float(x) for x in row) for row in even)
 
 
 def stiffness(table: Table) -> float:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import Effects
-from calib.fitting.budget import level_parts
 from calib.fitting.ensemble import PRIORS
 from calib.fitting.fit import fit
+from calib.fitting.pads import level_of
 from calib.model.resistance import Resistance
 from calib.run.accelerometer import Accelerometer
 from calib.table.budget import pads_budget
@@ -96,7 +96,7 @@ def test_level_parts_in_closed_form(clean):
 
     def parts(known=SURE, **variances):
         sensor = sensed(**variances)
-        return level_parts(car, np.ones(1), [replace(run, accelerometer=sensor)], known)
+        return level_of(car, [replace(run, accelerometer=sensor)], known, 0.0)[1]
 
     alone = parts()
     assert alone["mass"] == pytest.approx(4e-4)
@@ -110,18 +110,6 @@ def test_level_parts_in_closed_form(clean):
     assert parts(known=rolling)["noise"] == pytest.approx(density / (z @ z))
 
 
-def test_a_ramp_without_a_lead_in_holds_the_zero_of_the_accelerometer(clean):
-    run = prepared(noisy(clean, 1), effects=EFFECTS)
-    bare = replace(run, use=run.use & ~run.blocks.lead_in)
-    z = bare.blocks.z[bare.use]
-    lever = z.sum() / (z @ z)
-    sensor = sensed(scale=1e-4, bias=1e-6, together=-5e-6)
-    rolling = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 1e-6)), known=True)
-    parts = level_parts(CAR, np.ones(1), [replace(bare, accelerometer=sensor)], rolling)
-    assert parts["accelerometer"] == pytest.approx(1e-4 + 1e-6 * lever**2 - 2.0 * 5e-6 * lever)
-    assert parts["resistance"] == pytest.approx(1e-6 * lever**2)
-
-
 def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
     weighed = fit(replace(CAR, mass_tolerance=0.0), [noisy(clean, 1)])
     for known, unknown in zip(pads_budget(weighed), pads_budget(tables[0]), strict=True):
@@ -133,8 +121,9 @@ def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
 def test_runs_that_differ_in_level_are_noise(clean):
     """Two levels 5 % apart: their mean is known to a quarter of that over the root of two."""
     run = replace(prepared(noisy(clean, 1), effects=EFFECTS), accelerometer=None)
-    alike, apart = (
-        level_parts(CAR, np.array(levels), [run, run], SURE)["noise"]
-        for levels in ((1.0, 1.0), (0.975, 1.025))
+    lower, upper = (replace(run, brake_sum=x * run.brake_sum) for x in (0.975, 1.025))
+    (mean, alike), (same, apart) = (
+        level_of(CAR, of, SURE, 0.0) for of in ([run] * 2, [lower, upper])
     )
-    assert apart - alike == pytest.approx(0.025**2 / 2.0)
+    assert same == pytest.approx(mean)
+    assert apart["noise"] - alike["noise"] == pytest.approx(0.025**2 / 2.0, rel=1e-3)

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.names import G
+from calib.fitting.curves import Ridge, find_peak, readable_up_to, ridge
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.fit import fit
-from calib.fitting.ridge import Ridge, find_peak, readable_up_to, ridge
 from calib.table.invariants import violations
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
 from tests.support.plant import brush, magic

@@ -14,8 +14,8 @@ from calib.fitting import known as module
 from calib.fitting.draws import draws_of
 from calib.fitting.fit import fit
 from calib.fitting.known import Known, contradicted, known_before
+from calib.fitting.pads import UNSAID
 from calib.fitting.posterior import posterior
-from calib.fitting.stated_pads import UNSAID
 from calib.table.table import Calibration, Value
 from tests.support.plant import magic
 from tests.support.reference_car import CAR, IDEAL, noisy, prepared, ramp, with_ratio, without

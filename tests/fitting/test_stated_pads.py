@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.fitting.fit import fit
-from calib.fitting.stated_pads import stated_pad_ratio
+from calib.fitting.pads import UNSAID, stated_pad_ratio
 from calib.model.roller_bench import AxleOnRollers, RollerBench
 from calib.table.table import Value
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_ratio, without
@@ -39,7 +39,7 @@ def tolerant(front, rear):
 
 
 def test_tolerances_of_the_axles_are_independent_and_an_unsaid_one_is_that_of_a_grade():
-    assert stated_pad_ratio(CAR, None) is None
+    assert stated_pad_ratio(CAR, None) == UNSAID
     assert stated_pad_ratio(tolerant(0.03, 0.04), None) == Value(0.0, pytest.approx(0.05))
     one = stated_pad_ratio(tolerant(None, 0.01), None)
     assert one == Value(0.0, pytest.approx(math.hypot(0.05, 0.01), rel=0.01))

@@ -5,7 +5,7 @@ import pytest
 
 from calib.base.names import G
 from calib.fitting.fit import fit
-from calib.model.sensors import of_whole_run, put_right
+from calib.model.sensors import put_right
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
@@ -21,7 +21,7 @@ def departure(clean, log):
     """Corrected less true z [1] of the braked blocks."""
     b = blocks(signals(log, CAR))
     noise = sensor_noise(log, b)
-    _, corrected, _ = put_right((log, b, noise), of_whole_run(CAR, b, noise))
+    (_, corrected, _), _ = put_right(CAR, (log, b, noise))
     true = blocks(signals(clean, CAR)).z
     return (corrected.z - true)[true > 0.2], true[true > 0.2]
 

@@ -9,8 +9,11 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from calib.model.parameters import RampParameters
 from calib.store.version import Stored
-from calib.table.table import Calibration, LogReference, Table, Value
+from calib.table.table import Calibration, LogReference, Table, TyrePosterior, Value
 from tests.support.tables import VEHICLE, C, made_draws, made_table, mapped_table
 
 
@@ -28,14 +31,18 @@ def car_table(
         logs=(LogReference(f"ramp_{number}.csv", digest, "ramp"),),
         identity={"serial": f"S{number}"},
     )
-    mean = tuple(
-        -math.log(stiffness) if name == "log_compliance" else value
-        for name, value in zip(table.posterior.names, table.posterior.mean, strict=True)
-    )
+    told = {
+        "log_compliance": (-math.log(stiffness), 1e-4),
+        "load_exponent": (0.1, 4e-4),
+        "log_pad_ratio": (ratio, 0.05**2),
+    }
+    names = RampParameters._fields
+    mean, variance = zip(*(told.get(name, (0.0, 0.0)) for name in names), strict=True)
+    posterior = TyrePosterior(names, mean, tuple(map(tuple, np.diag(variance).tolist())))
     return replace(
         table,
         provenance=origin,
-        posterior=replace(table.posterior, mean=mean),
+        posterior=posterior,
         calibration=Calibration(
             Value(math.exp(level), 0.02), Value(ratio, 0.05), Value(mu_f, 0.01), Value(mu_r, 0.01)
         ),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import Effects
-from calib.fitting.pad_level import pad_levels_of, ratio_by_levels
+from calib.fitting.pads import levels_of, ratio_by_levels
 from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
 from calib.table.table import Value
@@ -27,10 +27,14 @@ def runs():
     return {kind: prepared(noisy(log, seed)) for seed, (kind, log) in enumerate(logs.items())}
 
 
+def level(run, log_ratio):
+    return levels_of(CAR, [run], SURE, log_ratio)[0][0]
+
+
 @pytest.mark.parametrize(("axle", "slope"), [("f", -0.5), ("r", 0.5), ("n", 0.5 - SHARE)])
 def test_level_of_a_run_moves_with_the_ratio(runs, axle, slope):
     """ln of the level of one axle goes with -+ratio/2, that of both with (1/2 - share) ratio."""
-    low, high = (np.log(pad_levels_of(CAR, [runs[axle]], x)[0]) for x in (-0.01, 0.01))
+    low, high = (np.log(level(runs[axle], x)) for x in (-0.01, 0.01))
     assert (high - low) / 0.02 == pytest.approx(slope, abs=0.01)
 
 
@@ -39,7 +43,7 @@ def test_the_zero_of_the_accelerometer_moves_no_level(runs, axle):
     """A hundredth of g, which is there on the lead-in, too: 2 to 10 % of what the ramps reach."""
     run = runs[axle]
     off = replace(run, brake_sum=run.brake_sum + 0.01 * CAR.weight)
-    assert pad_levels_of(CAR, [off], 0.0) == pytest.approx(pad_levels_of(CAR, [run], 0.0))
+    assert level(off, 0.0) == pytest.approx(level(run, 0.0))
 
 
 def test_normal_ramps_tell_nothing_of_the_ratio(runs):

@@ -1,0 +1,160 @@
+"""The pads of the ramps: what is known of their ratio, their level, and what both rest on.
+
+A normal ramp shows the level of both axles' pads together, one with the front axle only that of the
+front pads. So a ramp with one axle tells the pads' ratio; normal ramps among themselves tell
+nothing of it, for their levels move with it alike.
+
+The force counts from the lead-in: neither the zero of a_x nor a resistance that stays moves it.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.car.bias import front_share
+from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import PRIORS
+from calib.model.parameters import AT
+from calib.model.ramp import RampRun, nominal_forces, pad_scale
+from calib.model.resistance import Resistance
+from calib.model.roller_bench import RollerBench
+from calib.model.settings import SETTINGS
+from calib.table.budget import Parts, axle_budgets
+from calib.table.table import Calibration, TableBudget, Value
+
+UNSAID = Value(*PRIORS["log_pad_ratio"])
+"""ln of the pads' ratio over that of the file where the user said nothing."""
+
+_LEAST = 1e-3  # level that no pads have; what comes out below it counts as this [1]
+
+
+def stated_pad_ratio(vehicle: Vehicle, bench: RollerBench | None) -> Value:
+    """ln of (mu_f/mu_r) over its value in the vehicle file [1], by rollers or tolerances.
+
+    Rollers measured the very pads: where they are given, the tolerances of the file, which speak of
+    the grade, say no more. `UNSAID` without either. Raises BenchError and ModelError as
+    `RollerBench.log_pad_ratio`.
+    """
+    if bench is not None:
+        return bench.log_pad_ratio(vehicle)
+    said = [axle.pad_friction_tolerance for axle in (vehicle.front, vehicle.rear)]
+    if said == [None, None]:
+        return UNSAID
+    unsaid = UNSAID.sigma / math.sqrt(2.0)  # of one axle, where he speaks of the other only
+    return Value(0.0, math.hypot(*(unsaid if one is None else one for one in said)))
+
+
+def measured(vehicle: Vehicle, bench: RollerBench | None, pads: Calibration) -> Iterator[str]:
+    """What the rollers said of the pads, beside what the ramps say of their level."""
+    if bench is None:
+        return
+    ratio, level = bench.log_pad_ratio(vehicle), bench.log_pad_level(vehicle)
+    yield (
+        f"roller brake tester {bench.name}: pads front/rear {np.exp(ratio.value):.3f} times "
+        f"nominal, known to {100.0 * ratio.sigma:.2g} %, one sigma; their level is "
+        f"{np.exp(level.value) / pads.pad_scale.value:.2f} times that of the ramps, which counts"
+    )
+
+
+def levels_of(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance, log_ratio: float
+) -> tuple[Array, Array]:
+    """Level of the pads of each run over those of the file [1], at a ratio of the pads, (runs,).
+
+    And its relative sigmas from noise, resistance and accelerometer [1], (runs, 3). The level is
+    sum(z y)/sum(z^2) of what the brakes demand y: an error e(z) moves it by sum(z e)/sum(z^2). The
+    accelerometer errs by its scale, which only v tells; usual ones read too much on bodies that
+    pitch. The noise of the lead-in is in a resistance that was found there, and counts beside one
+    that is given.
+    """
+    levels, sigmas = [], []
+    for run in runs:
+        b, sensor, z = run.blocks, run.accelerometer, run.blocks.z[run.braked]
+        square = z @ z
+        noise = run.noise.z / np.sqrt(b.length * square)
+        if known.known:
+            rolled = b.length * max(run.rolling.size, 1)
+            noise = np.hypot(noise, z.sum() / square * run.noise.z / np.sqrt(rolled))
+        resistance = known.sigma_z(vehicle, b.speed[run.braked]) @ z / square
+        too_much, scale = PRIORS["a_x_scale"]
+        if run.slip is not None:
+            too_much, scale = 0.0, 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
+        level = (1.0 - too_much) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
+        levels.append(max(level, _LEAST))
+        sigmas.append([noise, resistance, scale])
+    return np.array(levels), np.array(sigmas)
+
+
+def ratio_by_levels(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance, before: Value
+) -> Value:
+    """ln of the pads' ratio [1] from what was known ``before`` and the levels of the runs.
+
+    Most probable value and its sigma where levels differ by how pads repeat and by how well a run
+    knows its own; ``before`` itself without a ramp of one axle. Errors that the runs share
+    (resistance, accelerometer) count as if they were independent: rather too wide.
+    """
+    from scipy.optimize import least_squares
+
+    if all(run.only is None for run in runs):
+        return before
+
+    def off(x: Array) -> Array:
+        levels, sigmas = levels_of(vehicle, runs, known, x[0])
+        spread = np.hypot(SETTINGS.pads_repeat, np.linalg.norm(sigmas, axis=1))
+        # the common level is not known beforehand: their weighted mean
+        apart = np.log(levels) - np.average(np.log(levels), weights=spread**-2.0)
+        return np.append(apart / spread, (x[0] - before.value) / before.sigma)
+
+    found = least_squares(off, before.value)
+    return Value(float(found.x[0]), 1.0 / float(np.linalg.norm(found.jac)))
+
+
+def level_of(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance, log_ratio: float
+) -> tuple[float, dict[str, float]]:
+    """Common factor on the pads of ramps with both axles [1], and the variance of its ln by part.
+
+    Mass, accelerometer and resistance are common to all ``runs``, so more runs do not shrink them;
+    what the runs differ by counts as noise.
+    """
+    levels, sigmas = levels_of(vehicle, runs, known, log_ratio)
+    noise, resistance, accelerometer = np.mean(sigmas, axis=0) ** 2
+    return float(np.mean(levels)), {
+        "mass": vehicle.mass_tolerance**2,
+        "resistance": float(resistance),
+        "accelerometer": float(accelerometer),
+        "noise": float(noise + np.var(np.log(levels)) / len(runs)),
+    }
+
+
+def calibration_of(
+    vehicle: Vehicle, scale: float, level: Parts, ratio: Value, posterior: Mapping[str, Array]
+) -> tuple[Calibration, TableBudget]:
+    """The pads, each with its sigma, and what they rest on by cause, see `calib.table.budget`.
+
+    ``scale`` common factor of both axles' pads [1]; ``level`` variance of its logarithm by part;
+    ``ratio`` ln of theirs; ``posterior`` covariance of `RampParameters` (k, k) by part.
+
+    The sum of forces fixes the mean of both axles weighed by their share. The scale, which is
+    their geometric mean, moves against it with the ratio by half the difference of the shares.
+    """
+    relative, share = np.sqrt(sum(level.values())), front_share(vehicle, ratio.value)
+    half = np.exp(0.5 * ratio.value)
+
+    def known_to(value: float, lever: float) -> Value:
+        return Value(float(value), float(value * np.hypot(relative, lever * ratio.sigma)))
+
+    pads = Calibration(
+        pad_scale=known_to(scale, share - 0.5),
+        pad_log_ratio=ratio,
+        pad_friction_f=known_to(scale * vehicle.front.pad_friction * half, 1.0 - share),
+        pad_friction_r=known_to(scale * vehicle.rear.pad_friction / half, share),
+    )
+    at = AT.log_pad_ratio
+    of_ratio = {part: float(of[at, at]) for part, of in posterior.items()}
+    front, rear = axle_budgets(vehicle, pads, level, of_ratio)
+    shares = {part: tuple(map(tuple, of.tolist())) for part, of in posterior.items()}
+    return pads, TableBudget(front.relative, rear.relative, dict(level), shares)
