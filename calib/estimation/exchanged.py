@@ -22,7 +22,7 @@ from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_slips
 from calib.estimation.reasons import Reason
-from calib.fitting.draws import ensemble_of
+from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
 from calib.run.blocks import braked_alone
 from calib.run.filters import block_mean

@@ -30,7 +30,7 @@ from calib.estimation.metrics import (
 )
 from calib.estimation.warnings import limit_warnings, warnings_of
 from calib.logs.log import Log
-from calib.plausibility.speed import NO_SPEED, wrong_speed
+from calib.plausibility.run import wrong_speed
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
 from calib.run.rules import problems
@@ -199,7 +199,7 @@ def validate_one(
     )
     unfit = [f"the wheel speeds fit with {one.wheels} exchanged" for one in columns if one.sure]
     if (wrong := wrong_speed(warnings)) is not None:
-        unfit.append(NO_SPEED[wrong.code])
+        unfit.append(wrong.what)
     result = replace(result, unfit=tuple(unfit))
     figures = score(log, result.car, result)
     others, notes = other_methods(result) if baselines else ({}, ())

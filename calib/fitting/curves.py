@@ -64,9 +64,9 @@ def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
     brake = z * (1.0 + sum(turning_shares(car)))
     front, rear = braked_tyres(car, front_share(car, e.log_pad_ratio)[:, None], brake, z)
-    of = shown(car, e, z, front, rear)
+    of = shown(car, e, z, np.stack([front, rear]))
     load_f, load_r = (load / car.weight for load in axle_loads(car, z))
-    return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, of.slip_f, of.slip_r)
+    return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, *of.slips)
 
 
 @dataclass(frozen=True)
