@@ -16,6 +16,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import WHEELS
 from calib.car.balance import ForceBalance
+from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
@@ -117,12 +118,10 @@ class Estimate:
     @property
     def refused(self) -> dict[str, Mask]:
         """Samples in which the pads bite and the model does not hold, (n,) each, by reason."""
-        of_run = dict.fromkeys(self.unfit, self.forces.active)
-        return of_run | {
-            reason.words: self.forces.active & (self.best.reason == reason)
-            for reason in Reason
-            if reason is not Reason.VALID
-        }
+        bites = np.maximum(self.read.p_f, self.read.p_r) > BITE
+        reasons = [one for one in Reason if one is not Reason.VALID]
+        of_run = dict.fromkeys(self.unfit, bites)
+        return of_run | {one.words: bites & (self.best.step.reason == one) for one in reasons}
 
     @property
     def telling(self) -> Mask:
@@ -190,7 +189,7 @@ class Estimate:
             **self.best.columns(),
             **{f"ecu_{name}": x for name, x in self.ecu.columns().items()},
             "ecu_valid": self.ecu.valid,
-            "ecu_reason": self.ecu.reason,
+            "ecu_reason": self.ecu.step.reason,
         }
         return {name: values[name] for name in COLUMNS}
 
@@ -244,27 +243,24 @@ def estimate(
     ran, read, means, road = seen = _seen(table, car, log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = nominal_car(used, vehicle)
-    forces = brake_balance(nominal, known_effects(used), read)
     slip = np.interp(read.z, table.tyre.force, table.tyre.slip)
     bend = lateral(ran.log, read, car.track_width, slip=slip, height=car.cg_height)
     disturbed = disturbances(ran.log, read, bend)
     noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
     as_ecu, own, of, at = _seen_by_ecu(table, car, log) or seen
-    ecu = read_out(
-        replace(exported or table, vehicle=ran.vehicle), SensorNoise(**table.noise),
-        own, of, at, disturbed, with_v=False,
-    )  # fmt: skip
+    factors = as_ecu.factor_f / ran.factor_f, as_ecu.factor_r / ran.factor_r
+    handed_out, quiet = replace(exported or table, vehicle=ran.vehicle), SensorNoise(**table.noise)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
         ran=ran,
         read=read,
-        forces=forces,
+        forces=brake_balance(nominal, known_effects(used), read),
         blocks=means,
         road=road,
         noise=noise,
         best=read_out(used, noise, read, means, road, disturbed),
-        ecu=ecu.without(as_ecu.factor_f / ran.factor_f, as_ecu.factor_r / ran.factor_r),
+        ecu=read_out(handed_out, quiet, own, of, at, disturbed, factors, with_v=False),
     )
 
 

@@ -41,9 +41,9 @@ def by_map(table: Table, eta: Array, b: ForceBalance) -> Pair:
     the map its last values.
     """
     assert table.map is not None
-    read = Reader(table.map, ("ratio",))
-    braked = np.clip(b.demanded / table.vehicle.weight, read.axes[0][0], read.axes[0][-1])
-    ratio = read(braked, (eta - 1.0) / braked, np.zeros_like(eta))[0]
+    ratios = Reader(table.map, ("ratio",))
+    braked = np.clip(b.demanded / table.vehicle.weight, *ratios.axes[0][[0, -1]])
+    (ratio,) = ratios(braked, (eta - 1.0) / braked, np.zeros_like(eta))
     share = front_share(table.vehicle, ratio)
     F_f = (share * b.demanded + b.moment_f) / b.load_f
     return F_f, ((1.0 - share) * b.demanded + b.moment_r) / b.load_r

@@ -45,8 +45,8 @@ def limit_warnings(log: str, limits: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 def pads_apart(e: Estimate) -> tuple[float, float]:
     """ln of the front pads' change over the rear ones', at the last valid sample; its sigma."""
-    of, last = e.best.change, _last(e)
-    return float(of.value[last]), float((of.upper - of.lower)[last]) / (2.0 * Z95)
+    middle, low, high = e.best.step.change[:, _last(e)].tolist()
+    return middle, (high - low) / (2.0 * Z95)
 
 
 def pads_together(e: Estimate) -> tuple[float, float]:
@@ -60,7 +60,7 @@ def pads_together(e: Estimate) -> tuple[float, float]:
     z = max(float(e.read.z[last]), 0.02)
     speed = e.read.speed[last : last + 1]
     resistance = float(known_resistance(e.table).sigma_z(e.car, speed)[0]) / z
-    sensors = float(best.noise[last] + best.accelerometer[last])
+    sensors = float(best.step.noise[last] + best.step.accelerometer[last])
     ramp = sum(variance for part, variance in level_of(e.table).items() if part != "mass")
     return math.log(level), math.sqrt(sensors + resistance**2 + ramp)
 
