@@ -56,7 +56,7 @@ from calib.diagnosis.undecided.confusion import Confusion, confusion_of
 from calib.diagnosis.undecided.doubts import base_half_widths
 from calib.diagnosis.undecided.drives import ShowingDrive, drives
 from calib.logs.log import Log
-from calib.plausibility.speed import require_measured_speed
+from calib.plausibility.run import wrong_speed
 from calib.run.copies import without_holds
 from calib.run.gates import refuse_copies
 
@@ -267,7 +267,8 @@ def checked(
     require_axles(vehicle, logs, judged)
     require_own_pressure(judged)
     warnings = log_warnings(judged)
-    require_measured_speed(warnings)
+    if (wrong := wrong_speed(warnings)) is not None:
+        raise wrong
     require_whole_wheel_speeds(warnings)
     return warnings
 

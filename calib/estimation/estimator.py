@@ -151,7 +151,7 @@ class Estimate:
 
     @cached_property
     def accelerometer(self) -> Accelerometer:
-        """Scale and offset of the accelerometer, block by block, by speed and resistance."""
+        """Scale and offset of the accelerometer over the whole run, by speed and resistance."""
         plan = self.plan
         return judge_accelerometer(plan.nominal, plan.known, self.blocks, plan.noise)
 

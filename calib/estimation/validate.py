@@ -29,7 +29,7 @@ from calib.estimation.metrics import (
 from calib.estimation.plan import as_used
 from calib.estimation.warnings import limit_warnings, warnings_of
 from calib.logs.log import Log
-from calib.plausibility.speed import NO_SPEED, wrong_speed
+from calib.plausibility.run import wrong_speed
 from calib.run.axle_signals import signals
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
@@ -200,7 +200,7 @@ def validate_one(
     )
     unfit = [f"the wheel speeds fit with {one.wheels} exchanged" for one in columns if one.sure]
     if (wrong := wrong_speed(warnings)) is not None:
-        unfit.append(NO_SPEED[wrong.code])
+        unfit.append(wrong.what)
     result = replace(result, unfit=tuple(unfit))
     figures = score(log, car, result)
     return Validation(

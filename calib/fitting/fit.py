@@ -19,14 +19,13 @@ from calib.fitting.disturbances import without_disturbances
 from calib.fitting.draws import draws_of
 from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
-from calib.fitting.metrics import metrics
 from calib.fitting.moments import as_cubic, tyre_posterior
 from calib.fitting.pads import calibration_of, level_of, measured, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
 from calib.fitting.provenance import provenance
-from calib.fitting.remarks import remarks, stated, taken_out
+from calib.fitting.quality import metrics, remarks
 from calib.fitting.residuals import explained
-from calib.fitting.warnings import file_warnings, log_warnings
+from calib.fitting.warnings import warnings_of
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.ramp import RampRun, prepare
@@ -36,8 +35,7 @@ from calib.model.roller_bench import RollerBench
 from calib.model.sensors import put_right
 from calib.model.sort_logs import Prepared, sort_logs
 from calib.plausibility.pads import of_calibration, require_possible_pads
-from calib.plausibility.speed import require_measured_speed
-from calib.plausibility.vehicle_file import require_file_of_run
+from calib.plausibility.run import wrong_speed
 from calib.run.noise import worst_noise
 from calib.table.invariants import require_finite
 from calib.table.table import Table, Value
@@ -70,9 +68,9 @@ def fit(
     What ``tyre`` and ``fleet`` say is half of the prior; a warning says where the ramps contradict
     it, and the answer is then that of ramps alone.
 
-    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
-    and for a pad friction that no pad has; BenchError for forces on rollers that are on no line;
-    TyreError for a file of another tyre; VehicleError for a file that the logs contradict;
+    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead;
+    BenchError for forces on rollers that are on no line; TyreError for a file of another tyre;
+    VehicleError for a file that the logs contradict, and for a pad friction that no pad has;
     StoreError for a ``fleet`` without draws; ModelError when an effect cannot be taken out of a
     log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
     which is not finite.
@@ -94,8 +92,9 @@ def fit(
     car = corrected[0].vehicle if corrected else driven
     ramps, coasts = sort_logs(car, [run.log for run in corrected])
     runs, known = _ready(car, ramps, coasts)
-    warnings = (*file_warnings(vehicle), *log_warnings(car, ramps, coasts, known))
-    require_measured_speed(warnings)
+    warnings = tuple(warnings_of(vehicle, car, ramps, coasts, known))
+    if (wrong := wrong_speed(warnings)) is not None:
+        raise wrong
     sources = ", ".join(log.source for log, _, _ in ramps)
     before = ratio_by_levels(car, runs, known, said)
     ensemble, left, valve = explained(car, runs, before, sources, warnings, told)
@@ -110,8 +109,7 @@ def fit(
     ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
     scale, level = level_of(car, both, known, ratio.value)
     pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))
-    require_file_of_run(car, pads, warnings)
-    require_possible_pads(car, pads, sources)
+    require_possible_pads(car, pads, warnings)
     difference, paper = difference_curves(car, some, both, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
     table = Table(
@@ -126,9 +124,9 @@ def fit(
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, runs, left, peak, z_max, min((ratio.sigma / before.sigma) ** 2, 1.0)),
         remarks=(
-            *taken_out(driven),
-            *stated(mass_used(vehicle, mass)),
-            *remarks(runs, left, ratio, known, peak, len(coasts), bench),
+            *remarks(
+                driven, mass_used(vehicle, mass), runs, left, ratio, known, peak, coasts, bench
+            ),
             *measured(driven, bench, pads),
             *likely(told, ensemble.held),
         ),

@@ -15,42 +15,30 @@ from calib.table.table import LogReference, Provenance, Table, TableReference
 
 
 def provenance(
-    logs: Mapping[str, list[Prepared]],
+    roles: Mapping[str, list[Prepared]],
     read: Mapping[tuple[str, str], Log],
     bench: RollerBench | None,
     tyres: Sequence[TyreFile],
     fleet: Mapping[str, Table],
 ) -> Provenance:
-    """Return the parents of a table.
+    """The parents of a table.
 
-    ``logs`` by role; ``read`` the same logs as they were read, by name and digest;
-    ``bench`` a run on a roller brake tester; ``tyres`` files of the tyres; ``fleet`` tables of
-    other cars, by name@version, that the prior rests on.
+    ``roles`` the logs of each; ``read`` the same as they were read, by name and digest; ``fleet``
+    tables of other cars, by name@version, that the prior rests on.
     """
-    driven = (
-        _reference(read[log.name, log.digest], role)
-        for role, group in logs.items()
-        for log, _, _ in group
-    )
-    rollers = () if bench is None else (LogReference(bench.name, bench.digest, "bench"),)
-    of_tyres = (LogReference(one.name, one.digest, "tyre") for one in tyres)
+    logs_read = ((read[log.name, log.digest], role) for role in roles for log, _, _ in roles[role])
     return Provenance(
-        logs=(*driven, *rollers, *of_tyres),
-        settings=settings(),
+        logs=(
+            *(LogReference(x.name, x.digest, r, x.notes, fingerprint_of(x)) for x, r in logs_read),
+            *(LogReference(one.name, one.digest, "bench") for one in [bench] if one),
+            *(LogReference(one.name, one.digest, "tyre") for one in tyres),
+        ),
+        settings={
+            "block": BLOCK,
+            "bite_pressure": BITE,
+            "pads_repeat": SETTINGS.pads_repeat,
+            "pad_scatter": SETTINGS.pad_scatter,
+        },
         program=PROGRAM,
         parents=tuple(TableReference(id_, table.digest) for id_, table in fleet.items()),
     )
-
-
-def _reference(log: Log, role: str) -> LogReference:
-    return LogReference(log.name, log.digest, role, log.notes, fingerprint_of(log))
-
-
-def settings() -> dict[str, float]:
-    """The constants the result rests on."""
-    return {
-        "block": BLOCK,
-        "bite_pressure": BITE,
-        "pads_repeat": SETTINGS.pads_repeat,
-        "pad_scatter": SETTINGS.pad_scatter,
-    }

@@ -18,7 +18,7 @@ def put_right(vehicle: Vehicle, run: Prepared) -> tuple[Prepared, Accelerometer]
     """
     log, b, noise = run
     usual = identify_resistance(vehicle, [])
-    sensor = judge_accelerometer(vehicle, usual, b, noise).at(-1)
+    sensor = judge_accelerometer(vehicle, usual, b, noise)
     return (log, replace(b, z=sensor.corrected(b.z)), noise), sensor
 
 

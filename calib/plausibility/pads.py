@@ -1,54 +1,86 @@
-"""What the pads of a calibration or of a stop say against vehicle file, sensors and tyres."""
+"""What the pads of a calibration or of a stop say against vehicle file, sensors and tyres.
+
+With the file a run gives pads, e^a of the file's in front and e^b behind. Their sum is known well,
+so the axle whose pads are as filed is right, and the other one is off by a factor in one entry; or
+[front] and [rear] are exchanged: then the sum is right, and a - b = 2 ln((1 - s)/s), s the front
+share by the file.
+"""
 
 import math
 from collections.abc import Iterator
 
-from calib.base.errors import LogError
-from calib.base.warning import Measured, relative
+from calib.base.errors import VehicleError
+from calib.base.intervals import Z95
+from calib.base.units import from_si
+from calib.base.warning import Measured, PlausibilityWarning, relative
+from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, TyrePosterior, Value
 
-POSSIBLE = (0.05, 1.0)
+_POSSIBLE = (0.05, 1.0)
 """Pad friction [1] that a brake can have: soaked pads have 0.1, racing pads 0.7."""
+_GRADES = 0.26
+"""Departure of the pads' ratio from the file's (logarithm) past which, with its interval, the file
+is not that of the car: pads of two grades differ by 30 %."""
 LOADED = 0.25
 """Change of the brakes past which no load and no sensor that works is the cause (logarithm): all
 seats and the boot are a quarter of a car's mass. Pads that are soaked lose half."""
 
 
-def require_possible_pads(vehicle: Vehicle, calibration: Calibration, where: str) -> None:
-    """Raise LogError for a pad friction that no pad has."""
-    low, high = POSSIBLE
-    for side, axle, found in (
-        ("front", vehicle.front, calibration.pad_friction_f),
-        ("rear", vehicle.rear, calibration.pad_friction_r),
-    ):
-        if not low <= found.value <= high:
-            raise LogError(
-                f"the {side} pads come out with a friction of {found.value:.3g}, which no pad has",
-                where=where,
-                expected=f"{low:g} to {high:g}; {vehicle.name} has {axle.pad_friction:g} by its "
-                "file",
-                do="check the unit and the scale of p_mc, piston areas, friction_faces, radii and "
-                "mass of the vehicle file, and a_x",
-            )
+def require_possible_pads(
+    vehicle: Vehicle, found: Calibration, warnings: tuple[PlausibilityWarning, ...]
+) -> None:
+    """Raise VehicleError for a friction that no pad has, or a ratio that no two of a car have.
+
+    The interval of the ratio counts. ``warnings`` on file and logs are told beside it.
+    """
+    pads = (found.pad_friction_f.value, found.pad_friction_r.value)
+    (low, high), rho = _POSSIBLE, found.pad_log_ratio
+    apart = abs(rho.value) - Z95 * rho.sigma > _GRADES
+    if not apart and low <= min(pads) and max(pads) <= high:
+        return
+    cause = "the unit or the scale of p_mc or a_x, areas, faces, radii or mass in the file"
+    raise VehicleError(
+        f"the pads come out at {pads[0]:.3g} in front and {pads[1]:.3g} behind, and the file has "
+        f"{vehicle.front.pad_friction:g} and {vehicle.rear.pad_friction:g}: it is not that of the "
+        f"car of these logs; most likely {likely_entry(vehicle, found) if apart else cause}",
+        where=vehicle.name,
+        expected=f"pads of {low:g} to {high:g}, whose ratio differs from the file's by less than "
+        f"{100 * math.expm1(_GRADES):.0f} %",
+        do="if the file is right, look for a motor that brakes one axle, or columns and units of "
+        "the logs that are wrong",
+        lines=tuple(map(str, warnings)),
+    )
+
+
+def likely_entry(vehicle: Vehicle, found: Calibration) -> str:
+    """What in the file may be wrong, in words."""
+    share = front_share(vehicle, 0.0)
+    a = math.log(found.pad_friction_f.value / vehicle.front.pad_friction)
+    b = math.log(found.pad_friction_r.value / vehicle.rear.pad_friction)
+    swap = 2.0 * math.log((1.0 - share) / share)
+    summed = math.log(share * math.exp(a) + (1.0 - share) * math.exp(b))
+    if math.hypot(summed, a - b - swap) < min(abs(a), abs(b)):
+        return "[front] and [rear] are exchanged"
+    axles = (a, "front", vehicle.front), (b, "rear", vehicle.rear)
+    factor, name, axle = max(axles, key=lambda one: abs(one[0]))
+    area = from_si(axle.piston_area, "cm^2", "m^2")
+    return (
+        f"{name}.piston_area: {area * math.exp(factor):.4g} cm^2 instead of {area:.4g} cm^2, or "
+        f"another entry of [{name}] brakes by the same factor"
+    )
 
 
 def of_calibration(
-    vehicle: Vehicle,
-    calibration: Calibration,
-    posterior: TyrePosterior,
-    stated: Value | None = None,
+    vehicle: Vehicle, found: Calibration, posterior: TyrePosterior, stated: Value | None = None
 ) -> Iterator[Measured]:
     """Pads against the file's, their ratio, the stiffness of the tyres.
 
     ``stated`` what the user says of the logarithm of the ratio: it is to be near that.
     """
-    for code, axle, found in (
-        ("pads_off_file_f", vehicle.front, calibration.pad_friction_f),
-        ("pads_off_file_r", vehicle.rear, calibration.pad_friction_r),
-    ):
-        yield relative(code, found.value, axle.pad_friction)
-    rho, known = calibration.pad_log_ratio, stated.value if stated else 0.0
+    yield relative("pads_off_file_f", found.pad_friction_f.value, vehicle.front.pad_friction)
+    yield relative("pads_off_file_r", found.pad_friction_r.value, vehicle.rear.pad_friction)
+    rho, known = found.pad_log_ratio, stated.value if stated else 0.0
     yield Measured("pad_ratio", rho.value - known, rho.sigma, lambda x: math.expm1(known + x))
     yield Measured("tyre_stiffness", math.exp(-posterior.value("log_compliance")))
 

@@ -5,40 +5,68 @@ outside is told. Nothing here changes an estimate.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from calib.base.arrays import Array
+from calib.base.errors import LogError
+from calib.base.intervals import QUARTILE
+from calib.base.mixtures import likelihood_ratio
 from calib.base.names import WHEELS, G
 from calib.base.units import from_si
-from calib.base.warning import Measured, PlausibilityWarning, judged, relative, warning
+from calib.base.warning import Measured, PlausibilityWarning, judged, relative
+from calib.car.balance import brake_forces
+from calib.car.braking import BITE, MOVING
+from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.plausibility.motor import motor_of
-from calib.plausibility.wheel_signals import lost_pulses, slip_of_v
 from calib.run.accelerometer import Accelerometer
-from calib.run.axle_signals import HELD, Signals, held_time, rolling_radii, wheels_held
+from calib.run.axle_signals import Signals, held_time, rolling_radii, wheels_held
+from calib.run.blocks import BLOCK
 from calib.run.brake_response import BrakeResponse
 from calib.run.copies import twice
-from calib.run.limits import LIMITS
-from calib.run.speed_delay import USUAL
+from calib.run.driving_record import NOMINAL_RADIUS
+from calib.run.filters import block_mean
+from calib.run.lateral import lateral, sides
 from calib.run.warnings import impossible_samples
 
-COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
+_COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
 
-LIKELY = 0.5
+_WANDERS = 0.5
 """Chance of a slope that changes from which it is named [1]."""
-MOTOR_LIKELY = 0.4
-"""Chance of a motor from which it is named [1]: what is named too often costs a look, a motor that
-is not named stands in the pads."""
+_MOTOR, _STATED = 0.67, 0.01
+"""Odds of a motor from which it is named [1]: what is named too often costs a look, a motor that is
+not named stands in the pads. Least odds of one before the run: files that have none err, too."""
+_FORCE = 0.1
+"""Spread of a motor's force over the usual brake force [1]: 0.01 to 0.1 g beside 0.3 g."""
+_USUAL, _FADING = 0.015, 0.02
+"""Spread of a force without pressure, and of one that goes with the speed, where nothing but the
+pads brakes [1]: the pressure at which pads bite and the zero of p_mc within 0.5 bar, over 30 bar;
+slow noise in the half second below 3 m/s. Pads that grip more as they get slow are below zero."""
+_STIFFEST = 60.0
+"""Slip stiffness over load [1] that no tyre has."""
+_BRAKED = 0.05
+"""Nominal brake force of an axle over its load [1] from which the slip of its tyres is seen."""
+_OF_AXLES = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.5]])
+"""Of front and rear wheels, what v may be made of: one axle or both."""
+_TIME = 1.0
+"""Time of such braking, or of rolling, that is needed [s]."""
+_SPAN, _SIGMA = 11, 5.0
+"""Samples of the median from which a lost pulse stands out; the distance below it, in its usual
+scatter, or in 0.1 % of the speed, that noise does not have."""
+_UPRIGHT = 0.1
+"""Deceleration [1] past which left and right are not compared: the inner wheels of a bend bear less
+and slip more, which looks like a tighter one."""
+_NO_SPEED = {
+    "v_of_wheels": "v is computed from the wheel speeds",
+    "v_scale": "v and a_x differ by a scale that no sensor has",
+}
+"""What is said of a v that says nothing of the car, by the code of its warning."""
 
 
 def run_warnings(
-    log: Log,
-    s: Signals,
-    vehicle: Vehicle,
-    sensor: Accelerometer,
-    response: BrakeResponse | None,
+    log: Log, s: Signals, vehicle: Vehicle, sensor: Accelerometer, response: BrakeResponse | None
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings on a run.
 
@@ -46,71 +74,138 @@ def run_warnings(
     ``sensor`` the accelerometer as judged over the run; ``response`` of its brakes to the pressure.
     """
     measured = (
+        *of_channels(log, s),
         *of_wheels(log, vehicle, s),
-        *of_pressure(s),
         *of_accelerometer(sensor),
-        *of_brakes(response, vehicle.motor_odds),
+        *(of_brakes(response, vehicle.motor_odds) if response else ()),
     )
-    return (*channel_warnings(log, s), *judged(log.name, measured))
+    return (*impossible_samples(log), *judged(log.name, measured))
 
 
-def channel_warnings(log: Log, s: Signals) -> Iterator[PlausibilityWarning]:
-    """Samples that no car drives, one signal twice, values that are held or late."""
-    yield from impossible_samples(log)
-    for one, other, same in twice(log, [name for name in COMPARED if name in log]):
-        limits = (0.0, LIMITS.copy_correlation)
-        yield warning("same_signal", log.name, same, limits, one=one, other=other)
-    if "v" in log and s.v is None and not s.delay.late:
-        yield warning("v_held", log.name, held_time(log), (0.0, HELD))
-    longest = wheels_held(log)
-    if longest > LIMITS.wheels_held:
-        yield warning("wheels_held", log.name, longest, (0.0, LIMITS.wheels_held))
+def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
+    """One signal twice, values that are held or late, pressure of a car that rolls freely [bar]."""
+    for one, other, same in twice(log, [name for name in _COMPARED if name in log]):
+        yield Measured("same_signal", same, words={"one": one, "other": other})
+    yield Measured("v_held", held_time(log))
+    yield Measured("wheels_held", wheels_held(log))
     if s.delay.late:
         used = "v was put in time" if s.delay.sharp else "v is not used"
-        yield warning("v_late", log.name, s.delay.value, (0.0, 3.0 * USUAL), used=used)
-
-
-def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:
-    """Wheels of another size, a v that was made of them, lost pulses."""
-    axles = (("f", vehicle.front), ("r", vehicle.rear))
-    for (side, axle), radius in zip(axles, rolling_radii(s) or (), strict=False):
-        yield relative(f"rolling_radius_{side}", radius, axle.rolling_radius)
-    yield from slip_of_v(vehicle, s)
-    yield from lost_pulses(log, s)
-
-
-def of_pressure(s: Signals) -> Iterator[Measured]:
-    """Pressure of the car that rolls without braking [bar]."""
+        yield Measured("v_late", s.delay.value, words={"used": used})
     if s.lead_in.any():
         zero = max((float(np.mean(p[s.lead_in])) for p in (s.p_f, s.p_r)), key=abs)
         yield Measured("pressure_zero", from_si(zero, "bar", "Pa"))
 
 
+def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:
+    """Wheels of another size, slip that v does not show, pulses that a wheel loses."""
+    radii = rolling_radii(s)
+    if radii is not None and s.v is not None:
+        yield relative("rolling_radius_f", radii[0], vehicle.front.rolling_radius)
+        yield relative("rolling_radius_r", radii[1], vehicle.rear.rolling_radius)
+        n = max(1, round(BLOCK / s.sample_time))
+        omega, v = block_mean(np.stack([s.omega_f, s.omega_r]), n), block_mean(s.v, n)
+        slip = 1.0 - omega * np.array(radii)[:, None] / np.maximum(v, MOVING)
+        loads = np.stack(axle_loads(vehicle, block_mean(s.z, n)))
+        force = block_mean(np.stack(brake_forces(vehicle, s.p_f, s.p_r)), n) / np.maximum(loads, 1)
+        driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
+        told = (v > MOVING) & ~driven & np.all(loads > 0.0, axis=0)  # else a glitch of a_x
+        yield from _slip_of_v(slip[:, told], force[:, told], n * s.sample_time)
+    yield from _lost_pulses(log, s)
+
+
+def _slip_of_v(slip: Array, force: Array, step: float) -> Iterator[Measured]:
+    """Slip of an axle while it brakes, by v, over the least that any tyre has [1] (rms).
+
+    ``slip`` and ``force`` over load [1] of front and rear axle, (2, k), each ``step`` [s]. Of v
+    from one axle that slip is zero, of v from all wheels the mean of both: the least of the three.
+    An axle that is not braked for long says nothing.
+    """
+    found = []
+    axles = zip(("front", "rear", "four"), _OF_AXLES @ slip, _OF_AXLES @ force, strict=True)
+    for source, shown, carried in axles:
+        braked = carried > _BRAKED
+        if np.count_nonzero(braked) * step >= _TIME:
+            share = _STIFFEST * np.sqrt(np.mean(shown[braked] ** 2)) / np.mean(carried[braked])
+            found.append((float(share), f"the {source} wheels"))
+    if found:
+        share, source = min(found)
+        yield Measured("v_of_wheels", share, words={"source": source})
+
+
+def _lost_pulses(log: Log, s: Signals) -> Iterator[Measured]:
+    """Share of the unbraked samples in which one wheel alone is far below its usual course [1].
+
+    A pulse that is lost lowers one reading by a tooth of 48 or so. Bumps lift and lower a wheel
+    alike, so twice the share above is taken off; a wheel that slips is below for longer than the
+    median spans.
+    """
+    from scipy.ndimage import median_filter
+
+    rolling = (s.lead_in | (np.maximum(s.p_f, s.p_r) < BITE)) & (s.speed > MOVING)
+    if np.count_nonzero(rolling) * s.sample_time < _TIME:
+        return
+    for name in (f"omega_{wheel}" for wheel in WHEELS):
+        omega = log[name][rolling]
+        away = omega - median_filter(omega, _SPAN)
+        usual = float(np.median(np.abs(away))) / QUARTILE
+        far = _SIGMA * max(usual, 1e-3 * float(np.mean(omega)))
+        lost = float(np.mean(away < -far) - 2.0 * np.mean(away > far))
+        yield Measured("lost_pulses", max(lost, 0.0), words={"wheel": name})
+
+
+def of_bend(
+    ramp: Log, s: Signals, track_width: float, straight: Sequence[Log]
+) -> Iterator[Measured]:
+    """Mean lateral acceleration of a ramp [m/s^2] by runs of the same car that are ``straight``.
+
+    ``s`` signals of the ramp; ``track_width`` [m]. Without such runs a bend and wheels of unlike
+    radius look the same.
+    """
+    told = (s.speed > MOVING) & (s.z < _UPRIGHT)
+    if straight and told.any():
+        fast = 2.0 * MOVING / NOMINAL_RADIUS
+        equal = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in straight]
+        turned = lateral(ramp, s, track_width, float(np.mean(np.concatenate(equal))))
+        yield Measured("bend", float(np.mean(turned[told])))
+
+
 def of_accelerometer(sensor: Accelerometer) -> Iterator[Measured]:
-    """Scale, slope, offset, drag and delay as known at the end of the run."""
-    at = sensor.at(-1)
-    scale, other = float(at.scale), float(at.other_scale)
+    """Scale, slope, offset, drag and delay."""
+    scale, other = sensor.scale, sensor.other_scale
     if other != 0.0:
         yield Measured("v_scale", other / (1.0 - other))
     else:
-        yield Measured("a_x_scale", scale / (1.0 - scale), math.sqrt(at.variance_scale))
-    if at.wanders > LIKELY:
-        yield Measured("a_x_against_v", float(at.disagrees))
-    yield Measured("a_x_offset", -G * float(at.bias), G * math.sqrt(at.variance_bias))
-    yield Measured("unexplained_drag", G * float(at.drag))
-    yield Measured("a_x_late", float(at.lag), math.sqrt(at.variance_lag))
+        yield Measured("a_x_scale", scale / (1.0 - scale), math.sqrt(sensor.variance_scale))
+    if sensor.wanders > _WANDERS:
+        yield Measured("a_x_against_v", sensor.disagrees)
+    yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
+    yield Measured("unexplained_drag", G * sensor.drag)
+    yield Measured("a_x_late", sensor.lag, math.sqrt(sensor.variance_lag))
 
 
-def of_brakes(
-    response: BrakeResponse | None, odds: float = Vehicle.motor_odds
-) -> Iterator[Measured]:
-    """Force without pressure, a step of it, and delay; ``odds`` of a motor as in `motor_of`."""
-    if response is None:
-        return
-    chance, share = motor_of(response, odds)
-    if chance > MOTOR_LIKELY:
-        yield Measured("unexplained_braking_force", share)
-    yield Measured("braking_force_missing", response.share, response.share_sigma)
+def of_brakes(response: BrakeResponse, odds: float) -> Iterator[Measured]:
+    """Force without pressure, a step of it, and delay; ``odds`` of a motor before the run [1].
+
+    A motor shows as force without pressure where it brakes from the first pressure on, as a force
+    that goes with the speed where it hands over to the brakes before the car stands; each of them,
+    and both, are as likely. A run that is not braked down to 3 m/s says nothing of the second.
+    """
+    share, sigma = response.share, response.share_sigma
+    late, sigma_late = response.fading, response.fading_sigma
+    one = likelihood_ratio(share, math.hypot(sigma, _USUAL), _FORCE)
+    other = likelihood_ratio(late, math.hypot(sigma_late, _FADING), _FORCE)
+    if max(odds, _STATED) * (one + other + one * other) / 3.0 > _MOTOR:
+        yield Measured("unexplained_braking_force", share if one > other else late)
+    yield Measured("braking_force_missing", share, sigma)
     at, step, scatter = response.step
     yield Measured("force_step", step, scatter, words={"at": at})
     yield Measured("pressure_lag", response.delay, response.delay_sigma)
+
+
+def wrong_speed(warnings: Iterable[PlausibilityWarning]) -> LogError | None:
+    """The error of a run that is warned of a v that says nothing of the car; None of another."""
+    do = "leave v out of the log: rename its column, or map it to no channel"
+    for one in warnings:
+        if one.code in _NO_SPEED:
+            return LogError(_NO_SPEED[one.code], where=one.log, do=do, lines=(str(one),))
+    return None

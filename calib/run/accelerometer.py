@@ -15,11 +15,10 @@ tell the scale. The sixteen cases are weighed by how well they predict what was 
 cannot be told widens the interval. A scale that no sensor has, by a unit, a clock or a filter, is
 weighed against all of them.
 
-Causal: every figure uses only what came before. A bias that changes within the log looks like a
-grade that does, and is taken for one.
+A bias that changes within the log looks like a grade that does, and is taken for one.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
@@ -53,7 +52,7 @@ from 9 % on, 4.6 sigma of a sensor."""
 _LAG = 0.02  # how far v and a_x may be out of step [s]
 _GREATEST = 1.5  # deceleration that no road car reaches [1]: the block holds a glitch of a_x
 _SECOND = 1.0  # time over which a_x and v are compared [s]: the noise of v is then 0.002 g
-_STEP = 4  # blocks from one judgement to the next: 0.2 s
+_STEP = 4  # blocks that are judged together: 0.2 s; what is left of the run is not used
 
 _CASES = np.array(list(product((False, True), repeat=4)))
 """Whether bias, grade, drag and a grade that walks are there (16, 4): those that walk by turns."""
@@ -64,32 +63,27 @@ _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 
 
 @dataclass(frozen=True)
 class Accelerometer:
-    """Scale and offset of the accelerometer as known at each block, shapes (k,).
+    """Scale and offset of the accelerometer by all of a run.
 
     ``scale`` c [1], ``bias`` [g] and their ``variance_scale``, ``variance_bias``, ``covariance``;
-    ``grade``, ``drag`` [g] as far as they are told apart; ``lag`` [s] by which a_x comes after v,
+    ``drag`` [g] as far as it is told apart from a grade; ``lag`` [s] by which a_x comes after v,
     with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``other_scale``
     [1] the scale where it is likelier that of a unit or a clock than of a sensor, else 0.
-    ``disagrees`` [g] how much a_x and the slowing of v differ by turns so far, over a second, the
-    scale aside.
+    ``disagrees`` [g] how much a_x and the slowing of v differ by turns, over a second, the scale
+    aside.
     """
 
-    scale: Array
-    bias: Array
-    variance_scale: Array
-    variance_bias: Array
-    covariance: Array
-    grade: Array
-    drag: Array
-    lag: Array
-    variance_lag: Array
-    wanders: Array
-    other_scale: Array
-    disagrees: Array
-
-    def at(self, blocks: Index | int) -> "Accelerometer":
-        """As known at these blocks."""
-        return Accelerometer(*(np.asarray(getattr(self, f.name)[blocks]) for f in fields(self)))
+    scale: float
+    bias: float
+    variance_scale: float
+    variance_bias: float
+    covariance: float
+    drag: float
+    lag: float
+    variance_lag: float
+    wanders: float
+    other_scale: float
+    disagrees: float
 
     def corrected(self, z: Array) -> Array:
         """Deceleration [1] that the tyres feel, from z [1] as read, (k,)."""
@@ -118,17 +112,17 @@ def accelerometer(
     density_z: float,
     density_v: float,
 ) -> Accelerometer:
-    """Judge the accelerometer of a log block by block.
+    """Judge the accelerometer of a log.
 
     ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
     ``sigma`` of that resistance, common to the log [1], (k,); ``density_z`` [s^0.5], ``density_v``
     [m/s s^0.5] noise.
     """
-    at = np.arange(0, b.end.size, _STEP)
+    at = np.array([(b.end.size - 1) // _STEP * _STEP])
     read = _Reading(b, unexplained, sigma, density_z, density_v)
     speeds, evidence = _evidence(read, b.z, at)
     weighed = _mixture(evidence, _CASES, _SCALE)
-    c, bias, grade, drag = weighed.mean.T
+    c, bias, _, drag = weighed.mean.T
     wanders = weighed.weights[:, 1::2].sum(axis=1)
     lags = [s.lag_of(weighed) for s in speeds]
     lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
@@ -136,11 +130,21 @@ def accelerometer(
     other = 0.0
     braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
     if braked and abs(c[-1]) > 2.0 * _SCALE:
-        other = _other_scale(read, at[-1:])
-    covariance = [weighed.covariance[:, i, j] for i, j in ((0, 0), (1, 1), (0, 1))]
-    rest = wanders, np.full(at.size, other), _disagreement(b, c, at)
-    rows = np.column_stack([c, bias, *covariance, grade, drag, lag, variance_lag, *rest])
-    return Accelerometer(*rows[np.arange(b.end.size) // _STEP].T)
+        other = _other_scale(read, at)
+    covariance = weighed.covariance[0]
+    return Accelerometer(
+        scale=float(c[0]),
+        bias=float(bias[0]),
+        variance_scale=float(covariance[0, 0]),
+        variance_bias=float(covariance[1, 1]),
+        covariance=float(covariance[0, 1]),
+        drag=float(drag[0]),
+        lag=float(lag[0]),
+        variance_lag=float(variance_lag[0]),
+        wanders=float(wanders[0]),
+        other_scale=other,
+        disagrees=_disagreement(b, float(c[0]), int(at[0])),
+    )
 
 
 _Evidence = tuple[Array, Array, Array]
@@ -293,23 +297,17 @@ def _mixture(evidence: _Evidence, there: Mask, scale: float) -> Mixture:
     )
 
 
-def _disagreement(b: Blocks, scale: Array, at: Index) -> Array:
-    """Largest less smallest mean over a second of z less the slowing of v [g] so far, (m,).
+def _disagreement(b: Blocks, scale: float, last: int) -> float:
+    """Largest less smallest mean over a second of z less the slowing of v [g], up to the ``last``.
 
-    Less what the ``scale`` (m,) explains, as it is known at ``at``.
+    Less what the ``scale`` explains.
     """
     whole = max(round(_SECOND / b.length), 1)
-    if b.v is None or b.v.size <= whole:
-        return np.zeros(at.size)
-    lost = (b.v[whole:] - b.v[:-whole]) / (G * whole * b.length)
-    total = np.concatenate([[0.0], np.cumsum(0.5 * (b.z[1:] + b.z[:-1]))])
+    if b.v is None or last < whole:
+        return 0.0
+    lost = (b.v[whole:last] - b.v[: last - whole]) / (G * whole * b.length)
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (b.z[1:] + b.z[:-1]))])[:last]
     mean = (total[whole:] - total[:-whole]) / whole
-    usable = _usable(b)
+    usable = _usable(b)[:last]
     usable = usable[whole:] & usable[:-whole]
-    counted = usable & (np.arange(lost.size) < (at - whole)[:, None])
-    apart = lost + mean * (1.0 - scale[:, None])
-    most, least = (
-        chosen(np.where(counted, apart, away), axis=1)
-        for chosen, away in ((np.max, -np.inf), (np.min, np.inf))
-    )
-    return np.asarray(np.where(counted.any(axis=1), most - least, 0.0))
+    return float(np.ptp((lost + mean * (1.0 - scale))[usable])) if usable.any() else 0.0

@@ -1,6 +1,5 @@
 """What is said of an accelerometer, by numbers set by hand."""
 
-import numpy as np
 import pytest
 
 from calib.base.names import G
@@ -8,17 +7,15 @@ from calib.base.warning import judged
 from calib.plausibility.run import of_accelerometer
 from calib.run.accelerometer import Accelerometer
 
-BLOCKS = 100
-
 
 def sensor(**values):
     """An accelerometer that is right, but for ``values``; sigma 0.1 %, 0.0005 g, 5 ms."""
-    names = ("scale", "bias", "covariance", "grade", "drag", "lag", "wanders", "disagrees")
+    names = ("scale", "bias", "covariance", "drag", "lag", "wanders", "disagrees")
     names = (*names, "other_scale")
     fields = dict.fromkeys(names, 0.0)
     known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7, "variance_lag": 2.5e-5}
     fields |= {**known, **values}
-    return Accelerometer(**{name: np.full(BLOCKS, value) for name, value in fields.items()})
+    return Accelerometer(**fields)
 
 
 def codes(sensor):

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from calib.base.warning import judged
-from calib.plausibility.motor import motor_of
-from calib.plausibility.run import of_brakes, of_pressure
+from calib.plausibility.run import of_brakes, of_channels
 from calib.run.axle_signals import signals
 from calib.run.brake_response import BrakeResponse, ForceStep
 from tests.support.reference_car import CAR, REAL, noisy, stop
+
+ODDS = 0.1
 
 
 def response(delay=0.0, share=0.0, sigma=0.01, **others):
@@ -34,11 +35,10 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
         (response(step=ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
         (response(step=ForceStep(4.0, 0.08, 0.02)), []),
         (response(step=ForceStep(4.0, 0.02, 0.001)), []),
-        (None, []),
     ],
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):
-    assert [one.code for one in judged("log", of_brakes(seen))] == codes
+    assert [one.code for one in judged("log", of_brakes(seen, ODDS))] == codes
 
 
 def chance_by_counting(share, sigma, fading, fading_sigma, odds):
@@ -57,28 +57,25 @@ def chance_by_counting(share, sigma, fading, fading_sigma, odds):
     return motor / (motor + at_once[1] * slow[1])
 
 
-@pytest.mark.parametrize(
-    ("share", "fading", "sigma", "fading_sigma", "odds"),
-    [
-        (-0.05, 0.15, 0.01, 0.02, 1.0),
-        (0.0, -0.05, 0.03, 1.3, 0.1),
-        (0.03, 0.05, 0.01, 0.02, 0.01),
-        (0.1, 0.0, 0.03, 1.3, 1.0),
-    ],
-)
-def test_a_motor_is_weighed_as_by_counting_all_shares(share, fading, sigma, fading_sigma, odds):
-    seen = response(share=share, sigma=sigma, fading=fading, fading_sigma=fading_sigma)
-    chance = chance_by_counting(share, sigma, fading, fading_sigma, odds)
-    assert motor_of(seen, odds)[0] == pytest.approx(chance, rel=1e-3)
-
-
-def test_a_run_that_tells_nothing_leaves_little_of_a_motor():
-    assert motor_of(response(sigma=0.05))[0] < 0.1 / 1.1
+@pytest.mark.parametrize("odds", [1.0, 0.1, 0.01])
+@pytest.mark.parametrize("sigma", [(0.01, 0.02), (0.03, 1.3), (0.02, 0.05)])
+@pytest.mark.parametrize("fading", [-0.05, 0.05, 0.15])
+def test_a_motor_is_named_by_its_chance_as_by_counting_all_shares(odds, sigma, fading):
+    """From 0.4 on: of the shares at once, those that are below it are not named."""
+    tried = np.linspace(-0.02, 0.15, 18)
+    chance = [chance_by_counting(share, sigma[0], fading, sigma[1], odds) for share in tried]
+    seen = [
+        response(share=share, sigma=sigma[0], fading=fading, fading_sigma=sigma[1])
+        for share in tried
+    ]
+    named = ["unexplained_braking_force" in [one.code for one in of_brakes(x, odds)] for x in seen]
+    clear = [abs(x - 0.4) > 0.01 for x in chance]
+    assert np.array_equal(np.array(named)[clear], np.array(chance)[clear] > 0.4)
 
 
 def test_the_side_of_the_delay_decides_who_is_late():
-    (after,) = judged("log", of_brakes(response(delay=0.2)))
-    (before,) = judged("log", of_brakes(response(delay=-0.2)))
+    (after,) = judged("log", of_brakes(response(delay=0.2), ODDS))
+    (before,) = judged("log", of_brakes(response(delay=-0.2), ODDS))
     assert "hydraulic" in after.causes[0]
     assert before.causes[0] == "the clock of p_mc, late"
 
@@ -87,6 +84,6 @@ def test_the_side_of_the_delay_decides_who_is_late():
 def test_the_zero_of_the_pressure_is_measured(zero):
     log = noisy(stop(REAL), 1)
     log.channels["p_mc"] = log["p_mc"] + zero
-    (warning,) = judged("log", of_pressure(signals(log, CAR)))
+    (warning,) = judged("log", of_channels(log, signals(log, CAR)))
     assert warning.code == "pressure_zero"
     assert warning.measured == pytest.approx(zero / 1e5, abs=0.1)

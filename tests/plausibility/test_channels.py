@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.base.warning import judged
-from calib.plausibility.run import channel_warnings, of_wheels
+from calib.plausibility.run import of_channels, of_wheels
 from calib.run.axle_signals import signals
 from calib.run.copies import made_of_wheels
 from tests.support.reference_car import CAR, REAL, noisy, stop
@@ -19,8 +19,8 @@ def clean():
 
 def found(log):
     s = signals(log, CAR)
-    told = (*channel_warnings(log, s), *judged(log.name, of_wheels(log, CAR, s)))
-    return [(one.code, one.causes[0]) for one in told]
+    measured = (*of_channels(log, s), *of_wheels(log, CAR, s))
+    return [(one.code, one.causes[0]) for one in judged(log.name, measured)]
 
 
 def changed(log, **channels):
@@ -89,13 +89,13 @@ WHEEL_SPEEDS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
 @pytest.mark.parametrize(("hertz", "code"), [(20.0, ["wheels_held"]), (50.0, [])])
 def test_wheel_speeds_that_are_held_are_no_copies(clean, hertz, code):
     log = held(noisy(clean, 3), hertz, *WHEEL_SPEEDS)
-    assert [one.code for one in channel_warnings(log, signals(log, CAR))] == code
+    assert [one.code for one in judged("log", of_channels(log, signals(log, CAR)))] == code
     assert not made_of_wheels(held(log, hertz, "v"))
 
 
 def test_how_long_wheel_speeds_are_held_is_measured(clean):
     log = held(noisy(clean, 3), 20.0, *WHEEL_SPEEDS)
-    (one,) = channel_warnings(log, signals(log, CAR))
+    (one,) = judged("log", of_channels(log, signals(log, CAR)))
     assert one.measured == pytest.approx(0.05, rel=0.1)
 
 

@@ -1,0 +1,104 @@
+"""How good a fit is, in numbers and in the words that its user must read."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.car.bias import front_biased_up_to
+from calib.car.mass import MassUsed
+from calib.car.vehicle import Vehicle
+from calib.fitting.curves import Peak
+from calib.fitting.regression import told
+from calib.fitting.residuals import Residuals
+from calib.model.ramp import RampRun
+from calib.model.resistance import Resistance
+from calib.model.roller_bench import RollerBench
+from calib.model.settings import SETTINGS
+from calib.model.sort_logs import Prepared
+from calib.run.filters import runs as runs_of
+from calib.table.table import Value
+
+
+def metrics(
+    vehicle: Vehicle, runs: list[RampRun], left: Residuals, peak: Peak, z_max: float, nominal: float
+) -> dict[str, float]:
+    """Quality metrics of the fit, each a plain number.
+
+    ``left`` residuals of the ``runs``; ``nominal`` weight of what was known of the pads' ratio
+    before the ramps in what is known of it now [1].
+    """
+    eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
+    return {
+        "deceleration_max": z_max,
+        "front_biased_up_to": min(front_biased_up_to(vehicle), 9.99),
+        "eta_peak": peak.eta,
+        "eta_peak_deceleration": peak.z,
+        "eta_peak_is_real": float(peak.real),
+        "residual_eta_rms_sigma": float(np.sqrt(np.mean(eta**2))),
+        "residual_slip_rms_sigma": float(np.sqrt(np.mean(slip**2))) if slip.size else 0.0,
+        "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
+        "pad_ratio_nominal_weight": nominal,
+        "runs": float(len(runs)),
+    }
+
+
+def remarks(
+    vehicle: Vehicle,
+    mass: MassUsed,
+    runs: list[RampRun],
+    left: Residuals,
+    ratio: Value,
+    known: Resistance,
+    peak: Peak,
+    coasts: Sequence[Prepared],
+    bench: RollerBench | None,
+) -> Iterator[str]:
+    """What the user must know of this table, in words.
+
+    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``; ``ratio`` ln of the
+    pads' ratio over that of the file [1].
+    """
+    if vehicle.effects.described:
+        yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
+    if mass.stated:
+        yield f"mass in the logs: {mass}"
+    for run, (of_eta, _) in zip(runs, left, strict=True):
+        yield from _of_run(run, of_eta)
+    if not known.known and not coasts:
+        yield (
+            "drag and rolling resistance share one lead-in: their sum is measured, their parts "
+            "are usual values; add a coast log, or give them in the vehicle file"
+        )
+    if all(run.blocks.v is None for run in runs):
+        on = "vehicle file" if bench is None else "roller brake tester"
+        yield (
+            "no reference speed: slip stiffness and pad ratio cannot be told apart, the ratio "
+            f"rests on the {on}"
+        )
+    if peak.real:
+        yield (
+            f"eta peaks at {peak.z:.2f} g: f1, f2 of eta end before it; beyond, use the tyre curve"
+        )
+    low, high = np.exp(ratio.ci95)
+    if not low < 1.0 < high:
+        yield (
+            "the pads were not in the ratio of the vehicle file: front/rear "
+            f"{np.exp(ratio.value):.2f} times nominal, 95 % {low:.2f} to {high:.2f}"
+        )
+
+
+def _of_run(run: RampRun, of_eta: Array) -> Iterator[str]:
+    b = run.blocks
+    zero = float(np.mean(b.eta[run.rolling])) - 1.0
+    yield f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)"
+    for first, after in [] if run.left_out is None else runs_of(run.left_out):
+        yield (
+            f"{run.name}: left out from {b.end[first] - b.length:.2f} to {b.end[after - 1]:.2f} s, "
+            "where something acts that the pressure does not make: a bump, a gear shift, another "
+            "road"
+        )
+    far = np.flatnonzero(np.abs(of_eta) > SETTINGS.outlier)
+    if far.size:
+        listed = ", ".join(f"{t:.2f}" for t in b.end[told(run)[far[:5]]])
+        yield f"{run.name}: {far.size} outlying blocks of eta, at {listed} s"
