@@ -64,6 +64,6 @@ def _passing(wild: Mask, N: Array) -> Mask:
     near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
     left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5
     for first, end in runs_of(near):
-        beyond = np.count_nonzero(~near & (np.max(N[first:end]) < N))
+        beyond = int(np.count_nonzero(~near & (np.max(N[first:end]) < N)))
         left_out[first:end] = min(first, wild.size - end, beyond) >= few
     return left_out & (np.mean(left_out) < SETTINGS.disturbance_share)
