@@ -22,7 +22,7 @@ from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
 from calib.estimation.reasons import Reason
 from calib.estimation.zeros import known_slips
-from calib.fitting.draws import ensemble_of
+from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
 from calib.run.blocks import block_balance, braked_alone
 from calib.run.filters import block_mean
@@ -98,7 +98,7 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     demanded = road.demanded / plan.nominal.weight
     known = speed_ratio(*known_slips(plan.table, plan.table.vehicle, road))
     shift = b.eta / known / (1.0 + e.eta_zero) - 1.0
-    rolls = block_mean((e.best.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
+    rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     variance = 2.0 * (plan.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rows = []

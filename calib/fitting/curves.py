@@ -63,9 +63,9 @@ def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     brake = z * (1.0 + sum(turning_shares(car)))
     share = front_share(car, e.log_pad_ratio)[:, None]
     forces = np.stack(braked_tyres(car, share, brake, z))
-    of = shown(car, e, z, *forces)
+    of = shown(car, e, z, forces)
     loads = np.stack(axle_loads(car, z))[:, None] / car.weight
-    return Ridge(z, 1.0 + of.rise, forces / loads, np.stack([of.slip_f, of.slip_r]))
+    return Ridge(z, 1.0 + of.rise, forces / loads, of.slips)
 
 
 def find_peak(of: Ridge) -> tuple[float, float, bool]:

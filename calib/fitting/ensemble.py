@@ -4,6 +4,7 @@ Quasi-static loads, rising branch of the tyre: not true while the body pitches o
 """
 
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from calib.car.forces import speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
 from calib.model.settings import SETTINGS
+from calib.table.maps import DEPARTS, FORMS, Draws
+from calib.table.table import Calibration
 
 ROWS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
 PRIORS = {
@@ -24,6 +27,9 @@ variance by which cars of one ``model`` are apart, and the sigma of what a ``tyr
 
 DEPART_AT = np.linspace(0.05, 0.95, 10)
 """Decelerations at which the departure of a tyre from its form is kept [1]."""
+
+KEPT = 400
+"""Draws that a table keeps: a standard deviation is then known to 4 %."""
 
 _LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
 
@@ -61,73 +67,103 @@ class Ensemble:
         """Number of draws."""
         return int(self.peak.size)
 
+    @property
+    def linear(self) -> Array:
+        """Compliances and fall of the radii, (n, 3)."""
+        return np.stack([self.compliance_f, self.compliance_r, self.radius_load], axis=1)
+
     def take(self, which: Index | Mask | slice) -> "Ensemble":
         """These draws alone."""
         return Ensemble(*(getattr(self, f.name)[which] for f in fields(Ensemble)))
 
 
-@dataclass(frozen=True)
-class UnitSlips:
-    """What draws make of forces, (n, k) [1].
+_COLUMNS = {one.name: (one.name,) for one in fields(Ensemble)} | {
+    "forms": FORMS,
+    "depart_eta": DEPARTS["eta"],
+    "depart_slip": DEPARTS["slip"],
+}
+"""Columns of a table's draws by name here; `_LENGTHS` are in m there, and over the file's here."""
 
-    ``front``, ``rear`` slips per compliance; ``grown_f``, ``grown_r`` relative growth of the loads,
-    which moves the radii; ``share`` of the front load; ``rolls`` where both axles are below their
-    peaks and on the road.
+_LENGTHS = ("cg_to_front_axle", "cg_height")
+
+
+def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
+    """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives.
+
+    A later map, a budget or a merge then needs no logs.
+    """
+    kept, scale = e.take(np.linspace(0, e.size - 1, KEPT).astype(np.int64)), pads.pad_scale
+    x = np.random.default_rng(42).standard_normal(KEPT)
+    columns = {
+        column: values
+        for name, own in _COLUMNS.items()
+        for column, values in zip(own, np.atleast_2d(getattr(kept, name).T), strict=True)
+    }
+    return Draws(
+        **columns | {name: columns[name] * getattr(car, name) for name in _LENGTHS},
+        log_pad_level=np.log(scale.value) + scale.sigma / scale.value * x,
+        weight=np.full(KEPT, car.weight),
+    )
+
+
+def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
+    """The ensemble of which a table of ``car`` kept these draws."""
+    columns = vars(draws)
+    kept = {
+        name: columns.get(name, np.stack([columns[one] for one in own], axis=1))
+        for name, own in _COLUMNS.items()
+    }
+    return Ensemble(**kept | {name: kept[name] / getattr(car, name) for name in _LENGTHS})
+
+
+class UnitSlips(NamedTuple):
+    """What draws make of forces: of the axles (2, n, k), all [1].
+
+    ``slip`` per compliance; ``load`` over the weight, ``grown`` by what share of that at rest,
+    which moves the radii; ``rolls`` (n, k) where both axles are below their peaks and on the road.
     """
 
-    front: Array
-    rear: Array
-    grown_f: Array
-    grown_r: Array
-    share: Array
+    slip: Array
+    load: Array
+    grown: Array
     rolls: Mask
 
 
 def unit_slips(
-    car: Vehicle, e: Ensemble, z: Array, front: Array, rear: Array, peak: Array | float = 1.0
+    car: Vehicle, e: Ensemble, z: Array, forces: Array, peak: Array | float = 1.0
 ) -> UnitSlips:
     """Slips per compliance of every draw at the deceleration ``z`` (k,) [1], (6), (7), (15), (16).
 
-    ``front``, ``rear`` tyre forces of the axles over the weight (n, k); ``peak`` of the road over
-    that of the ramp (n,).
+    ``forces`` of the tyres of front and rear axle over the weight (2, n, k); ``peak`` of the road
+    over that of the ramp (n,).
     """
     L = car.wheelbase
     l_f = (e.cg_to_front_axle * car.cg_to_front_axle)[:, None]
     moved = (e.cg_height * car.cg_height)[:, None] * z
-    loads = ((L - l_f + moved) / L, (l_f - moved) / L)  # (6), (7)
-    top = (e.peak * peak)[:, None]
-    slips, rolls = [], np.ones(loads[0].shape, dtype=bool)
-    for force, load in zip((front, rear), loads, strict=True):
-        on_road = np.maximum(load, _LEAST_LOAD)
-        relative = np.log(2.0 * on_road)
-        most = top * np.exp(-e.peak_load_exponent[:, None] * relative)
-        use = force / on_road / most
-        rolls &= (use < NEAR_PEAK) & (load > _LEAST_LOAD)
-        slips.append(
-            most * mean_inverse(use, e.forms) * np.exp(e.load_exponent[:, None] * relative)
-        )
+    load = np.stack([L - l_f + moved, l_f - moved]) / L  # (6), (7)
+    on_road = np.maximum(load, _LEAST_LOAD)
+    relative = np.log(2.0 * on_road)
+    most = (e.peak * peak)[:, None] * np.exp(-e.peak_load_exponent[:, None] * relative)
+    use = forces / on_road / most
+    unit = np.stack([mean_inverse(of, e.forms) for of in use])
     return UnitSlips(
-        front=slips[0],
-        rear=slips[1],
-        grown_f=loads[0] * L / (L - l_f) - 1.0,
-        grown_r=loads[1] * L / l_f - 1.0,
-        share=loads[0],
-        rolls=rolls,
+        slip=most * unit * np.exp(e.load_exponent[:, None] * relative),
+        load=load,
+        grown=load * L / np.stack([L - l_f, l_f]) - 1.0,
+        rolls=np.all((use < NEAR_PEAK) & (load > _LEAST_LOAD), axis=0),
     )
 
 
-@dataclass(frozen=True)
-class Shown:
+class Shown(NamedTuple):
     """What wheels show of forces, (n, k) [1].
 
     ``rise`` of eta (22) and the mean ``slip`` by load, both with the departures of the draws;
-    ``slip_f``, ``slip_r`` of the tyres; ``rolls`` as of `UnitSlips`.
+    ``slips`` of the tyres of the axles (2, n, k); ``rolls`` as of `UnitSlips`.
     """
 
     rise: Array
     slip: Array
-    slip_f: Array
-    slip_r: Array
+    slips: Array
     rolls: Mask
 
 
@@ -135,32 +171,26 @@ def shown(
     car: Vehicle,
     e: Ensemble,
     z: Array,
-    front: Array,
-    rear: Array,
+    forces: Array,
     *,
     at: Array | None = None,
     peak: Array | float = 1.0,
-    softer: tuple[Array | float, Array | float] = (1.0, 1.0),
+    softer: Array | float = 1.0,
 ) -> Shown:
     """What the draws show at the deceleration ``z`` (k,) or (n, 1) [1].
 
-    ``front``, ``rear``, ``peak`` as of `unit_slips`; ``at`` (k,) where departures are read, if not
-    at ``z``; ``softer`` compliances of the axles over those of the ramp, (n, 1).
+    ``forces``, ``peak`` as of `unit_slips`; ``at`` (k,) where departures are read, if not at ``z``;
+    ``softer`` compliances of the axles over those of the ramp, (2, n, 1).
     """
-    unit = unit_slips(car, e, z, front, rear, peak)
-    slip_f = softer[0] * e.compliance_f[:, None] * unit.front
-    slip_r = softer[1] * e.compliance_r[:, None] * unit.rear
-    fall = e.radius_load[:, None]
-    shown_f = 1.0 - (1.0 - slip_f) * np.exp(fall * unit.grown_f)
-    shown_r = 1.0 - (1.0 - slip_r) * np.exp(fall * unit.grown_r)
-    mean = unit.share * shown_f + (1.0 - unit.share) * shown_r
+    unit = unit_slips(car, e, z, forces, peak)
+    slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
+    turning = 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
     hats = np.eye(DEPART_AT.size)
     between = np.stack([np.interp(z if at is None else at, DEPART_AT, hat) for hat in hats])
     return Shown(
-        rise=(speed_ratio(shown_f, shown_r) - 1.0) * (1.0 + e.depart_eta @ between),
-        slip=mean * (1.0 + e.depart_slip @ between),
-        slip_f=slip_f,
-        slip_r=slip_r,
+        rise=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
+        slip=np.sum(unit.load * turning, axis=0) * (1.0 + e.depart_slip @ between),
+        slips=slips,
         rolls=unit.rolls,
     )
 

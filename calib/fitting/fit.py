@@ -16,7 +16,7 @@ from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_curve
 from calib.fitting.disturbances import without_disturbances
-from calib.fitting.draws import draws_of
+from calib.fitting.ensemble import draws_of
 from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.moments import as_cubic, tyre_posterior
@@ -112,7 +112,7 @@ def fit(
     require_possible_pads(car, pads, warnings)
     difference, paper = difference_curves(car, some, both, z_end)
     quality = metrics(car, runs, left, of, min((ratio.sigma / before.sigma) ** 2, 1.0))
-    pad_map, level_map = maps(car, ensemble, pressure_odds(runs))
+    pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,

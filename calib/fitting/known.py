@@ -1,8 +1,10 @@
-r"""What a user knows of a car before its ramps: files of its tyres, released cars of its model.
+r"""What a car may be before its ramps: the field's prior, and half of it what the user knows.
 
-Each says a normal distribution over coordinates in which the field's prior is standard normal. Half
-of the prior stays the field's, so that a car that contradicts what is known takes its answer from
-the field.
+    standard normal x --what is known--> coordinates, standard normal in the field --> a car
+
+What is known, of files of the tyres or of released cars of the model, is a normal distribution over
+the coordinates; the field's own is one of mean 0 and covariance 1. Half of the draws stay the
+field's, so that a car that contradicts what is known takes its answer from the field.
 
     draws of each car --less the field's prior--> what its ramps tell --> model --> one more car
 
@@ -16,46 +18,46 @@ from functools import cache
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Index
 from calib.base.warning import Measured
 from calib.car.tyre_file import TyreFile
 from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
-from calib.fitting.draws import ensemble_of
-from calib.fitting.ensemble import PRIORS, ROWS, spread_evenly
-from calib.fitting.pads import UNSAID
+from calib.fitting.ensemble import DEPART_AT, PRIORS, ROWS, Ensemble, ensemble_of, spread_evenly
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 
-NONLINEAR = (
-    "load_exponent",
-    "peak_load_exponent",
-    "log_peak",
-    "log_pad_ratio",
-    "cg_to_front_axle",
-    "cg_height",
-)
-"""What enters forces and slips nonlinearly."""
+NONLINEAR = {
+    "load_exponent": "load_exponent",
+    "peak_load_exponent": "peak_load_exponent",
+    "peak": "log_peak",
+    "log_pad_ratio": "log_pad_ratio",
+    "cg_to_front_axle": "cg_to_front_axle",
+    "cg_height": "cg_height",
+}
+"""What enters forces and slips nonlinearly, with the row of its prior."""
 
-_NAMES = (*["form"] * len(FORMS), *NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
+NAMES = (*["form"] * len(FORMS), *NONLINEAR.values(), "compliance", "log_tyre_ratio", "radius_load")
 """The coordinates in their order, by the rows of the priors."""
 
 OWN = len(FORMS) + len(NONLINEAR)
 """Number of coordinates that are drawn; the others are linear and integrated out."""
 
-_COMPLIANCE, _SIGMA = PRIORS["compliance"]
-_LESS = 0.5 * PRIORS["log_tyre_ratio"][1] * _COMPLIANCE
-LINEAR = np.array([_COMPLIANCE, _COMPLIANCE, PRIORS["radius_load"][0]])
+COMPLIANCE, _SIGMA = PRIORS["compliance"]
+_LESS = 0.5 * PRIORS["log_tyre_ratio"][1] * COMPLIANCE
+LINEAR = np.array([COMPLIANCE, COMPLIANCE, PRIORS["radius_load"][0]])
 TO_LINEAR = np.array(
     [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, PRIORS["radius_load"][1]]]
 )
 """Compliances and fall of the radii are LINEAR + TO_LINEAR @ (the last three coordinates)."""
 
-_CENTRE, _WIDTH = np.array([PRIORS[name] for name in NONLINEAR]).T
-_RATIO = _NAMES.index("log_pad_ratio")
-_APART = np.array([float(ROWS[name]["model"]) for name in _NAMES])
-_OF_FILE = np.array([float(ROWS[n]["tyre_file"] or PRIORS[n][1]) / PRIORS[n][1] for n in _NAMES])
+CENTRE, WIDTH = np.array([PRIORS[name] for name in NONLINEAR.values()]).T
+RATIO = list(NONLINEAR).index("log_pad_ratio")
+_LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
+_OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
+_CARS_APART = np.array([float(ROWS[name]["model"]) for name in NAMES])
+_OF_FILE = np.array([float(ROWS[n]["tyre_file"] or PRIORS[n][1]) / PRIORS[n][1] for n in NAMES])
 _TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing
 _COUNT = 200  # independent draws that the kept ones are worth
 
@@ -69,23 +71,98 @@ class Known:
     mean: Array
     covariance: Array
 
-    def with_ratio(self, ratio: Value) -> tuple[Array, Array, float]:
-        """Mean and covariance in the coordinates of ``ratio`` instead of `UNSAID`, and log weight.
 
-        ``ratio`` is what is known of the pads' ratio before the ramps from elsewhere: its density
-        over that of `UNSAID` multiplies this one, and says how likely this one is beside the field.
-        """
-        finer, off = UNSAID.sigma / ratio.sigma, ratio.value / ratio.sigma
-        d, h = finer**2 - 1.0, off * finer
-        column, at = self.covariance[:, _RATIO], self.mean[_RATIO]
-        more = 1.0 + d * column[_RATIO]
-        misfit = (d * at**2 - 2.0 * h * at - h**2 * column[_RATIO]) / more + off**2
-        scale = np.where(np.arange(column.size) == _RATIO, finer, 1.0)
-        mean = scale * (self.mean + column * (h - d * at) / more)
-        mean[_RATIO] -= off
-        covariance = self.covariance - d * np.outer(column, column) / more
-        weight = -0.5 * float(np.log(more / finer**2) + misfit)
-        return mean, np.outer(scale, scale) * covariance, weight
+_FIELD = Known("the field", "", np.zeros(len(NAMES)), np.eye(len(NAMES)))
+
+
+def drawn(x: Array, known: Sequence[Known]) -> tuple[Ensemble, Array, Array]:
+    """Draws of standard normal numbers (n, OWN + 1); the linear parameters are not in them.
+
+    Those are normal, too: centre (n, 3) plus root (n, 3, 3) times standard normal ones.
+    """
+    y = x[:, :OWN].copy()
+    centre, root = np.empty((len(x), 3)), np.empty((len(x), 3, 3))
+    which = part_of(x, known)
+    for i, one in enumerate((_FIELD, *known)):
+        at, own = which == i, np.linalg.cholesky(one.covariance)
+        moved = one.mean + x[at, :OWN] @ own[:, :OWN].T
+        y[at], centre[at] = moved[:, :OWN], LINEAR + moved[:, OWN:] @ TO_LINEAR.T
+        left = TO_LINEAR @ own[OWN:, OWN:]
+        root[at] = np.linalg.inv(np.linalg.cholesky(np.linalg.inv(left @ left.T))).T
+    return _cars(y), centre, root
+
+
+def part_of(x: Array, known: Sequence[Known]) -> Index:
+    """What each draw (n,) rests on: 0 the field, then what is known in its order."""
+    from scipy.special import ndtr
+
+    above = (2.0 * ndtr(x[:, -1]) - 1.0) * len(known)
+    return np.asarray(np.ceil(np.clip(above, 0.0, len(known))), dtype=np.int64)
+
+
+def log_more(stated: Value, log_ratio: Array) -> Array:
+    """ln of the density of pads' ratios by what is ``stated``, over that of the field's prior."""
+    r = log_ratio / WIDTH[RATIO]
+    field = (1.0 - _OTHER) * np.exp(-0.5 * r**2)
+    field += _OTHER / _APART * np.exp(-0.5 * (r / _APART) ** 2)
+    return np.asarray(-0.5 * ((log_ratio - stated.value) / stated.sigma) ** 2 - np.log(field))
+
+
+@cache
+def _tails() -> tuple[Array, Array]:
+    """Standard normal numbers, and those of the pads' ratio with the same quantiles.
+
+    Some cars have other pads than the file says, or a fault: `_OTHER` of them, `_APART` as far.
+    """
+    from scipy.special import ndtr, ndtri
+
+    r = np.linspace(-9.0, 9.0, 2001)
+    below = (1.0 - _OTHER) * ndtr(r) + _OTHER * ndtr(r / _APART)
+    return ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)), r
+
+
+def _cars(y: Array) -> Ensemble:
+    """Cars of coordinates (n, OWN), of unit compliances."""
+    columns = y[:, len(FORMS) :].copy()
+    columns[:, RATIO] = np.interp(columns[:, RATIO], *_tails())
+    values = dict(zip(NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
+    one, none = np.ones(len(y)), np.zeros((len(y), DEPART_AT.size))
+    return Ensemble(
+        forms=weights_of(y[:, : len(FORMS)]),
+        **(values | {name: np.exp(values[name]) for name in _LOGS}),
+        compliance_f=one,
+        compliance_r=one,
+        radius_load=one,
+        v_late=none[:, 0],
+        depart_eta=none,
+        depart_slip=none,
+    )
+
+
+def coordinates(e: Ensemble) -> Array:
+    """Coordinates (n, k) of draws, those of the forms among the many that have their weights."""
+    rng = np.random.default_rng(44)
+    # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
+    amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
+    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
+    values = vars(e) | {name: np.log(getattr(e, name)) for name in _LOGS}
+    nonlinear = (np.stack([values[name] for name in NONLINEAR], axis=1) - CENTRE) / WIDTH
+    return np.hstack([forms, nonlinear, np.linalg.solve(TO_LINEAR, (e.linear - LINEAR).T).T])
+
+
+@cache
+def _amounts() -> tuple[Array, Array]:
+    """Standard normal numbers, and ln of the Gamma distributed ones with the same quantiles."""
+    from scipy.special import gammaincinv, ndtr
+
+    x = np.linspace(-7.0, 7.0, 2001)
+    return x, np.log(gammaincinv(_SPARSE, ndtr(x)))
+
+
+def weights_of(x: Array) -> Array:
+    """Weights of the forms (n, 5) by their standard normal coordinates (n, 5)."""
+    amount = np.exp(np.interp(x, *_amounts()))
+    return np.asarray(amount / amount.sum(axis=1, keepdims=True))
 
 
 def known_before(
@@ -122,9 +199,9 @@ def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:
         slips.append(np.interp(use, *tyre.curve(loads[1])))
     *nonlinear, compliance, fall = np.mean(rows, axis=0)
     forms = len(FORMS)
-    mean[forms : forms + 3] = (nonlinear - _CENTRE[:3]) / _WIDTH[:3]
+    mean[forms : forms + 3] = (nonlinear - CENTRE[:3]) / WIDTH[:3]
     mean[OWN:] = np.linalg.solve(TO_LINEAR, [rows[0][3], rows[1][3], fall] - LINEAR)
-    sigma[OWN : OWN + 2] *= compliance / _COMPLIANCE
+    sigma[OWN : OWN + 2] *= compliance / COMPLIANCE
     covariance = np.diag(sigma**2)
     mean[:forms], covariance[:forms, :forms] = _form(use, np.mean(slips, axis=0))
     return Known(" and ".join(t.name for t in tyres), "tyre_file", mean, covariance)
@@ -142,46 +219,19 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
 
 def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
     """One more car of the model of these tables, by name@version."""
-    one = np.eye(_APART.size)
-    precision, pull = np.diag(1.0 / (1.0 - _APART)), np.zeros(_APART.size)
+    one = np.eye(_CARS_APART.size)
+    precision, pull = np.diag(1.0 / (1.0 - _CARS_APART)), np.zeros(_CARS_APART.size)
     for id_, table in fleet.items():
         require_maps(table, id_)
-        x = _coordinates(car, table)
+        assert table.draws is not None
+        x = coordinates(ensemble_of(car, table.draws))
         v, Q = np.linalg.eigh(np.cov(x.T) + 1e-6 * one)
         shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # of an inverse Wishart's mean
         Q, sharp = Q[:, v < _TOLD], shrink / v[v < _TOLD]
         told, h = Q @ np.diag(sharp - 1.0) @ Q.T, Q @ (sharp * (Q.T @ x.mean(axis=0)))
-        through = np.linalg.inv(one + told * _APART)  # it tells of the mean, less its own scatter
+        through = np.linalg.inv(
+            one + told * _CARS_APART
+        )  # it tells of the mean, less its own scatter
         precision, pull = precision + through @ told, pull + through @ h
     of_mean: Array = np.linalg.inv(0.5 * (precision + precision.T)).astype(np.float64)
-    return Known("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_APART))
-
-
-def _coordinates(car: Vehicle, table: Table) -> Array:
-    """The draws of a table in coordinates (n, k)."""
-    assert table.draws is not None
-    e, rng = ensemble_of(car, table.draws), np.random.default_rng(44)
-    # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
-    amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
-    logs = {"log_peak": np.log(e.peak), "cg_to_front_axle": np.log(e.cg_to_front_axle),
-            "cg_height": np.log(e.cg_height)}  # fmt: skip
-    nonlinear = np.stack([{**vars(e), **logs}[name] for name in NONLINEAR], axis=1)
-    linear = np.stack([e.compliance_f, e.compliance_r, e.radius_load], axis=1) - LINEAR
-    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
-    of_linear = np.linalg.solve(TO_LINEAR, linear.T).T
-    return np.hstack([forms, (nonlinear - _CENTRE) / _WIDTH, of_linear])
-
-
-@cache
-def _amounts() -> tuple[Array, Array]:
-    """Standard normal numbers, and ln of the Gamma distributed ones with the same quantiles."""
-    from scipy.special import gammaincinv, ndtr
-
-    x = np.linspace(-7.0, 7.0, 2001)
-    return x, np.log(gammaincinv(_SPARSE, ndtr(x)))
-
-
-def weights_of(x: Array) -> Array:
-    """Weights of the forms (n, 5) by their standard normal coordinates (n, 5)."""
-    amount = np.exp(np.interp(x, *_amounts()))
-    return np.asarray(amount / amount.sum(axis=1, keepdims=True))
+    return Known("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_CARS_APART))

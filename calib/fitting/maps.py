@@ -37,94 +37,87 @@ _EMPTY = 0.1  # scenarios that any cell has of the prior: one that nobody sees h
 _GROUPS = 256  # of scenarios alike in what is asked, in which the weights are added up
 
 
-class _Sorted:
-    """Weighted quantiles of ``values`` (n,)."""
-
-    def __init__(self, values: Array) -> None:
-        count = values.size // _GROUPS * _GROUPS
-        self.order = np.argsort(values)[:count]
-        self.first = np.arange(0, count, count // _GROUPS)
-        inner = values[self.order]
-        self.edges = np.append(inner[self.first], inner[-1])
-
-    def quantiles(self, weights: Array) -> Array:
-        """Of `QUANTILES` with ``weights`` (n, c), linear within a group, shape (c, 3)."""
-        below = np.cumsum(np.add.reduceat(weights[self.order], self.first, axis=0), axis=0)
-        below = np.concatenate([np.zeros_like(below[:1]), below / below[-1]])
-        return np.stack([np.interp(QUANTILES, column, self.edges) for column in below.T])
+def _quantiles(x: Array, weights: Array) -> Array:
+    """Of `QUANTILES` of ``x`` (n,) with ``weights`` (n, c), linear within a group, shape (c, 3)."""
+    count = x.size // _GROUPS * _GROUPS
+    order, first = np.argsort(x)[:count], np.arange(0, count, count // _GROUPS)
+    edges = np.append(x[order[first]], x[order[-1]])
+    below = np.cumsum(np.add.reduceat(weights[order], first, axis=0), axis=0)
+    below = np.concatenate([np.zeros_like(below[:1]), below / below[-1]])
+    return np.stack([np.interp(QUANTILES, column, edges) for column in below.T])
 
 
 def pressure_odds(runs: list[RampRun]) -> Array:
-    """ln of the front pressure over the rear one at `Z` (k,), as on the ramps; 0 where one rules.
+    """ln of the front pressure over the rear one at `Z` (k,), as on ramps of both axles.
 
-    A known valve, or pressures of the wheels that are logged, make them differ.
+    0 where one pressure rules; a known valve, or logged pressures of the wheels, make them differ.
     """
-    z, odds = [], []
-    for run in runs:
-        if run.only is None:
-            b, at = run.blocks, run.braked
-            z.append(b.z[at])
-            odds.append(np.log(np.maximum(b.p_f[at], 1.0) / np.maximum(b.p_r[at], 1.0)))
-    along, apart = np.concatenate(z), np.concatenate(odds)
-    order = np.array_split(np.argsort(along), min(20, along.size))
-    at, mean = (np.array([np.mean(x[k]) for k in order]) for x in (along, apart))
-    return np.asarray(np.interp(Z, at, mean))
+    x = np.hstack(
+        [np.stack([run.blocks.z, run.blocks.p_f, run.blocks.p_r])[:, run.braked] for run in runs]
+    )
+    z, p_f, p_r = x[:, np.argsort(x[0])]
+    rows = np.stack([z, np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0))])
+    groups = np.array_split(rows, min(20, z.size), axis=1)
+    return np.asarray(np.interp(Z, *np.transpose([group.mean(axis=1) for group in groups])))
 
 
-def maps(car: Vehicle, e: Ensemble, odds: Array | None = None) -> tuple[PadMap, LevelMap]:
+def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, LevelMap]:
     """The maps of an ensemble: of the pads' ratio, and of what is known before eta is read.
 
-    ``odds`` of the axles' pressures at `Z` [1], (k,), equal ones without: the ratio of the maps is
-    that of the brake forces, and holds them.
+    ``odds`` ln of the axles' pressures at `Z` [1], (k,): the ratio of the maps is that of the brake
+    forces, and holds them.
     """
     s = scenarios(car, e)
-    apart_by = np.zeros_like(Z) if odds is None else odds
-    asked = {"ratio": _Sorted(s.log_pad_ratio), "change": _Sorted(s.change)}
-    rows: list[dict[str, Array]] = []
-    before: list[dict[str, Array]] = []
-    shown = [seen(car, s, float(z), float(o)) for z, o in zip(Z, apart_by, strict=True)]
+    each = list(zip(Z.tolist(), np.broadcast_to(odds, Z.shape).tolist(), strict=True))
+    shown = [seen(car, s, z, more) for z, more in each]
     axis = _shifts(shown)
-    for z, at, more in zip(Z, shown, apart_by, strict=True):
-        rolls = at.rolls[:, None].astype(float)
-        one = _bounded("level", np.quantile(at.level, QUANTILES))
-        for name, of in asked.items():
-            one |= _bounded(name, of.quantiles(rolls)[0] + more * (name == "ratio"))
-        form = _FORM * at.shift
-        error = np.sqrt(form**2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
-        near = np.exp(-0.5 * ((at.shift[:, None] - axis * z) / error) ** 2) / error * rolls
-        share = near.sum(axis=0) * np.gradient(axis)
-        near += _EMPTY * float(np.max(near)) / near.shape[0] * rolls
-        log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
-        middle, spread = _moments(near, log_slip[:, None])
-        mean, sigma = middle[:, 0], np.maximum(np.sqrt(spread[:, 0, 0]), 0.02)
-        apart = (log_slip[:, None] - mean) / sigma
-        both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - SLIP) / _NEAR) ** 2)
-        both += _EMPTY * float(np.max(near)) / near.shape[0] * rolls[..., None]
-        both = both.reshape(log_slip.size, -1)
-        flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
-        row = {name: _along(x) for name, x in flat.items()}
-        # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
-        middle, joint = _moments(both, np.stack([log_slip, s.log_pad_ratio, s.change], axis=1))
-        off = (mean[:, None] + sigma[:, None] * SLIP).ravel() - middle[:, 0]
-        for k, (name, of) in enumerate(asked.items(), 1):
-            found = of.quantiles(both)
-            slope = joint[:, 0, k] / joint[:, 0, 0]
-            left = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
-            found = found[:, 1:2] + left * (found - found[:, 1:2]) + (slope * off)[:, None]
-            found = found + more * (name == "ratio")
-            row |= _bounded(name, found.reshape(axis.size, SLIP.size, 3))
-        width = (row["ratio_upper"] - row["ratio_lower"]) / (
-            one["ratio_upper"] - one["ratio_lower"]
-        )
-        row["prior"] = np.minimum(width, 1.0)
-        rows.append(row)
-        before.append(one)
-    return (
-        PadMap.of(
-            (Z, axis, SLIP), **{name: np.stack([row[name] for row in rows]) for name in rows[0]}
-        ),
-        LevelMap.of((Z,), **{name: np.array([row[name] for row in before]) for name in before[0]}),
-    )
+    pads: list[dict[str, Array]] = []
+    before: list[dict[str, Array]] = []
+    for (z, more), at in zip(each, shown, strict=True):
+        cells, own = _cells(z, at, axis, np.stack([s.log_pad_ratio + more, s.change]))
+        pads.append(cells)
+        before.append(own | _bounded("level", np.quantile(at.level, QUANTILES)))
+    return PadMap.of((Z, axis, SLIP), **_stacked(pads)), LevelMap.of((Z,), **_stacked(before))
+
+
+def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def _cells(
+    z: float, at: Seen, axis: Array, asked: Array
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Columns of the maps at ``z``, of cells over the ``axis`` and `SLIP` and without a reading.
+
+    ``asked`` ratio and change of the pads in the scenarios (2, n).
+    """
+    rolls = at.rolls[:, None].astype(float)
+    error = np.sqrt((_FORM * at.shift) ** 2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
+    near = np.exp(-0.5 * ((at.shift[:, None] - axis * z) / error) ** 2) / error * rolls
+    share = near.sum(axis=0) * np.gradient(axis)
+    some = _EMPTY / near.shape[0] * rolls
+    near += some * np.max(near)
+    log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
+    middle, spread = _moments(near, log_slip[None])
+    mean, sigma = middle[:, 0], np.maximum(np.sqrt(spread[:, 0, 0]), 0.02)
+    apart = (log_slip[:, None] - mean) / sigma
+    both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - SLIP) / _NEAR) ** 2)
+    both = (both + (some * np.max(near))[..., None]).reshape(log_slip.size, -1)
+    flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
+    cells = {name: np.repeat(x[:, None], SLIP.size, axis=1) for name, x in flat.items()}
+    # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
+    middle, joint = _moments(both, np.vstack([log_slip, asked]))
+    off = (mean[:, None] + sigma[:, None] * SLIP).ravel() - middle[:, 0]
+    before: dict[str, Array] = {}
+    for k, (name, x) in enumerate(zip(("ratio", "change"), asked, strict=True), 1):
+        whole, *found = _quantiles(x, np.hstack([rolls, both]))
+        slope, spread = joint[:, 0, k] / joint[:, 0, 0], np.array(found)
+        left = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
+        within = spread[:, 1:2] + left * (spread - spread[:, 1:2]) + (slope * off)[:, None]
+        cells |= _bounded(name, within.reshape(axis.size, SLIP.size, 3))
+        before |= _bounded(name, whole)
+    width, most = (of["ratio_upper"] - of["ratio_lower"] for of in (cells, before))
+    return cells | {"prior": np.minimum(width / most, 1.0)}, before
 
 
 def _shifts(shown: list[Seen]) -> Array:
@@ -138,19 +131,13 @@ def _shifts(shown: list[Seen]) -> Array:
 
 
 def _moments(weight: Array, x: Array) -> tuple[Array, Array]:
-    """Means (c, k) and covariances (c, k, k) of ``x`` (n, k) with weights (n, c)."""
-    share = (weight / weight.sum(axis=0)).T
-    centre = x.mean(axis=0)
-    apart = x - centre
-    mean = share @ apart
-    products = (apart[:, :, None] * apart[:, None, :]).reshape(x.shape[0], -1)
-    square = (share @ products).reshape(-1, x.shape[1], x.shape[1])
+    """Means (c, k) and covariances (c, k, k) of ``x`` (k, n) with weights (n, c)."""
+    share, centre = weight / weight.sum(axis=0), x.mean(axis=1)
+    apart = x - centre[:, None]
+    mean = (apart @ share).T
+    square = np.moveaxis(apart[:, None] * apart @ share, -1, 0)
     covariance = square - mean[:, :, None] * mean[:, None, :]
-    return mean + centre, covariance + 1e-12 * np.eye(x.shape[1])
-
-
-def _along(x: Array) -> Array:
-    return np.repeat(x[:, None], SLIP.size, axis=1)
+    return mean + centre, covariance + 1e-12 * np.eye(len(x))
 
 
 def _bounded(name: str, x: Array) -> dict[str, Array]:

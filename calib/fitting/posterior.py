@@ -4,7 +4,7 @@ r"""The ensemble that explains the ramps.
 
 Forms, load exponents, peak, pads' ratio and centre of gravity enter nonlinearly. Given them, a
 Gaussian regression gives compliances and fall of the radii, and the evidence of the rest; see
-`calib.fitting.regression`.
+`calib.fitting.regression`. What a user states of the pads' ratio is evidence, too.
 
 The evidence carries the draws from prior to posterior in steps of equal loss (sequential Monte
 Carlo, Del Moral et al. 2006, doi:10.1111/j.1467-9868.2006.00553.x), with moves in between that
@@ -13,27 +13,30 @@ The sequence of draws is fixed: the same logs give the same table.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.base.arrays import Array, Index
+from calib.base.arrays import Array
 from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, spread_evenly
-from calib.fitting.known import LINEAR, NONLINEAR, OWN, TO_LINEAR, Known, weights_of
+from calib.fitting.ensemble import Ensemble, spread_evenly
+from calib.fitting.known import COMPLIANCE, OWN, RATIO, Known, drawn, log_more, part_of
 from calib.fitting.pads import UNSAID
-from calib.fitting.regression import LinearPrior, Regression
+from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
-_OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
 DRAWS = 2048
 """Size of the ensemble: its 2.5 % quantile is known to a tenth of a sigma."""
 
-_PRIORS = {"tyres": [*range(8), 11, 12], "unlike_pads": [8], "load_geometry": [9, 10, 13]}
-"""Part of a budget of the numbers of a draw: forms, `NONLINEAR`, compliances, fall of radii."""
+_PADS = len(FORMS) + RATIO
+_CAUSES = {"tyres": [*range(_PADS), 11, 12], "unlike_pads": [_PADS], "load_geometry": [9, 10, 13]}
+"""Coordinates of the prior by part of a budget."""
+
+_LOSS = 0.5  # share of the draws that count after a step
+_STRIDE = 0.4  # of a move
+_MOVES, _MOST_MOVES = 0.8, 6  # accepted moves of a draw between two steps, and tries
 
 
 @dataclass(frozen=True)
@@ -73,77 +76,6 @@ def _even_root(covariance: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
 
 
-@cache
-def _tails() -> tuple[Array, Array]:
-    """Standard normal numbers, and those of the pads' ratio with the same quantiles.
-
-    Some cars have other pads than the file says, or a fault: `_OTHER` of them, `_APART` as far.
-    """
-    from scipy.special import ndtr, ndtri
-
-    r = np.linspace(-9.0, 9.0, 2001)
-    below = (1.0 - _OTHER) * ndtr(r) + _OTHER * ndtr(r / _APART)
-    return ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)), r
-
-
-def _from_normal(x: Array, ratio: Value) -> Ensemble:
-    """The prior's draws (n, 5 + 6) from standard normal ones; unit compliances."""
-    priors = PRIORS | {"log_pad_ratio": (ratio.value, ratio.sigma)}
-    columns = dict(zip(NONLINEAR, x[:, len(FORMS) :].T, strict=True))
-    if ratio == UNSAID:
-        columns["log_pad_ratio"] = np.interp(columns["log_pad_ratio"], *_tails())
-    drawn = {name: priors[name][0] + priors[name][1] * of for name, of in columns.items()}
-    one = np.ones(x.shape[0])
-    return Ensemble(
-        forms=weights_of(x[:, : len(FORMS)]),
-        load_exponent=drawn["load_exponent"],
-        peak_load_exponent=drawn["peak_load_exponent"],
-        peak=np.exp(drawn["log_peak"]),
-        log_pad_ratio=drawn["log_pad_ratio"],
-        cg_to_front_axle=np.exp(drawn["cg_to_front_axle"]),
-        cg_height=np.exp(drawn["cg_height"]),
-        compliance_f=one,
-        compliance_r=one,
-        radius_load=one,
-        v_late=0.0 * one,
-        depart_eta=np.zeros((one.size, DEPART_AT.size)),
-        depart_slip=np.zeros((one.size, DEPART_AT.size)),
-    )
-
-
-class _Mixture:
-    """The prior as a map of standard normal numbers: the field's, and half of it what is known."""
-
-    def __init__(self, known: Sequence[Known], ratio: Value) -> None:
-        self.ratio, self.dimension = ratio, OWN + bool(known)
-        self.parts = [one.with_ratio(ratio) for one in known]
-
-    def of(self, x: Array) -> Index:
-        """Which part each draw is of, (n,): 0 the field, then what is known in its order."""
-        from scipy.special import ndtr
-
-        if not self.parts:
-            return np.zeros(x.shape[0], dtype=np.int64)
-        above = (2.0 * ndtr(x[:, -1]) - 1.0) * len(self.parts)
-        return np.asarray(np.ceil(np.clip(above, 0.0, len(self.parts))), dtype=np.int64)
-
-    def drawn(self, x: Array) -> tuple[Ensemble, LinearPrior]:
-        """Draws (n,) of normal numbers (n, d), with the prior of their linear parameters."""
-        which, y, field = self.of(x), x[:, :OWN].copy(), np.linalg.inv(TO_LINEAR @ TO_LINEAR.T)
-        precision, pull = np.tile(field, (len(x), 1, 1)), np.tile(field @ LINEAR, (len(x), 1))
-        log = np.zeros(len(x))
-        for i, (mean, covariance, weight) in enumerate(self.parts, 1):
-            at, root = which == i, np.linalg.cholesky(covariance)
-            moved = mean + x[at, :OWN] @ root[:, :OWN].T
-            y[at], linear = moved[:, :OWN], LINEAR + moved[:, OWN:] @ TO_LINEAR.T
-            left, narrower = TO_LINEAR @ root[OWN:, OWN:], np.diag(root)[OWN:]
-            own = np.linalg.inv(left @ left.T)
-            precision[at], pull[at] = own, linear @ own
-            square = np.einsum("np,np->n", pull[at], linear) - LINEAR @ field @ LINEAR
-            log[at] = weight - np.log(narrower).sum() - 0.5 * square
-        return _from_normal(y, self.ratio), LinearPrior(precision, pull, log)
-
-
 def posterior(
     car: Vehicle,
     runs: list[RampRun],
@@ -151,55 +83,46 @@ def posterior(
     draws: int = DRAWS,
     known: Sequence[Known] = (),
 ) -> Posterior:
-    """The ensemble given the ramps ``runs``; ``ratio`` what is known of the pads' ratio before.
+    """The ensemble given the ramps ``runs``; ``ratio`` what is stated of ln of the pads' ratio.
 
-    What else is ``known`` shares half of the prior. Raises ValueError where no draw of the prior
-    explains the ramps at all, or nothing is left of a ramp.
+    `UNSAID` where nobody states it. What else is ``known`` shares half of the prior. Raises
+    ValueError where no draw of the prior explains the ramps at all, or nothing is left of a ramp.
     """
     from scipy.special import ndtri
 
-    regression = Regression(car, runs)
-    prior = _Mixture(known, ratio)
-    rng = np.random.default_rng(40)
-    start = ndtri(spread_evenly(draws, prior.dimension))
+    regression, rng = Regression(car, runs), np.random.default_rng(40)
+    said = ratio != UNSAID
 
     def log_evidence(x: Array) -> Array:
-        return regression.solve(*prior.drawn(x))[0]
+        e, *of_linear = drawn(x, known)
+        more = log_more(ratio, e.log_pad_ratio) if said else 0.0
+        return regression.solve(e, *of_linear)[0] + more
 
+    start = ndtri(spread_evenly(draws, OWN + bool(known)))
     x = _carried(start, log_evidence, rng)
-    e, of_linear = prior.drawn(x)
-    _, mean, A = regression.solve(e, of_linear)
+    e, centre, root = drawn(x, known)
+    _, mean, A = regression.solve(e, centre, root)
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     found = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
-    left = regression.left(e, found) @ regression.white.T
-    departs = regression.departures(left)
-    front, rear = np.maximum(found[:, :2].T, 0.1 * PRIORS["compliance"][0])
-    before = np.hstack([x[:, :OWN], of_linear.standard(found)])
+    linear = centre + np.einsum("nij,nj->ni", root, found)
+    front, rear = np.maximum(linear[:, :2].T, 0.1 * COMPLIANCE)
+    e = replace(e, compliance_f=front, compliance_r=rear, radius_load=linear[:, 2])
+    left = regression.left(e) @ regression.white.T
+    before = np.hstack([x[:, :OWN], found])
+    if said:
+        before[:, _PADS] = (e.log_pad_ratio - ratio.value) / ratio.sigma
     pulls = regression.pulls(left)
-    for part, columns in _PRIORS.items():
+    for part, columns in _CAUSES.items():
         pulls[part] = np.hstack([pulls.get(part, before[:, :0]), before[:, columns]])
-    field, *others = np.bincount(prior.of(x), minlength=len(known) + 1)
+    field, *others = np.bincount(part_of(x, known), minlength=len(known) + 1)
     counts = len(known) * np.array(others, dtype=np.float64)
     return Posterior(
-        **{
-            **vars(e),
-            "compliance_f": front,
-            "compliance_r": rear,
-            "radius_load": found[:, 2],
-            "v_late": regression.late(left, rng),
-            "depart_eta": departs["eta"],
-            "depart_slip": departs["slip"],
-            "pulls": pulls,
-            "misfit": float(np.sqrt(np.mean(left**2))),
-            "held": (counts + 0.5) / (counts + field + 1.0),
-        }
+        **vars(e) | regression.beside(left, rng),
+        pulls=pulls,
+        misfit=float(np.sqrt(np.mean(left**2))),
+        held=(counts + 0.5) / (counts + field + 1.0),
     )
-
-
-_LOSS = 0.5  # share of the draws that count after a step
-_STRIDE = 0.4  # of a move
-_MOVES, _MOST_MOVES = 0.8, 6  # accepted moves of a draw between two steps, and tries
 
 
 def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Generator) -> Array:

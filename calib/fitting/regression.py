@@ -1,4 +1,4 @@
-"""What the ramps show of a draw: eta and slip, linear in its compliances and the fall of its radii.
+r"""What the ramps show of a draw: eta and slip, linear in compliances and fall of the radii.
 
     rows = H (c_f, c_r, fall) + error        H by the forces over the loads, the form of the tyres
 
@@ -8,6 +8,7 @@ doi:10.1088/0266-5611/30/11/114007): no tyre is a mean of published ones, and it
 a range of forces.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,34 +28,29 @@ _SLOW = 5.0  # speed below which a ramp tells little [m/s]
 _FINEST = 5e-4  # eta - 1 or slip below which an error of the form is no smaller [1]
 _ROUGH = 0.02  # share of the variance of that error that is not alike from point to point
 
+_KINDS = ("eta", "slip")  # of rows, in their order
+_ALONE: dict[str | None, float] = {"f": np.inf, "r": -np.inf}  # ln of the odds of its pressure
+
 
 @dataclass(frozen=True)
 class _Ramp:
     """One ramp, zeroed on its lead-in: means of groups of blocks, (k,) each.
 
-    ``brake`` brake force of both axles over the weight, ``moment_f``, ``moment_r`` other moments
-    and ``rolling`` deceleration and moments of the lead-in, (3,), not zeroed;
-    ``log_odds`` of the axles' pressures; ``alone`` share of the front axle where one axle brakes
-    alone, else None. Without v ``slip`` is what the wheels lose against the speed that a_x carries
-    on. Variances are those of the sensors. Else there is, of one standard deviation, ``zero_eta``;
-    what an error makes of the slip, (k, m): its ``zeros``, a ``clock`` of v, a ``scale`` of a_x.
+    ``brake`` brake force of both axles over the weight; ``moments`` other ones of the axles (2, k);
+    ``rolling`` deceleration and moments of the lead-in, (3,), not zeroed; ``log_odds`` of the
+    axles' pressures; ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip, (2, k).
+    Without v the slip is what the wheels lose against the speed that a_x carries on. ``errors``
+    what those of one standard deviation make of either, (k, m), by cause.
     """
 
     z: Array
     brake: Array
-    moment_f: Array
-    moment_r: Array
+    moments: Array
     rolling: Array
     log_odds: Array
-    alone: float | None
-    eta: Array
-    eta_variance: Array
-    zero_eta: float
-    slip: Array
-    slip_covariance: Array
-    zeros: Array
-    clock: Array
-    scale: Array
+    only: str | None
+    rows: Array
+    errors: dict[str, tuple[Array, Array]]
 
 
 def told(run: RampRun) -> Index:
@@ -73,213 +69,170 @@ def _ramp(car: Vehicle, run: RampRun, most: int | None) -> _Ramp:
     def mean(x: Array) -> Array:
         return np.array([np.mean(x[g]) for g in groups])
 
-    def zeroed(x: Array) -> Array:
-        return mean(x) - np.mean(x[lead])
-
     wheels = noise.omega / mean(b.omega_f)
     zero_wheels = noise.omega / np.mean(b.omega_f[lead]) / np.sqrt(rolled)
-    eta_zero = float(np.mean(b.eta[lead]))
+    eta_zero, none = float(np.mean(b.eta[lead])), np.zeros((time.size, 0))
     if run.slip is None:
-        of_slip = _carried_on(car, run, lead, groups, eta_zero)
+        slip, of_slip = _carried_on(car, run, eta_zero, mean, time)
     else:
-        speed, zero_v = mean(b.speed), noise.v / np.mean(b.speed[lead]) / np.sqrt(rolled)
+        slip, speed = mean(run.slip) - np.mean(run.slip[lead]), mean(b.speed)
+        zero_v = noise.v / np.mean(b.speed[lead]) / np.sqrt(rolled)
         of_slip = {
-            "slip": zeroed(run.slip),
-            "slip_covariance": np.diag((wheels**2 + (noise.v / speed) ** 2) / time),
+            "noise": np.diag(np.sqrt((wheels**2 + (noise.v / speed) ** 2) / time)),
             "zeros": np.full((speed.size, 1), np.hypot(zero_wheels, zero_v)),
             "clock": (_CLOCK * G * mean(b.z) / speed)[:, None],
-            "scale": np.zeros((speed.size, 0)),
         }
+    of_eta = {
+        "noise": np.diag(np.sqrt(2.0 / time) * wheels),
+        "zeros": np.full((time.size, 1), np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED)),
+    }
     B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
     # the loads of the run, as known effects move them, are those of this deceleration
     moved = (run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle) / car.cg_height
     rolling = (moved, run.moment_f / car.weight, run.moment_r / car.weight)
+    z, *moments = map(mean, rolling)
     return _Ramp(
-        z=mean(moved),
-        brake=zeroed(run.brake_sum) / car.weight,
-        moment_f=mean(run.moment_f) / car.weight,
-        moment_r=mean(run.moment_r) / car.weight,
+        z=z,
+        brake=(mean(run.brake_sum) - np.mean(run.brake_sum[lead])) / car.weight,
+        moments=np.array(moments),
         rolling=np.array([np.mean(x[lead]) for x in rolling]),
-        log_odds=np.log(B_f / B_r),
-        alone={None: None, "f": 1.0, "r": 0.0}[run.only],
-        eta=mean(b.eta) / eta_zero - 1.0,
-        eta_variance=2.0 * wheels**2 / time,
-        zero_eta=float(np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED)),
-        **of_slip,
+        log_odds=np.log(B_f / B_r) + _ALONE.get(run.only, 0.0),
+        only=run.only,
+        rows=np.array([mean(b.eta) / eta_zero - 1.0, slip]),
+        errors={
+            cause: (of_eta.get(cause, none), of_slip.get(cause, none))
+            for cause in ("noise", "zeros", "clock", "accelerometer")
+        },
     )
 
 
 def _carried_on(
-    car: Vehicle, run: RampRun, lead: Index, groups: list[Index], eta_zero: float
-) -> dict[str, Array]:
-    """Slip by a speed that a_x carries on from the lead-in, and its errors, as `_Ramp` has them.
+    car: Vehicle, run: RampRun, eta_zero: float, mean: Callable[[Array], Array], length: Array
+) -> tuple[Array, dict[str, Array]]:
+    """Slip (k,) by a speed that a_x carries on from the lead-in, and its errors by cause.
 
     v = v_0 - g int (1 - e) (z - o) dt, and the wheels turn at v (1 - slip): as v goes to zero the
-    slip's part vanishes and that of the scale e does not.
+    slip's part vanishes and that of the scale e does not. ``mean`` of groups of a ``length`` [s].
     """
-    b, noise, R = run.blocks, run.noise, car.front.rolling_radius
+    b, noise, lead, R = run.blocks, run.noise, run.rolling, car.front.rolling_radius
     rear = 1.0 - run.load_f / car.weight
     rim = R * b.omega_f * (1.0 + rear * (b.eta / eta_zero - 1.0))
     time = b.end - b.end[lead[-1]]
     slope, v_0 = np.polyfit(time[lead], rim[lead], 1)
     offset = np.mean(b.z[lead]) + slope / G
     lost = np.cumsum(np.where(time > 0.0, G * (b.z - offset) * b.length, 0.0))
-    t, gone, u = (np.array([np.mean(x[g]) for g in groups]) for x in (time, lost, rim))
-    length = np.array([g.size for g in groups]) * b.length
-    v = u * (1.0 + PRIORS["compliance"][0] * np.array([np.mean(b.z[g]) for g in groups]))
-    wheel = noise.omega * R
+    t, gone, u = mean(time), mean(lost), mean(rim)
+    v = u * (1.0 + PRIORS["compliance"][0] * mean(b.z))
+    wheel, rolled = noise.omega * R, lead.size * b.length
     sooner, later = np.minimum(t[:, None], t), np.maximum(t[:, None], t)
     walk = _GRADE**2 * (sooner**3 / 3.0 + sooner**2 * (later - sooner) / 2.0)
     covariance = G**2 * (noise.z**2 * sooner + walk) / np.outer(v, v)
     covariance += np.diag((wheel / v) ** 2 / length)
-    rolled = lead.size * b.length
     slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
     scale, sigma = PRIORS["a_x_scale"]
     start = 2.0 * wheel / np.sqrt(rolled)
-    return {
-        "slip": (v_0 - (1.0 - scale) * gone - u) / v,
-        "slip_covariance": covariance,
+    return (v_0 - (1.0 - scale) * gone - u) / v, {
+        "noise": np.linalg.cholesky(covariance),
         "zeros": np.stack([-G * t * slope_sigma / v, start / v], axis=1),
-        "clock": np.zeros((v.size, 0)),
-        "scale": (-gone * sigma / v)[:, None],
+        "accelerometer": (-gone * sigma / v)[:, None],
     }
 
 
-@dataclass(frozen=True)
-class LinearPrior:
-    """What is known of the linear parameters of each draw before the ramps.
-
-    ``precision`` (n, 3, 3) and ``pull`` (n, 3), precision times mean; ``log_weight`` (n,) of the
-    draw, with the norm of that density.
-    """
-
-    precision: Array
-    pull: Array
-    log_weight: Array
-
-    def standard(self, linear: Array) -> Array:
-        """The linear parameters (n, 3) in the coordinates in which this is standard normal."""
-        off = linear - np.linalg.solve(self.precision, self.pull[..., None])[..., 0]
-        return np.asarray(np.einsum("ni,nij->nj", off, np.linalg.cholesky(self.precision)))
-
-
 class Regression:
-    """The rows of all ramps: eta of each, then slip of each, in ``most`` groups of blocks.
+    """The rows of all ramps: eta, then slip of each, in ``most`` groups of blocks.
 
-    None for ``most`` makes each block a row.
-
-    ``errors`` (k, m) by part of a budget: what each error of one standard deviation makes of the
-    rows.
+    None for ``most`` makes each block a row. ``errors`` (k, m) by part of a budget: what each error
+    of one standard deviation makes of the rows.
     """
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
         self.car, self.ramps = car, [_ramp(car, run, most) for run in runs]
-        self.errors = self._errors()
+        self.clock = self._of("clock")
+        self.errors = {
+            "noise": self._of("noise"),
+            "tyres": np.asarray(np.linalg.cholesky(self._form())),
+            "zeros": np.hstack([self._of("zeros"), self.clock]),
+            "accelerometer": self._of("accelerometer"),
+        }
         covariance = sum(error @ error.T for error in self.errors.values())
         self.white = np.linalg.inv(np.linalg.cholesky(np.asarray(covariance)))
 
-    def _errors(self) -> dict[str, Array]:
+    def _of(self, cause: str) -> Array:
         from scipy.linalg import block_diag
 
-        def stacked(of_eta: list[Array], of_slip: list[Array]) -> Array:
-            return np.asarray(block_diag(*of_eta, *of_slip))
-
-        none = [np.zeros((r.z.size, 0)) for r in self.ramps]
-        sensors = stacked(
-            [np.diag(r.eta_variance) for r in self.ramps], [r.slip_covariance for r in self.ramps]
-        )
-        zeros = [np.full((r.z.size, 1), r.zero_eta) for r in self.ramps]
-        return {
-            "noise": np.asarray(np.linalg.cholesky(sensors)),
-            "tyres": np.asarray(np.linalg.cholesky(self._form())),
-            "zeros": stacked(zeros, [np.hstack([r.zeros, r.clock]) for r in self.ramps]),
-            "accelerometer": stacked(none, [r.scale for r in self.ramps]),
-        }
+        return np.asarray(block_diag(*(x for r in self.ramps for x in r.errors[cause])))
 
     def _form(self) -> Array:
         """Covariance of the error of the form, over the deceleration."""
-        parts = [(r, r.eta, "eta") for r in self.ramps] + [(r, r.slip, "slip") for r in self.ramps]
-        z = np.concatenate([r.z for r, *_ in parts])
-        size = np.concatenate(
-            [np.maximum(np.abs(x), _FINEST) * PRIORS[f"form_error_{of}"][0] for _, x, of in parts]
+        kinds = [(of, r.only) for r in self.ramps for of in _KINDS]
+        lengths = [r.z.size for r in self.ramps for _ in _KINDS]
+        kind = np.repeat([kinds.index(k) for k in kinds], lengths)
+        share = np.repeat([PRIORS[f"form_error_{of}"][0] for of, _ in kinds], lengths)
+        size = share * np.maximum(
+            np.abs(np.concatenate([r.rows.ravel() for r in self.ramps])), _FINEST
         )
-        kinds = [(of, r.alone) for r, _, of in parts]
-        kind = np.repeat([kinds.index(k) for k in kinds], [r.z.size for r, *_ in parts])
-        near = _near(z, z) * (kind[:, None] == kind) + _ROUGH * np.eye(z.size)
+        self.places = np.concatenate([np.tile(r.z, 2) for r in self.ramps])
         self.departs = {
-            of: size * np.repeat([k == (of, None) for k in kinds], [r.z.size for r, *_ in parts])
-            for of in ("eta", "slip")
+            of: size * np.repeat([k == (of, None) for k in kinds], lengths) for of in _KINDS
         }
-        self.places = z
-        return np.asarray(size[:, None] * size * near)
+        near = _near(self.places, self.places) * (kind[:, None] == kind)
+        return np.asarray(size[:, None] * size * (near + _ROUGH * np.eye(size.size)))
 
     def rows(self, e: Ensemble) -> tuple[Array, Mask]:
         """Design and data (4, n, k); whether forces are below the peaks (n,)."""
-        eta, slip, rolls = [], [], np.ones(e.size, dtype=bool)
+        rows, rolls = [], np.ones(e.size, dtype=bool)
         for r in self.ramps:
-            share = (
-                front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
-                if r.alone is None
-                else np.full((e.size, 1), r.alone)
-            )
-            unit = unit_slips(
-                self.car, e, r.z, share * r.brake + r.moment_f, (1.0 - share) * r.brake + r.moment_r
-            )
+            share = front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
+            forces = np.stack([share, 1.0 - share]) * r.brake + r.moments[:, None]
+            unit = unit_slips(self.car, e, r.z, forces)
             rolls &= unit.rolls.all(axis=1)
-            z, moment_f, moment_r = (np.full((e.size, 1), x) for x in r.rolling)
-            zero = unit_slips(self.car, e, z, moment_f, moment_r)
-            by_f, by_r = unit.front - zero.front, unit.rear - zero.rear
-            grown_f, grown_r = unit.grown_f - zero.grown_f, unit.grown_r - zero.grown_r
-            known = r.eta * (1.0 - PRIORS["compliance"][0] * unit.front)
-            eta.append([by_f, -by_r, grown_r - grown_f, known])
-            front, rear = unit.share, 1.0 - unit.share
-            seen = np.broadcast_to(r.slip, front.shape)
-            grown = front * grown_f + rear * grown_r
-            slip.append([front * by_f, rear * by_r, -grown, seen])
-        return np.concatenate(eta + slip, axis=-1), rolls
+            z, *rolling = r.rolling
+            still = np.tile(np.reshape(rolling, (2, 1, 1)), (1, e.size, 1))
+            zero = unit_slips(self.car, e, z, still)
+            by, grown = unit.slip - zero.slip, unit.grown - zero.grown
+            eta = r.rows[0] * (1.0 - PRIORS["compliance"][0] * unit.slip[0])
+            rows.append([by[0], -by[1], grown[1] - grown[0], eta])
+            slip = np.broadcast_to(r.rows[1], eta.shape)
+            rows.append([*unit.load * by, -np.sum(unit.load * grown, axis=0), slip])
+        return np.concatenate(rows, axis=-1), rolls
 
-    def solve(self, e: Ensemble, prior: LinearPrior) -> tuple[Array, Array, Array]:
-        """Log evidence (n,), mean (n, 3) and precision (n, 3, 3) of the linear parameters."""
+    def solve(self, e: Ensemble, centre: Array, root: Array) -> tuple[Array, Array, Array]:
+        """Log evidence (n,), and mean (n, 3) and precision (n, 3, 3) of what the ramps leave.
+
+        Of the standard normal numbers x of linear parameters ``centre`` (n, 3) + ``root`` x.
+        """
         rows, rolls = self.rows(e)
         *H, y = rows @ self.white.T
-        A = np.einsum("ink,jnk->nij", H, H) + prior.precision
-        g = np.einsum("ink,nk->ni", H, y) + prior.pull
+        y = y - np.einsum("ink,ni->nk", H, centre)
+        H = np.einsum("ink,nij->jnk", H, root)
+        A = np.einsum("ink,jnk->nij", H, H) + np.eye(3)
+        g = np.einsum("ink,nk->ni", H, y)
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
-        log = prior.log_weight - 0.5 * (square + np.log(np.linalg.det(A)))
-        possible = rolls & np.all(mean[:, :2] > 0.0, axis=1)
-        return np.where(possible, log, -np.inf), mean, A
+        log = -0.5 * (square + np.log(np.linalg.det(A)))
+        found = centre + np.einsum("nij,nj->ni", root, mean)
+        return np.where(rolls & np.all(found[:, :2] > 0.0, axis=1), log, -np.inf), mean, A
 
-    def left(self, e: Ensemble, linear: Array) -> Array:
-        """What the draws with ``linear`` (n, 3) leave of the rows (n, k)."""
+    def left(self, e: Ensemble) -> Array:
+        """What the draws leave of the rows (n, k)."""
         *H, y = self.rows(e)[0]
-        return np.asarray(y - np.einsum("ink,ni->nk", H, linear))
+        return np.asarray(y - np.einsum("ink,ni->nk", H, e.linear))
 
     def pulls(self, left: Array) -> dict[str, Array]:
         """How ln of the probability of a draw grows with each of `errors`, (n, m) by part."""
         return {part: left @ (self.white @ error) for part, error in self.errors.items()}
 
-    def late(self, left: Array, rng: np.random.Generator) -> Array:
-        """Time by which v is late [s] (n,), mean of the runs that have v; 0 without any."""
-        from scipy.linalg import block_diag
+    def beside(self, left: Array, rng: np.random.Generator) -> dict[str, Array]:
+        """What else an `Ensemble` has, by name, from what its draws leave.
 
-        none = [np.zeros((r.z.size, 0)) for r in self.ramps]
-        error = self.white @ block_diag(*none, *(r.clock for r in self.ramps))
-        if not error.size:
-            return np.zeros(left.shape[0])
-        root = np.linalg.cholesky(np.eye(error.shape[1]) - error.T @ error)
-        drawn = left @ error
-        drawn += rng.standard_normal(drawn.shape) @ root.T
-        return np.asarray(_CLOCK * np.mean(drawn, axis=1))
-
-    def departures(self, left: Array) -> dict[str, Array]:
-        """Relative departure of eta - 1 and slip from the forms at `DEPART_AT`, (n, k) each.
-
-        The mean of the correlated error, given what the draws leave, ``left``.
+        ``v_late`` a draw of the mean of the runs that have v, 0 without any; ``depart_eta`` and
+        ``depart_slip`` means of the correlated error of the form.
         """
-        pull, near = left @ self.white, _near(self.places, DEPART_AT)
-        return {
-            of: PRIORS[f"form_error_{of}"][0] * (pull * size) @ near
+        clock, near = self.white @ self.clock, _near(self.places, DEPART_AT)
+        root = np.linalg.cholesky(np.eye(clock.shape[1]) - clock.T @ clock)
+        late = left @ clock + rng.standard_normal((len(left), clock.shape[1])) @ root.T
+        return {"v_late": _CLOCK * np.sum(late, axis=1) / max(clock.shape[1], 1)} | {
+            f"depart_{of}": PRIORS[f"form_error_{of}"][0] * (left @ self.white * size) @ near
             for of, size in self.departs.items()
         }
 

@@ -1,20 +1,30 @@
 """What an ensemble leaves of the eta and the slip of a ramp, block by block, over their noise.
 
-A ramp that no draw carries, or that all leave far more of than the sensors err by, makes no table.
+A ramp that no draw carries, or that all leave far more of than the sensors err by, makes no table,
+but where a valve of the rear pressure, missing in the vehicle file, explains it:
+
+    p_r |        .-'   p_k + s (p - p_k)        one p_mc for both axles: nobody measured p_r
+        |     .-'
+        |   /
+        | /            the pads' ratio would bend at p_k, which no tyre of the ensemble does
+        +---+---------> p_mc
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.warning import PlausibilityWarning, judged
+from calib.base.units import from_si
+from calib.base.warning import Measured, PlausibilityWarning, judged
+from calib.car.effects.line import limited
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
-from calib.fitting.rear_valve import rear_valve
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
@@ -24,6 +34,12 @@ _SOME = 64  # draws whose median is taken: it is known far better than a block
 _MOST = 3.0
 """Root mean square of the residuals of eta past which a ramp is not explained: foreign tyres leave
 0.5 to 1.4, a wheel speed that is held for 0.1 s, and moves the ratio of the pads by a sixth, 5."""
+
+_KNEES = (15e5, 20e5, 25e5, 30e5, 35e5)  # of usual valves [Pa]
+_SLOPE = 0.4  # of the rear pressure above the knee, of a usual valve [1]
+_REACH = 0.85  # share of the highest pressure of a ramp below which a knee must be to show
+_DOUBT = 1.2  # misfit past which a knee is asked for: 1.0 to 1.3 without a valve, to 2.8 with one
+_DRAWS = 512  # enough for a misfit
 
 Residuals = list[tuple[Array, Array]]
 """Of eta and of slip of each run, see `residuals`."""
@@ -55,7 +71,7 @@ def explained(
         ) from error
     left = [residuals(car, found, run) for run in runs]
     worst = max(float(np.sqrt(np.mean(eta**2))) for eta, _ in left if eta.size)
-    valve = tuple(judged(", ".join(run.name for run in runs), rear_valve(car, found, runs, ratio)))
+    valve = tuple(judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio)))
     if worst > _MOST and not valve:
         raise LogError(
             f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
@@ -75,12 +91,33 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
     none = np.empty(0)
     if run.only is not None:
         return none, none
-    some = e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64))
     of = Regression(car, [run], most=None)
-    linear = np.stack([some.compliance_f, some.compliance_r, some.radius_load], axis=1)
     sigma = np.linalg.norm(np.hstack([of.errors["noise"], of.errors["tyres"]]), axis=1)
     lasting = np.hstack([of.errors["zeros"], of.errors["accelerometer"]])
-    left = of.left(some, linear)
+    left = of.left(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
     left -= left @ of.white.T @ of.white @ lasting @ lasting.T  # as far as the run tells them
     eta, slip = np.split(np.median(left, axis=0) / sigma, 2)
     return eta, none if run.slip is None else slip
+
+
+def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) -> Iterator[Measured]:
+    """By how much the mean square that is left of the ramps falls with a knee of the rear pressure.
+
+    Not asked where a valve is declared or the pressures of both axles are logged.
+    """
+    measured = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
+    if found.misfit < _DOUBT or measured or "rear_proportioning" in car.effects:
+        return
+    highest, left = max(float(np.max(run.blocks.p_r[run.use])) for run in runs), {}
+    for knee in (knee for knee in _KNEES if knee < _REACH * highest):
+        behind = [
+            replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, knee, _SLOPE)))
+            for run in runs
+        ]
+        with suppress(ValueError):  # no tyre carries these forces
+            left[knee] = posterior(car, behind, ratio, _DRAWS).misfit
+    if left:
+        knee = min(left, key=left.__getitem__)
+        bar = f"{from_si(knee, 'bar', 'Pa'):g}"
+        fall = found.misfit**2 - left[knee] ** 2
+        yield Measured("rear_pressure_limited", fall, words={"bar": bar})

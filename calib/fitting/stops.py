@@ -24,15 +24,14 @@ class Scenarios:
     """Stops, equally likely, (n,): the car ``of`` each, and what the stop brings.
 
     ``change`` of ln of the pads' ratio since the ramp; ``peak`` of the road over that of the ramp;
-    ``stiff_f``, ``stiff_r`` ln of the tyres' stiffness over that of the ramp; ``scale`` of a_x and
-    pitch, ``offset`` of a_x since the lead-in; ``mass`` ln of the mass over that of the file.
+    ``stiff`` ln of the tyres' stiffness of the axles over that of the ramp, (2, n); ``scale`` of
+    a_x and pitch, ``offset`` of a_x since the lead-in; ``mass`` ln of the mass over the file's.
     """
 
     of: Ensemble
     change: Array
     peak: Array
-    stiff_f: Array
-    stiff_r: Array
+    stiff: Array
     scale: Array
     offset: Array
     mass: Array
@@ -69,15 +68,14 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     # another road has a peak of its own, whatever that of the ramp
     log_peak = np.where(other, log_peak - np.log(of.peak), log_peak)
     stiff = np.where(other, stiff + 0.25 * (log_peak + np.log(of.peak / 0.9)), stiff)
-    axle_f, axle_r = (_drawn("log_tyre", u[:, 0], x[:, k])[0] for k in (5, 6))
+    of_axles = np.stack([_drawn("log_tyre", u[:, 0], x[:, k])[0] for k in (5, 6)])
     load, case = _drawn("log_mass", u[:, 7], x[:, 8])
     known = car.mass_tolerance
     return Scenarios(
         of=of,
         change=change,
         peak=np.exp(log_peak),
-        stiff_f=stiff + axle_f,
-        stiff_r=stiff + axle_r,
+        stiff=stiff + of_axles,
         scale=_drawn("a_x_scale", u[:, 7], x[:, 9])[0],
         offset=_drawn("a_x_offset", u[:, 8], x[:, 10])[0],
         mass=np.where((case == 0) | (known <= WEIGHED), known * x[:, 8], load),
@@ -112,14 +110,14 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
         car,
         s.of,
         true,
-        *braked_tyres(car, share, brake, true),
+        np.stack(braked_tyres(car, share, brake, true)),
         at=np.array([z]),
         peak=s.peak,
-        softer=(np.exp(-s.stiff_f)[:, None], np.exp(-s.stiff_r)[:, None]),
+        softer=np.exp(-s.stiff)[..., None],
     )
     return Seen(
         shift=here.rise[:, 0],
         slip=here.slip[:, 0],
         level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
-        rolls=(here.rolls & (np.maximum(here.slip_f, here.slip_r) < 0.3))[:, 0],
+        rolls=(here.rolls & np.all(here.slips < 0.3, axis=0))[:, 0],
     )

@@ -19,7 +19,7 @@ from calib.base.arrays import Array
 from calib.base.random_effects import quantile95
 from calib.car.effects.combined import as_driven
 from calib.car.model import default_model
-from calib.fitting.draws import KEPT, ensemble_of
+from calib.fitting.ensemble import KEPT, ensemble_of
 from calib.fitting.maps import maps
 from calib.table.maps import Draws, LevelMap, PadMap
 from calib.table.table import Table

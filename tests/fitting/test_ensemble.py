@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from calib.car.tyre_forms import FORMS
-from calib.fitting.ensemble import PRIORS, spread_evenly, unit_slips
+from calib.fitting.ensemble import PRIORS, draws_of, ensemble_of, spread_evenly, unit_slips
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
+from tests.support.tables import VEHICLE, made_draws, made_table
 
 L, L_F, H = 2.805, 1.1556, 0.615
 """Wheelbase, way to the front axle, height of the centre of gravity [m]: Table I."""
 
 Z = np.array([0.05, 0.2, 0.5])
-"""Share of the front axle in the brake force at one pressure and one friction."""
 
 
 def loads(z):
@@ -20,15 +20,19 @@ def loads(z):
     return (L - L_F + H * z) / L, (L_F - H * z) / L
 
 
+def of_axles(front, rear):
+    return np.stack([front, rear])[:, None]
+
+
 def test_loads_are_those_of_the_paper():
     e = one_car()
     assert (CAR.wheelbase, CAR.cg_to_front_axle, CAR.cg_height) == pytest.approx((L, L_F, H))
-    unit = unit_slips(CAR, e, Z, 0.5 * Z[None], 0.5 * Z[None])
+    unit = unit_slips(CAR, e, Z, np.full((2, 1, 3), 0.5 * Z))
     front, rear = loads(Z)
     still = loads(0.0)
-    assert unit.share[0] == pytest.approx(front)
-    assert unit.grown_f[0] == pytest.approx(front / still[0] - 1.0)
-    assert unit.grown_r[0] == pytest.approx(rear / still[1] - 1.0)
+    assert unit.load[0, 0] == pytest.approx(front)
+    assert unit.grown[0, 0] == pytest.approx(front / still[0] - 1.0)
+    assert unit.grown[1, 0] == pytest.approx(rear / still[1] - 1.0)
 
 
 def test_a_brush_slips_as_its_formula_says():
@@ -36,8 +40,8 @@ def test_a_brush_slips_as_its_formula_says():
     share = 0.7
     front, rear = share * Z, (1.0 - share) * Z
     e = one_car()
-    unit = unit_slips(CAR, e, Z, front[None], rear[None])
-    for slips, force, load in ((unit.front, front, loads(Z)[0]), (unit.rear, rear, loads(Z)[1])):
+    unit = unit_slips(CAR, e, Z, of_axles(front, rear))
+    for slips, force, load in zip(unit.slip, (front, rear), loads(Z), strict=True):
         slip = 0.04 * slips[0]
         carried = 0.9 * (1.0 - (1.0 - slip / (3.0 * 0.04 * 0.9)) ** 3)
         assert carried == pytest.approx(force / load)
@@ -47,18 +51,16 @@ def test_a_brush_slips_as_its_formula_says():
 def test_small_forces_slip_by_the_compliance_of_every_form():
     small = np.array([1e-4])
     for form in FORMS:
-        unit = unit_slips(CAR, one_car(form), small, 0.7 * small[None], 0.3 * small[None])
-        assert unit.front[0] == pytest.approx(0.7 * small / loads(small)[0], rel=1e-3)
+        unit = unit_slips(CAR, one_car(form), small, of_axles(0.7 * small, 0.3 * small))
+        assert unit.slip[0, 0] == pytest.approx(0.7 * small / loads(small)[0], rel=1e-3)
 
 
 def test_compliance_grows_and_the_peak_falls_with_the_load():
     """At the load N over half the weight: c N^q, m N^-p, and similarity in m."""
     q, p = 0.2, 0.1
-    forces = 0.7 * Z[None], 0.3 * Z[None]
-    unit = unit_slips(
-        CAR, one_car("exponential", load_exponent=q, peak_load_exponent=p), Z, *forces
-    )
-    for slips, force, load in zip((unit.front, unit.rear), forces, loads(Z), strict=True):
+    forces = of_axles(0.7 * Z, 0.3 * Z)
+    unit = unit_slips(CAR, one_car("exponential", load_exponent=q, peak_load_exponent=p), Z, forces)
+    for slips, force, load in zip(unit.slip, forces, loads(Z), strict=True):
         relative = 2.0 * load
         most = 0.9 * relative**-p
         expected = relative**q * most * -np.log(1.0 - force[0] / load / most)
@@ -66,25 +68,24 @@ def test_compliance_grows_and_the_peak_falls_with_the_load():
 
 
 def test_a_road_of_half_the_peak_is_a_tyre_of_half_the_peak():
-    forces = 0.4 * Z[None], 0.1 * Z[None]
-    road = unit_slips(CAR, one_car(), Z, *forces, peak=np.array([0.5]))
-    tyre = unit_slips(CAR, one_car(peak=0.45), Z, *forces)
-    assert road.front == pytest.approx(tyre.front)
-    assert road.rear == pytest.approx(tyre.rear)
+    forces = of_axles(0.4 * Z, 0.1 * Z)
+    road = unit_slips(CAR, one_car(), Z, forces, peak=np.array([0.5]))
+    tyre = unit_slips(CAR, one_car(peak=0.45), Z, forces)
+    assert road.slip == pytest.approx(tyre.slip)
 
 
 def test_without_force_nothing_slips():
-    unit = unit_slips(CAR, one_car(), Z, np.zeros((1, 3)), Z[None])
-    assert np.all(unit.front == 0.0)
-    assert np.all(unit.rear > 0.0)
+    unit = unit_slips(CAR, one_car(), Z, of_axles(0.0 * Z, Z))
+    assert np.all(unit.slip[0] == 0.0)
+    assert np.all(unit.slip[1] > 0.0)
 
 
 def test_beyond_the_peak_or_off_the_road_a_wheel_does_not_roll():
     front, rear = loads(Z)
-    assert not unit_slips(CAR, one_car(), Z, 0.9 * front[None], 0.1 * Z[None]).rolls.any()
-    assert not unit_slips(CAR, one_car(), Z, 0.1 * Z[None], 0.9 * rear[None]).rolls.any()
+    assert not unit_slips(CAR, one_car(), Z, of_axles(0.9 * front, 0.1 * Z)).rolls.any()
+    assert not unit_slips(CAR, one_car(), Z, of_axles(0.1 * Z, 0.9 * rear)).rolls.any()
     lifting = np.array([L_F / H])  # where the rear load is zero
-    assert not unit_slips(CAR, one_car(), lifting, np.zeros((1, 1)), np.zeros((1, 1))).rolls.any()
+    assert not unit_slips(CAR, one_car(), lifting, np.zeros((2, 1, 1))).rolls.any()
 
 
 def test_taking_draws_takes_all_of_each():
@@ -115,3 +116,10 @@ def test_points_are_in_the_open_cube_and_more_even_than_random_ones(dimension):
 def test_priors_name_their_sources():
     assert all(sigma >= 0.0 for _, sigma in PRIORS.values())
     assert {"compliance", "load_exponent", "log_peak", "form_error_eta"} <= set(PRIORS)
+
+
+def test_the_draws_of_an_ensemble_give_it_back():
+    kept = made_draws(400)
+    again = draws_of(VEHICLE, ensemble_of(VEHICLE, kept), made_table().calibration)
+    for name in vars(kept).keys() - {"log_pad_level", "weight"}:
+        np.testing.assert_allclose(getattr(again, name), getattr(kept, name), rtol=1e-12)

@@ -11,9 +11,9 @@ from scipy.stats import norm
 from calib.base.warning import judged
 from calib.car.tyre_file import read_tyre
 from calib.fitting import known as module
-from calib.fitting.draws import draws_of
+from calib.fitting.ensemble import draws_of
 from calib.fitting.fit import fit
-from calib.fitting.known import Known, contradicted, known_before
+from calib.fitting.known import Known, contradicted, known_before, log_more
 from calib.fitting.pads import UNSAID
 from calib.fitting.posterior import posterior
 from calib.table.table import Calibration, Value
@@ -23,6 +23,8 @@ from tests.support.tyre_files import written
 
 RATIO, STIFFNESS, SIZE = 1.08, 25.0, 14
 FIELD = Known("all cars", "tyre_file", np.zeros(SIZE), np.eye(SIZE))
+SHARP = np.eye(SIZE)
+SHARP[8, 8] = 0.2**2  # of the pads' ratio
 
 
 def plant(stiffness=STIFFNESS, ratio=RATIO):
@@ -70,29 +72,21 @@ def test_to_know_the_field_is_to_know_nothing(run, alone):
 
 
 @pytest.mark.parametrize("stated", [Value(0.0, 0.02), Value(0.1, 0.01), Value(0.05, 0.12)])
-def test_a_stated_ratio_multiplies_what_is_known(stated):
-    """Densities of one coordinate on a grid; a second one follows through its correlation."""
-    at, mean, sigma = module._RATIO, 0.6, 0.8
-    covariance = np.eye(SIZE)
-    covariance[at, at], covariance[at, 0] = sigma**2, 0.3
-    covariance[0, at] = 0.3
-    one = np.zeros(SIZE)
-    one[at] = mean
-    found, spread, weight = Known("x", "tyre_file", one, covariance).with_ratio(stated)
-    r = np.linspace(-1.0, 1.0, 200_001)
-    own = norm.pdf(r, UNSAID.sigma * mean, UNSAID.sigma * sigma)
-    product = own * norm.pdf(r, stated.value, stated.sigma) / norm.pdf(r, 0.0, UNSAID.sigma)
-    field = norm.pdf(r, stated.value, stated.sigma)
-    total, step = np.sum(product), r[1] - r[0]
-    middle = np.sum(r * product) / total
-    assert stated.value + stated.sigma * found[at] == pytest.approx(middle, abs=1e-5)
-    assert stated.sigma * math.sqrt(spread[at, at]) == pytest.approx(
-        math.sqrt(np.sum((r - middle) ** 2 * product) / total), rel=1e-3
-    )
-    moved = (middle / UNSAID.sigma - mean) * 0.3 / sigma**2
-    assert found[0] == pytest.approx(moved, abs=1e-4)
-    none = FIELD.with_ratio(stated)[2]
-    assert weight - none == pytest.approx(math.log(total * step / np.sum(field * step)), abs=1e-3)
+def test_a_stated_ratio_takes_the_place_of_the_prior_of_the_field(stated):
+    """The density of the field, pads of a grade and a tenth 4.3 times as far, cancels."""
+    r = np.linspace(-1.5, 1.5, 30_001)
+    field = 0.9 * norm.pdf(r, 0.0, 0.07) + 0.1 * norm.pdf(r, 0.0, 4.3 * 0.07)
+    found = np.log(field) + log_more(stated, r) - norm.logpdf(r, stated.value, stated.sigma)
+    assert np.ptp(found) < 1e-9
+
+
+def test_a_stated_ratio_multiplies_what_is_known(run):
+    """By normal densities 0.83 of what says the same, with a fifth of the sigma of the field."""
+    for mean, low, high in ((0.6, 0.75, 0.9), (-3.0, 0.0, 0.01)):
+        known = replace(FIELD, mean=np.eye(SIZE)[module.RATIO + 5] * mean, covariance=SHARP)
+        e = posterior(CAR, [run], Value(0.04, 0.01), known=(known,))
+        assert np.mean(e.log_pad_ratio) == pytest.approx(0.04, abs=0.004)
+        assert low < e.held[0] < high
 
 
 def test_the_right_tyre_file_narrows(run, alone, tyre):
@@ -163,7 +157,7 @@ def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
     (many,) = known_before(CAR, (), {f"{i}{id_}": t for i in range(40) for id_, t in fleet.items()})
     for of in (one, five, many):
         variance = np.diag(of.covariance)
-        assert np.all(variance > module._APART)
+        assert np.all(variance > module._CARS_APART)
         assert np.all(variance < 1.01)
     assert np.trace(one.covariance) > np.trace(five.covariance) > np.trace(many.covariance)
     assert one.covariance[10, 10] == pytest.approx(1.0, abs=0.35)  # heights differ by loads

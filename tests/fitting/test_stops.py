@@ -86,7 +86,7 @@ def test_roads_are_the_ramp_s_or_others(drawn):
     own = np.log(0.95 * drawn.peak[far])
     assert np.mean(own) == pytest.approx(mean[1], abs=0.15 * sigma[1])
     assert np.std(own) == pytest.approx(sigma[1], rel=0.15)
-    stiff = 0.5 * (drawn.stiff_f + drawn.stiff_r)[far]
+    stiff = drawn.stiff.mean(axis=0)[far]
     assert np.polyfit(np.log(0.95 * drawn.peak[far] / 0.9), stiff, 1)[0] == pytest.approx(
         0.25, abs=0.05
     )
@@ -103,7 +103,9 @@ def test_the_peak_of_another_road_hangs_on_no_ramp():
 def test_tyres_of_the_axles_move_apart_by_the_list(drawn):
     """The road moves both alike."""
     _, sigma = moments("log_tyre")
-    assert np.std(drawn.stiff_f - drawn.stiff_r) == pytest.approx(math.sqrt(2.0) * sigma, rel=0.05)
+    assert np.std(drawn.stiff[0] - drawn.stiff[1]) == pytest.approx(
+        math.sqrt(2.0) * sigma, rel=0.05
+    )
 
 
 def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
@@ -116,11 +118,14 @@ def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
     assert np.std(loose.mass) == pytest.approx(math.sqrt(variance), rel=0.05)
 
 
+SOFTER = np.full((2, 1), -0.2)
+
+
 def still(count=1, **other):
     """Stops that bring nothing, but for ``other``."""
     usual = scenarios(CAR, one_car(**TYRES), count)
     zero, one = np.zeros(count), np.ones(count)
-    usual = replace(usual, change=zero, peak=one, stiff_f=zero, stiff_r=zero, scale=zero)
+    usual = replace(usual, change=zero, peak=one, stiff=np.zeros((2, count)), scale=zero)
     usual = replace(usual, offset=zero, mass=zero)
     return replace(usual, **{name: value * one for name, value in other.items()})
 
@@ -162,8 +167,8 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
 def test_better_front_pads_and_softer_roads_raise_eta():
     usual = seen(CAR, still(), 0.3).shift
     assert seen(CAR, still(change=0.1), 0.3).shift > usual
-    assert seen(CAR, still(stiff_f=-0.2, stiff_r=-0.2), 0.3).shift > usual
-    assert seen(CAR, still(stiff_f=-0.2, stiff_r=-0.2), 0.3).slip == pytest.approx(
+    assert seen(CAR, still(stiff=SOFTER), 0.3).shift > usual
+    assert seen(CAR, still(stiff=SOFTER), 0.3).slip == pytest.approx(
         math.exp(0.2) * seen(CAR, still(), 0.3).slip, rel=0.15
     )
 
