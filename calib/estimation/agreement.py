@@ -87,7 +87,7 @@ def stiffness(e: Estimate) -> tuple[float, float]:
     i, tyre = int(np.flatnonzero(e.telling)[-1]), e.plan.table.tyre
     z = min(max(float(e.z[i]), float(tyre.force[1])), float(tyre.force[-1]))
     on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
-    return math.log(on_ramp) - float(e.best.slip[i]), float(e.best.slip_sigma[i])
+    return math.log(on_ramp) - float(e.best.step.slip[i]), float(e.best.step.slip_sigma[i])
 
 
 def _alike(stops: Array) -> list[list[int]]:

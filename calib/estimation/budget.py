@@ -47,14 +47,14 @@ def _at(e: Estimate, i: int, *, front_axle: bool) -> AxleBudget:
     lever = 1.0 - share if front_axle else share
     whole, level = (float(x.sigma[i]) ** 2 for x in (pads, best.level))
     ratio = max(whole - level, 0.0)
-    sensors = min(float(best.noise[i] + best.accelerometer[i]), level)
-    zeros = min(lever**2 * float(best.zeros[i]), ratio)
+    sensors = min(float(best.step.noise[i] + best.step.accelerometer[i]), level)
+    zeros = min(lever**2 * float(best.step.zeros[i]), ratio)
     ramp = 0.0 if draws is None else lever**2 * float(np.var(draws.log_pad_ratio))
     tyres = min(ramp, ratio - zeros)
     parts = {
         "mass": level - sensors,
-        "accelerometer": min(float(best.accelerometer[i]), sensors),
-        "noise": max(sensors - float(best.accelerometer[i]), 0.0),
+        "accelerometer": min(float(best.step.accelerometer[i]), sensors),
+        "noise": max(sensors - float(best.step.accelerometer[i]), 0.0),
         "zeros": zeros,
         "tyres": tyres,
         "unlike_pads": ratio - zeros - tyres,

@@ -1,18 +1,16 @@
 """What the step takes from a table: maps that are read, noise of the sensors, tuned numbers."""
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
-from calib.base.arrays import Array, Index
+from calib.base.arrays import Array
 from calib.run.noise import SensorNoise
-from calib.table.generation import require_maps
 from calib.table.maps import Map
 from calib.table.table import Table
 
 LEVEL = ("level", "level_lower", "level_upper")
-PADS = ("ratio", "ratio_lower", "ratio_upper", "change", "change_lower", "change_upper")
+PADS = ("ratio", "change", "ratio_lower", "change_lower", "ratio_upper", "change_upper")
 SLIP = ("log_slip", "log_slip_sigma")
 """Columns of the maps that the step reads."""
 
@@ -21,54 +19,38 @@ class Reader:
     """A map read between its cells, linear along each axis, held at its ends."""
 
     def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
+        from scipy.interpolate import RegularGridInterpolator
+
         self.axes = list(m.axes.values())
-        shape = tuple(axis.size for axis in self.axes)
-        # row-major, the columns of a cell side by side
-        self._cells = np.stack([getattr(m, name) for name in columns], axis=-1)
-        self._strides = [int(np.prod(shape[i + 1 :])) for i in range(len(shape))]
+        cells = np.stack([getattr(m, name) for name in columns], axis=-1)
+        shape = [axis.size for axis in self.axes]
+        self._read = RegularGridInterpolator(self.axes, cells.reshape(*shape, -1))
 
     def width(self, axis: int, x: Array) -> Array:
         """Width of the cell of an axis in which ``x`` lies."""
-        i, _ = self._place(axis, x)
-        return self.axes[axis][i + 1] - self.axes[axis][i]
+        points = self.axes[axis]
+        return np.diff(points)[np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1) - 1]
 
     def __call__(self, *at: Array) -> Array:
         """All columns (c, ...) at points, one array (...) for each axis."""
-        places = [self._place(axis, x) for axis, x in enumerate(at)]
-        total = np.zeros((*at[0].shape, self._cells.shape[-1]))
-        for corner in product((0, 1), repeat=len(places)):
-            share, cell = np.ones_like(at[0]), np.zeros(at[0].shape, dtype=np.int64)
-            for (i, w), upper, stride in zip(places, corner, self._strides, strict=True):
-                cell += (i + upper) * stride
-                share *= w if upper else 1.0 - w
-            total += share[..., None] * self._cells[cell]
-        return np.moveaxis(total, -1, 0)
-
-    def _place(self, axis: int, x: Array) -> tuple[Index, Array]:
-        """Cell of an axis in which ``x`` lies, and where in it, 0 to 1."""
-        points = self.axes[axis]
-        i = np.clip(np.searchsorted(points, x, side="right") - 1, 0, points.size - 2)
-        return i, np.clip((x - points[i]) / (points[i + 1] - points[i]), 0.0, 1.0)
+        held = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(at, self.axes, strict=True)]
+        return np.moveaxis(self._read(np.stack(held, axis=-1)), -1, 0)
 
 
 @dataclass(frozen=True)
 class Constants:
-    """What the step takes from a table, and its tuned numbers.
+    """What the step takes from a table, and its tuned numbers."""
 
-    ``late`` time by which v comes after the wheel speeds [s], with its sigma; ``ramp_ratio`` ln of
-    the pads' ratio on the ramp [1].
-    """
-
-    ratio: Reader
-    level: Reader
-    noise_omega: float
+    ratio: Reader  # of `PADS` and `SLIP` over what is seen
+    level: Reader  # of `LEVEL` and `PADS` before eta is read
+    noise_omega: float  # densities of the sensors' noise, as in `SensorNoise`
     noise_z: float
     noise_v: float
-    radius: float
-    late: float
+    radius: float  # rolling radius of the front wheels [m]
+    late: float  # time by which v comes after the wheel speeds [s], and its sigma
     late_sigma: float
-    ramp_ratio: float
-    block: float
+    ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
+    block: float  # [s]
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
     untouched: float = 7e4  # pressure up to which they do not [Pa]
@@ -105,9 +87,9 @@ class Constants:
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
-    require_maps(table)
     assert table.map is not None
     assert table.level_map is not None
+    draws, ramp = table.draws, table.level_map.ratio[0]
     return Constants(
         ratio=Reader(table.map, (*PADS, *SLIP)),
         level=Reader(table.level_map, (*LEVEL, *PADS)),
@@ -115,10 +97,8 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         noise_z=noise.z,
         noise_v=noise.v,
         radius=table.vehicle.front.rolling_radius,
-        late=0.0 if table.draws is None else float(np.mean(table.draws.v_late)),
-        late_sigma=0.01 if table.draws is None else float(np.std(table.draws.v_late)),
-        ramp_ratio=float(
-            table.level_map.ratio[0] if table.draws is None else np.mean(table.draws.log_pad_ratio)
-        ),
+        late=0.0 if draws is None else float(np.mean(draws.v_late)),
+        late_sigma=0.01 if draws is None else float(np.std(draws.v_late)),
+        ramp_ratio=float(ramp if draws is None else np.mean(draws.log_pad_ratio)),
         block=block,
     )

@@ -137,7 +137,7 @@ class Estimate:
         bites = np.maximum(self.pressure_f, self.pressure_r) > BITE
         reasons = [one for one in Reason if one is not Reason.VALID]
         of_run = dict.fromkeys(self.unfit, bites)
-        return of_run | {one.words: bites & (self.best.reason == one) for one in reasons}
+        return of_run | {one.words: bites & (self.best.step.reason == one) for one in reasons}
 
     @property
     def telling(self) -> Mask:
@@ -171,7 +171,7 @@ class Estimate:
             **self.best.columns(),
             **{f"ecu_{name}": x for name, x in self.ecu.columns().items()},
             "ecu_valid": self.ecu.valid,
-            "ecu_reason": self.ecu.reason,
+            "ecu_reason": self.ecu.step.reason,
         }
         return {name: values[name] for name in COLUMNS}
 
@@ -241,8 +241,10 @@ def estimate(
     own, (as_ecu, taken_out) = SensorNoise(**table.noise), _as_ecu(car, log, read, ran)
     of = means if as_ecu is read else blocks(as_ecu)
     by_ecu = replace(plan.known, effects=sensed(plan.known.effects))
-    ecu = read_out(exported or table, filed, by_ecu, own, as_ecu, of, disturbed, with_v=False)
-    ecu = ecu.without(taken_out.factor_f / ran.factor_f, taken_out.factor_r / ran.factor_r)
+    factors = taken_out.factor_f / ran.factor_f, taken_out.factor_r / ran.factor_r
+    ecu = read_out(
+        exported or table, filed, by_ecu, own, as_ecu, of, disturbed, factors, with_v=False
+    )
     driven = known_slips(used, ran.vehicle, forces.balance)
     zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
     eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)

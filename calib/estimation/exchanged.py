@@ -98,7 +98,7 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     demanded = road.demanded / plan.nominal.weight
     known = speed_ratio(*known_slips(plan.table, plan.table.vehicle, road))
     shift = b.eta / known / (1.0 + e.eta_zero) - 1.0
-    rolls = block_mean((e.best.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
+    rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     variance = 2.0 * (plan.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rows = []

@@ -15,6 +15,7 @@ from calib.base.errors import InputError
 from calib.car.balance import ForceBalance
 from calib.car.bias import front_share
 from calib.car.vehicle import Axle
+from calib.estimation.constants import Reader
 from calib.table.table import Table
 
 Pair = tuple[Array, Array]
@@ -40,15 +41,10 @@ def by_map(table: Table, eta: Array, b: ForceBalance) -> Pair:
     they are all tyre forces, so (18) holds exactly. ``eta`` zeroed (22) (n,). Beyond the ends of
     the map its last values.
     """
-    from scipy.interpolate import RegularGridInterpolator
-
     assert table.map is not None
-    z, shift, _ = table.map.axes.values()
-    plane = RegularGridInterpolator(
-        (z, shift), table.map.on((z, shift, np.zeros(1))).grid("ratio")[..., 0]
-    )
-    braked = np.clip(b.demanded / table.vehicle.weight, z[0], z[-1])
-    ratio = plane(np.stack([braked, np.clip((eta - 1.0) / braked, shift[0], shift[-1])], axis=-1))
+    ratios = Reader(table.map, ("ratio",))
+    braked = np.clip(b.demanded / table.vehicle.weight, *ratios.axes[0][[0, -1]])
+    (ratio,) = ratios(braked, (eta - 1.0) / braked, np.zeros_like(eta))
     share = front_share(table.vehicle, ratio)
     F_f = (share * b.demanded + b.moment_f) / b.load_f
     return F_f, ((1.0 - share) * b.demanded + b.moment_r) / b.load_r

@@ -154,16 +154,16 @@ def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
             "final_error": abs(over[told][-1] - 1.0),
             "inside": np.mean(((true >= q.x.lower) & (true <= q.x.upper))[valid]),
         }
-    known = valid & np.isfinite(true) & (true > 0.0)
+        rest, known = q.x.deviations(true), valid & np.isfinite(true) & (true > 0.0)
     if known.any():
-        rest = q.x.at(known).deviations(true[known])
-        found |= {"normalised_error": _rms(rest), "truth": np.mean(true[known])}
+        found |= {"normalised_error": _rms(rest[known]), "truth": np.mean(true[known])}
     return out | {name: float(value) for name, value in found.items() if np.isfinite(value)}
 
 
 def _innovation(e: Estimate) -> Figures:
     """Size and colour of the errors of prediction, of blocks above 3 m/s after the lead-in."""
-    told = e.best.innovation[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
+    of_blocks = e.best.step.innovation[e.blocks.samples - 1 :: e.blocks.samples]
+    told = of_blocks[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
     told = told[np.isfinite(told)]
     if told.size <= 10:
         return {}

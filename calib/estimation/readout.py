@@ -5,7 +5,7 @@
 What is handed out: the same numbers for every command, and for an ECU without a speed.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,13 +13,12 @@ from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.car.balance import brake_forces
 from calib.car.bias import front_share
-from calib.car.braking import BITE
 from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.estimation.constants import constants
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample
-from calib.estimation.step import Answer, run
+from calib.estimation.step import Answer, run, widened
 from calib.estimation.zeros import known_slips
 from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
@@ -36,10 +35,6 @@ class Bounded:
     lower: Array
     upper: Array
 
-    def at(self, which: Index | Mask) -> "Bounded":
-        """The same at other places."""
-        return Bounded(self.value[which], self.lower[which], self.upper[which])
-
     @property
     def sigma(self) -> Array:
         """Standard deviation of the logarithm of the quantity (n,), by its interval."""
@@ -53,52 +48,29 @@ class Bounded:
         side = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
         return np.log(self.value / true) / (np.log(side) / Z95)
 
-    def times(self, factor: Array | float) -> "Bounded":
-        """The same times a factor that is known."""
-        return Bounded(factor * self.value, factor * self.lower, factor * self.upper)
-
 
 @dataclass(frozen=True)
 class Readout:
-    """What the step gives for each sample, (n,).
+    """What the step gives for each sample, (n,), and what follows for the pads and torques.
 
-    ``level`` sum of the brake torques over that of the file's pads, ``pads_f``, ``pads_r`` pad
-    friction, ``change_f``, ``change_r`` pad friction over that of the ramp, all [1];
-    ``torque_f``, ``torque_r`` of one wheel, ``torque_sum`` of all [N m]; ``reason`` a `Reason`;
-    ``lag`` of the brakes [s]; ``ratio`` front pads over rear ones [1], ``change`` its ln over that
-    of the ramp; ``noise``, ``accelerometer`` variance of ln of the level, ``zeros`` of that of the
-    ratio by sensors; ``slip`` ln(slip/z) with its ``slip_sigma``. ``innovation`` of the wheels is
-    of each block, in standard deviations (k,).
+    Pad frictions are without known effects, torques are those that act.
     """
 
-    level: Bounded
-    pads_f: Bounded
+    step: Answer  # of the last whole block
+    level: Bounded  # sum of the brake torques over that of the file's pads [1]
+    ratio: Bounded  # front pads over rear ones [1]
+    pads_f: Bounded  # pad friction [1]
     pads_r: Bounded
-    change_f: Bounded
+    change_f: Bounded  # pad friction over that of the ramp [1]
     change_r: Bounded
-    torque_f: Bounded
+    torque_f: Bounded  # of one wheel [N m]
     torque_r: Bounded
-    torque_sum: Bounded
-    ratio: Bounded
-    change: Bounded
-    noise: Array
-    accelerometer: Array
-    zeros: Array
-    lag: Array
-    slip: Array
-    slip_sigma: Array
-    innovation: Array
-    reason: Index
-
-    def without(self, factor_f: Array | float, factor_r: Array | float) -> "Readout":
-        """The same with pad frictions of which known effects are taken out by these factors."""
-        front, rear = self.pads_f.times(factor_f), self.pads_r.times(factor_r)
-        return replace(self, pads_f=front, pads_r=rear)
+    torque_sum: Bounded  # of all
 
     @property
     def valid(self) -> Mask:
         """Samples in which the model holds."""
-        return np.asarray(self.reason == Reason.VALID)
+        return np.asarray(self.step.reason == Reason.VALID)
 
     def columns(self) -> dict[str, Array | Mask]:
         """By the names of a file; torque is per wheel, both wheels of an axle have the same."""
@@ -121,9 +93,6 @@ class Readout:
         return out
 
 
-_PARTS = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
-
-
 def read_out(
     table: Table,
     car: Vehicle,
@@ -132,26 +101,28 @@ def read_out(
     s: Signals,
     b: Blocks,
     disturbed: Index,
+    factors: tuple[Array | float, Array | float] = (1.0, 1.0),
     *,
     with_v: bool = True,
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
     ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance; ``b``
-    means of the signals over blocks; ``disturbed`` as `disturbances` has it, (n,); ``with_v``
-    whether the reference speed is used where it is logged.
+    means of the signals over blocks; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of
+    the axles' pad friction by which known effects are taken out of it; ``with_v`` whether the
+    reference speed is used where it is logged.
     """
     forces = block_balance(car, known.effects, b)
-    B_f, B_r = brake_forces(car, b.p_f, b.p_r)
-    R = car.front.rolling_radius
+    brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
+    front, rear = car.front, car.rear
     driven = known_slips(table, car, forces)
     columns = (
         forces.demanded / car.weight,
-        (B_f + B_r) / car.weight,
+        (brake_f + brake_r) / car.weight,
         np.maximum(b.p_f, b.p_r),
         b.z,
         b.eta / speed_ratio(*driven),
-        np.maximum(R * b.omega_f / (1.0 - driven[0]), 0.3),
+        np.maximum(front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
         forces.load_r / car.weight,
         b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
         disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1),
@@ -159,84 +130,36 @@ def read_out(
     )
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
-    answers = run(c, map(Sample._make, zip(*(x.tolist() for x in columns), strict=True)))
-    biting = np.maximum(b.p_f, b.p_r) > BITE
-    share = np.where(biting, B_f / np.maximum(B_f + B_r, 1.0), front_share(car, 0.0))
-    return _per_sample(table, car, s, (answers, share), b.last_complete(s.time))
-
-
-def _per_sample(
-    table: Table, car: Vehicle, s: Signals, answers: tuple[Array, Array], at: Index
-) -> Readout:
-    """From level and ratio of each block to pads and torques of each sample.
-
-    ``answers`` of the step (k, ...), and the share of the front axle with the file's pads (k,).
-    """
-    a, share_f = answers
-    level, ratio, change = (Bounded(*a[:, k : k + 3].T) for k in (0, 3, 6))
-    known = _exp(level).at(at)
-    pads = table.calibration
-    then = pads.pad_log_ratio.value
-    front, rear = _pads(share_f, level, ratio)
+    samples = map(Sample._make, zip(*(x.tolist() for x in columns), strict=True))
+    answers, at = run(c, samples), b.last_complete(s.time)
+    share = front_share(car, columns[-1])
+    then, filed = table.calibration, np.array([front.pad_friction, rear.pad_friction])
+    pads = filed[:, None, None] * _pads(share, answers.level, answers.ratio)[..., at]
     # over the ramp's pads: the tyres are those of today, and fall out
-    changed = _pads(
-        share_f, level, Bounded(*(x + then for x in (change.value, change.lower, change.upper)))
-    )
-    f, r = car.front, car.rear
-    gains = [axle.torque_gain * np.maximum(p, 0.0) for axle, p in ((f, s.p_f), (r, s.p_r))]
-    pads_f, pads_r = (x.at(at) for x in (front.times(f.pad_friction), rear.times(r.pad_friction)))
-    nominal = 2.0 * (f.pad_friction * gains[0] + r.pad_friction * gains[1])
-    torque_f, torque_r = pads_f.times(gains[0]), pads_r.times(gains[1])
-    total = 2.0 * (torque_f.value + torque_r.value)
-    share = np.divide(total, nominal, out=known.value.copy(), where=nominal > 0.0)
-    relative = known.lower / known.value, known.upper / known.value
+    changed = _pads(share, answers.level, answers.change + then.pad_log_ratio.value)[..., at]
+    told = answers.at(at)
+    gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
+    level, total = np.exp(told.level), 2.0 * (gains[0] * pads[0, 0] + gains[1] * pads[1, 0])
     return Readout(
-        level=Bounded(share, share * relative[0], share * relative[1]),
-        pads_f=pads_f,
-        pads_r=pads_r,
-        change_f=changed[0].at(at).times(f.pad_friction / pads.pad_friction_f.value),
-        change_r=changed[1].at(at).times(r.pad_friction / pads.pad_friction_r.value),
-        torque_f=torque_f,
-        torque_r=torque_r,
-        torque_sum=Bounded(total, total * relative[0], total * relative[1]),
-        ratio=_exp(ratio).at(at).times(f.pad_friction / r.pad_friction),
-        change=change.at(at),
-        innovation=a[:, Answer._fields.index("innovation")],
-        **{name: a[:, Answer._fields.index(name)][at] for name in _PARTS},
-        reason=a[:, Answer._fields.index("reason")][at].astype(np.int64),
+        step=told,
+        level=Bounded(*level),
+        ratio=Bounded(*(filed[0] / filed[1] * np.exp(told.ratio))),
+        pads_f=Bounded(*(factors[0] * pads[0])),
+        pads_r=Bounded(*(factors[1] * pads[1])),
+        change_f=Bounded(*(filed[0] / then.pad_friction_f.value * changed[0])),
+        change_r=Bounded(*(filed[1] / then.pad_friction_r.value * changed[1])),
+        torque_f=Bounded(*(gains[0] * pads[0])),
+        torque_r=Bounded(*(gains[1] * pads[1])),
+        torque_sum=Bounded(*(level / level[0] * total)),
     )
 
 
-def _exp(level: Bounded) -> Bounded:
-    """A quantity from its logarithm."""
-    return Bounded(np.exp(level.value), np.exp(level.lower), np.exp(level.upper))
+def _pads(share: Array, level: Array, ratio: Array) -> Array:
+    """Front and rear pads over those of the file [1], each with bounds (2, 3, k).
 
-
-def _pads(share: Array, level: Bounded, ratio: Bounded) -> tuple[Bounded, Bounded]:
-    """Front and rear pads over those of the file [1] from ln of level and ratio.
-
-    ``share`` of the front axle with the file's pads. Level and ratio err on their own: their
-    distances to the bounds add up as squares.
+    ``share`` of the front axle with the file's pads (k,), ln of ``level`` and ``ratio`` (3, k).
+    These err on their own: their distances to the bounds add up as squares.
     """
-
-    def more(x: Array) -> tuple[Array, Array]:
-        whole = np.log(share * np.exp(x) + 1.0 - share)
-        return x - whole, -whole
-
-    (front, rear), (front_low, rear_high), (front_high, rear_low) = (
-        more(x) for x in (ratio.value, ratio.lower, ratio.upper)
-    )
-    below, above = level.value - level.lower, level.upper - level.value
-    out = []
-    for middle, low, high in ((front, front_low, front_high), (rear, rear_low, rear_high)):
-        value = level.value + middle
-        out.append(
-            _exp(
-                Bounded(
-                    value,
-                    value - np.hypot(below, middle - low),
-                    value + np.hypot(above, high - middle),
-                )
-            )
-        )
-    return out[0], out[1]
+    rear = -np.log(share * np.exp(ratio) + 1.0 - share)
+    parts = np.stack([ratio + rear, rear[[0, 2, 1]]])
+    return np.exp(np.stack([widened(level + x[0], x[0] - x) for x in parts]))

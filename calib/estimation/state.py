@@ -15,38 +15,30 @@ a_x.
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
 from calib.estimation.constants import Constants
-from calib.estimation.reasons import Reason
 from calib.run.driving_record import STEADY
 from calib.run.noise import WALK
 
 
 class Sample(NamedTuple):
-    """Means over a block, SI.
+    """Means over a block, SI."""
 
-    ``demand`` brake force that the deceleration ``z`` demands, ``nominal`` that of nominal pads,
-    over the weight [1]; ``pressure`` [Pa]; ``eta`` [1] as read; ``rim`` speed of the front wheels'
-    rims [m/s]; ``rear_share`` of the load [1]; ``v`` [m/s], NaN where not logged; ``disturbed`` the
-    number of a `Reason` while the car is steered or a wheel locks; ``log_odds`` ln of the front
-    pressure over the rear one.
-    """
-
-    demand: float
-    nominal: float
-    pressure: float
+    demand: float  # brake force that the deceleration demands, over the weight [1]
+    nominal: float  # that of nominal pads [1]
+    pressure: float  # the higher one [Pa]
     z: float
-    eta: float
-    rim: float
-    rear_share: float
-    v: float
-    disturbed: float
-    log_odds: float = 0.0
+    eta: float  # as read [1]
+    rim: float  # speed of the front wheels' rims [m/s]
+    rear_share: float  # of the load [1]
+    v: float  # [m/s], NaN where not logged
+    disturbed: float  # number of a `Reason` while the car is steered or a wheel locks, else 0
+    log_odds: float = 0.0  # ln of the front pressure over the rear one
 
 
 @dataclass(slots=True)
@@ -67,85 +59,45 @@ Numbers = tuple[float, ...]
 """Of a Kalman filter: its states, then the upper half of their covariance, row by row."""
 
 
-class Seen(NamedTuple):
-    """What the state shows of the brakes after each block, (n,).
-
-    ``told`` whether it is to be answered, ``fresh`` whether as the first of a stop; ``level`` with
-    its variance; ``acts`` share of the nominal brake force that acts by now; ``weight`` of the
-    means that forget, with the weighted sums of demanded brake force, eta - 1 and the square of the
-    former; ``speed`` [m/s]; ``slip`` ln(slip/z) and ``scale`` of a_x, with variances and their
-    covariance; variances of the zeros; ``log_odds`` as in `Sample`; ``lag`` [s]; ``innovation`` of
-    the wheels; ``reason`` by all but level and map.
-    """
-
-    told: Array
-    fresh: Array
-    level: Array
-    level_variance: Array
-    acts: Array
-    weight: Array
-    sum_z: Array
-    sum_shift: Array
-    sum_zz: Array
-    speed: Array
-    slip: Array
-    slip_variance: Array
-    scale: Array
-    scale_variance: Array
-    covariance: Array
-    demand_variance: Array
-    eta_variance: Array
-    log_odds: Array
-    lag: Array
-    innovation: Array
-    reason: Array
-
-
 @dataclass(slots=True)
 class State:
-    """All that the estimator remembers.
-
-    ``level`` of the pads, lag of the brakes [s] and rate of the level [1/s]; ``speed`` [m/s],
-    ln(slip/z), offset and scale of a_x; ``nominal`` brake force of nominal pads, ``acting`` the
-    same behind the lag, ``by_lag`` its slope [1/s]; ``braked``, ``released`` times [s]; ``sums`` as
-    in `Seen`, ``mean_z`` of them; ``fresh`` before anything of a stop is answered; ``kept`` the
-    ratio of the best informed block, its ``age`` [s] and ``level_then``; ``held`` the last answer.
-    """
+    """All that the estimator remembers."""
 
     demand: Zero
     eta: Zero
     slip: Zero
-    level: Numbers
-    speed: Numbers = ()
-    anchored: bool = False
+    level: Numbers  # of the pads [1], lag of the brakes [s], rate of the level [1/s]
+    speed: Numbers = ()  # [m/s], ln(slip/z), offset and scale of a_x [1]
+    anchored: bool = False  # once the speed no longer moves with the zero of eta
     waiting: deque[Sample] = field(default_factory=deque)
-    nominal: float = 0.0
-    acting: float = 0.0
-    by_lag: float = 0.0
+    nominal: float = 0.0  # brake force of nominal pads over the weight [1]
+    acting: float = 0.0  # the same behind the lag [1]
+    by_lag: float = 0.0  # its slope by the lag [1/s]
     z: float = 0.0
-    braked: float = 0.0
-    released: float = 0.0
-    sums: Numbers = (0.0,) * 4
+    braked: float = 0.0  # time of this stop [s]
+    released: float = 0.0  # [s]
+    sums: Numbers = (0.0,) * 4  # that forget: of 1, of z and eta - 1 from their zeros, of z squared
     mean_z: float = 0.0
-    fresh: bool = True
-    kept: list[float] = field(default_factory=list)
-    age: float = 0.0
-    level_then: float = 1.0
-    held: list[float] = field(default_factory=list)
+    # the best informed ratio and its change, their lower and upper bounds, variance by reading
+    kept: Sequence[float] = (*(0.0,) * 2, *(-math.inf,) * 2, *(math.inf,) * 2, 0.0)
+    age: float = 0.0  # of it [s]
+    level_then: float = 1.0  # [1]
 
 
 def started(c: Constants) -> State:
     """The state before the first block: radii within 1 %, pads of any level."""
     demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, 1.0, 0.0))
-    return State(demand, eta, slip, _level_before(c, c.lag, c.lag_sigma**2))
-
-
-def _level_before(c: Constants, lag: float, variance: float) -> Numbers:
-    return 1.0, lag, 0.0, c.level_sigma**2, 0.0, 0.0, variance, 0.0, c.fade**2
+    s = State(demand, eta, slip, level=(1.0, c.lag, *(0.0,) * 4, c.lag_sigma**2))
+    _forget_stop(c, s)
+    return s
 
 
 def follow(c: Constants, s: State, x: Sample) -> Numbers:
-    """Take in a block; what is then `Seen` of the brakes. Changes the state."""
+    """Take in a block; what is then known of the brakes. Changes the state.
+
+    `State.level`, ``sums`` and ``speed``; variances of the zeros; share of the pressure that acts;
+    innovation of the wheels, NaN where they do not count; time braked; four of the sample.
+    """
     dt, most = c.block, c.zero**2
     for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
         variance = zero.variance + walk * walk * dt
@@ -167,15 +119,10 @@ def follow(c: Constants, s: State, x: Sample) -> Numbers:
     _move(c, s, x, abs(s.mean_z - before), braking=braking)
     innovation = _see_speed(c, s, x, braking=braking) if counts else math.nan
     s.z = x.z
-    fresh, s.fresh = s.fresh, False
-    v, log_slip, _, scale, *_, ss, _, se, _, _, ee = s.speed
-    return (  # in the order of `Seen`
-        braking or fresh, fresh,
-        s.level[0], s.level[3], s.acting / x.nominal if braking else 1.0,
-        *s.sums,
-        v, log_slip, ss, scale, ee, se,
-        s.demand.variance, s.eta.variance, x.log_odds,
-        s.level[1], innovation, _reason(c, s, x),
+    acts = s.acting / x.nominal if braking else 1.0
+    return (
+        *s.level, *s.sums, *s.speed, s.demand.variance, s.eta.variance, acts, innovation,
+        s.braked, x.pressure, x.rim, x.disturbed, x.log_odds,
     )  # fmt: skip
 
 
@@ -202,8 +149,9 @@ def _rim(s: State, x: Sample) -> float:
 
 def _forget_stop(c: Constants, s: State) -> None:
     """What is only of the last stop; the lag is the car's."""
-    s.level = _level_before(c, s.level[1], s.level[6])
-    s.braked, s.sums, s.fresh = 0.0, (0.0,) * 4, True
+    lag, variance = s.level[1], s.level[6]
+    s.level = 1.0, lag, 0.0, c.level_sigma**2, 0.0, 0.0, variance, 0.0, c.fade**2
+    s.braked, s.sums, s.mean_z = 0.0, (0.0,) * 4, 0.0
 
 
 def _press(c: Constants, s: State, nominal: float) -> None:
@@ -323,13 +271,3 @@ def measured(x: Numbers, h: float, k: float, rest: float, variance: float) -> tu
         ss - gs * ps, so - gs * po, se - gs * pe,
         oo - go * po, oe - go * pe, ee - gain * pe * pe,
     ), rest * math.sqrt(gain)  # fmt: skip
-
-
-def _reason(c: Constants, s: State, x: Sample) -> float:
-    if x.pressure <= c.least_pressure:
-        return Reason.NOT_BRAKED
-    if x.disturbed:  # before the rims: those of locked wheels are slow
-        return x.disturbed
-    if x.rim <= MOVING:
-        return Reason.SLOW
-    return Reason.JUST_APPLIED if s.braked < c.settle + 0.5 * c.block else Reason.VALID

@@ -40,8 +40,8 @@ def limit_warnings(log: str, limits: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 def pads_apart(e: Estimate) -> tuple[float, float]:
     """ln of the front pads' change over the rear ones', at the last valid sample; its sigma."""
-    of, last = e.best.change, _last(e)
-    return float(of.value[last]), float((of.upper - of.lower)[last]) / (2.0 * Z95)
+    middle, low, high = e.best.step.change[:, _last(e)].tolist()
+    return middle, (high - low) / (2.0 * Z95)
 
 
 def pads_together(e: Estimate) -> tuple[float, float]:
@@ -54,7 +54,7 @@ def pads_together(e: Estimate) -> tuple[float, float]:
     level = share * best.change_f.value[last] + (1.0 - share) * best.change_r.value[last]
     z = max(float(e.z[last]), 0.02)
     resistance = float(plan.known.sigma_z(plan.nominal, e.speed[last : last + 1])[0]) / z
-    sensors = float(best.noise[last] + best.accelerometer[last])
+    sensors = float(best.step.noise[last] + best.step.accelerometer[last])
     ramp = sum(variance for part, variance in plan.ramp_level.items() if part != "mass")
     return math.log(level), math.sqrt(sensors + resistance**2 + ramp)
 

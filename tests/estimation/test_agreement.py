@@ -19,7 +19,8 @@ def on_road(estimate, stiffness, sigma=0.04):
     tyre = made_table().tyre
     one = np.ones_like(estimate.time)
     slip = np.log(tyre.slip[-1] / tyre.force[-1]) - stiffness
-    told = replace(estimate.best, slip=slip * one, slip_sigma=sigma * one)
+    step = estimate.best.step._replace(slip=slip * one, slip_sigma=sigma * one)
+    told = replace(estimate.best, step=step)
     return replace(estimate, plan=SimpleNamespace(table=made_table()), best=told)
 
 

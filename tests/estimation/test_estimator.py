@@ -284,7 +284,7 @@ def test_spikes_of_one_sample_are_no_abs(fitted, wet, result):
     hit = np.array(wet["omega_rr"])
     hit[40::300] *= 0.5
     e = estimate(fitted, with_channels(wet, omega_rr=hit))
-    assert not np.any(e.best.reason == Reason.LOCKED)
+    assert not np.any(e.best.step.reason == Reason.LOCKED)
     assert np.mean(e.valid) > 0.9 * np.mean(result.valid)
 
 

@@ -11,6 +11,7 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import METRICS, departure, score, truth_of
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.reasons import Reason
+from calib.estimation.step import Answer
 from calib.logs.log import Log
 from calib.run.blocks import Blocks
 from tests.support.reference_car import CAR
@@ -40,14 +41,12 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, inn
     named = {
         "level": level, "pads_f": mu_f, "pads_r": mu_r, "change_f": mu_f / 0.38,
         "change_r": mu_r / 0.38, "torque_f": torque_f, "torque_r": torque_r,
-        "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r), "change": 0.0,
+        "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r),
     }  # fmt: skip
-    parts = ("noise", "accelerometer", "zeros", "lag", "slip", "slip_sigma")
+    rest = {"innovation": np.zeros(N) if innovation is None else np.repeat(innovation, N // 100)}
     return Readout(
+        step=Answer(**dict.fromkeys(Answer._fields, np.zeros(N)) | rest | {"reason": reason}),
         **{k: bounded(x, sigma) for k, x in named.items()},
-        **dict.fromkeys(parts, np.zeros(N)),
-        innovation=np.zeros(100) if innovation is None else innovation,
-        reason=reason,
     )
 
 

@@ -68,7 +68,7 @@ def test_one_row_per_sample_with_the_numbers_of_the_estimate(tmp_path):
     ends = np.exp(Z95 * SIGMA)
     assert read["pad_friction_r_lower"] == pytest.approx(np.full(N, 0.35 / ends))
     assert read["pad_friction_f_upper"] == pytest.approx(np.full(N, 0.41 * ends))
-    assert np.array_equal(read["ecu_reason"], e.ecu.reason)
+    assert np.array_equal(read["ecu_reason"], e.ecu.step.reason)
     # per wheel, positive when it brakes: (2) with Table I
     assert read["brake_torque_fl"] == pytest.approx(np.full(N, 2 * 0.41 * 28.84e-4 * 0.1309 * 20e5))
     assert np.array_equal(read["brake_torque_fl"], read["brake_torque_fr"])
