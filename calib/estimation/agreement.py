@@ -78,8 +78,8 @@ def stiffness(e: Estimate) -> tuple[float, float]:
     """ln of the tyres' stiffness over that of the ramp [1], by the slip of the last valid sample;
     its sigma.
     """
-    i, tyre = int(np.flatnonzero(e.valid)[-1]), e.plan.table.tyre
-    z = float(np.clip(e.z[i], tyre.force[1], tyre.force[-1]))
+    i, tyre = int(np.flatnonzero(e.valid)[-1]), e.table.tyre
+    z = float(np.clip(e.read.z[i], tyre.force[1], tyre.force[-1]))
     on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
     return math.log(on_ramp) - float(e.best.step.slip[i]), float(e.best.step.slip_sigma[i])
 

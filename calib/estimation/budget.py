@@ -29,7 +29,7 @@ def budget(e: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
 
 
 def _of_axle(e: Estimate, pads: Bounded, *, front: bool) -> AxleBudget:
-    step, draws, car = e.best.step, e.plan.table.draws, e.plan.table.vehicle
+    step, draws, car = e.best.step, e.table.draws, e.table.vehicle
     valid = np.flatnonzero(e.valid)
     order = np.argsort((pads.upper / pads.lower)[valid], kind="stable")
     i = valid[order[(order.size - 1) // 2]]  # the earlier one of an even number

@@ -19,11 +19,11 @@ from calib.base.warning import PlausibilityWarning, warning
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
+from calib.estimation.known import known_slips
 from calib.estimation.reasons import Reason
-from calib.estimation.zeros import known_slips
 from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
-from calib.run.blocks import block_balance, braked_alone
+from calib.run.blocks import braked_alone
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
 from calib.run.wheels import WheelParts, crossed_diagonal
@@ -95,12 +95,11 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
 
     Without wheels at their limit, which no scenario has.
     """
-    b, plan = e.blocks, e.plan
-    road = block_balance(plan.nominal, plan.known.effects, b)
-    demanded = road.demanded / plan.nominal.weight
-    known = speed_ratio(*known_slips(plan.table, plan.table.vehicle, road))
+    b = e.blocks
+    demanded = e.road.demanded / e.car.weight
+    known = speed_ratio(*known_slips(e.table, e.road))
     shift = b.eta / known / (1.0 + e.eta_zero) - 1.0
-    variance = 2.0 * (plan.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
+    variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     use &= (demanded > _BINS[0]) & (demanded <= _BINS[-1])

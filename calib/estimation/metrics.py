@@ -39,14 +39,14 @@ def truth_of(log: Log, e: Estimate) -> Truth | None:
 
     Without a truth channel for the pads it follows from (2) with the vehicle's geometry.
     """
-    of, car = log.truth, e.plan.nominal
+    of, car = log.truth, e.car
     if "true_Tb_fl" not in of or "true_Tb_rl" not in of:
         return None
     torque = np.array([0.5 * (of[f"true_Tb_{axle}l"] + of[f"true_Tb_{axle}r"]) for axle in "fr"])
-    p = np.array([e.pressure_f, e.pressure_r])
+    p = np.array([e.read.p_f, e.read.p_r])
     gain = np.array([[car.front.torque_gain], [car.rear.torque_gain]])
     pads = torque / (gain * np.where(p > 1e5, p, np.nan))
-    for i, (axle, factor) in enumerate((("f", e.factor_f), ("r", e.factor_r))):
+    for i, (axle, factor) in enumerate((("f", e.ran.factor_f), ("r", e.ran.factor_r))):
         if (known := of.get(f"true_mu_pad_{axle}")) is not None:
             pads[i] = known / factor
     return Truth(np.where(pads > 0.0, pads, np.nan), torque)
@@ -67,7 +67,7 @@ def score(log: Log, e: Estimate) -> Figures:
     truth, counted = truth_of(log, e), counted_samples(e)
     valid, by_ecu = e.valid & counted, e.ecu.valid & counted
     found: dict[str, Any] = {
-        "eta_zero": e.plan.nominal.radius_mismatch(e.eta_zero),
+        "eta_zero": e.car.radius_mismatch(e.eta_zero),
         "valid_share": share(valid, counted),
         "ecu_valid_share": share(by_ecu, counted),
     }
@@ -85,7 +85,7 @@ def score(log: Log, e: Estimate) -> Figures:
             names = [f"{metric}_{side}" for side in _SIDES]
             found |= {of + _NAMES.get(k, k): x for k, x in zip(names, values, strict=True)}
     if valid.any():
-        covered = np.maximum(e.force_f, e.force_r) <= e.plan.table.tyre.force[-1]
+        covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
         found["covered_share"] = share(covered, valid)
     if truth is not None and valid.any():
         found["truth_in_interval"] = np.mean([found["inside_f"], found["inside_r"]])
@@ -99,7 +99,7 @@ def score(log: Log, e: Estimate) -> Figures:
 
 def counted_samples(e: Estimate) -> Mask:
     """Braked samples above 3 m/s (n,), of which the shares are."""
-    return e.braked & (e.speed > MOVING)
+    return e.braked & (e.read.speed > MOVING)
 
 
 def share(part: Mask, whole: Mask) -> float:
@@ -163,13 +163,19 @@ def _rms(x: Array) -> Array:
     return np.asarray(np.sqrt(np.mean(np.square(x), axis=-1)))
 
 
-def baseline_errors(log: Log, e: Estimate) -> dict[str, tuple[float, float]]:
+def baseline_errors(
+    log: Log, e: Estimate, others: dict[str, tuple[Array, Array]]
+) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction of each method, front and rear, over valid samples.
+
+    ``others`` the pad friction of those beside the estimate (n,), front and rear.
+
+    ``others`` the pad friction of those beside the estimate (n,), front and rear.
 
     Without a truth it is against the best estimate, where that has seen v; else there are none.
     """
     truth = truth_of(log, e)
-    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **e.baselines}
+    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **others}
     true = np.array([e.best.pads_f.value, e.best.pads_r.value])
     if truth is not None:
         methods = {"estimate": tuple(true), **methods}

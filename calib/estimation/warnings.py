@@ -8,14 +8,19 @@ from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning, judged
 from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
+from calib.estimation.known import known_resistance
 from calib.logs.log import Log
+from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import of_changes
 from calib.plausibility.run import run_warnings
+from calib.run.brake_response import brake_response
+from calib.table.budget import level_of
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
     """Warnings on one log, from what its whole run says."""
-    of_run = run_warnings(log, e.read, e.plan.nominal, e.accelerometer, e.response)
+    sensor = judge_accelerometer(e.car, known_resistance(e.table), e.blocks, e.noise)
+    of_run = run_warnings(log, e.read, e.car, sensor, brake_response(e.read, e.forces))
     if not e.valid.any():
         return of_run
     last = int(np.flatnonzero(e.valid)[-1])
@@ -33,11 +38,11 @@ def _together(e: Estimate, i: int) -> tuple[float, float]:
 
     The mass is not counted in the sigma, since another load is what it would tell.
     """
-    plan, best = e.plan, e.best
-    share = front_share(plan.table.vehicle, plan.table.calibration.pad_log_ratio.value)
+    best = e.best
+    share = front_share(e.table.vehicle, e.table.calibration.pad_log_ratio.value)
     level = share * best.change_f.value[i] + (1.0 - share) * best.change_r.value[i]
-    resistance = float(plan.known.sigma_z(plan.nominal, e.speed[i : i + 1])[0])
+    resistance = float(known_resistance(e.table).sigma_z(e.car, e.read.speed[i : i + 1])[0])
     sensors = float(best.step.noise[i] + best.step.accelerometer[i])
-    ramp = sum(variance for part, variance in plan.ramp_level.items() if part != "mass")
-    variance = sensors + (resistance / max(float(e.z[i]), 0.02)) ** 2 + ramp
+    ramp = sum(variance for part, variance in level_of(e.table).items() if part != "mass")
+    variance = sensors + (resistance / max(float(e.read.z[i]), 0.02)) ** 2 + ramp
     return math.log(level), math.sqrt(variance)
