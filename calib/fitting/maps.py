@@ -11,8 +11,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble
-from calib.fitting.stops import Seen, scenarios, seen
+from calib.fitting.ensemble import Ensemble, Shown
+from calib.fitting.stops import scenarios, seen
 from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap
 
@@ -76,7 +76,7 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
     for (z, more), at in zip(each, shown, strict=True):
         cells, own = _cells(z, at, axis, np.stack([s.log_pad_ratio + more, s.change]))
         pads.append(cells)
-        before.append(own | _bounded("level", np.quantile(at.level, QUANTILES)))
+        before.append(own | _bounded("level", np.quantile(s.level(z), QUANTILES)))
     return PadMap.of((Z, axis, SLIP), **_stacked(pads)), LevelMap.of((Z,), **_stacked(before))
 
 
@@ -85,7 +85,7 @@ def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
 
 
 def _cells(
-    z: float, at: Seen, axis: Array, asked: Array
+    z: float, at: Shown, axis: Array, asked: Array
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Columns of the maps at ``z``, of cells over the ``axis`` and `SLIP` and without a reading.
 
@@ -121,7 +121,7 @@ def _cells(
     return cells | {"prior": np.minimum(width / most, 1.0)}, before
 
 
-def _shifts(shown: list[Seen]) -> Array:
+def _shifts(shown: list[Shown]) -> Array:
     """Axis of (eta - 1)/z."""
     ends = [
         np.quantile(np.arcsinh(at.shift[at.rolls] / z / _DENSE), _SEEN)

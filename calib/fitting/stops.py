@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array
 from calib.base.plain import rows
-from calib.car.balance import braked_tyres, turning_shares
-from calib.car.bias import front_share
+from calib.car.balance import turning_shares
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, shown, spread_evenly
+from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
 
 _LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
+_STICKS = 0.3  # slip below which a tyre is not seen to slide [1]
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,10 @@ class Scenarios:
     def log_pad_ratio(self) -> Array:
         """ln of the pads' ratio in the stop, over that of the vehicle file."""
         return self.of.log_pad_ratio + self.change
+
+    def level(self, z: float) -> Array:
+        """ln of the brake force over that which ``z`` and the mass of the file give [1]."""
+        return np.asarray(np.log(np.maximum(1.0 - self.offset / z, 0.05)) + self.mass)
 
 
 def _drawn(name: str, u: Array, x: Array) -> tuple[Array, Array]:
@@ -82,42 +86,21 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     )
 
 
-@dataclass(frozen=True)
-class Seen:
-    """What the sensors see of the scenarios at one deceleration, (n,) [1].
+def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
+    """What is seen, (n,) each, where the zeroed deceleration demands the brake force ``z`` [1].
 
-    ``shift`` eta - 1, ``slip`` the mean slip weighted by load, both over the lead-in; ``level`` ln
-    of the brake force over the one that the zeroed deceleration and the mass of the file give;
-    ``rolls`` below the peaks of the tyres.
-    """
-
-    shift: Array
-    slip: Array
-    level: Array
-    rolls: Mask
-
-
-def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
-    """What is seen where the zeroed deceleration demands the brake force ``z`` [1] over the weight.
-
-    ``odds`` ln of the front pressure over the rear one. By (22), (19), (20). The tyres carry it
-    less what the wheels' inertia takes.
+    ``z`` over the weight; ``odds`` ln of the front pressure over the rear one. By (22), (19), (20).
     """
     brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
-    true = brake / (1.0 + sum(turning_shares(car)))
-    share = front_share(car, s.log_pad_ratio + odds)[:, None]
     here = shown(
         car,
         s.of,
-        true,
-        np.stack(braked_tyres(car, share, brake, true)),
+        s.log_pad_ratio + odds,
+        brake,
+        brake / (1.0 + sum(turning_shares(car))),
         at=np.array([z]),
         peak=s.peak,
         softer=np.exp(-s.stiff)[..., None],
     )
-    return Seen(
-        shift=here.rise[:, 0],
-        slip=here.slip[:, 0],
-        level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
-        rolls=(here.rolls & np.all(here.slips < 0.3, axis=0))[:, 0],
-    )
+    here = here._replace(rolls=here.rolls & np.all(here.slips < _STICKS, axis=0))
+    return Shown(*(x[..., 0] for x in here))
