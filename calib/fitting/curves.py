@@ -34,7 +34,6 @@ from calib.table.table import (
     DifferenceCurve,
     PaperCurves,
     TyreCurve,
-    TyrePosterior,
 )
 
 _BAND = (0.5, 0.025, 0.975)
@@ -147,12 +146,6 @@ def as_cubic(e: Ensemble, greatest: float) -> Array:
         radius_load=e.radius_load,
     )
     return np.stack(of_draws)
-
-
-def tyre_posterior(drawn: Array) -> TyrePosterior:
-    """Mean and covariance of ``drawn`` (8, n)."""
-    mean, covariance = np.mean(drawn, axis=1).tolist(), np.cov(drawn, bias=True).tolist()
-    return TyrePosterior(RampParameters._fields, tuple(mean), tuple(map(tuple, covariance)))
 
 
 def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:

@@ -23,7 +23,6 @@ from calib.fitting.curves import (
     readable_up_to,
     ridge,
     tyre_curve,
-    tyre_posterior,
 )
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
@@ -31,11 +30,11 @@ from calib.fitting.known import known_before
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
-from calib.fitting.quality import metrics, remarks
+from calib.fitting.quality import metrics, remarks, warnings_of
 from calib.fitting.residuals import explained
-from calib.fitting.warnings import warnings_of
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
+from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun, prepare
 from calib.model.resistance import RESISTANCE, Resistance
 from calib.model.resistance import identify as identify_resistance
@@ -49,7 +48,7 @@ from calib.run.blocks import BLOCK
 from calib.run.noise import worst_noise
 from calib.run.same_run import fingerprint_of
 from calib.table.invariants import require_finite
-from calib.table.table import LogReference, Provenance, Table, TableReference, Value
+from calib.table.table import LogReference, Provenance, Table, TableReference, TyrePosterior, Value
 
 
 def fit(
@@ -125,7 +124,8 @@ def fit(
             do="check areas and radii of the brakes in the vehicle file",
         )
     drawn = as_cubic(ensemble, float(np.max(np.median(of.forces, axis=1))))
-    of_tyre = tyre_posterior(drawn)
+    mean, covariance = np.mean(drawn, axis=1).tolist(), np.cov(drawn, bias=True).tolist()
+    of_tyre = TyrePosterior(RampParameters._fields, tuple(mean), tuple(map(tuple, covariance)))
     ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
     scale, level = level_of(car, both, known, ratio.value)
     pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))

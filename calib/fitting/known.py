@@ -116,17 +116,10 @@ def _cars(y: Array) -> Ensemble:
     columns = y[:, len(FORMS) :].copy()
     columns[:, RATIO] = np.interp(columns[:, RATIO], *_tails())
     values = dict(zip(NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
-    one, none = np.ones(len(y)), np.zeros((len(y), DEPART_AT.size))
-    return Ensemble(
-        forms=weights_of(y[:, : len(FORMS)]),
-        **(values | {name: np.exp(values[name]) for name in _LOGS}),
-        compliance_f=one,
-        compliance_r=one,
-        radius_load=one,
-        v_late=none[:, 0],
-        depart_eta=none,
-        depart_slip=none,
-    )
+    values |= {name: np.exp(values[name]) for name in _LOGS}
+    values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
+    values |= dict.fromkeys(("depart_eta", "depart_slip"), np.zeros((len(y), DEPART_AT.size)))
+    return Ensemble(forms=weights_of(y[:, : len(FORMS)]), v_late=np.zeros(len(y)), **values)
 
 
 def coordinates(e: Ensemble) -> Array:

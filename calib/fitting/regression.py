@@ -154,7 +154,9 @@ class Regression:
         from scipy.linalg import block_diag
 
         each = [(of, r.rows) for r in self.ramps for of in r.errors]
-        return block_diag(*(of.get(cause, np.zeros((rows.shape[1], 0))) for of, rows in each))
+        return np.asarray(
+            block_diag(*(of.get(cause, np.zeros((rows.shape[1], 0))) for of, rows in each))
+        )
 
     def _form(self) -> Array:
         """Covariance of the error of the form, over the deceleration."""

@@ -67,7 +67,7 @@ def explained(
         ) from error
     left = [residuals(car, found, run) for run in runs]
     worst = max(float(np.sqrt(np.mean(eta**2))) for eta, _ in left if eta.size)
-    valve = tuple(judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio)))
+    valve = judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio))
     if worst > _MOST and not valve:
         raise refused(
             f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",

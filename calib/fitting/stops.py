@@ -102,5 +102,7 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
         peak=s.peak,
         softer=np.exp(-s.stiff)[..., None],
     )
-    here = here._replace(rolls=here.rolls & np.all(here.slips < _STICKS, axis=0))
-    return Shown(*(x[..., 0] for x in here))
+    rolls = here.rolls & np.all(here.slips < _STICKS, axis=0)
+    return Shown(
+        here.shift[:, 0], here.slip[:, 0], here.forces[..., 0], here.slips[..., 0], rolls[:, 0]
+    )
