@@ -9,7 +9,6 @@ a range of forces.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -32,71 +31,9 @@ _KINDS = ("eta", "slip")  # of rows, in their order
 _ALONE: dict[str | None, float] = {"f": np.inf, "r": -np.inf}  # ln of the odds of its pressure
 
 
-@dataclass(frozen=True)
-class _Ramp:
-    """One ramp: means of its lead-in, which all else is zeroed on, and of k groups of blocks.
-
-    Over the lead-in and the groups (1 + k,): ``brake`` brake force of both axles over the weight;
-    ``moments`` other ones of the axles (2, 1 + k); ``log_odds`` of the axles' pressures; ``only``
-    the axle that brakes alone. ``rows`` eta - 1 and slip of the groups, (2, k); without v the slip
-    is what the wheels lose against the speed that a_x carries on. ``errors`` what those of one
-    standard deviation make of either, (k, m), by cause.
-    """
-
-    z: Array
-    brake: Array
-    moments: Array
-    log_odds: Array
-    only: str | None
-    rows: Array
-    errors: tuple[dict[str, Array], dict[str, Array]]
-
-
 def told(run: RampRun) -> Index:
     """The braked blocks of a ramp of which eta and slip tell."""
     return np.flatnonzero(run.braked & (run.blocks.speed > _SLOW))
-
-
-def _ramp(car: Vehicle, run: RampRun, most: int | None) -> _Ramp:
-    b, noise = run.blocks, run.noise
-    at, lead = told(run), run.rolling
-    if not (at.size and lead.size):
-        raise ValueError("no blocks of a braking, or none of rolling before it")
-    groups = [lead, *np.array_split(at, min(most or at.size, at.size))]
-    time = np.array([g.size for g in groups]) * b.length
-
-    def mean(x: Array) -> Array:
-        return np.array([np.mean(x[g]) for g in groups])
-
-    eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
-    zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
-    if run.slip is None:
-        slip, of_slip = _carried_on(car, run, eta[0], mean, time[1:])
-    else:
-        measured, late = mean(run.slip), noise.v / mean(b.speed)
-        slip = measured[1:] - measured[0]
-        of_slip = {
-            "noise": np.diag(np.sqrt((wheels**2 + late**2) / time)[1:]),
-            "zeros": np.hypot(zero_wheels, late[0] / np.sqrt(time[0])) * zeros,
-            "clock": (_CLOCK * G * mean(b.z) / mean(b.speed))[1:, None],
-        }
-    of_eta = {
-        "noise": np.diag((np.sqrt(2.0 / time) * wheels)[1:]),
-        "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED) * zeros,
-    }
-    B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
-    # the loads of the run, as known effects move them, are those of this deceleration
-    moved = (run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle) / car.cg_height
-    brake = mean(run.brake_sum)
-    return _Ramp(
-        z=mean(moved),
-        brake=(brake - brake[0]) / car.weight,
-        moments=np.array([mean(moment / car.weight) for moment in (run.moment_f, run.moment_r)]),
-        log_odds=np.log(B_f / B_r) + _ALONE.get(run.only, 0.0),
-        only=run.only,
-        rows=np.array([eta[1:] / eta[0] - 1.0, slip]),
-        errors=(of_eta, of_slip),
-    )
 
 
 def _carried_on(
@@ -131,6 +68,53 @@ def _carried_on(
     }
 
 
+class _Ramp:
+    """One ramp: means of its lead-in, which all else is zeroed on, and of k groups of blocks.
+
+    Over the lead-in and the groups (1 + k,): ``brake`` brake force of both axles over the weight;
+    ``moments`` other ones of the axles (2, 1 + k); ``log_odds`` of the axles' pressures; ``only``
+    the axle that brakes alone. ``rows`` eta - 1 and slip of the groups, (2, k); without v the slip
+    is what the wheels lose against the speed that a_x carries on. ``errors`` what those of one
+    standard deviation make of either, (k, m), by cause.
+    """
+
+    def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
+        b, noise = run.blocks, run.noise
+        at, lead = told(run), run.rolling
+        if not (at.size and lead.size):
+            raise ValueError("no blocks of a braking, or none of rolling before it")
+        groups = [lead, *np.array_split(at, min(most or at.size, at.size))]
+        time = np.array([g.size for g in groups]) * b.length
+
+        def mean(x: Array) -> Array:
+            return np.array([np.mean(x[g]) for g in groups])
+
+        eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
+        zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
+        if run.slip is None:
+            slip, of_slip = _carried_on(car, run, eta[0], mean, time[1:])
+        else:
+            measured, late = mean(run.slip), noise.v / mean(b.speed)
+            slip = measured[1:] - measured[0]
+            of_slip = {
+                "noise": np.diag(np.sqrt((wheels**2 + late**2) / time)[1:]),
+                "zeros": np.hypot(zero_wheels, late[0] / np.sqrt(time[0])) * zeros,
+                "clock": (_CLOCK * G * mean(b.z) / mean(b.speed))[1:, None],
+            }
+        of_eta = {
+            "noise": np.diag((np.sqrt(2.0 / time) * wheels)[1:]),
+            "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED) * zeros,
+        }
+        B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
+        # the loads of the run, as known effects move them, are those of this deceleration
+        moved = (run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle) / car.cg_height
+        brake = mean(run.brake_sum)
+        self.z, self.brake = mean(moved), (brake - brake[0]) / car.weight
+        self.moments = np.stack([mean(x / car.weight) for x in (run.moment_f, run.moment_r)])
+        self.log_odds, self.only = np.log(B_f / B_r) + _ALONE.get(run.only, 0.0), run.only
+        self.rows, self.errors = np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
+
+
 class Regression:
     """The rows of all ramps: eta, then slip of each, in ``most`` groups of blocks.
 
@@ -139,7 +123,7 @@ class Regression:
     """
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
-        self.car, self.ramps = car, [_ramp(car, run, most) for run in runs]
+        self.car, self.ramps = car, [_Ramp(car, run, most) for run in runs]
         self.clock = self._of("clock")
         self.errors = {
             "noise": self._of("noise"),
@@ -153,10 +137,8 @@ class Regression:
     def _of(self, cause: str) -> Array:
         from scipy.linalg import block_diag
 
-        each = [(of, r.rows) for r in self.ramps for of in r.errors]
-        return np.asarray(
-            block_diag(*(of.get(cause, np.zeros((rows.shape[1], 0))) for of, rows in each))
-        )
+        each = [(of, np.zeros((r.z.size - 1, 0))) for r in self.ramps for of in r.errors]
+        return np.asarray(block_diag(*(of.get(cause, none) for of, none in each)))
 
     def _form(self) -> Array:
         """Covariance of the error of the form, over the deceleration."""

@@ -102,7 +102,5 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
         peak=s.peak,
         softer=np.exp(-s.stiff)[..., None],
     )
-    rolls = here.rolls & np.all(here.slips < _STICKS, axis=0)
-    return Shown(
-        here.shift[:, 0], here.slip[:, 0], here.forces[..., 0], here.slips[..., 0], rolls[:, 0]
-    )
+    shift, slip, forces, slips = (x[..., 0] for x in here[:-1])
+    return Shown(shift, slip, forces, slips, here.rolls[:, 0] & np.all(slips < _STICKS, axis=0))
