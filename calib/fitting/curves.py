@@ -82,10 +82,7 @@ def readable_up_to(of: Ridge) -> float:
 def difference_curves(
     car: Vehicle, e: Ensemble, runs: list[RampRun], z_end: float
 ) -> tuple[DifferenceCurve, PaperCurves]:
-    """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it.
-
-    The band is that of D at a given eta.
-    """
+    """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it."""
     of = ridge(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(of.middle[-1]), SETTINGS.rows)
     seen = [1.0 + run.since_rolling(run.blocks.eta)[run.braked] for run in runs]

@@ -38,16 +38,15 @@ _LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Draws of a car, equally likely. All (n,) [1] where no unit is said; ``forms`` (n, 5).
+    """Draws of a car, equally likely, (n,) [1] where nothing else is said.
 
-    ``forms`` weights of `calib.car.tyre_forms`; ``load_exponent`` by which the compliance grows
-    with the load, ``peak_load_exponent`` by which the peak falls; ``peak`` at half the weight;
-    ``log_pad_ratio`` front over rear, over that of the vehicle file; ``cg_to_front_axle``,
-    ``cg_height`` over those of the file; ``compliance_f``, ``compliance_r`` slip per normalised
-    force at small slip and half the weight; ``radius_load`` share by which a rolling radius falls
-    when the load of its axle doubles; ``v_late`` time by which v comes after
-    the wheel speeds [s]; ``depart_eta``, ``depart_slip`` (n, k) what eta - 1 and the
-    mean slip depart from all that by, relative, at the decelerations `DEPART_AT` (k,).
+    ``forms`` weights of `calib.car.tyre_forms` (n, 5); ``load_exponent`` by which the compliance
+    grows with the load, ``peak_load_exponent`` by which the ``peak`` at half the weight falls;
+    ``log_pad_ratio`` front over rear, ``cg_to_front_axle``, ``cg_height``, all over those of the
+    vehicle file; ``compliance_f``, ``compliance_r`` slip per normalised force at small slip and
+    half the weight; ``radius_load`` share by which a rolling radius falls when the load of its axle
+    doubles; ``v_late`` by which v comes after the wheel speeds [s]; ``depart_eta``, ``depart_slip``
+    relative, by which eta - 1 and the mean slip depart from all that at `DEPART_AT`, (n, 10).
     """
 
     forms: Array
@@ -90,10 +89,7 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
-    """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives.
-
-    A later map, a budget or a merge then needs no logs.
-    """
+    """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives."""
     kept, scale = e.take(np.linspace(0, e.size - 1, KEPT).astype(np.int64)), pads.pad_scale
     x = np.random.default_rng(42).standard_normal(KEPT)
     columns = {

@@ -11,7 +11,6 @@ from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import Ridge, find_peak
-from calib.fitting.regression import told
 from calib.fitting.residuals import Residuals
 from calib.model.ramp import RampRun
 from calib.model.resistance import ROLLING, Resistance
@@ -32,9 +31,8 @@ def metrics(
 ) -> dict[str, float]:
     """Quality metrics of the fit, each a plain number.
 
-    ``left`` residuals of the ``runs``; ``of`` their draws up to the highest deceleration;
-    ``nominal`` weight of what was known of the pads' ratio before the ramps in what is known of it
-    now [1].
+    ``left`` residuals of the ``runs``, ``of`` their draws up to the highest z;
+    ``nominal`` weight of what was known of the pads' ratio before them in what is known now [1].
     """
     z_peak, eta_peak, real = find_peak(of)
     eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
@@ -119,7 +117,7 @@ def _of_run(run: RampRun, of_eta: Array) -> Iterator[str]:
         )
     far = np.flatnonzero(np.abs(of_eta) > SETTINGS.outlier)
     if far.size:
-        listed = ", ".join(f"{t:.2f}" for t in b.end[told(run)[far[:5]]])
+        listed = ", ".join(f"{t:.2f}" for t in b.end[run.braked][far[:5]])
         yield f"{run.name}: {far.size} outlying blocks of eta, at {listed} s"
 
 
@@ -137,9 +135,8 @@ def warnings_of(
     if effect not in car.effects:
         found = known.effects.parameters[effect][name]
         yield from judged(car.name, [Measured("rolling_resistance", found)])
-    coasted = [(b, noise.z) for _, b, noise in coasts]
+    straight, coasted = [log for log, _, _ in coasts], [(b, noise.z) for _, b, noise in coasts]
     rolling = identify_resistance(car, coasted) if coasts else known
-    straight = [log for log, _, _ in coasts]
     runs = [(run, rolling, straight) for run in ramps] + [(run, known, []) for run in coasts]
     for (log, b, noise), resistance, others in runs:
         s = signals(log, car)

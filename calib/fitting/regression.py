@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from calib.base.arrays import Array, Index, Mask
+from calib.base.arrays import Array, Mask
 from calib.base.names import G
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
@@ -23,17 +23,11 @@ _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of
 _GRADE = 0.001  # walk of bias and slope [1/sqrt(s)]
 _CLOCK = 0.01  # sigma of the time by which v is late against the wheels [s]
 _WALKED = 5e-5  # sigma of what the zero of eta walked since the lead-in [1]
-_SLOW = 5.0  # speed below which a ramp tells little [m/s]
 _FINEST = 5e-4  # eta - 1 or slip below which an error of the form is no smaller [1]
 _ROUGH = 0.02  # share of the variance of that error that is not alike from point to point
 
 _KINDS = ("eta", "slip")  # of rows, in their order
 _ALONE: dict[str | None, float] = {"f": np.inf, "r": -np.inf}  # ln of the odds of its pressure
-
-
-def told(run: RampRun) -> Index:
-    """The braked blocks of a ramp of which eta and slip tell."""
-    return np.flatnonzero(run.braked & (run.blocks.speed > _SLOW))
 
 
 def _carried_on(
@@ -60,10 +54,9 @@ def _carried_on(
     covariance += np.diag((wheel / v) ** 2 / length)
     slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
     scale, sigma = PRIORS["a_x_scale"]
-    start = 2.0 * wheel / np.sqrt(rolled)
     return (v_0 - (1.0 - scale) * gone - u) / v, {
         "noise": np.linalg.cholesky(covariance),
-        "zeros": np.stack([-G * t * slope_sigma / v, start / v], axis=1),
+        "zeros": np.stack([-G * t * slope_sigma / v, 2.0 * wheel / np.sqrt(rolled) / v], axis=1),
         "accelerometer": (-gone * sigma / v)[:, None],
     }
 
@@ -80,7 +73,7 @@ class _Ramp:
 
     def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
         b, noise = run.blocks, run.noise
-        at, lead = told(run), run.rolling
+        at, lead = np.flatnonzero(run.braked), run.rolling
         if not (at.size and lead.size):
             raise ValueError("no blocks of a braking, or none of rolling before it")
         groups = [lead, *np.array_split(at, min(most or at.size, at.size))]

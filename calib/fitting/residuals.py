@@ -52,7 +52,7 @@ def explained(
     known: Sequence[Known],
     refused: Callable[..., LogError],
 ) -> tuple[Posterior, Residuals, tuple[PlausibilityWarning, ...]]:
-    """The ensemble of the ramps, ``ratio`` known of the pads before, and what it leaves of them.
+    """The ensemble of the ramps, ``ratio`` known of the pads before, and its `residuals` of each.
 
     With a warning where a valve of the rear pressure explains them better; what ``refused`` makes
     of the reason is raised where nothing does.
@@ -78,7 +78,7 @@ def explained(
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Of eta and of slip, over their sigma, at the blocks `told` (k,); no slip without v.
+    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v.
 
     Of a ramp with one axle only nothing: its forces are another's.
     """
@@ -112,6 +112,5 @@ def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) ->
             left[knee] = posterior(car, behind, ratio, _DRAWS).misfit
     if left:
         knee = min(left, key=left.__getitem__)
-        bar = f"{from_si(knee, 'bar', 'Pa'):g}"
-        fall = found.misfit**2 - left[knee] ** 2
-        yield Measured("rear_pressure_limited", fall, words={"bar": bar})
+        words = {"bar": f"{from_si(knee, 'bar', 'Pa'):g}"}
+        yield Measured("rear_pressure_limited", found.misfit**2 - left[knee] ** 2, words=words)

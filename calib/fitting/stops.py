@@ -65,7 +65,6 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     u = spread_evenly(count, 11)
     x = ndtri(u)
     of = e.take(np.arange(count) % e.size)
-    change, _ = _drawn("log_pad_ratio", u[:, 0], x[:, 1])
     log_peak, road = _drawn("log_peak", u[:, 2], x[:, 3])
     stiff, _ = _drawn("log_stiffness", u[:, 2], x[:, 4])
     other = road > 0
@@ -77,7 +76,7 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     known = car.mass_tolerance
     return Scenarios(
         of=of,
-        change=change,
+        change=_drawn("log_pad_ratio", u[:, 0], x[:, 1])[0],
         peak=np.exp(log_peak),
         stiff=stiff + of_axles,
         scale=_drawn("a_x_scale", u[:, 7], x[:, 9])[0],
