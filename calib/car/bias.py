@@ -41,7 +41,7 @@ def front_share(vehicle: Vehicle, log_ratio: T) -> T:
     the axles have pressures of their own, plus ln of the front one over the rear one.
     """
     front, rear = force_per_pressure(vehicle)
-    share: T = front / (front + rear * np.exp(-log_ratio))
+    share: T = front / (front + rear * math.e**-log_ratio)
     return share
 
 

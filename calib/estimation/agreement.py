@@ -84,8 +84,8 @@ def stiffness(e: Estimate) -> tuple[float, float]:
     """
     if not e.telling.any():
         return 0.0, _ANY_ROAD
-    i, tyre = int(np.flatnonzero(e.telling)[-1]), e.plan.table.tyre
-    z = min(max(float(e.z[i]), float(tyre.force[1])), float(tyre.force[-1]))
+    i, tyre = int(np.flatnonzero(e.telling)[-1]), e.table.tyre
+    z = min(max(float(e.read.z[i]), float(tyre.force[1])), float(tyre.force[-1]))
     on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
     return math.log(on_ramp) - float(e.best.step.slip[i]), float(e.best.step.slip_sigma[i])
 

@@ -12,67 +12,44 @@ two. A method that cannot be used on a run is left out, with a note; none stops 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.errors import InputError
+from calib.car.balance import ForceBalance, force_balance
 from calib.car.disc_temperature import AIR, DISCS, START, disc_temperature
 from calib.car.effects import pads
+from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.forces import axle_loads, brake_torque
+from calib.car.forces import brake_torque
 from calib.car.history import constant_speed
-from calib.car.vehicle import Vehicle
-from calib.estimation.law import Pair, adapted, by_curves, by_map, gain
-from calib.logs.log import Log
-from calib.run.axle_signals import Signals
-from calib.run.brake_response import BrakeBalance
-from calib.table.table import Table
+from calib.estimation.estimator import Estimate
+from calib.estimation.law import adapted, by_curves, by_map, gain
 
 _MEMORY = 0.5  # of the mean gain [s]: short against a stop, long against road noise (0.1 s)
 _FADE = {p.name: p.typical for p in pads.FADE.card.parameters}
 
 
-@dataclass(frozen=True)
-class BaselineRun:
-    """One run as the methods need it.
-
-    ``car`` has the nominal pads; ``known`` its known effects, which are taken out of ``log``;
-    ``s`` its signals, ``b`` their balance; ``eta`` zeroed (22) [1], (n,).
-    """
-
-    table: Table
-    car: Vehicle
-    known: Effects
-    log: Log
-    s: Signals
-    b: BrakeBalance
-    eta: Array
-
-
-def baselines(run: BaselineRun, *, laws: bool = True) -> tuple[dict[str, Pair], tuple[str, ...]]:
-    """Pad friction (front, rear) [1] (n,) by method, and notes on those that are left out.
-
-    Without ``laws`` only the nominal pads.
-    """
-    found = {"nominal": _times(run, 1.0, 1.0)}
+def other_methods(e: Estimate) -> tuple[dict[str, Pair], tuple[str, ...]]:
+    """Pad friction (front, rear) [1] (n,) by method, and notes on those that are left out."""
+    found: dict[str, Pair] = {}
     notes: dict[str, list[str]] = {}
-    for name, method in METHODS.items() if laws else ():
+    for name, method in METHODS.items():
         try:
-            found[name] = method(run)
+            found[name] = method(e)
         except InputError as error:
             notes.setdefault(error.what, []).append(name)
     return found, tuple(f"{', '.join(names)} left out: {why}" for why, names in notes.items())
 
 
-def _times(run: BaselineRun, front: Array | float, rear: Array | float) -> Pair:
-    """The nominal pads times factors."""
-    one = np.ones_like(run.eta)
-    return run.car.front.pad_friction * front * one, run.car.rear.pad_friction * rear * one
+def nominal(e: Estimate, front: Array | float = 1.0, rear: Array | float = 1.0) -> Pair:
+    """The nominal pads, times factors."""
+    one = np.ones_like(e.read.time)
+    return e.car.front.pad_friction * front * one, e.car.rear.pad_friction * rear * one
 
 
-def mean_gain(run: BaselineRun) -> Pair:
+def mean_gain(e: Estimate) -> Pair:
     """Nominal pads times one factor, the paper's [16].
 
     Recursive least squares with forgetting over `_MEMORY` of the brake force that the deceleration
@@ -82,14 +59,14 @@ def mean_gain(run: BaselineRun) -> Pair:
     """
     from scipy.signal import lfilter
 
-    u = np.where(run.b.active, run.b.nominal_f + run.b.nominal_r, 0.0)
-    pole = [1.0, -float(np.exp(-run.s.sample_time / _MEMORY))]
-    above, below = (lfilter([1.0], pole, x) for x in (u * run.b.balance.demanded, u * u))
+    u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
+    pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
+    above, below = (lfilter([1.0], pole, x) for x in (u * e.forces.balance.demanded, u * u))
     factor = np.divide(above, below, out=np.ones_like(u), where=below > 0.0)
-    return _times(run, factor, factor)
+    return nominal(e, factor, factor)
 
 
-def temperature(run: BaselineRun) -> Pair:
+def temperature(e: Estimate) -> Pair:
     """Nominal pads that depend on nothing but the temperature of their discs: the paper's [17].
 
     Of [17] the paper only says that all heat is absorbed and dissipated by the disc. The law of the
@@ -99,22 +76,22 @@ def temperature(run: BaselineRun) -> Pair:
     InputError if thermal fade is a known effect, which is taken out already.
     """
     name = pads.FADE.card.name
-    if name in run.known:
+    if name in e.car.effects:
         raise InputError(f"{name} of the car is already taken out of the log")
-    s, heat = run.s, {}
+    s, heat = e.read, {}
     for side, axle, pressure, omega in (
-        ("f", run.car.front, s.p_f, s.omega_f),
-        ("r", run.car.rear, s.p_r, s.omega_r),
+        ("f", e.car.front, s.p_f, s.omega_f),
+        ("r", e.car.rear, s.p_r, s.omega_r),
     ):
         power = np.abs(brake_torque(axle, axle.pad_friction, pressure) * omega)
-        logged = run.log.channels.get(f"T_disc_{side}")
+        logged = e.ran.log.channels.get(f"T_disc_{side}")
         start = START if logged is None else float(logged[0])
         heat[side] = disc_temperature(s.time, power, DISCS[side], start, AIR)
-    history = constant_speed(s.time, run.log["p_mc"], 0.0, heat)
-    return _times(run, *pads.faded(_FADE, history, s.p_f, s.p_r))
+    history = constant_speed(s.time, s.p_f, 0.0, heat)
+    return nominal(e, *pads.faded(_FADE, history, s.p_f, s.p_r))
 
 
-def as_written(run: BaselineRun) -> Pair:
+def as_written(e: Estimate) -> Pair:
     """The paper's law (23)-(25) as it is written, with nothing added.
 
     d omega/dt is the step of the axle's mean wheel speed since the sample before; nothing is
@@ -124,35 +101,43 @@ def as_written(run: BaselineRun) -> Pair:
     slower; mu_n is that of the estimate; P is the axle's where wheel pressures are logged; eta is
     zeroed like the table's, or both would hold the mismatch of their day's radii.
     """
-    car, s = run.car, run.s
-    forces, loads = by_curves(run.table, run.eta, s.z), axle_loads(car, s.z)
-    out = []
-    for axle, pressure, omega, F, load in (
-        (car.front, s.p_f, s.omega_f, forces[0], loads[0]),
-        (car.rear, s.p_r, s.omega_r, forces[1], loads[1]),
-    ):
-        spin = np.diff(omega, prepend=omega[0]) / s.sample_time
-        road = F * load - 2.0 * axle.wheel_inertia * spin / axle.rolling_radius  # (13), (14)
-        out.append(adapted(axle, pressure, road, gain(car.front), s.sample_time))
-    return out[0], out[1]
+    car, s = e.car, e.read
+    spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
+    b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
+    gamma = gain(car.front)
+    return _adapted(e, b, by_curves(e.table, e.eta, s.z), (gamma, gamma))
 
 
-def _plainly(run: BaselineRun, forces: Pair) -> Pair:
-    """The law on normalised ``forces``; inertia and resistance by the balance of forces."""
-    car, s, b = run.car, run.s, run.b.balance
-    of_f = car.front, s.p_f, forces[0] * b.load_f - b.moment_f
-    of_r = car.rear, s.p_r, forces[1] * b.load_r - b.moment_r
-    front, rear = (adapted(*of, gain(of[0]), s.sample_time, run.b.active) for of in (of_f, of_r))
-    return front, rear
+def _plainly(e: Estimate, forces: Pair) -> Pair:
+    """The law with a gain for each axle, known resistance taken out, frozen where no pads bite."""
+    gammas = gain(e.car.front), gain(e.car.rear)
+    return _adapted(e, e.forces.balance, forces, gammas, e.forces.active)
 
 
-METHODS: dict[str, Callable[[BaselineRun], Pair]] = {
+def _adapted(
+    e: Estimate,
+    b: ForceBalance,
+    forces: Pair,
+    gammas: tuple[float, float],
+    acts: Mask | bool = True,
+) -> Pair:
+    """The law on normalised ``forces`` of the axles [1], with loads and moments of a balance."""
+    s, front, rear = e.read, e.car.front, e.car.rear
+    of_f, of_r = forces[0] * b.load_f - b.moment_f, forces[1] * b.load_r - b.moment_r  # (13), (14)
+    return (
+        adapted(front, s.p_f, of_f, gammas[0], s.sample_time, acts),
+        adapted(rear, s.p_r, of_r, gammas[1], s.sample_time, acts),
+    )
+
+
+METHODS: dict[str, Callable[[Estimate], Pair]] = {
+    "nominal": nominal,
     "mean_gain": mean_gain,
     "temperature": temperature,
     "gradient_as_written": as_written,
-    "gradient_paper": lambda run: _plainly(
-        run, by_curves(run.table, run.eta, run.b.balance.tyre_sum / run.car.weight)
+    "gradient_paper": lambda e: _plainly(
+        e, by_curves(e.table, e.eta, e.forces.balance.tyre_sum / e.car.weight)
     ),
-    "gradient_map": lambda run: _plainly(run, by_map(run.table, run.eta, run.b.balance)),
+    "gradient_map": lambda e: _plainly(e, by_map(e.table, e.eta, e.forces.balance)),
 }
-"""The methods beside nominal pads, by the names that they have in files."""
+"""The methods by the names that they have in files."""

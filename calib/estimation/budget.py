@@ -39,9 +39,9 @@ def _median(telling: Mask, pads: Bounded) -> int:
 
 def _at(e: Estimate, i: int, *, front_axle: bool) -> AxleBudget:
     """Budget of one axle at one sample."""
-    best, draws = e.best, e.plan.table.draws
+    best, draws = e.best, e.table.draws
     pads = best.pads_f if front_axle else best.pads_r
-    car = e.plan.table.vehicle
+    car = e.table.vehicle
     filed = car.front.pad_friction / car.rear.pad_friction
     share = front_share(car, math.log(best.ratio.value[i] / filed))
     lever = 1.0 - share if front_axle else share

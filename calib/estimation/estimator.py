@@ -1,74 +1,66 @@
 r"""The estimator on one log: causal, at the log's own rate, what an ECU would give.
 
     log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
-                                       \-> baselines, shown beside it
 
-The step is in `calib.estimation.step`; beside it stand the paper's law and what the paper argues
-with, see `calib.estimation.baselines`.
+The step is in `calib.estimation.step`; what the paper argues with, `calib.estimation.baselines`,
+starts from the same.
 """
 
-from dataclasses import dataclass, field, replace
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index, Mask
 from calib.base.names import WHEELS
+from calib.car.balance import ForceBalance
 from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
+from calib.car.effects.effect import Pair
+from calib.car.effects.effects import Effects
+from calib.car.forces import speed_ratio
+from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
-from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.constants import Constants
-from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
+from calib.estimation.known import known_effects, known_slips, nominal_car
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
-from calib.estimation.zeros import known_slips, zero_of_eta, zeroed_slips
 from calib.logs.log import Log
 from calib.model.known_effects import CorrectedRun, remove_known_effects
-from calib.model.sensors import judge_accelerometer
-from calib.run.accelerometer import Accelerometer
-from calib.run.axle_signals import Signals, eta_of, signals
-from calib.run.blocks import Blocks, blocks
-from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
+from calib.run.axle_signals import Signals, eta_of, rolling_radii, signals
+from calib.run.blocks import Blocks, block_balance, blocks
+from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
 from calib.run.lateral import lateral
-from calib.run.noise import SensorNoise
+from calib.run.noise import SensorNoise, aged, lead_in_noise, worst_noise
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Index = NDArray[np.int64]
-Pair = tuple[Array, Array]
-
 _SMOOTH = 0.1  # time constant of the causal filter on a load [s], short against the change of a pad
 
-_PADS = ("pad_friction_f", "pad_friction_r")
-_TORQUES = ("brake_torque_fl", "brake_torque_fr", "brake_torque_rl", "brake_torque_rr")
-_CHANGES = ("pad_change_f", "pad_change_r")
+
+def _bounded(unit: str, *names: str) -> dict[str, str]:
+    return {f"{name}{end}": unit for name in names for end in ("", "_lower", "_upper")}
 
 
-def _with_bounds(*names: str) -> list[str]:
-    return [f"{name}{end}" for name in names for end in ("", "_lower", "_upper")]
-
-
-_OUT = {
-    **dict.fromkeys(_with_bounds(*_PADS), "1"),
-    **dict.fromkeys(_with_bounds(*_TORQUES), "N*m"),
+_ANSWER = {
+    **_bounded("1", "pad_friction_f", "pad_friction_r"),
+    **_bounded("N*m", *(f"brake_torque_{w}" for w in WHEELS)),
     "valid": "1",
-    **dict.fromkeys(_with_bounds(*_CHANGES, "pad_level", "pad_ratio"), "1"),
-    **dict.fromkeys(_with_bounds("brake_torque_sum"), "N*m"),
+    **_bounded("1", "pad_change_f", "pad_change_r", "pad_level", "pad_ratio"),
+    **_bounded("N*m", "brake_torque_sum"),
 }
 
 COLUMNS = {
-    **dict.fromkeys(("time",), "s"),
+    "time": "s",
     **dict.fromkeys(("z", "eta", "normalised_force_f", "normalised_force_r"), "1"),
-    **_OUT,
-    **{f"ecu_{name}": unit for name, unit in _OUT.items()},
+    **_ANSWER,
+    **{f"ecu_{name}": unit for name, unit in _ANSWER.items()},
     "ecu_reason": "1",
 }
 """Columns of an estimate as a table and as a file, in their order, with their units.
@@ -80,51 +72,43 @@ Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is 
 
 @dataclass(frozen=True)
 class Estimate:
-    """The estimator's answer on one log, at its rate.
+    """The estimator's answer on one log, at its rate, and what it started from.
 
-    ``plan`` what it started from, ``read`` the signals, known effects taken out, with their means
-    over ``blocks`` and their balance of ``forces``; ``eta`` zeroed (22) [1]; ``z`` [1];
-    ``force_f``, ``force_r`` F_x/F_z [1]; ``braked`` pads bite; ``baselines`` pad friction (front,
-    rear) by method name; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what known
-    effects did to the pad friction, which is given without them [1]; ``notes`` name the baselines
-    left out; ``best`` what the step makes of all channels, ``ecu`` without a speed; ``unfit`` why
-    no sample of the run counts, where that is so.
+    ``table`` with the car as it is driven, ``car`` the same with the nominal pads and all known
+    effects; ``ran`` the log, known effects taken out, with what they did to the pad friction, which
+    is given without them; ``read`` its signals with their balance of ``forces``, ``blocks`` their
+    means with that of the ``road``; ``noise`` of the sensors; ``best`` what the step makes of all
+    channels, ``ecu`` without a speed; ``unfit`` why no sample of the run counts, if so.
     """
 
-    plan: Plan
+    table: Table
+    car: Vehicle
+    ran: CorrectedRun
     read: Signals
     forces: BrakeBalance
-    time: Array
-    z: Array
-    eta: Array
-    speed: Array
-    force_f: Array
-    force_r: Array
-    braked: Mask
-    baselines: dict[str, tuple[Array, Array]]
+    blocks: Blocks
+    road: ForceBalance
+    noise: SensorNoise
     best: Readout
     ecu: Readout
-    blocks: Blocks
-    eta_zero: float
-    pressure_f: Array
-    pressure_r: Array
-    slip_f: Array | None = None
-    slip_r: Array | None = None
-    factor_f: Array | float = 1.0
-    factor_r: Array | float = 1.0
-    notes: tuple[str, ...] = field(default=())
     unfit: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
-        if not self.valid.any():
-            return count
-        last = int(np.flatnonzero(self.valid)[-1])
-        pads = [
-            f"{name} {pads.value[last]:.3f} (95 % {pads.lower[last]:.3f} to {pads.upper[last]:.3f})"
-            for name, pads in (("front", self.best.pads_f), ("rear", self.best.pads_r))
-        ]
-        return f"{count}; pad friction at {self.time[last]:.2f} s: {', '.join(pads)}"
+        text = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
+        for i in np.flatnonzero(self.valid)[-1:]:
+            for axle, x in (("front", self.best.pads_f), ("rear", self.best.pads_r)):
+                text += f"; {axle} pads {x.value[i]:.3f} ({x.lower[i]:.3f} to {x.upper[i]:.3f})"
+        return text
+
+    @property
+    def time(self) -> Array:
+        """Clock of the log [s] (n,)."""
+        return self.read.time
+
+    @property
+    def braked(self) -> Mask:
+        """Samples (n,) with a pressure at which a pad level means something."""
+        return np.maximum(self.read.p_f, self.read.p_r) > Constants.least_pressure
 
     @property
     def valid(self) -> Mask:
@@ -134,26 +118,60 @@ class Estimate:
     @property
     def refused(self) -> dict[str, Mask]:
         """Samples in which the pads bite and the model does not hold, (n,) each, by reason."""
-        bites = np.maximum(self.pressure_f, self.pressure_r) > BITE
+        bites = np.maximum(self.read.p_f, self.read.p_r) > BITE
         reasons = [one for one in Reason if one is not Reason.VALID]
         of_run = dict.fromkeys(self.unfit, bites)
         return of_run | {one.words: bites & (self.best.step.reason == one) for one in reasons}
 
     @property
     def telling(self) -> Mask:
-        """The valid samples (n,); without any, those in which the pads bite."""
+        """The valid samples (n,); without any, those that are braked."""
         return self.valid if self.valid.any() else self.braked
 
     @cached_property
-    def response(self) -> BrakeResponse | None:
-        """How the brakes answered the pressure over the whole run; None if it tells too little."""
-        return brake_response(self.read, self.forces)
+    def eta_zero(self) -> float:
+        """eta - 1 (22) on the lead-in [1], less what known effects do to it: the radii of the day.
+
+        Without a lead-in that of the radii of the car, within one per cent.
+        """
+        b = self.blocks
+        if not b.lead_in.any():
+            return self.car.front.rolling_radius / self.car.rear.rolling_radius - 1.0
+        eta = b.eta / speed_ratio(*known_slips(self.table, self.road))
+        density = math.sqrt(2.0) * self.noise.omega / np.maximum(b.omega_f, 1.0)
+        # radii walk: the last seconds count most
+        weights = aged(b.end, b.lead_in, density)[b.lead_in] ** -2.0
+        return float(np.average(eta[b.lead_in], weights=weights)) - 1.0
+
+    @property
+    def eta(self) -> Array:
+        """Eta (22) with its zero taken out [1] (n,)."""
+        return eta_of(self.read.omega_f, self.read.omega_r) / (1.0 + self.eta_zero)
+
+    @property
+    def slips(self) -> Pair | None:
+        """Slips (19), (20) of the axles [1] (n,) with the radii of the lead-in; None without v."""
+        s, radii = self.read, rolling_radii(self.read)
+        if s.v is None or radii is None:
+            return None
+        driven = known_slips(self.table, self.road)
+        free_f, free_r = (
+            radius * (1.0 - float(np.mean(slip[self.blocks.lead_in])))
+            for radius, slip in zip(radii, driven, strict=True)
+        )
+        v = np.maximum(s.v, 0.5)
+        return 1.0 - free_f * s.omega_f / v, 1.0 - free_r * s.omega_r / v
 
     @cached_property
-    def accelerometer(self) -> Accelerometer:
-        """Scale and offset of the accelerometer over the whole run, by speed and resistance."""
-        plan = self.plan
-        return judge_accelerometer(plan.nominal, plan.known, self.blocks, plan.noise)
+    def normalised(self) -> Pair:
+        """F_x/F_z of the axles [1] (n,) over the quasi-static load (6), (7)."""
+        road, step = self.forces.balance, self.read.sample_time
+        brake_f = 2.0 * self.best.torque_f.value / self.car.front.rolling_radius
+        brake_r = 2.0 * self.best.torque_r.value / self.car.rear.rolling_radius
+        return (
+            (brake_f + road.moment_f) / low_pass(road.load_f, step, _SMOOTH),
+            (brake_r + road.moment_r) / low_pass(road.load_r, step, _SMOOTH),
+        )
 
     def columns(self) -> dict[str, Array | Mask | Index]:
         """The samples by the names of `COLUMNS`, (n,) each.
@@ -163,10 +181,10 @@ class Estimate:
         """
         values: dict[str, Array | Mask | Index] = {
             "time": self.time,
-            "z": self.z,
+            "z": self.read.z,
             "eta": self.eta,
-            "normalised_force_f": self.force_f,
-            "normalised_force_r": self.force_r,
+            "normalised_force_f": self.normalised[0],
+            "normalised_force_r": self.normalised[1],
             "valid": self.valid,
             **self.best.columns(),
             **{f"ecu_{name}": x for name, x in self.ecu.columns().items()},
@@ -190,8 +208,6 @@ def estimate(
     vehicle: Vehicle | None = None,
     *,
     mass: float | None = None,
-    with_laws: bool = True,
-    read: Signals | None = None,
     exported: Table | None = None,
 ) -> Estimate:
     """Run the estimator with a table on a log.
@@ -204,8 +220,6 @@ def estimate(
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
-    with_laws : without, the only baseline is nominal pads.
-    read : `signals` of the log with the table's vehicle, where they are known.
     exported : the table as an ECU reads it, of which ``ecu`` then is, see `calib.table.exported`.
 
     Raises StoreError for a table without maps.
@@ -224,91 +238,51 @@ def estimate(
     'N*m'
     """
     require_maps(table)
-    car = with_effects(table, vehicle, mass)
-    ran = remove_known_effects(car, log)
+    known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
+    car = weighed(replace(table.vehicle, effects=known), mass)
+    ran, read, means, road = seen = _seen(table, car, log)
     used = replace(table, vehicle=ran.vehicle)
-    nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
-    radius = ran.vehicle.rear.rolling_radius
-    if read is None or ran.log is not log or radius != table.vehicle.rear.rolling_radius:
-        read = signals(ran.log, nominal or ran.vehicle)
-    plan = plan_for(used, ran.log, read, nominal)
-    forces = brake_balance(plan.nominal, plan.known.effects, read)
-    cornering = _cornering(table, plan.nominal, ran.log, read, forces)
-    disturbed = disturbances(ran.log, read, cornering)
-    filed = with_pads(ran.vehicle, table.vehicle)
-    means = blocks(read)
-    best = read_out(table, filed, plan.known, plan.noise, read, means, disturbed)
-    own, (as_ecu, taken_out) = SensorNoise(**table.noise), _as_ecu(car, log, read, ran)
-    of = means if as_ecu is read else blocks(as_ecu)
-    by_ecu = replace(plan.known, effects=sensed(plan.known.effects))
-    factors = taken_out.factor_f / ran.factor_f, taken_out.factor_r / ran.factor_r
-    ecu = read_out(
-        exported or table, filed, by_ecu, own, as_ecu, of, disturbed, factors, with_v=False
-    )
-    driven = known_slips(used, ran.vehicle, forces.balance)
-    zero = zero_of_eta(read, driven, plan.noise, plan.nominal)
-    eta = eta_of(read.omega_f, read.omega_r) / (1.0 + zero)
-    run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, forces, eta)
-    others, notes = baselines(run, laws=with_laws)
-    normalised = _normalised(plan, read, forces, best)
-    slips = zeroed_slips(read, driven, plan.noise)
+    nominal = nominal_car(used, vehicle)
+    slip = np.interp(read.z, table.tyre.force, table.tyre.slip)
+    bend = lateral(ran.log, read, car.track_width, slip=slip, height=car.cg_height)
+    disturbed = disturbances(ran.log, read, bend)
+    noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
+    as_ecu, own, of, at = _seen_by_ecu(table, car, log) or seen
+    factors = as_ecu.factor_f / ran.factor_f, as_ecu.factor_r / ran.factor_r
+    handed_out, quiet = replace(exported or table, vehicle=ran.vehicle), SensorNoise(**table.noise)
     return Estimate(
-        plan=plan,
+        table=used,
+        car=replace(nominal, effects=car.effects),
+        ran=ran,
         read=read,
-        forces=forces,
-        time=read.time,
-        z=read.z,
-        eta=eta,
-        speed=read.speed,
-        force_f=normalised[0],
-        force_r=normalised[1],
-        braked=np.maximum(read.p_f, read.p_r) > Constants.least_pressure,
-        baselines=others,
-        best=best,
-        ecu=ecu,
+        forces=brake_balance(nominal, known_effects(used), read),
         blocks=means,
-        eta_zero=zero,
-        pressure_f=read.p_f,
-        pressure_r=read.p_r,
-        slip_f=slips[0] if slips else None,
-        slip_r=slips[1] if slips else None,
-        factor_f=ran.factor_f,
-        factor_r=ran.factor_r,
-        notes=notes,
+        road=road,
+        noise=noise,
+        best=read_out(used, noise, read, means, road, disturbed),
+        ecu=read_out(handed_out, quiet, own, of, at, disturbed, factors, with_v=False),
     )
 
 
-def _as_ecu(
-    car: Vehicle, log: Log, read: Signals, ran: CorrectedRun
-) -> tuple[Signals, CorrectedRun]:
-    """The signals by the pressure of the master cylinder alone, with the effects taken out that an
-    ECU knows; ``read`` and ``ran`` themselves where these are all.
+_Seen = tuple[CorrectedRun, Signals, Blocks, ForceBalance]
+"""A log, known effects taken out, its signals, their means and the balance of these."""
+
+
+def _seen(table: Table, car: Vehicle, log: Log) -> _Seen:
+    """The log of a ``car`` with known effects."""
+    ran = remove_known_effects(car, log)
+    read = signals(ran.log, ran.vehicle)
+    means, effects = blocks(read), known_effects(replace(table, vehicle=ran.vehicle))
+    return ran, read, means, block_balance(ran.vehicle, effects, means)
+
+
+def _seen_by_ecu(table: Table, car: Vehicle, log: Log) -> _Seen | None:
+    """The same by the pressure of the master cylinder alone, and the effects that an ECU knows.
+
+    None where these are all.
     """
-    wheels = {f"p_{w}" for w in WHEELS}
-    own = sensed(car.effects)
+    wheels, own = {f"p_{w}" for w in WHEELS}, sensed(car.effects)
     if wheels.isdisjoint(log.channels) and own == car.effects:
-        return read, ran
+        return None
     channels = {name: x for name, x in log.channels.items() if name not in wheels}
-    taken_out = remove_known_effects(replace(car, effects=own), replace(log, channels=channels))
-    return signals(taken_out.log, taken_out.vehicle), taken_out
-
-
-def _normalised(plan: Plan, s: Signals, forces: BrakeBalance, best: Readout) -> Pair:
-    """F_x/F_z of both axles [1] over the quasi-static load (6), (7)."""
-    (front, rear), road = (plan.nominal.front, plan.nominal.rear), forces.balance
-    brake_f, brake_r = (
-        2.0 * torque.value / axle.rolling_radius
-        for torque, axle in ((best.torque_f, front), (best.torque_r, rear))
-    )
-    return (
-        (brake_f + road.moment_f) / low_pass(road.load_f, s.sample_time, _SMOOTH),
-        (brake_r + road.moment_r) / low_pass(road.load_r, s.sample_time, _SMOOTH),
-    )
-
-
-def _cornering(table: Table, car: Vehicle, log: Log, s: Signals, forces: BrakeBalance) -> Array:
-    """Lateral acceleration [m/s^2] (n,); the rear wheels slip as on the road of the ramp."""
-    road, total = forces.balance, forces.nominal_f + forces.nominal_r
-    share = np.divide(forces.nominal_r, total, out=np.zeros_like(total), where=total > 0.0)
-    slip = np.interp(share * road.demanded / road.load_r, table.tyre.force, table.tyre.slip)
-    return lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
+    return _seen(table, replace(car, effects=own), replace(log, channels=channels))

@@ -20,11 +20,11 @@ from calib.base.warning import PlausibilityWarning, warning
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
+from calib.estimation.known import known_slips
 from calib.estimation.reasons import Reason
-from calib.estimation.zeros import known_slips
 from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
-from calib.run.blocks import block_balance, braked_alone
+from calib.run.blocks import braked_alone
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
 from calib.run.wheels import WheelParts, crossed_diagonal
@@ -56,7 +56,7 @@ def exchanged(log: str, e: Estimate, parts: WheelParts | None) -> Iterator[Excha
     if odds is not None and odds > 0.0:
         told = warning("axles_exchanged", log, odds, (None, 0.0))
         yield Exchanged("front and rear", odds > SURE, told)
-    paper = e.plan.table.paper
+    paper = e.table.paper
     expected = 0.0 if parts is None else float(np.interp(parts.z, paper.z, paper.eta)) - 1.0
     crossed = crossed_diagonal(parts, expected)
     if parts is not None and crossed is not None:
@@ -70,7 +70,7 @@ def axles_exchanged(e: Estimate) -> float | None:
 
     None without draws in the table, where the car never brakes, or brakes with the rear axle alone.
     """
-    draws, car = e.plan.table.draws, e.plan.table.vehicle
+    draws, car = e.table.draws, e.table.vehicle
     z, shift, error = _curve(e)
     if draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
         return None
@@ -93,14 +93,13 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
 
     Without wheels at their limit, which no scenario has.
     """
-    b, plan = e.blocks, e.plan
-    road = block_balance(plan.nominal, plan.known.effects, b)
-    demanded = road.demanded / plan.nominal.weight
-    known = speed_ratio(*known_slips(plan.table, plan.table.vehicle, road))
+    b = e.blocks
+    demanded = e.road.demanded / e.car.weight
+    known = speed_ratio(*known_slips(e.table, e.road))
     shift = b.eta / known / (1.0 + e.eta_zero) - 1.0
     rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
-    variance = 2.0 * (plan.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
+    variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rows = []
     for low, high in pairwise(_BINS):
         of = use & (demanded > low) & (demanded <= high)

@@ -14,11 +14,10 @@ from calib.base.arrays import Array, Mask
 from calib.base.errors import InputError
 from calib.car.balance import ForceBalance
 from calib.car.bias import front_share
+from calib.car.effects.effect import Pair
 from calib.car.vehicle import Axle
 from calib.estimation.constants import Reader
 from calib.table.table import Table
-
-Pair = tuple[Array, Array]
 
 RATE, PRESSURE = 8.0, 20e5
 """Rate of the gradient law [1/s], 90 % of a step of zeta in 0.3 s, at a pressure [Pa] of a usual

@@ -48,8 +48,8 @@ def truth_of(
         return None
     out = []
     for side, axle, p, factor in (
-        ("f", vehicle.front, estimate.pressure_f, estimate.factor_f),
-        ("r", vehicle.rear, estimate.pressure_r, estimate.factor_r),
+        ("f", vehicle.front, estimate.read.p_f, estimate.ran.factor_f),
+        ("r", vehicle.rear, estimate.read.p_r, estimate.ran.factor_r),
     ):
         torque = 0.5 * (log.truth[f"true_Tb_{side}l"] + log.truth[f"true_Tb_{side}r"])
         known = log.truth.get(f"true_mu_pad_{side}")
@@ -89,7 +89,7 @@ def score(log: Log, vehicle: Vehicle, e: Estimate) -> Figures:
     truth, counted = truth_of(log, vehicle, e), counted_samples(e)
     figures: Figures = {"eta_zero": vehicle.radius_mismatch(e.eta_zero), **_innovation(e)}
     if (e.valid & counted).any():
-        covered = np.maximum(e.force_f, e.force_r) <= e.plan.table.tyre.force[-1]
+        covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
         figures["covered_share"] = share(e.valid & counted & covered, e.valid & counted)
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
     for of, answer, valid, told in (
@@ -113,7 +113,7 @@ def score(log: Log, vehicle: Vehicle, e: Estimate) -> Figures:
 
 def counted_samples(e: Estimate) -> Mask:
     """Braked samples above 3 m/s (n,), of which the shares are."""
-    return e.braked & (e.speed > MOVING)
+    return e.braked & (e.read.speed > MOVING)
 
 
 def _quantities(of: Readout, truth: tuple[_AxleTruth, _AxleTruth] | None) -> dict[str, _Quantity]:
@@ -198,14 +198,18 @@ def _rms(x: Array) -> float:
 
 
 def baseline_errors(
-    e: Estimate, truth: tuple[_AxleTruth, _AxleTruth] | None
+    e: Estimate,
+    truth: tuple[_AxleTruth, _AxleTruth] | None,
+    others: dict[str, tuple[Array, Array]],
 ) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction of each method, front and rear, over valid samples.
+
+    ``others`` the pad friction of those beside the estimate (n,), front and rear.
 
     Without a truth it is against the best estimate, where that has seen v; else there are none.
     """
     best = e.best.pads_f.value, e.best.pads_r.value
-    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **e.baselines}
+    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **others}
     if truth is not None:
         methods = {"estimate": best, **methods}
     true = np.array(best if truth is None else [axle.pad_friction for axle in truth])

@@ -11,18 +11,16 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
-from calib.car.balance import brake_forces
+from calib.car.balance import ForceBalance, brake_forces
 from calib.car.bias import front_share
 from calib.car.forces import speed_ratio
-from calib.car.vehicle import Vehicle
 from calib.estimation.constants import constants
+from calib.estimation.known import known_slips
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample
 from calib.estimation.step import Answer, run, widened
-from calib.estimation.zeros import known_slips
-from calib.model.resistance import Resistance
 from calib.run.axle_signals import Signals
-from calib.run.blocks import Blocks, block_balance
+from calib.run.blocks import Blocks
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
 
@@ -95,11 +93,10 @@ class Readout:
 
 def read_out(
     table: Table,
-    car: Vehicle,
-    known: Resistance,
     noise: SensorNoise,
     s: Signals,
     b: Blocks,
+    road: ForceBalance,
     disturbed: Index,
     factors: tuple[Array | float, Array | float] = (1.0, 1.0),
     *,
@@ -107,23 +104,23 @@ def read_out(
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
-    ``car`` the vehicle as it is driven, with the pads of the file; ``known`` its resistance; ``b``
-    means of the signals over blocks; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of
+    The table's vehicle is as driven, with the pads of the file; ``b`` means of the signals over
+    blocks and ``road`` their balance; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of
     the axles' pad friction by which known effects are taken out of it; ``with_v`` whether the
     reference speed is used where it is logged.
     """
-    forces = block_balance(car, known.effects, b)
+    car = table.vehicle
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
     front, rear = car.front, car.rear
-    driven = known_slips(table, car, forces)
+    driven = known_slips(table, road)
     columns = (
-        forces.demanded / car.weight,
+        road.demanded / car.weight,
         (brake_f + brake_r) / car.weight,
         np.maximum(b.p_f, b.p_r),
         b.z,
         b.eta / speed_ratio(*driven),
         np.maximum(front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
-        forces.load_r / car.weight,
+        road.load_r / car.weight,
         b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
         disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1),
         np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),

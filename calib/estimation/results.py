@@ -56,7 +56,7 @@ def to_dict(
 
 
 def _of_log(r: Validation) -> dict[str, object]:
-    notes = [NO_HOLDOUT] * (r.role == CALIBRATION) + [*r.estimate.notes]
+    notes = [NO_HOLDOUT] * (r.role == CALIBRATION) + [*r.notes]
     return {
         "log": r.log,
         "digest": r.digest,

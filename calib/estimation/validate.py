@@ -7,13 +7,15 @@ speed can contradict it, but shares the ramp with it; without both it is consist
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import Vehicle, require_same_car
+from calib.estimation.baselines import other_methods
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.exchanged import exchanged
@@ -26,11 +28,9 @@ from calib.estimation.metrics import (
     share,
     truth_of,
 )
-from calib.estimation.plan import as_used
 from calib.estimation.warnings import limit_warnings, warnings_of
 from calib.logs.log import Log
 from calib.plausibility.run import wrong_speed
-from calib.run.axle_signals import signals
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
 from calib.run.rules import problems
@@ -56,11 +56,12 @@ NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves not
 
 @dataclass(frozen=True)
 class Validation:
-    """One log: its estimate, its metrics, its judgements, errors of the ``baselines``.
+    """One log: its estimate, its metrics, its judgements, pad friction (front, rear) of the
+    ``others`` that stand beside it, by method [1] (n,), errors of these ``baselines``.
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it is reported,
-    but validates nothing, so it does not pass. ``mass`` is what the estimate rests on; ``warnings``
-    what speaks against the result.
+    but validates nothing, so it does not pass. ``mass`` is what the estimate rests on;
+    ``notes`` name the methods left out; ``warnings`` what speaks against the result.
     """
 
     log: str
@@ -71,6 +72,8 @@ class Validation:
     judgements: tuple[Judgement, ...]
     baselines: dict[str, tuple[float, float]]
     mass: MassUsed
+    others: dict[str, tuple[Array, Array]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
     warnings: tuple[PlausibilityWarning, ...] = ()
 
     def __repr__(self) -> str:
@@ -182,14 +185,10 @@ def validate_one(
             where=log.source,
             do="see `brake-cal check`",
         )
-    car = as_used(table, vehicle, mass)
     if vehicle is not None:
         require_same_car(table.vehicle, vehicle, weighed=mass is not None)
-    read = signals(log, table.vehicle)
-    require_same_wheels(table.vehicle, log, read)
-    result = estimate(
-        table, log, vehicle, mass=mass, with_laws=baselines, read=read, exported=exported
-    )
+    result = estimate(table, log, vehicle, mass=mass, exported=exported)
+    require_same_wheels(result.car, log, result.read)
     columns = tuple(exchanged(log.name, result, seen.wheels))
     warnings = (
         *clock_gaps(log.name, seen),
@@ -202,7 +201,8 @@ def validate_one(
     if (wrong := wrong_speed(warnings)) is not None:
         unfit.append(wrong.what)
     result = replace(result, unfit=tuple(unfit))
-    figures = score(log, car, result)
+    figures = score(log, result.car, result)
+    others, notes = other_methods(result) if baselines else ({}, ())
     return Validation(
         log=log.name,
         digest=log.digest,
@@ -210,7 +210,11 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        baselines=baseline_errors(result, truth_of(log, car, result)) if baselines else {},
+        baselines=baseline_errors(result, truth_of(log, result.car, result), others)
+        if baselines
+        else {},
+        others=others,
+        notes=notes,
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )

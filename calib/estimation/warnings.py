@@ -9,16 +9,21 @@ from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning, judged
 from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
+from calib.estimation.known import known_resistance
 from calib.estimation.limits import Judgement
 from calib.estimation.metrics import METRICS
 from calib.logs.log import Log
+from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import of_changes
 from calib.plausibility.run import run_warnings
+from calib.run.brake_response import brake_response
+from calib.table.budget import level_of
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
     """Warnings on one log, from what its whole run says."""
-    of_run = run_warnings(log, e.read, e.plan.nominal, e.accelerometer, e.response)
+    sensor = judge_accelerometer(e.car, known_resistance(e.table), e.blocks, e.noise)
+    of_run = run_warnings(log, e.read, e.car, sensor, brake_response(e.read, e.forces))
     if not e.valid.any():
         return of_run
     return (*of_run, *judged(log.name, of_changes(pads_together(e), pads_apart(e))))
@@ -49,13 +54,14 @@ def pads_together(e: Estimate) -> tuple[float, float]:
 
     The mass is not counted in the sigma, since another load is what it would tell.
     """
-    last, plan, best = _last(e), e.plan, e.best
-    share = front_share(plan.table.vehicle, plan.table.calibration.pad_log_ratio.value)
+    last, best = _last(e), e.best
+    share = front_share(e.table.vehicle, e.table.calibration.pad_log_ratio.value)
     level = share * best.change_f.value[last] + (1.0 - share) * best.change_r.value[last]
-    z = max(float(e.z[last]), 0.02)
-    resistance = float(plan.known.sigma_z(plan.nominal, e.speed[last : last + 1])[0]) / z
+    z = max(float(e.read.z[last]), 0.02)
+    speed = e.read.speed[last : last + 1]
+    resistance = float(known_resistance(e.table).sigma_z(e.car, speed)[0]) / z
     sensors = float(best.step.noise[last] + best.step.accelerometer[last])
-    ramp = sum(variance for part, variance in plan.ramp_level.items() if part != "mass")
+    ramp = sum(variance for part, variance in level_of(e.table).items() if part != "mass")
     return math.log(level), math.sqrt(sensors + resistance**2 + ramp)
 
 

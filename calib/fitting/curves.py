@@ -42,17 +42,15 @@ _SURE = 0.00135  # share of the draws in which eta must go on rising to doubt it
 
 @dataclass(frozen=True)
 class Ridge:
-    """The ramps as draws have them, over ``z`` (k,): (n, k) each, all [1].
+    """The ramps as draws have them, over ``z`` (k,), all [1].
 
-    ``eta``; normalised forces ``F_f``, ``F_r``; slips of the tyres ``slip_f``, ``slip_r``.
+    ``eta`` (n, k); of the axles (2, n, k): normalised ``forces``, ``slips`` of the tyres.
     """
 
     z: Array
     eta: Array
-    F_f: Array
-    F_r: Array
-    slip_f: Array
-    slip_r: Array
+    forces: Array
+    slips: Array
 
     @property
     def middle(self) -> Array:
@@ -63,26 +61,18 @@ class Ridge:
 def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
     brake = z * (1.0 + sum(turning_shares(car)))
-    front, rear = braked_tyres(car, front_share(car, e.log_pad_ratio)[:, None], brake, z)
-    of = shown(car, e, z, np.stack([front, rear]))
-    load_f, load_r = (load / car.weight for load in axle_loads(car, z))
-    return Ridge(z, 1.0 + of.rise, front / load_f, rear / load_r, *of.slips)
+    share = front_share(car, e.log_pad_ratio)[:, None]
+    forces = np.stack(braked_tyres(car, share, brake, z))
+    of = shown(car, e, z, forces)
+    loads = np.stack(axle_loads(car, z))[:, None] / car.weight
+    return Ridge(z, 1.0 + of.rise, forces / loads, of.slips)
 
 
-@dataclass(frozen=True)
-class Peak:
-    """Where eta turns on the ramp: ``z``, ``eta`` [1]; ``real`` if it surely falls after it."""
-
-    z: float
-    eta: float
-    real: bool
-
-
-def find_peak(of: Ridge) -> Peak:
-    """Test whether eta peaks inside the range of a ridge."""
+def find_peak(of: Ridge) -> tuple[float, float, bool]:
+    """z and eta [1] where eta turns on a ridge, and whether it surely falls after that."""
     top = int(np.argmax(of.middle))
     falls = np.quantile(of.eta[:, top] - of.eta[:, -1], _SURE) > 0.0
-    return Peak(float(of.z[top]), float(of.middle[top]), bool(falls))
+    return float(of.z[top]), float(of.middle[top]), bool(falls)
 
 
 def readable_up_to(of: Ridge) -> float:
@@ -119,17 +109,17 @@ def tyre_curve(e: Ensemble, of: Ridge, runs: list[RampRun]) -> TyreCurve:
 
     Draws have no more force than `NEAR_PEAK` of their peak.
     """
-    greatest = 1.1 * float(np.median(np.maximum(of.F_f, of.F_r)[:, -1]))
+    greatest = 1.1 * float(np.median(np.max(of.forces, axis=0)[:, -1]))
     end = np.median([np.interp(greatest, force, slip) for slip, force in _tyres(e)])
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
-    slips = [np.median(slip, axis=0) for slip in (of.slip_f, of.slip_r)]
+    slips = np.median(of.slips, axis=1)
     seen = [np.interp(run.blocks.z[run.use], of.z, slip) for run in runs for slip in slips]
     return TyreCurve(*_columns(grid, tyre_forces(e, grid), seen))
 
 
 def differences(of: Ridge, eta: Array) -> Array:
     """D of the draws of a ridge at ``eta`` (k,) of its rising branch, (n, k) [1]."""
-    rows = zip(np.maximum.accumulate(of.eta, axis=1), of.F_f - of.F_r, strict=True)
+    rows = zip(np.maximum.accumulate(of.eta, axis=1), np.subtract(*of.forces), strict=True)
     return np.array([np.interp(eta, x, D) for x, D in rows])
 
 

@@ -17,6 +17,7 @@ from calib.base.arrays import Array, Mask
 from calib.car.vehicle import Vehicle
 from calib.model.ramp import RampRun, nominal_forces
 from calib.model.settings import SETTINGS
+from calib.run.filters import runs as runs_of
 
 
 def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
@@ -62,7 +63,7 @@ def _passing(wild: Mask, N: Array) -> Mask:
     """
     near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
     left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5
-    for first, end in np.flatnonzero(np.diff(near, prepend=0, append=0)).reshape(-1, 2):
-        beyond = np.count_nonzero(~near & (np.max(N[first:end]) < N))
+    for first, end in runs_of(near):
+        beyond = int(np.count_nonzero(~near & (np.max(N[first:end]) < N)))
         left_out[first:end] = min(first, wild.size - end, beyond) >= few
     return left_out & (np.mean(left_out) < SETTINGS.disturbance_share)

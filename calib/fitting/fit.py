@@ -14,13 +14,13 @@ from calib.car.bias import front_biased_up_to
 from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import difference_curves, find_peak, readable_up_to, ridge, tyre_curve
+from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
 from calib.fitting.known import contradicted, known_before, likely
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.moments import as_cubic, tyre_posterior
-from calib.fitting.pads import calibration_of, level_of, measured, ratio_by_levels, stated_pad_ratio
+from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
 from calib.fitting.provenance import provenance
 from calib.fitting.quality import metrics, remarks
@@ -102,15 +102,16 @@ def fit(
     both, some = [run for run in runs if run.only is None], ensemble.take(slice(None, None, 4))
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in both)
     of = ridge(car, some, np.linspace(0.0, z_max, 201))
-    peak, z_end = find_peak(of), readable_up_to(of)
+    z_end = readable_up_to(of)
     _require_rising(car, z_end, sources, warnings)
-    drawn = as_cubic(ensemble, float(np.max(np.median([of.F_f, of.F_r], axis=1))))
+    drawn = as_cubic(ensemble, float(np.max(np.median(of.forces, axis=1))))
     of_tyre = tyre_posterior(drawn)
     ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
     scale, level = level_of(car, both, known, ratio.value)
     pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))
     require_possible_pads(car, pads, warnings)
     difference, paper = difference_curves(car, some, both, z_end)
+    quality = metrics(car, runs, left, of, min((ratio.sigma / before.sigma) ** 2, 1.0))
     pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
         name=vehicle.name,
@@ -122,12 +123,11 @@ def fit(
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
-        quality=metrics(car, runs, left, peak, z_max, min((ratio.sigma / before.sigma) ** 2, 1.0)),
+        quality=quality,
         remarks=(
             *remarks(
-                driven, mass_used(vehicle, mass), runs, left, ratio, known, peak, coasts, bench
+                driven, mass_used(vehicle, mass), runs, left, pads, known, quality, coasts, bench
             ),
-            *measured(driven, bench, pads),
             *likely(told, ensemble.held),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),

@@ -229,9 +229,7 @@ def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
         shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # of an inverse Wishart's mean
         Q, sharp = Q[:, v < _TOLD], shrink / v[v < _TOLD]
         told, h = Q @ np.diag(sharp - 1.0) @ Q.T, Q @ (sharp * (Q.T @ x.mean(axis=0)))
-        through = np.linalg.inv(
-            one + told * _CARS_APART
-        )  # it tells of the mean, less its own scatter
+        through = np.linalg.inv(one + told * _CARS_APART)  # of the mean, less its own scatter
         precision, pull = precision + through @ told, pull + through @ h
     of_mean: Array = np.linalg.inv(0.5 * (precision + precision.T)).astype(np.float64)
     return Known("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_CARS_APART))

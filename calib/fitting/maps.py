@@ -102,15 +102,16 @@ def _cells(
     mean, sigma = middle[:, 0], np.maximum(np.sqrt(spread[:, 0, 0]), 0.02)
     apart = (log_slip[:, None] - mean) / sigma
     both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - SLIP) / _NEAR) ** 2)
-    both = (both + (some * np.max(near))[..., None]).reshape(log_slip.size, -1)
+    both += (some * np.max(near))[..., None]
+    weights = np.hstack([rolls, both.reshape(log_slip.size, -1)])
     flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
     cells = {name: np.repeat(x[:, None], SLIP.size, axis=1) for name, x in flat.items()}
     # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
-    middle, joint = _moments(both, np.vstack([log_slip, asked]))
+    middle, joint = (of[1:] for of in _moments(weights, np.vstack([log_slip, asked])))
     off = (mean[:, None] + sigma[:, None] * SLIP).ravel() - middle[:, 0]
     before: dict[str, Array] = {}
     for k, (name, x) in enumerate(zip(("ratio", "change"), asked, strict=True), 1):
-        whole, *found = _quantiles(x, np.hstack([rolls, both]))
+        whole, *found = _quantiles(x, weights)
         slope, spread = joint[:, 0, k] / joint[:, 0, 0], np.array(found)
         left = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
         within = spread[:, 1:2] + left * (spread - spread[:, 1:2]) + (slope * off)[:, None]

@@ -8,7 +8,7 @@ The force counts from the lead-in: neither the zero of a_x nor a resistance that
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -44,18 +44,6 @@ def stated_pad_ratio(vehicle: Vehicle, bench: RollerBench | None) -> Value:
         return UNSAID
     unsaid = UNSAID.sigma / math.sqrt(2.0)  # of one axle, where he speaks of the other only
     return Value(0.0, math.hypot(*(unsaid if one is None else one for one in said)))
-
-
-def measured(vehicle: Vehicle, bench: RollerBench | None, pads: Calibration) -> Iterator[str]:
-    """What the rollers said of the pads, beside what the ramps say of their level."""
-    if bench is None:
-        return
-    ratio, level = bench.log_pad_ratio(vehicle), bench.log_pad_level(vehicle)
-    yield (
-        f"roller brake tester {bench.name}: pads front/rear {np.exp(ratio.value):.3f} times "
-        f"nominal, known to {100.0 * ratio.sigma:.2g} %, one sigma; their level is "
-        f"{np.exp(level.value) / pads.pad_scale.value:.2f} times that of the ramps, which counts"
-    )
 
 
 def levels_of(

@@ -1,6 +1,6 @@
 """How good a fit is, in numbers and in the words that its user must read."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from calib.base.arrays import Array
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import MassUsed
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import Peak
+from calib.fitting.curves import Ridge, find_peak
 from calib.fitting.regression import told
 from calib.fitting.residuals import Residuals
 from calib.model.ramp import RampRun
@@ -17,24 +17,26 @@ from calib.model.roller_bench import RollerBench
 from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared
 from calib.run.filters import runs as runs_of
-from calib.table.table import Value
+from calib.table.table import Calibration
 
 
 def metrics(
-    vehicle: Vehicle, runs: list[RampRun], left: Residuals, peak: Peak, z_max: float, nominal: float
+    vehicle: Vehicle, runs: list[RampRun], left: Residuals, of: Ridge, nominal: float
 ) -> dict[str, float]:
     """Quality metrics of the fit, each a plain number.
 
-    ``left`` residuals of the ``runs``; ``nominal`` weight of what was known of the pads' ratio
-    before the ramps in what is known of it now [1].
+    ``left`` residuals of the ``runs``; ``of`` their draws up to the highest deceleration;
+    ``nominal`` weight of what was known of the pads' ratio before the ramps in what is known of it
+    now [1].
     """
+    z_peak, eta_peak, real = find_peak(of)
     eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
     return {
-        "deceleration_max": z_max,
+        "deceleration_max": float(of.z[-1]),
         "front_biased_up_to": min(front_biased_up_to(vehicle), 9.99),
-        "eta_peak": peak.eta,
-        "eta_peak_deceleration": peak.z,
-        "eta_peak_is_real": float(peak.real),
+        "eta_peak": eta_peak,
+        "eta_peak_deceleration": z_peak,
+        "eta_peak_is_real": float(real),
         "residual_eta_rms_sigma": float(np.sqrt(np.mean(eta**2))),
         "residual_slip_rms_sigma": float(np.sqrt(np.mean(slip**2))) if slip.size else 0.0,
         "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
@@ -48,16 +50,16 @@ def remarks(
     mass: MassUsed,
     runs: list[RampRun],
     left: Residuals,
-    ratio: Value,
+    pads: Calibration,
     known: Resistance,
-    peak: Peak,
+    quality: Mapping[str, float],
     coasts: Sequence[Prepared],
     bench: RollerBench | None,
 ) -> Iterator[str]:
     """What the user must know of this table, in words.
 
-    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``; ``ratio`` ln of the
-    pads' ratio over that of the file [1].
+    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``; ``quality`` as of
+    `metrics`.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -76,15 +78,25 @@ def remarks(
             "no reference speed: slip stiffness and pad ratio cannot be told apart, the ratio "
             f"rests on the {on}"
         )
-    if peak.real:
+    if quality["eta_peak_is_real"]:
         yield (
-            f"eta peaks at {peak.z:.2f} g: f1, f2 of eta end before it; beyond, use the tyre curve"
+            f"eta peaks at {quality['eta_peak_deceleration']:.2f} g: f1, f2 of eta end before it; "
+            "beyond, use the tyre curve"
         )
+    ratio = pads.pad_log_ratio
     low, high = np.exp(ratio.ci95)
     if not low < 1.0 < high:
         yield (
             "the pads were not in the ratio of the vehicle file: front/rear "
             f"{np.exp(ratio.value):.2f} times nominal, 95 % {low:.2f} to {high:.2f}"
+        )
+    if bench is not None:
+        stated, level = bench.log_pad_ratio(vehicle), bench.log_pad_level(vehicle)
+        apart = np.exp(level.value) / pads.pad_scale.value
+        yield (
+            f"roller brake tester {bench.name}: pads front/rear {np.exp(stated.value):.3f} times "
+            f"nominal, known to {100.0 * stated.sigma:.2g} %, one sigma; their level is "
+            f"{apart:.2f} times that of the ramps, which counts"
         )
 
 

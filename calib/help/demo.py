@@ -143,17 +143,17 @@ def _section_four(outcome: _Outcome) -> list[_Row]:
     e = result.estimate
     truth = truth_of(log, car, e)
     assert truth is not None
-    braked = e.braked & (e.speed > 3.0) & np.isfinite(e.best.pads_f.value)
+    braked = e.braked & (e.read.speed > 3.0) & np.isfinite(e.best.pads_f.value)
     last = int(np.flatnonzero(braked)[-1])
-    pads = {name: e.baselines[name] for name in _METHODS if name in e.baselines}
+    pads = {name: result.others[name] for name in _METHODS if name in result.others}
     pads["estimate"] = (e.best.pads_f.value, e.best.pads_r.value)
     rows = []
     for name, (front, rear) in pads.items():
         errors = [
             (mu * axle.torque_gain * p - t.torque)[braked]
             for mu, axle, p, t in (
-                (front, car.front, e.pressure_f, truth[0]),
-                (rear, car.rear, e.pressure_r, truth[1]),
+                (front, car.front, e.read.p_f, truth[0]),
+                (rear, car.rear, e.read.p_r, truth[1]),
             )
         ]
         rms = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))
@@ -171,9 +171,9 @@ def _stop(result: Validation, car: Vehicle) -> _Row:
     def share(front: Array, rear: Array) -> float:
         total = sum(
             2.0 * mu[e.valid] * axle.torque_gain * p[e.valid] / axle.rolling_radius
-            for mu, axle, p in ((front, car.front, e.pressure_f), (rear, car.rear, e.pressure_r))
+            for mu, axle, p in ((front, car.front, e.read.p_f), (rear, car.rear, e.read.p_r))
         )
-        return float(np.mean(total / (car.weight * e.z[e.valid])))
+        return float(np.mean(total / (car.weight * e.read.z[e.valid])))
 
     front, rear = (figures[f"pad_friction_{side}"] or np.nan for side in "fr")
     wide_f, wide_r = (figures[f"interval_{side}"] or np.nan for side in "fr")
@@ -183,7 +183,7 @@ def _stop(result: Validation, car: Vehicle) -> _Row:
         "width_f": front * wide_f,
         "pads_r": rear,
         "width_r": rear * wide_r,
-        "sum_nominal": share(*e.baselines["nominal"]),
+        "sum_nominal": share(*result.others["nominal"]),
         "sum_compensated": share(e.best.pads_f.value, e.best.pads_r.value),
     }
 

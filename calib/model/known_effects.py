@@ -7,7 +7,7 @@
 
 What slows the body or the wheels beside the brakes (drag, grade, engine), or moves load between the
 axles (pitch), stays an effect: it takes its part of the balance of forces, which a fit carries
-forward and an estimate takes out (`calib.estimation.zeros`). So does a logged torque of engine or
+forward and an estimate takes out (`calib.estimation.known`). So does a logged torque of engine or
 motor: with ``engine_drag`` among the known effects both are counted.
 """
 

@@ -7,7 +7,7 @@ are the points that are compared with them:
     eta as measured, over that of the identified car on this run, times its eta without resistance
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from calib.car.balance import moment_at_road
 from calib.car.braking import BITE
 from calib.car.forces import axle_loads, paper_curves, speed_ratio
 from calib.car.vehicle import Vehicle
-from calib.estimation.plan import known_resistance
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.parameters import RampParameters, parameters_of, tyres_of
@@ -79,7 +78,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     read = blocks(signals(ran.log, vehicle))
     noise = sensor_noise(ran.log, read)
     (_, b, _), sensor = put_right(vehicle, (ran.log, read, noise))
-    effects = known_resistance(replace(table, vehicle=vehicle)).effects
+    effects = table.effects.with_(vehicle.effects)
     run = prepare(vehicle, log.name, b, noise, effects, sensor)
     parameters = parameters_of(table.posterior)
     F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)

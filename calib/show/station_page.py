@@ -85,7 +85,7 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 
 def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     """The facts with pads, curves, stops and origin; equal inputs give equal facts."""
-    notes = [f"{r.log}: {text}" for r in found.results for text in r.estimate.notes]
+    notes = [f"{r.log}: {text}" for r in found.results for text in r.notes]
     curves = Picture(_CURVES, sheet(found.table, stored.id), ("f1-f2", "difference"))
     stops = [pads_over_time(r) for r in found.results]
     remarks = [*found.table.remarks, *map(str, found.caveats)]

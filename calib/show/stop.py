@@ -10,9 +10,7 @@ from calib.base.names import WHEELS
 from calib.base.plain import plain, plus_minus
 from calib.car.forces import brake_torque
 from calib.car.vehicle import Vehicle
-from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import truth_of
-from calib.estimation.plan import calibrated
 from calib.estimation.validate import Validation
 from calib.logs.log import Log
 from calib.run.filters import runs
@@ -82,10 +80,10 @@ def of_validation(
     table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
 ) -> Sheet:
     """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``."""
-    e, car = result.estimate, vehicle or calibrated(table)
+    e, car = result.estimate, result.estimate.car
     means = _means(result)
     over = _over(e.time, e.valid)
-    more = _beside(e, log, car, "of the table" if vehicle is None else "of the vehicle file")
+    more = _beside(result, log, "of the table" if vehicle is None else "of the vehicle file")
     wheels = [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
     if "v" in log:  # first, so that it is drawn below the wheels
         wheels.insert(0, Line(e.time, log["v"] / car.rear.rolling_radius, BODY, "$V/R$"))
@@ -99,7 +97,7 @@ def of_validation(
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
     notes = (
         f"Estimator with table {name}, digest {table.digest[:16]}.",
-        *e.notes,
+        *result.notes,
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         _SHADED,
         *(
@@ -220,20 +218,20 @@ def _bounded(
     return [*more, estimate], reach(lower, upper, *wide)
 
 
-def _beside(e: Estimate, log: Log, car: Vehicle, whose: str) -> dict[str, list[Line]]:
+def _beside(result: Validation, log: Log, whose: str) -> dict[str, list[Line]]:
     """What a log has beside the estimate, by panel: slips, other methods, nominal pads, truth."""
-    found: dict[str, list[Line]] = {"slip": [], "axle-torques": []}
-    truth, time = truth_of(log, car, e), e.time
+    e, found = result.estimate, dict[str, list[Line]](slip=[], **{"axle-torques": []})
+    car = e.car
+    truth, time, slips = truth_of(log, car, e), e.time, e.slips
     for i, (_, name, stroke) in enumerate(_AXLES):
-        axle, pressure = (car.front, car.rear)[i], np.maximum((e.pressure_f, e.pressure_r)[i], 0.0)
-        slip = (e.slip_f, e.slip_r)[i]
-        if slip is not None:
+        axle, pressure = (car.front, car.rear)[i], np.maximum((e.read.p_f, e.read.p_r)[i], 0.0)
+        if slips is not None:
             label = f"{name} slip"
-            found["slip"].append(Line(time, 100.0 * slip, stroke, label, mean=_SLIP_MEAN))
+            found["slip"].append(Line(time, 100.0 * slips[i], stroke, label, mean=_SLIP_MEAN))
         held = [
-            Line(time, np.where(e.valid, e.baselines[key][i], np.nan), look, label)
+            Line(time, np.where(e.valid, result.others[key][i], np.nan), look, label)
             for key, (label, look) in BASELINES.items()
-            if key in e.baselines
+            if key in result.others
         ]
         nominal = np.full(time.size, axle.pad_friction)
         held.append(Line(time, nominal, NOMINAL, rf"$\mu_{{p,n}}$ {whose}"))

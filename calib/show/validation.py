@@ -143,7 +143,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()
         ]
-        rows += [(r.log, text) for text in r.estimate.notes]
+        rows += [(r.log, text) for text in r.notes]
         rows += [
             (f"{r.log}, {name} pads", of.words)
             for name, of in zip(AXLE_NAMES.values(), r.budget or (), strict=False)

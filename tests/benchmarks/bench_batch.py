@@ -98,7 +98,7 @@ def one_core(job: Job, table: Table, paths: list[Path]) -> None:
     print(f"{'pandas, iterrows, the law of one axle':<40}{1e3 * plain:8.2f} ms a log")
     log = read_log(paths[0])
     print(f"  of it reading    {1e3 * best(lambda: read_log(paths[0]), 20):8.2f} ms")
-    alone = best(lambda: estimator.estimate(table, log, with_laws=False), 20)
+    alone = best(lambda: estimator.estimate(table, log), 20)
     print(f"  of it estimating {1e3 * alone:8.2f} ms")
 
 

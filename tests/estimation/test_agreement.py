@@ -1,7 +1,6 @@
 """Stops of one road with like pads, from stiffnesses that are made."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ def on_road(estimate, stiffness, sigma=0.04):
     slip = np.log(tyre.slip[-1] / tyre.force[-1]) - stiffness
     step = estimate.best.step._replace(slip=slip * one, slip_sigma=sigma * one)
     told = replace(estimate.best, step=step)
-    return replace(estimate, plan=SimpleNamespace(table=made_table()), best=told)
+    return replace(estimate, table=made_table(), best=told)
 
 
 def stops(*stiffness, sigma=0.04, pads=(0.4, 0.36), level=1.0):

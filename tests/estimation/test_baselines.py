@@ -1,6 +1,7 @@
 """The methods beside the estimate: shown, or left out with a note; none of them stops a run."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,9 +9,10 @@ import pytest
 from calib.base.errors import InputError
 from calib.car.effects.effects import Effects
 from calib.estimation import law
-from calib.estimation.baselines import METHODS, BaselineRun, as_written, temperature
+from calib.estimation.baselines import METHODS, as_written, other_methods, temperature
 from calib.estimation.estimator import estimate
-from calib.estimation.validate import validate
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import validate, validate_one
 from calib.fitting.fit import fit
 from calib.run.axle_signals import Signals, signals
 from calib.run.brake_response import brake_balance
@@ -30,30 +32,29 @@ def test_a_law_that_is_unstable_is_left_out_with_a_note(fitted):
     """gamma u^2 dt = 8/s (p/20 bar)^2 dt is 2.45 at 70 bar and 40 Hz; no wheel locks."""
     log = stop(with_pads(REAL, 0.2, 0.2), 70e5, duration=6.0, rate=40.0)
     e = estimate(fitted, noisy(log, 2))
-    assert set(e.baselines) == {"nominal", *METHODS} - UNSTABLE
-    (note,) = e.notes
+    found, (note,) = other_methods(e)
+    assert set(found) == {*METHODS} - UNSTABLE
     assert all(name in note for name in UNSTABLE)
-    assert np.mean(e.valid[e.braked & (e.speed > 5.0)]) > 0.5
+    assert np.mean(e.valid[e.braked & (e.read.speed > 5.0)]) > 0.5
 
 
-def test_without_laws_there_are_nominal_pads_only(fitted):
-    """A batch asks for no more, and must not pay for it."""
-    e = estimate(fitted, noisy(stop(), 3), with_laws=False)
-    assert set(e.baselines) == {"nominal"}
-    assert e.notes == ()
+def test_unless_asked_for_they_are_left_out(fitted):
+    """A batch does not ask, and must not pay for it."""
+    found = validate_one(fitted, noisy(stop(), 3), None, DEFAULTS, baselines=False)
+    assert (found.others, found.baselines, found.notes) == ({}, {}, ())
 
 
 def test_errors_are_against_truth_or_the_speed(fitted):
     log = noisy(stop(), 3)
     blind = replace(log, truth={})
     by_truth, by_speed, by_nothing = validate(fitted, [log, blind, without(blind, "v")])
-    assert set(by_truth.baselines) == {"estimate", "ecu", "nominal", *METHODS}
-    assert set(by_speed.baselines) == {"ecu", "nominal", *METHODS}
+    assert set(by_truth.baselines) == {"estimate", "ecu", *METHODS}
+    assert set(by_speed.baselines) == {"ecu", *METHODS}
     assert by_nothing.baselines == {}
     told = [found.compared_with for found in (by_truth, by_speed, by_nothing)]
     assert told == ["truth", "reference", "none"]
     e = by_speed.estimate
-    off = (e.baselines["nominal"][1] / e.best.pads_r.value - 1.0)[e.valid]
+    off = (by_speed.others["nominal"][1] / e.best.pads_r.value - 1.0)[e.valid]
     assert by_speed.baselines["nominal"][1] == pytest.approx(np.sqrt(np.mean(off**2)))
 
 
@@ -63,7 +64,7 @@ def test_errors_are_against_truth_or_the_speed(fitted):
 def test_mean_gain_is_the_mean_weighted_by_force(ideal):
     """Pads 0.31/0.27 of nominal 0.38: one factor, with the gains A r of Table I as weights."""
     e = estimate(ideal, stop(with_pads(IDEAL, 0.31, 0.27), 30e5), CAR)
-    front, rear = e.baselines["mean_gain"]
+    front, rear = other_methods(e)[0]["mean_gain"]
     assert np.array_equal(front, rear)
     assert front[0] == 0.38
     weights = (28.84 * 130.9, 11.34 * 124.0)
@@ -77,9 +78,14 @@ def test_mean_gain_is_the_mean_weighted_by_force(ideal):
 def run_of(log, known=None, s=None, eta=None, car=CAR):
     """A run as the methods need it."""
     s = s or signals(log, car)
-    b = brake_balance(car, Effects(), s)
-    eta = np.ones_like(s.z) if eta is None else eta
-    return BaselineRun(made_table(), car, known or Effects(), log, s, b, eta)
+    return SimpleNamespace(
+        table=made_table(),
+        car=replace(car, effects=known or Effects()),
+        ran=SimpleNamespace(log=log),
+        read=s,
+        forces=brake_balance(car, Effects(), s),
+        eta=np.ones_like(s.z) if eta is None else eta,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -204,6 +210,6 @@ def test_the_law_is_right_on_the_car_that_the_paper_describes(ideal, name, pad):
     What is left is the table's: D(eta) from another tyre curve than the plant's, 4 % off.
     """
     e = estimate(ideal, stop(with_pads(IDEAL, pad, pad), 25e5))
-    last = int(np.flatnonzero(e.braked & (e.speed > 3.0))[-1])
-    found = [float(axle[last]) for axle in e.baselines[name]]
+    last = int(np.flatnonzero(e.braked & (e.read.speed > 3.0))[-1])
+    found = [float(axle[last]) for axle in METHODS[name](e)]
     assert found == pytest.approx((pad, pad), rel=0.02)

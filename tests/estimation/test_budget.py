@@ -45,28 +45,26 @@ def sums_agree(e):
 
 @pytest.mark.parametrize("name", ["dry", "wet", "patch", "without v"])
 def test_parts_add_up_to_the_interval(table, logs, name):
-    e = estimate(table, logs[name], with_laws=False)
+    e = estimate(table, logs[name])
     sums_agree(e)
 
 
 def test_they_add_up_with_given_pads(table, logs):
     given = replace(CAR, front=replace(CAR.front, pad_friction=0.4))
-    sums_agree(estimate(table, logs["wet"], given, with_laws=False))
+    sums_agree(estimate(table, logs["wet"], given))
 
 
 def test_where_nothing_is_braked_there_is_no_budget(table, logs):
-    e = estimate(table, logs["dry"], with_laws=False)
-    none = np.zeros_like(e.braked)
-    assert budget(replace(e, unfit=("not braked",), braked=none)) is None
+    e = estimate(table, logs["dry"])
+    free = replace(e.read, p_f=0.0 * e.read.p_f, p_r=0.0 * e.read.p_r)
+    assert budget(replace(e, unfit=("not braked",), read=free)) is None
 
 
 def test_a_weighed_car_has_less_of_the_mass(table, logs):
     """What is left of that part is the resistance of another road, 0.0015 g."""
     known = fit(replace(CAR, mass_tolerance=0.0), [noisy(ramp(REAL), 1)])
     for name in ("dry", "wet"):
-        weighed, open_ = (
-            budget(estimate(of, logs[name], with_laws=False)) for of in (known, table)
-        )
+        weighed, open_ = (budget(estimate(of, logs[name])) for of in (known, table))
         for one, other in zip(weighed, open_, strict=True):
             assert one.relative["mass"] < 0.012
             assert other.relative["mass"] == pytest.approx(0.03, rel=0.35)
@@ -77,7 +75,7 @@ def test_a_mass_wrong_on_ramp_and_stop_is_held_by_the_interval(plant, scale):
     """Unchanged pads look unchanged, but all of them are off by the mass: two sigma of it."""
     wrong = replace(plant, mass_scale=scale)
     table = fit(UNWEIGHED, [noisy(ramp(wrong), 1)])
-    e = estimate(table, noisy(stop(wrong), 3), with_laws=False)
+    e = estimate(table, noisy(stop(wrong), 3))
     error = abs(np.log(e.best.level.value[e.valid][-1] * 0.38 / CAR.front.pad_friction))
     assert error == pytest.approx(0.06, abs=0.02)
     assert min(held(e)) > 0.9

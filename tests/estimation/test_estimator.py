@@ -8,13 +8,15 @@ import pytest
 
 from calib.base.names import WHEELS, G
 from calib.car.balance import brake_forces
+from calib.estimation.baselines import other_methods
 from calib.estimation.constants import Constants
 from calib.estimation.estimator import estimate
-from calib.estimation.plan import calibrated
+from calib.estimation.known import known_resistance, nominal_car
 from calib.estimation.reasons import LATERAL, Reason
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
+from calib.model.sensors import judge_accelerometer
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
@@ -45,9 +47,9 @@ def result(fitted, wet):
 def columns(e, until=None):
     """Everything the estimator says of each sample, up to a time [s]."""
     stop = None if until is None else int(np.searchsorted(e.time, until))
-    out = {"z": e.z, "eta": e.eta, "valid": e.valid, "braked": e.braked}
-    out |= e.best.columns() | {"force_f": e.force_f, "force_r": e.force_r}
-    for name, (front, rear) in e.baselines.items():
+    out = {"z": e.read.z, "eta": e.eta, "valid": e.valid, "braked": e.braked}
+    out |= e.best.columns() | {f"force_{i}": force for i, force in enumerate(e.normalised)}
+    for name, (front, rear) in other_methods(e)[0].items():
         out |= {f"{name}.front": front, f"{name}.rear": rear}
     return {name: np.asarray(x[:stop], float) for name, x in out.items()}
 
@@ -144,8 +146,9 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
 def test_a_wrong_accelerometer_is_put_right_with_v(fitted, wet, scale, bias):
     """5 % of a_x or 0.3 m/s^2 not taken out would move the pads by 5 % and by 10 %."""
     e = estimate(fitted, with_channels(wet, a_x=scale * wet["a_x"] + bias))
-    assert e.accelerometer.scale == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
-    assert G * e.accelerometer.bias == pytest.approx(-bias, abs=0.05)
+    sensor = judge_accelerometer(e.car, known_resistance(e.table), e.blocks, e.noise)
+    assert sensor.scale == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
+    assert G * sensor.bias == pytest.approx(-bias, abs=0.05)
     assert min(held(e, 0.31, 0.27)) > 0.9
     assert np.mean(e.best.pads_f.value[e.valid]) == pytest.approx(0.31, rel=0.03)
 
@@ -161,7 +164,7 @@ def test_torque_is_that_of_one_wheel(fitted, wet, result):
 
 def test_normalised_forces_are_those_of_the_plant(fitted, wet, result):
     v = result.valid
-    for force, true in zip((result.force_f, result.force_r), true_forces(wet), strict=True):
+    for force, true in zip(result.normalised, true_forces(wet), strict=True):
         assert np.sqrt(np.mean((force - true)[v] ** 2)) < 0.07 * np.mean(true[v])
 
 
@@ -176,7 +179,7 @@ def test_eta_is_zeroed_on_the_lead_in(fitted):
 def test_without_v_it_works_and_promises_less(fitted, wet, result):
     log = without(wet, "v")
     e = estimate(fitted, log)
-    assert e.slip_f is None
+    assert e.slips is None
     assert np.mean(e.best.pads_f.value[e.valid]) == pytest.approx(0.31, rel=0.06)
     assert np.mean(np.concatenate(truth_inside(e, log))) > 0.85
     late = slice(-400, -200)
@@ -197,11 +200,11 @@ def test_dry_roads_are_left_alone(fitted):
     """Nominal pads on a stiffer, higher road: torque never worse than nominal by 2 % of it."""
     log = noisy(stop(replace(REAL, tyre=magic(27.0, 1.0)), pressure=32e5), 0)
     e = estimate(fitted, log)
-    for k, (a, axle) in enumerate((("f", e.best.torque_f), ("r", e.best.torque_r))):
+    for a, axle in (("f", e.best.torque_f), ("r", e.best.torque_r)):
         true, mu = log.truth[f"true_Tb_{a}l"], log.truth[f"true_mu_pad_{a}"]
         scale = np.sqrt(np.mean(true[e.valid] ** 2))
         own = np.sqrt(np.mean((axle.value - true)[e.valid] ** 2)) / scale
-        nominal = np.sqrt(np.mean((e.baselines["nominal"][k] / mu - 1.0)[e.valid] ** 2))
+        nominal = np.sqrt(np.mean((0.38 / mu - 1.0)[e.valid] ** 2))
         assert own < nominal + 0.02
 
 
@@ -214,7 +217,7 @@ def test_a_small_ensemble_is_held_by_its_intervals():
             e = estimate(table, drawn.log)
             held += truth_inside(e, drawn.log)
             if drawn.surface != "tile":
-                counted = e.braked & (e.speed > 3.0)
+                counted = e.braked & (e.read.speed > 3.0)
                 shares.append(np.mean(e.valid[counted]))
     assert np.mean(np.concatenate(held)) >= 0.85
     assert min(shares) >= 0.70
@@ -225,10 +228,10 @@ def test_a_small_ensemble_is_held_by_its_intervals():
 
 def test_settled_braking_is_valid_and_the_lead_in_is_not(result):
     assert not np.any(result.valid[result.time < 1.5 + Constants.settle])
-    steady = (result.time > 2.2) & (result.speed > 4.0)
+    steady = (result.time > 2.2) & (result.read.speed > 4.0)
     assert np.all(result.valid[steady])
-    assert np.min(result.speed) < 2.0
-    assert not np.any(result.valid[result.speed < 2.7])  # of the last whole block
+    assert np.min(result.read.speed) < 2.0
+    assert not np.any(result.valid[result.read.speed < 2.7])  # of the last whole block
 
 
 def test_steering_gate(fitted, wet):
@@ -301,7 +304,7 @@ def test_released_brake_is_not_valid(fitted):
     e = estimate(fitted, noisy(as_log(drive(REAL, twice, 27.0, duration=7.0, stop_speed=2.0)), 0))
     released = (e.time > 3.55) & (e.time < 4.5)
     assert not np.any(e.valid[released])
-    assert np.mean(e.valid[(e.time > 5.0) & (e.speed > 3.0)]) > 0.95
+    assert np.mean(e.valid[(e.time > 5.0) & (e.read.speed > 3.0)]) > 0.95
 
 
 @pytest.mark.parametrize("rolled", [0.4, 0.0])
@@ -323,8 +326,8 @@ def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(fitted,
         rear=replace(CAR.rear, pad_friction=0.6),
     )
     e = estimate(fitted, wet, wrong)
-    assert set(e.baselines["nominal"][0]) == {0.5}
-    assert set(e.baselines["nominal"][1]) == {0.6}
+    front, rear = other_methods(e)[0]["nominal"]
+    assert (set(front), set(rear)) == ({0.5}, {0.6})
     # the sum of forces finds the level at once, whatever the file says
     late = e.valid & (e.time > 3.0)
     total = 28.84 * 130.9 * e.best.pads_f.value + 11.34 * 124.0 * e.best.pads_r.value
@@ -381,7 +384,7 @@ def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logge
     assert all(figure.startswith("ecu_") for figure in failed)
     assert result.figures["valid_share"] > 0.9
     e = result.estimate
-    assert np.max(e.force_f[e.valid]) > fitted.tyre.force[-1]
+    assert np.max(e.normalised[0][e.valid]) > fitted.tyre.force[-1]
     assert min(held(e)) > 0.95
 
 
@@ -392,14 +395,14 @@ def test_one_later_sample_changes_nothing(fitted, wet, result):
     wild |= {"a_x": np.where(late, -9.0, wet["a_x"]), "p_mc": np.where(late, 0.0, wet["p_mc"])}
     changed = estimate(fitted, with_channels(wet, **wild))
     same(columns(changed, 5.0), columns(result, 5.0), 1e-12)
-    assert not np.allclose(changed.z[-100:], result.z[-100:])
+    assert not np.allclose(changed.read.z[-100:], result.read.z[-100:])
 
 
 def test_slips_are_counted_from_free_rolling(fitted):
     """As the plant has them, with the 0.04 % that rolling resistance makes before any braking."""
     log = stop(REAL)
     e = estimate(fitted, log)
-    for a, slip, scale in (("f", e.slip_f, 1.0), ("r", e.slip_r, 1.0008)):
+    for a, slip, scale in (("f", e.slips[0], 1.0), ("r", e.slips[1], 1.0008)):
         rim = 0.322 * scale * 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"])
         true = 1.0 - rim / log["v"]
         assert true[0] > 4e-4
@@ -412,7 +415,7 @@ def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(fitted):
         pad_scale=replace(fitted.calibration.pad_scale, value=0.9),
         pad_log_ratio=replace(fitted.calibration.pad_log_ratio, value=0.3),
     )
-    car = calibrated(replace(fitted, calibration=shifted))
+    car = nominal_car(replace(fitted, calibration=shifted))
     assert car.front.pad_friction / car.rear.pad_friction == pytest.approx(1.0)
     one = np.ones(())
     fitted = 0.9 * sum(brake_forces(CAR, one, one, 0.3))

@@ -55,7 +55,7 @@ def logs(plant):
 def errors(table, log):
     """Mean of ln of the torque over the truth, half a second from the bite on, front and rear, of
     the best estimate and of the ECU's (2, 2)."""
-    e = estimate(table, log, with_laws=False)
+    e = estimate(table, log)
     counted = (log["p_mc"] > 2e5) & (log.time > 2.1) & (log["v"] > 4.0)
     return np.array(
         [

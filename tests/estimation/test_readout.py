@@ -22,13 +22,13 @@ def wet():
 
 @pytest.fixture(scope="module")
 def found(fitted, wet):
-    return estimate(fitted, wet, with_laws=False)
+    return estimate(fitted, wet)
 
 
 def settled(e):
     """Braked samples above 3 m/s, 0.3 s after the bite."""
     since = e.time - e.time[np.flatnonzero(e.braked)[0]]
-    return e.braked & (e.speed > 3.0) & (since > 0.35)
+    return e.braked & (e.read.speed > 3.0) & (since > 0.35)
 
 
 def level_of(front, rear):
@@ -68,13 +68,13 @@ def test_torques_add_up_to_the_level(found, wet, read):
 @pytest.mark.parametrize("read", READ)
 def test_every_settled_sample_has_an_answer(fitted, wet, read):
     for log in (wet, without(wet, "v"), cut(wet, 1.4)):
-        e = estimate(fitted, log, with_laws=False)
+        e = estimate(fitted, log)
         for name, x in getattr(e, read).columns().items():
             assert np.all(np.isfinite(x[settled(e)])), name
 
 
 def test_the_ecu_needs_no_speed(fitted, wet, found):
-    e = estimate(fitted, without(wet, "v"), with_laws=False)
+    e = estimate(fitted, without(wet, "v"))
     which = settled(e) & settled(found)
     ours, theirs = e.ecu.pads_f.value[which], found.ecu.pads_f.value[which]
     assert ours == pytest.approx(theirs, rel=0.01)
@@ -82,7 +82,7 @@ def test_the_ecu_needs_no_speed(fitted, wet, found):
 
 @pytest.mark.parametrize("last", [1.75, 4.013])
 def test_what_comes_later_changes_no_bit(fitted, wet, found, last):
-    early = estimate(fitted, cut(wet, 0.0, last), with_laws=False)
+    early = estimate(fitted, cut(wet, 0.0, last))
     n = early.time.size // early.blocks.samples * early.blocks.samples
     for name, x in early.ecu.columns().items():
         assert np.array_equal(x[:n], found.ecu.columns()[name][:n]), name
@@ -96,9 +96,10 @@ def test_a_second_stop_is_read_as_if_alone(fitted):
 
     plant = replace(REAL, pads=lambda t: (0.25, 0.22) if t < 4.0 else (0.38, 0.38))
     log = noisy(as_log(drive(plant, pedal, 27.0, duration=9.0, stop_speed=1.5), "twice"), 2)
-    e = estimate(fitted, log, with_laws=False)
+    e = estimate(fitted, log)
     first, second = (
-        e.braked & (e.speed > 3.0) & (e.time > a) & (e.time < b) for a, b in ((2.1, 3.0), (5.5, 9))
+        e.braked & (e.read.speed > 3.0) & (e.time > a) & (e.time < b)
+        for a, b in ((2.1, 3.0), (5.5, 9))
     )
     assert inside(e.best.level, level_of(0.25, 0.22), first) > 0.9
     assert inside(e.best.level, level_of(0.38, 0.38), second) > 0.9
@@ -109,7 +110,7 @@ def test_a_second_stop_is_read_as_if_alone(fitted):
 def test_brakes_that_follow_late_are_found(fitted, logged):
     log = noisy(stop(replace(REAL, hydraulic_lag=0.15)), 3)
     log = log if logged == "with v" else without(log, "v")
-    e = estimate(fitted, log, with_laws=False)
+    e = estimate(fitted, log)
     late = settled(e) & (e.time > 2.5)
     assert inside(e.best.level, 1.0, late) > 0.9
     assert inside(e.best.pads_f, 0.38, late) > 0.85
@@ -117,7 +118,7 @@ def test_brakes_that_follow_late_are_found(fitted, logged):
 
 def test_pads_that_are_unlike_are_told_with_a_speed(fitted):
     log = noisy(stop(with_pads(REAL, 0.28, 0.38)), 3)
-    e = estimate(fitted, log, with_laws=False)
+    e = estimate(fitted, log)
     which = settled(e)
     assert inside(e.best.ratio, 0.28 / 0.38, which) > 0.85
     assert e.best.ratio.value[which][-1] < 0.9

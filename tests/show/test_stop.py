@@ -37,12 +37,12 @@ def test_pad_friction_with_interval_nominal_and_rivals(drawn, stopped):
     assert np.isnan(found[~e.valid]).all()
     # the table's vehicle has 28.84 cm^2 and 130.9 mm in front
     nominal = line(pads, r"$\mu_{p,n}$ of the table")[1]
-    p = np.maximum(e.pressure_f, 0.0)
+    p = np.maximum(e.read.p_f, 0.0)
     torque = line(panel(drawn, "axle-torques"), "front, pads of the table")[1]
     assert torque == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * nominal * p)
     for name, (label, _) in stop.BASELINES.items():
         rival = line(pads, label)[1]
-        assert np.array_equal(rival[e.valid], e.baselines[name][0][e.valid])
+        assert np.array_equal(rival[e.valid], stopped.others[name][0][e.valid])
         assert np.isnan(rival[~e.valid]).all()
     low, high = pads.ylim
     assert low < e.best.pads_f.lower[e.valid].min()

@@ -197,7 +197,7 @@ def tried(job: Job) -> list[dict[str, float | str]]:
             out += [{**about, "stop": i, "refused": f"fit: {error}"} for i in range(len(stops))]
             continue
         for i, one in enumerate(stops):
-            frame = estimate(table, without(one.log, *hidden), with_laws=False).to_frame()
+            frame = estimate(table, without(one.log, *hidden)).to_frame()
             truth = Truth.of(one.log, of.vehicle)
             if not truth.counted.any():
                 continue

@@ -115,7 +115,7 @@ def stops_of(of: Case, mode: str, warned: bool, rollers: RollerBench | None) -> 
     for number, stop in enumerate(of.stops):
         begun = time.process_time()
         try:
-            found = estimate(table, without(stop.log, *hidden), with_laws=False)
+            found = estimate(table, without(stop.log, *hidden))
             spent = time.process_time() - begun
             told = codes(table, without(stop.log, *hidden)) if warned else None
         except BrakeCalError as error:

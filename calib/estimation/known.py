@@ -1,0 +1,66 @@
+"""What a table knows of its car: the nominal pads, the resistance, and the slips that it makes."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.car.balance import ForceBalance, braked_tyres, turning_shares
+from calib.car.bias import front_share
+from calib.car.effects.effect import Pair
+from calib.car.effects.effects import Effects
+from calib.car.forces import axle_loads
+from calib.car.vehicle import Vehicle
+from calib.model.resistance import DRAG, ROLLING, Resistance
+from calib.table.table import Table
+
+
+def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
+    """The table's car with the nominal pads of ``vehicle``, or those of the calibration.
+
+    The latter have the ratio of the file, and together brake as the pads did on the ramp.
+    """
+    car, pads, scale = table.vehicle, vehicle or table.vehicle, 1.0
+    if vehicle is None:
+        share, half = front_share(car, 0.0), math.exp(0.5 * table.calibration.pad_log_ratio.value)
+        scale = table.calibration.pad_scale.value * float(share * half + (1.0 - share) / half)
+    front = replace(car.front, pad_friction=scale * pads.front.pad_friction)
+    rear = replace(car.rear, pad_friction=scale * pads.rear.pad_friction)
+    return replace(car, front=front, rear=rear)
+
+
+def known_effects(table: Table) -> Effects:
+    """Drag and rolling resistance of the fit, and what the vehicle knows, which goes before it."""
+    return table.effects.with_(table.vehicle.effects)
+
+
+def known_resistance(table: Table) -> Resistance:
+    """The resistance the table was fitted with; its parameters' errors taken as independent."""
+    drag, rolling = (table.effects.sigma[effect][name] for effect, name in (DRAG, ROLLING))
+    covariance = ((drag**2, 0.0), (0.0, rolling**2))
+    return Resistance(known_effects(table), covariance, known=True)
+
+
+def known_slips(table: Table, road: ForceBalance) -> Pair:
+    """Slip of both axles [1] (n,) besides that of a car which nothing but its brakes slows.
+
+    Engine, motor and other known effects slip the wheels, too; by how much the tyre curve of the
+    table says, whose map knows none of them. The force of an axle is that of its pads on the ramp
+    and of these other moments, its load that of the whole deceleration, and what known effects
+    move. Wrong by this slip times what the road's stiffness differs from that of the ramp.
+    """
+    car = table.vehicle
+    alone = road.demanded / (1.0 + sum(turning_shares(car)))
+    share = front_share(car, table.calibration.pad_log_ratio.value)
+
+    def slip(force: Array, load: Array) -> Array:
+        F = force / np.maximum(load, 0.1 * car.weight)
+        return np.asarray(np.sign(F) * np.interp(np.abs(F), table.tyre.force, table.tyre.slip))
+
+    front, rear = braked_tyres(car, share, road.demanded, alone)
+    load_f, load_r = axle_loads(car, alone / car.weight)
+    return (
+        slip(front + road.other_f, road.load_f) - slip(front, load_f),
+        slip(rear + road.other_r, road.load_r) - slip(rear, load_r),
+    )
