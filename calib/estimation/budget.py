@@ -7,57 +7,50 @@ the ramp left open of tyres and pads, and the rest, which a stop may bring.
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
-from calib.base.arrays import Mask
 from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded
 from calib.table.budget import AxleBudget
 
 
-def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
-    """Budgets of the front and the rear pads; None where no sample tells of them.
+def budget(e: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
+    """Budgets of the front and the rear pads; None without a valid sample.
 
-    Of each axle the sample whose interval is the median one of those that tell, see
-    `Estimate.telling`. The parts add up to the variance of its interval, half of its width.
+    Of each axle the valid sample whose interval is the median one. The parts add up to the variance
+    of its interval, half of its width.
     """
-    e = estimate
-    if not e.telling.any():
+    if not e.valid.any():
         return None
-    front, rear = (_median(e.telling, pads) for pads in (e.best.pads_f, e.best.pads_r))
-    return _at(e, front, front_axle=True), _at(e, rear, front_axle=False)
+    return _of_axle(e, e.best.pads_f, front=True), _of_axle(e, e.best.pads_r, front=False)
 
 
-def _median(telling: Mask, pads: Bounded) -> int:
-    """Place of the sample with the median interval; the earlier one of an even number."""
-    places = np.flatnonzero(telling)
-    order = np.argsort((pads.upper / pads.lower)[places], kind="stable")
-    return int(places[order[(order.size - 1) // 2]])
-
-
-def _at(e: Estimate, i: int, *, front_axle: bool) -> AxleBudget:
-    """Budget of one axle at one sample."""
-    best, draws = e.best, e.table.draws
-    pads = best.pads_f if front_axle else best.pads_r
-    car = e.table.vehicle
+def _of_axle(e: Estimate, pads: Bounded, *, front: bool) -> AxleBudget:
+    step, draws, car = e.best.step, e.table.draws, e.table.vehicle
+    valid = np.flatnonzero(e.valid)
+    order = np.argsort((pads.upper / pads.lower)[valid], kind="stable")
+    i = valid[order[(order.size - 1) // 2]]  # the earlier one of an even number
     filed = car.front.pad_friction / car.rear.pad_friction
-    share = front_share(car, math.log(best.ratio.value[i] / filed))
-    lever = 1.0 - share if front_axle else share
-    whole, level = (float(x.sigma[i]) ** 2 for x in (pads, best.level))
-    ratio = max(whole - level, 0.0)
-    sensors = min(float(best.step.noise[i] + best.step.accelerometer[i]), level)
-    zeros = min(lever**2 * float(best.step.zeros[i]), ratio)
-    ramp = 0.0 if draws is None else lever**2 * float(np.var(draws.log_pad_ratio))
-    tyres = min(ramp, ratio - zeros)
-    parts = {
-        "mass": level - sensors,
-        "accelerometer": min(float(best.step.accelerometer[i]), sensors),
-        "noise": max(sensors - float(best.step.accelerometer[i]), 0.0),
-        "zeros": zeros,
-        "tyres": tyres,
-        "unlike_pads": ratio - zeros - tyres,
+    share = front_share(car, math.log(e.best.ratio.value[i] / filed))
+    lever = 1.0 - share if front else share
+    whole, level = (float(x.sigma[i]) ** 2 for x in (pads, e.best.level))
+    ramp = 0.0 if draws is None else float(np.var(draws.log_pad_ratio))
+    of_level = {
+        "accelerometer": float(step.accelerometer[i]),
+        "noise": float(step.noise[i]),
     }
-    found = {part: variance for part, variance in parts.items() if variance > 0.0}
-    return AxleBudget(float(pads.value[i]), found)
+    of_ratio = {"zeros": lever**2 * float(step.zeros[i]), "tyres": lever**2 * ramp}
+    parts = _split(level, of_level, "mass") | _split(whole - level, of_ratio, "unlike_pads")
+    return AxleBudget(float(pads.value[i]), parts)
+
+
+def _split(whole: float, known: Mapping[str, float], rest: str) -> dict[str, float]:
+    """A variance by its parts: what is ``known``, as far as it goes, and the ``rest``."""
+    parts = {}
+    for part, variance in (*known.items(), (rest, math.inf)):
+        parts[part] = min(variance, max(whole, 0.0))
+        whole -= parts[part]
+    return {part: variance for part, variance in parts.items() if variance > 0.0}

@@ -123,11 +123,6 @@ class Estimate:
         of_run = dict.fromkeys(self.unfit, bites)
         return of_run | {one.words: bites & (self.best.step.reason == one) for one in reasons}
 
-    @property
-    def telling(self) -> Mask:
-        """The valid samples (n,); without any, those that are braked."""
-        return self.valid if self.valid.any() else self.braked
-
     @cached_property
     def eta_zero(self) -> float:
         """eta - 1 (22) on the lead-in [1], less what known effects do to it: the radii of the day.

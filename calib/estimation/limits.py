@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from calib.base.plain import METRICS
+from calib.base.warning import PlausibilityWarning
 
 PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
 """Verdicts of a judgement."""
@@ -31,21 +32,26 @@ class Limit:
 
 @dataclass(frozen=True)
 class Judgement(Limit):
-    """A limit and the value: ``passed`` is None where the log cannot give the metric.
-
-    ``warned``: it passed, but is outside ``warn_low`` to ``warn_high``.
-    """
+    """A limit and the ``value`` of its metric, None where the log cannot give it."""
 
     value: float | None = None
-    passed: bool | None = None
-    warned: bool = False
 
     @property
     def verdict(self) -> str:
-        """`passed`, `warning`, `failed` or `not known`."""
-        if self.passed is None:
-            return NOT_KNOWN
-        return (WARNING if self.warned else PASSED) if self.passed else FAILED
+        """`PASSED`, `WARNING`, `FAILED` or `NOT_KNOWN`."""
+        if self.value is None:
+            return FAILED if self.required else NOT_KNOWN
+        if not _within(self.value, self.low, self.high):
+            return FAILED
+        return PASSED if _within(self.value, self.warn_low, self.warn_high) else WARNING
+
+    def warning(self, log: str) -> PlausibilityWarning:
+        """What is said of a value outside the range without warning."""
+        assert self.value is not None
+        cause = f"a stop, a sensor or pads that are not as usual: {METRICS[self.figure].meaning}"
+        do = "look at this stop with `brake-cal check` and `brake-cal plot`"
+        ends = self.warn_low, self.warn_high
+        return PlausibilityWarning(self.figure, log, self.value, ends, (cause,), do)
 
 
 DEFAULTS: tuple[Limit, ...] = tuple(
@@ -60,16 +66,8 @@ user to say: pads that differ from those of the ramp are less well known, and ar
 
 
 def judge(limits: tuple[Limit, ...], figures: Mapping[str, float | None]) -> tuple[Judgement, ...]:
-    """Compare the metrics ``figures`` with the limits, in the order of the limits."""
-    return tuple(_judged(limit, figures.get(limit.figure)) for limit in limits)
-
-
-def _judged(limit: Limit, value: float | None) -> Judgement:
-    if value is None:
-        return Judgement(**vars(limit), passed=False if limit.required else None)
-    passed = _within(value, limit.low, limit.high)
-    warned = passed and not _within(value, limit.warn_low, limit.warn_high)
-    return Judgement(**vars(limit), value=value, passed=passed, warned=warned)
+    """The limits with the values of the metrics ``figures``, in their order."""
+    return tuple(Judgement(**vars(limit), value=figures.get(limit.figure)) for limit in limits)
 
 
 def _within(value: float, low: float | None, high: float | None) -> bool:

@@ -10,39 +10,37 @@ It fails outside ``fail`` and warns outside ``warn``; `-inf` and `inf` leave an 
 give fails.
 """
 
-import math
 from collections.abc import Collection
+from math import inf, isfinite
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
+from pydantic import BeforeValidator, FiniteFloat, WithJsonSchema, create_model, model_validator
 
 from calib.base.errors import LimitsError
+from calib.base.plain import Ends
 from calib.base.record import FileSchema, Section, by_name, read_toml
 from calib.base.record_errors import wrong
 from calib.estimation.limits import Limit
 
-Range = tuple[float | None, float | None]
-OPEN: Range = (None, None)
+_EXPECTED = "[LOW, HIGH]; -inf, inf: no limit"
 
 
-def _range(written: object) -> Range:
-    """A range [low, high]; an infinite end is open (None)."""
+def _range(written: object) -> tuple[float, float]:
     if not (isinstance(written, list) and len(written) == 2 and all(map(_is_number, written))):
-        raise wrong(f"{written!r}", "[LOW, HIGH]; -inf, inf: no limit")
+        raise wrong(f"{written!r}", _EXPECTED)
     low, high = map(float, written)
-    if low > high or low == math.inf or high == -math.inf:
-        raise wrong(f"{low:g} to {high:g} is no range", "[LOW, HIGH]; -inf, inf: no limit")
-    return (None if low == -math.inf else low), (None if high == math.inf else high)
+    if low > high or low == inf or high == -inf:
+        raise wrong(f"{low:g} to {high:g} is no range", _EXPECTED)
+    return low, high
 
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and value == value
 
 
-_Finite = Annotated[float, Field(allow_inf_nan=False)]
-Ends = Annotated[
-    Range,
+_Range = Annotated[
+    tuple[float, float],
     BeforeValidator(_range),
     WithJsonSchema({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}),
 ]
@@ -51,10 +49,10 @@ Ends = Annotated[
 class _LimitSection(Section):
     """Range of a metric: ``min`` and/or ``max``, or ``fail``; inside it ``warn``."""
 
-    min: _Finite | None = None
-    max: _Finite | None = None
-    fail: Ends | None = None
-    warn: Ends | None = None
+    min: FiniteFloat | None = None
+    max: FiniteFloat | None = None
+    fail: _Range | None = None
+    warn: _Range | None = None
     required: bool = False
 
     written_as: ClassVar[str] = (
@@ -63,9 +61,10 @@ class _LimitSection(Section):
     )
 
     @property
-    def ends(self) -> Range:
-        """The range outside of which the metric fails."""
-        return (self.min, self.max) if self.fail is None else self.fail
+    def ends(self) -> tuple[float, float, float, float]:
+        """The ranges outside of which the metric fails and warns; an open end is infinite."""
+        low, high = (-inf if self.min is None else self.min, inf if self.max is None else self.max)
+        return (*(self.fail or (low, high)), *(self.warn or (-inf, inf)))
 
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
@@ -74,12 +73,11 @@ class _LimitSection(Section):
         if self.fail is not None and (self.min is not None or self.max is not None):
             other = "max" if self.min is None else "min"
             raise wrong(f"has both fail and {other}", "one of them: they say the same")
-        low, high = self.ends
-        if low is not None and high is not None and low > high:
+        low, high, warn_low, warn_high = self.ends
+        if low > high:
             raise wrong(f"min {low:g} lies above max {high:g}", "min below max")
-        warn_low, warn_high = self.warn or OPEN
         for warn, fail, sign in ((warn_low, low, 1.0), (warn_high, high, -1.0)):
-            if warn is not None and fail is not None and sign * warn < sign * fail:
+            if isfinite(warn) and sign * warn < sign * fail:
                 raise wrong(f"warn {warn:g} lies beyond fail {fail:g}", "warn inside fail")
         return self
 
@@ -98,7 +96,6 @@ def read_limits(path: Path, known: Collection[str]) -> tuple[Limit, ...]:
     if not entries:
         raise LimitsError("no limits in it", where=path, expected="metrics in the table [limits]")
     return tuple(
-        Limit(name, low, high, warn_low, warn_high, one.required)
+        Limit(name, *Ends(*(x if isfinite(x) else None for x in one.ends)), one.required)
         for name, one in entries
-        for (low, high), (warn_low, warn_high) in [(one.ends, one.warn or OPEN)]
     )

@@ -4,15 +4,13 @@ Two answers are scored by the same functions: the best one, of all channels, and
 before its metrics what the table gives without a reference speed, which is handed out.
 """
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.plain import meanings
 from calib.car.braking import MOVING
-from calib.car.vehicle import Vehicle
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
 from calib.logs.log import Log
@@ -26,9 +24,8 @@ _FEWEST = 30
 """Least number of samples of a mean."""
 
 
-@dataclass(frozen=True)
-class _AxleTruth:
-    """Truth of one axle, (n,): pad friction [1], torque of one wheel [N m].
+class Truth(NamedTuple):
+    """Truth of front and rear axle, (2, n): pad friction [1], torque of one wheel [N m].
 
     Pad friction is NaN where there is none to compare with.
     """
@@ -37,78 +34,67 @@ class _AxleTruth:
     torque: Array
 
 
-def truth_of(
-    log: Log, vehicle: Vehicle, estimate: Estimate
-) -> tuple[_AxleTruth, _AxleTruth] | None:
+def truth_of(log: Log, e: Estimate) -> Truth | None:
     """Truth of both axles where the log has wheel torques; None otherwise.
 
     Without a truth channel for the pads it follows from (2) with the vehicle's geometry.
     """
-    if "true_Tb_fl" not in log.truth or "true_Tb_rl" not in log.truth:
+    of, car = log.truth, e.car
+    if "true_Tb_fl" not in of or "true_Tb_rl" not in of:
         return None
-    out = []
-    for side, axle, p, factor in (
-        ("f", vehicle.front, estimate.read.p_f, estimate.ran.factor_f),
-        ("r", vehicle.rear, estimate.read.p_r, estimate.ran.factor_r),
-    ):
-        torque = 0.5 * (log.truth[f"true_Tb_{side}l"] + log.truth[f"true_Tb_{side}r"])
-        known = log.truth.get(f"true_mu_pad_{side}")
-        if known is not None:
-            pads = known / factor
-        else:
-            pads = torque / (axle.torque_gain * np.where(p > 1e5, p, np.nan))
-        out.append(_AxleTruth(np.where(pads > 0.0, pads, np.nan), torque))
-    return out[0], out[1]
+    torque = np.array([0.5 * (of[f"true_Tb_{axle}l"] + of[f"true_Tb_{axle}r"]) for axle in "fr"])
+    p = np.array([e.read.p_f, e.read.p_r])
+    gain = np.array([[car.front.torque_gain], [car.rear.torque_gain]])
+    pads = torque / (gain * np.where(p > 1e5, p, np.nan))
+    for i, (axle, factor) in enumerate((("f", e.ran.factor_f), ("r", e.ran.factor_r))):
+        if (known := of.get(f"true_mu_pad_{axle}")) is not None:
+            pads[i] = known / factor
+    return Truth(np.where(pads > 0.0, pads, np.nan), torque)
 
 
-class _Quantity(NamedTuple):
-    """What an answer says of one axle ("f", "r") or of both ("level"), beside the truth, (n,).
-
-    ``x`` pad friction or pad level [1]; ``torque`` of a wheel, or of all [N m].
-    """
-
-    x: Bounded
-    torque: Array
-    true: Array | None = None
-    true_torque: Array | None = None
-
-
+_SIDES = ("f", "r", "level")
+"""Of what an answer is scored: pads and torque of an axle, or of both together."""
 _NAMES = {
     "pad_friction_level": "pad_level",
-    "ecu_pad_friction_level": "ecu_pad_level",
-    "ecu_torque_error_level": "ecu_level_error",
-    "ecu_truth_f": "true_pad_friction_f",
-    "ecu_truth_r": "true_pad_friction_r",
-    "ecu_truth_level": "true_pad_level",
+    "truth_pad_friction_level": "truth_pad_level",
+    "torque_error_level": "level_error",
 }
-"""Names that are not that of the quantity behind that of the answer."""
+"""Names that are not those of the metric and the side."""
 
 
-def score(log: Log, vehicle: Vehicle, e: Estimate) -> Figures:
+def score(log: Log, e: Estimate) -> Figures:
     """All `METRICS` of one log; None where the log cannot give one."""
-    truth, counted = truth_of(log, vehicle, e), counted_samples(e)
-    figures: Figures = {"eta_zero": vehicle.radius_mismatch(e.eta_zero), **_innovation(e)}
-    if (e.valid & counted).any():
-        covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
-        figures["covered_share"] = share(e.valid & counted & covered, e.valid & counted)
+    truth, counted = truth_of(log, e), counted_samples(e)
+    valid, by_ecu = e.valid & counted, e.ecu.valid & counted
+    found: dict[str, Any] = {
+        "eta_zero": e.car.radius_mismatch(e.eta_zero),
+        "valid_share": share(valid, counted),
+        "ecu_valid_share": share(by_ecu, counted),
+    }
+    # errors of prediction of blocks above 3 m/s after the lead-in
+    rest = e.best.step.innovation[e.blocks.samples - 1 :: e.blocks.samples]
+    rest = rest[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
+    rest = rest[np.isfinite(rest)]
+    if rest.size > 10:
+        found["innovation_rms"] = _rms(rest)
+        found["innovation_colour"] = np.mean(rest[1:] * rest[:-1])
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
-    for of, answer, valid, told in (
-        ("", e.best, e.valid & counted, counted & np.isfinite(e.best.pads_f.value)),
-        ("ecu_", e.ecu, e.ecu.valid & counted, e.ecu.valid & counted),
-    ):
-        figures[f"{of}valid_share"] = share(valid, counted)
-        for side, quantity in _quantities(answer, truth).items():
-            for name, value in _of_quantity(quantity, valid, told).items():
-                key = f"{of}{name}_{side}"
-                figures[_NAMES.get(key, key)] = value
-    both = e.valid & e.ecu.valid & counted
-    if e.blocks.v is not None and both.any():
-        figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, both)
-        figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, both)
-    if truth is not None and (e.valid & counted).any():
-        inside = [figures.get(f"inside_{side}") or 0.0 for side in "fr"]
-        figures["truth_in_interval"] = float(np.mean(inside))
-    return {name: figures.get(name) for name in METRICS}
+    bites = counted & np.isfinite(e.best.pads_f.value)
+    for of, answer, holds, told in (("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)):
+        for metric, values in _of_answer(answer, truth, holds, told).items():
+            names = [f"{metric}_{side}" for side in _SIDES]
+            found |= {of + _NAMES.get(k, k): x for k, x in zip(names, values, strict=True)}
+    if valid.any():
+        covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
+        found["covered_share"] = share(covered, valid)
+    if truth is not None and valid.any():
+        found["truth_in_interval"] = np.mean([found["inside_f"], found["inside_r"]])
+    if e.blocks.v is not None and (both := valid & by_ecu).any():
+        found["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, both)
+        found["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, both)
+    # the truth is told of the samples of the ECU
+    known = {k.replace("ecu_truth", "true"): float(x) for k, x in found.items() if np.isfinite(x)}
+    return {name: known.get(name) for name in METRICS}
 
 
 def counted_samples(e: Estimate) -> Mask:
@@ -116,59 +102,43 @@ def counted_samples(e: Estimate) -> Mask:
     return e.braked & (e.read.speed > MOVING)
 
 
-def _quantities(of: Readout, truth: tuple[_AxleTruth, _AxleTruth] | None) -> dict[str, _Quantity]:
-    front, rear = (of.pads_f, of.torque_f.value), (of.pads_r, of.torque_r.value)
-    both = of.level, of.torque_sum.value
-    if truth is None:
-        return {"f": _Quantity(*front), "r": _Quantity(*rear), "level": _Quantity(*both)}
-    total = 2.0 * (truth[0].torque + truth[1].torque)
+def share(part: Mask, whole: Mask) -> float:
+    """Share of the ``whole`` that is in ``part``, too [1]; 0 of nothing, which must not pass."""
+    return float(np.sum(part & whole)) / max(float(np.sum(whole)), 1.0)
+
+
+def _of_answer(of: Readout, truth: Truth | None, valid: Mask, told: Mask) -> dict[str, Array]:
+    """Metrics of the `_SIDES` (3,) over the ``valid`` samples; of torques over those ``told``."""
+    found: dict[str, Array] = {}
+    whole = np.array([(x.value, x.lower, x.upper) for x in (of.pads_f, of.pads_r, of.level)])
+    x = Bounded(*np.compress(valid, whole.swapaxes(0, 1), axis=2))
+    third = x.value.shape[1] // 3
+    if 3 * third >= _FEWEST:
+        first, last = x.value[:, :third].mean(axis=1), x.value[:, -third:].mean(axis=1)
+        found["pad_friction"] = x.value.mean(axis=1)
+        found["pad_friction_drift"] = np.abs(last / first - 1.0)
+        found["interval"] = np.median(0.5 * (x.upper - x.lower) / x.value, axis=1)
+    if truth is None or not valid.any():
+        return found
+    torque = np.array([of.torque_f.value, of.torque_r.value, of.torque_sum.value])
+    true_torque = np.vstack([truth.torque, 2.0 * (truth.torque[0] + truth.torque[1])])
     with np.errstate(divide="ignore", invalid="ignore"):
-        level = of.level.value * total / of.torque_sum.value
-    return {
-        "f": _Quantity(*front, truth[0].pad_friction, truth[0].torque),
-        "r": _Quantity(*rear, truth[1].pad_friction, truth[1].torque),
-        "level": _Quantity(*both, level, total),
-    }
-
-
-def _of_quantity(q: _Quantity, valid: Mask, told: Mask) -> Figures:
-    """Its metrics over the ``valid`` samples; torques, and the last error, of those ``told``."""
-    out: Figures = {}
-    x = q.x.value[valid]
-    if x.size >= _FEWEST:
-        third = x.size // 3
-        out = {
-            "pad_friction": float(np.mean(x)),
-            "pad_friction_drift": abs(float(np.mean(x[-third:]) / np.mean(x[:third]) - 1.0)),
-            "interval": float(np.median(0.5 * (q.x.upper - q.x.lower)[valid] / x)),
+        level = of.level.value * true_torque[2] / torque[2]
+        pads = np.vstack([truth.pad_friction, level])
+        true = np.compress(valid, pads, axis=1)
+        error, size = (np.compress(told, x, axis=1) for x in (torque - true_torque, true_torque))
+        known = np.isfinite(true) & (true > 0.0)
+        rest = np.where(known, x.deviations(true), 0.0)
+        count = known.sum(axis=1)
+        found |= {
+            "torque_error": _rms(error) / _rms(size),
+            "pad_friction_bias": np.abs((x.value / true - 1.0).mean(axis=1)),
+            "final_error": np.abs((whole[:, 0] / pads)[:, told][:, -1] - 1.0),
+            "inside": ((true >= x.lower) & (true <= x.upper)).mean(axis=1),
+            "normalised_error": np.sqrt(np.square(rest).sum(axis=1) / count),
+            "truth_pad_friction": np.where(known, true, 0.0).sum(axis=1) / count,
         }
-    true, true_torque = q.true, q.true_torque
-    if true is None or true_torque is None or not valid.any():
-        return out
-    scale = _rms(true_torque[told])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        over = q.x.value / true
-        found = {
-            "torque_error": _rms((q.torque - true_torque)[told]) / (scale or np.nan),
-            "pad_friction_bias": abs(np.mean(over[valid] - 1.0)),
-            "final_error": abs(over[told][-1] - 1.0),
-            "inside": np.mean(((true >= q.x.lower) & (true <= q.x.upper))[valid]),
-        }
-        rest, known = q.x.deviations(true), valid & np.isfinite(true) & (true > 0.0)
-    if known.any():
-        found |= {"normalised_error": _rms(rest[known]), "truth": np.mean(true[known])}
-    return out | {name: float(value) for name, value in found.items() if np.isfinite(value)}
-
-
-def _innovation(e: Estimate) -> Figures:
-    """Size and colour of the errors of prediction, of blocks above 3 m/s after the lead-in."""
-    of_blocks = e.best.step.innovation[e.blocks.samples - 1 :: e.blocks.samples]
-    told = of_blocks[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
-    told = told[np.isfinite(told)]
-    if told.size <= 10:
-        return {}
-    colour = float(np.mean(told[1:] * told[:-1]))
-    return {"innovation_rms": _rms(told), "innovation_colour": colour}
+    return found
 
 
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
@@ -185,36 +155,33 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     """
     own, other = ecu.sigma[valid], best.sigma[valid]
     spread = np.sqrt(np.maximum(own**2 - other**2, (0.5 * own) ** 2))
-    return _rms(np.log(ecu.value / best.value)[valid] / spread)
+    return float(_rms(np.log(ecu.value / best.value)[valid] / spread))
 
 
-def share(part: Mask, whole: Mask) -> float:
-    """Share of a part of the ``whole`` [1]; 0 of nothing, which must not pass."""
-    return float(np.sum(part)) / max(float(np.sum(whole)), 1.0)
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(np.square(x))))
+def _rms(x: Array) -> Array:
+    """Over the last axis."""
+    return np.asarray(np.sqrt(np.mean(np.square(x), axis=-1)))
 
 
 def baseline_errors(
-    e: Estimate,
-    truth: tuple[_AxleTruth, _AxleTruth] | None,
-    others: dict[str, tuple[Array, Array]],
+    log: Log, e: Estimate, others: dict[str, tuple[Array, Array]]
 ) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction of each method, front and rear, over valid samples.
 
     ``others`` the pad friction of those beside the estimate (n,), front and rear.
 
+    ``others`` the pad friction of those beside the estimate (n,), front and rear.
+
     Without a truth it is against the best estimate, where that has seen v; else there are none.
     """
-    best = e.best.pads_f.value, e.best.pads_r.value
+    truth = truth_of(log, e)
     methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **others}
+    true = np.array([e.best.pads_f.value, e.best.pads_r.value])
     if truth is not None:
-        methods = {"estimate": best, **methods}
-    true = np.array(best if truth is None else [axle.pad_friction for axle in truth])
+        methods = {"estimate": tuple(true), **methods}
+        true = truth.pad_friction
     known = e.valid & np.isfinite(true).all(axis=0)
     if not known.any() or (truth is None and e.blocks.v is None):
         return {}
     errors = {name: (np.array(pads) / true - 1.0)[:, known] for name, pads in methods.items()}
-    return {name: (_rms(front), _rms(rear)) for name, (front, rear) in errors.items()}
+    return {name: (float(_rms(front)), float(_rms(rear))) for name, (front, rear) in errors.items()}

@@ -14,8 +14,8 @@ from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
 from calib.estimation.agreement import agreement
 from calib.estimation.estimator import COLUMNS, Estimate
-from calib.estimation.limits import FAILED, PASSED
-from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, all_warnings, proof_of
+from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
+from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, proof_of
 from calib.store.version import Stored
 from calib.table.budget import summary as budget_summary
 from calib.table.exported import Precision
@@ -32,20 +32,20 @@ def to_dict(
     the table was taken as exported, if not in full.
     """
     together = agreement(results)
+    warnings = [*stored.table.warnings, *(w for r in results for w in r.all_warnings)]
     return {
         "schema": 1,
         "table": stored.id,
         "digest": stored.digest,
         "state": stored.state.word,
         "mass": asdict(results[0].mass) if results else None,
-        "warnings": [warning_dict(w) for w in all_warnings(stored.table.warnings, results)],
+        "warnings": [warning_dict(w) for w in warnings],
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "proof": proof_of(results),
-        "exported": None if how is None else asdict(how),
+        "exported": how and asdict(how),
         "logs": [_of_log(r) for r in results],
-        "agreement": None
-        if together is None
-        else {
+        "agreement": together
+        and {
             "pad_friction_f": together.mean_f,
             "pad_friction_r": together.mean_r,
             "largest_departure_f": together.spread_f,
@@ -71,19 +71,19 @@ def _of_log(r: Validation) -> dict[str, object]:
                 "min": j.low,
                 "max": j.high,
                 "warn": [j.warn_low, j.warn_high],
-                "passed": j.passed,
-                "warned": j.warned,
+                "passed": None if j.verdict == NOT_KNOWN else j.verdict != FAILED,
+                "warned": j.verdict == WARNING,
             }
             for j in r.judgements
         ],
-        "not_held": [j.figure for j in r.judgements if j.passed is False],
+        "not_held": [j.figure for j in r.judgements if j.verdict == FAILED],
         "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
-        "budget": None if r.budget is None else budget_summary(*r.budget),
+        "budget": r.budget and budget_summary(*r.budget),
         "not_valid": r.refused,
         "rms_error_against": r.compared_with,
         "rms_error_by_method": {
-            name: {"front": _finite(front), "rear": _finite(rear)}
-            for name, (front, rear) in r.baselines.items()
+            name: dict(zip(("front", "rear"), map(_finite, errors), strict=True))
+            for name, errors in r.baselines.items()
         },
         **({"notes": notes} if notes else {}),
     }
@@ -98,14 +98,10 @@ def write_result(e: Estimate, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    data = e.columns()
-    fields = [
-        pa.field(name, pa.from_numpy_dtype(data[name].dtype), metadata={"unit": unit})
-        for name, unit in COLUMNS.items()
-    ]
-    table = pa.table([pa.array(data[name]) for name in COLUMNS], schema=pa.schema(fields))
+    table = pa.table(e.columns())
+    fields = [field.with_metadata({"unit": COLUMNS[field.name]}) for field in table.schema]
     sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, compression="zstd")
+    pq.write_table(table.cast(pa.schema(fields)), sink, compression="zstd")
     write_whole(path, sink.getvalue().to_pybytes())
 
 

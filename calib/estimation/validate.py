@@ -19,16 +19,9 @@ from calib.estimation.baselines import other_methods
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.exchanged import exchanged
-from calib.estimation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
-from calib.estimation.metrics import (
-    Figures,
-    baseline_errors,
-    counted_samples,
-    score,
-    share,
-    truth_of,
-)
-from calib.estimation.warnings import limit_warnings, warnings_of
+from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
+from calib.estimation.metrics import Figures, baseline_errors, counted_samples, score, share
+from calib.estimation.warnings import warnings_of
 from calib.logs.log import Log
 from calib.plausibility.run import wrong_speed
 from calib.run.gates import require_same_wheels
@@ -84,7 +77,7 @@ class Validation:
     @property
     def passed(self) -> bool:
         """Whether no judged metric fails and the log is a hold-out."""
-        return self.role == HOLDOUT and all(j.passed is not False for j in self.judgements)
+        return self.role == HOLDOUT and all(j.verdict != FAILED for j in self.judgements)
 
     @property
     def proof(self) -> str:
@@ -95,14 +88,13 @@ class Validation:
     @property
     def word(self) -> str:
         """The verdict as it is told: `CONSISTENT` where nothing was there to prove it."""
-        if not self.passed:
-            return FAILED
-        return CONSISTENT if self.proof == NONE else PASSED
+        return FAILED if not self.passed else CONSISTENT if self.proof == NONE else PASSED
 
     @property
     def all_warnings(self) -> tuple[PlausibilityWarning, ...]:
         """The warnings, and one for each metric past the range without warning."""
-        return (*self.warnings, *limit_warnings(self.log, self.judgements))
+        past = (j for j in self.judgements if j.verdict == WARNING)
+        return (*self.warnings, *(j.warning(self.log) for j in past))
 
     @property
     def refused(self) -> dict[str, float]:
@@ -111,7 +103,7 @@ class Validation:
         Reasons for less than a tenth of them are left out.
         """
         counted = counted_samples(self.estimate)
-        shares = ((share(x & counted, counted), why) for why, x in self.estimate.refused.items())
+        shares = ((share(x, counted), why) for why, x in self.estimate.refused.items())
         return {why: x for x, why in sorted(shares, reverse=True) if x > _NAMED}
 
     @property
@@ -122,7 +114,7 @@ class Validation:
     @cached_property
     def budget(self) -> tuple[AxleBudget, AxleBudget] | None:
         """What the intervals of front and rear pads are made of; None without a valid sample."""
-        return budget(self.estimate) if self.estimate.valid.any() else None
+        return budget(self.estimate)
 
 
 def validate(
@@ -178,8 +170,7 @@ def validate_one(
     """Run, score and judge one log; without ``baselines`` the other methods are left out."""
     require_maps(table)
     seen = observe(log, full=False)
-    reasons = problems(seen, "validate")
-    if reasons:
+    if reasons := problems(seen, "validate"):
         raise LogError(
             "this run cannot be used for a validation: " + "; ".join(reasons),
             where=log.source,
@@ -189,19 +180,18 @@ def validate_one(
         require_same_car(table.vehicle, vehicle, weighed=mass is not None)
     result = estimate(table, log, vehicle, mass=mass, exported=exported)
     require_same_wheels(result.car, log, result.read)
-    columns = tuple(exchanged(log.name, result, seen.wheels))
+    columns = tuple(exchanged(log.name, table, result, seen.wheels))
     warnings = (
         *clock_gaps(log.name, seen),
         *warnings_of(log, result),
         *locked_wheels(log.name, seen),
         *saturated(log.name, seen),
-        *(one.warning for one in columns),
+        *(warning for warning, _ in columns),
     )
-    unfit = [f"the wheel speeds fit with {one.wheels} exchanged" for one in columns if one.sure]
-    if (wrong := wrong_speed(warnings)) is not None:
-        unfit.append(wrong.what)
+    wrong = wrong_speed(warnings)
+    unfit = [why for _, why in columns if why] + ([wrong.what] if wrong else [])
     result = replace(result, unfit=tuple(unfit))
-    figures = score(log, result.car, result)
+    figures = score(log, result)
     others, notes = other_methods(result) if baselines else ({}, ())
     return Validation(
         log=log.name,
@@ -210,21 +200,12 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        baselines=baseline_errors(result, truth_of(log, result.car, result), others)
-        if baselines
-        else {},
+        baselines=baseline_errors(log, result, others) if baselines else {},
         others=others,
         notes=notes,
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )
-
-
-def all_warnings(
-    of_table: Iterable[PlausibilityWarning], results: Iterable[Validation]
-) -> list[PlausibilityWarning]:
-    """Warnings of the table's fit, then those of each log."""
-    return [*of_table, *(w for result in results for w in result.all_warnings)]
 
 
 def proof_of(results: Iterable[Validation]) -> str:

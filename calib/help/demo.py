@@ -141,7 +141,7 @@ def _section_four(outcome: _Outcome) -> list[_Row]:
     """
     result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
     e = result.estimate
-    truth = truth_of(log, car, e)
+    truth = truth_of(log, e)
     assert truth is not None
     braked = e.braked & (e.read.speed > 3.0) & np.isfinite(e.best.pads_f.value)
     last = int(np.flatnonzero(braked)[-1])
@@ -150,10 +150,10 @@ def _section_four(outcome: _Outcome) -> list[_Row]:
     rows = []
     for name, (front, rear) in pads.items():
         errors = [
-            (mu * axle.torque_gain * p - t.torque)[braked]
-            for mu, axle, p, t in (
-                (front, car.front, e.read.p_f, truth[0]),
-                (rear, car.rear, e.read.p_r, truth[1]),
+            (mu * axle.torque_gain * p - torque)[braked]
+            for mu, axle, p, torque in (
+                (front, car.front, e.read.p_f, truth.torque[0]),
+                (rear, car.rear, e.read.p_r, truth.torque[1]),
             )
         ]
         rms = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))

@@ -57,7 +57,7 @@ def broken(r: Validation) -> list[str]:
     return [
         f"{shown.name} ({j.figure}) is {shown.with_unit(j.value)}, {shown.bounds(j.low, j.high)}"
         for j in r.judgements
-        if j.passed is False and (shown := plain(j.figure))
+        if j.verdict == FAILED and (shown := plain(j.figure))
     ]
 
 

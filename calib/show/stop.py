@@ -91,7 +91,7 @@ def of_validation(
         over("wheel-speeds", "Wheel speeds", y="wheel speed [rad/s]", lines=wheels, columns=5),
         *_panels(e.columns(), e.valid, means, over, more),
     )
-    kind = "stop" if truth_of(log, car, e) is None else "simulation"
+    kind = "stop" if truth_of(log, e) is None else "simulation"
     lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
     refused = {why: lasts for why, lasts in lost.items() if lasts >= 0.05}
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
@@ -222,7 +222,7 @@ def _beside(result: Validation, log: Log, whose: str) -> dict[str, list[Line]]:
     """What a log has beside the estimate, by panel: slips, other methods, nominal pads, truth."""
     e, found = result.estimate, dict[str, list[Line]](slip=[], **{"axle-torques": []})
     car = e.car
-    truth, time, slips = truth_of(log, car, e), e.time, e.slips
+    truth, time, slips = truth_of(log, e), e.time, e.slips
     for i, (_, name, stroke) in enumerate(_AXLES):
         axle, pressure = (car.front, car.rear)[i], np.maximum((e.read.p_f, e.read.p_r)[i], 0.0)
         if slips is not None:
@@ -239,9 +239,8 @@ def _beside(result: Validation, log: Log, whose: str) -> dict[str, list[Line]]:
         torque = 2.0 * brake_torque(axle, axle.pad_friction, pressure) / 1e3
         torques = [Line(time, torque, thin, f"{name}, pads {whose}", mean=MEAN)]
         if truth is not None:
-            true = truth[i]
-            held.append(Line(time, smooth(time, true.pad_friction), TRUTH, "truth"))
-            torques.append(Line(time, 2.0 * true.torque / 1e3, TRUTH, f"{name} truth"))
+            held.append(Line(time, smooth(time, truth.pad_friction[i]), TRUTH, "truth"))
+            torques.append(Line(time, 2.0 * truth.torque[i] / 1e3, TRUTH, f"{name} truth"))
         found[f"pad-{name}"] = held
         found["axle-torques"] += torques
     return found

@@ -13,7 +13,6 @@ from calib.estimation.validate import (
     REFERENCE,
     TRUTH,
     Validation,
-    all_warnings,
     proof_of,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
@@ -38,7 +37,7 @@ _PROOFS = {
 def facts(stored: Stored, results: Sequence[Validation], how: Precision | None = None) -> Facts:
     """A table judged by logs, as exported (``how``) or in full; each warning is among them."""
     found = list(results)
-    warnings = all_warnings(stored.table.warnings, found)
+    warnings = [*stored.table.warnings, *(w for result in found for w in result.all_warnings)]
     failed, proof = not all(result.passed for result in found), proof_of(found)
     verdict = FAILED if failed else WARNING if warnings else PASSED
     return Facts(

@@ -293,7 +293,7 @@ class FleetScatter:
         return self.cars - 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Table:
     """A fitted table, without version: the store gives it one.
 

@@ -32,7 +32,7 @@ SOFT = replace(REAL, tyre=magic(15.0, 0.6))
 
 
 def odds(table, log):
-    return axles_exchanged(estimate(table, log))
+    return axles_exchanged(table, estimate(table, log))
 
 
 def weak(plant, share, seed=3):

@@ -109,7 +109,7 @@ def truth_log(mu_f=0.40, mu_r=0.36, *, pressure=20e5, pads=True):
 
 
 def scored(estimate, log=None):
-    return score(truth_log() if log is None else log, CAR, estimate)
+    return score(truth_log() if log is None else log, estimate)
 
 
 BLIND = replace(truth_log(), truth={})
@@ -187,19 +187,19 @@ def test_a_log_without_truth_has_no_error():
 
 def test_true_pads_follow_from_torque_and_pressure():
     log = truth_log(0.33, 0.29, pads=False)
-    front, rear = truth_of(log, CAR, made_estimate())
-    assert front.pad_friction == pytest.approx(np.full(N, 0.33))
-    assert rear.pad_friction == pytest.approx(np.full(N, 0.29))
+    front, rear = truth_of(log, made_estimate()).pad_friction
+    assert front == pytest.approx(np.full(N, 0.33))
+    assert rear == pytest.approx(np.full(N, 0.29))
     # below a bar there is nothing to divide by
-    low = truth_of(log, CAR, made_estimate(pressure=0.5e5))
-    assert np.all(np.isnan(low[0].pad_friction))
+    low = truth_of(log, made_estimate(pressure=0.5e5))
+    assert np.all(np.isnan(low.pad_friction[0]))
 
 
 def test_true_torque_is_the_mean_of_the_sides():
     log = truth_log()
     log = replace(log, truth={**log.truth, "true_Tb_fl": 1.2 * log.truth["true_Tb_fr"]})
-    front, _ = truth_of(log, CAR, made_estimate())
-    assert front.torque == pytest.approx(1.1 * log.truth["true_Tb_fr"])
+    front, _ = truth_of(log, made_estimate()).torque
+    assert front == pytest.approx(1.1 * log.truth["true_Tb_fr"])
 
 
 def test_innovation_is_that_of_what_was_measured_after_the_lead_in():

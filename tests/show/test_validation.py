@@ -59,7 +59,7 @@ def test_the_word_is_not_passed_where_nothing_proves(metric, proved):
 
 
 def test_the_metric_that_fails_is_named():
-    bad = Judgement("ecu_reference_r", None, 3.5, value=4.2, passed=False)
+    bad = Judgement("ecu_reference_r", None, 3.5, value=4.2)
     found = told(made("a", **ECU), made("b", judgements=[bad], **ECU, ecu_reference_r=4.2))
     assert found.verdict == FAILED
     assert found.tables[0].verdicts[0] == PASSED

@@ -13,7 +13,7 @@ from calib.base.printable import printable
 from calib.base.program import PROGRAM, VERSION
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
-from calib.estimation.limits import Limit
+from calib.estimation.limits import FAILED, Limit
 from calib.line.fleet.rows import FIT, Cell, Command, Row, Status, finite
 from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.formats import ending_of
@@ -161,7 +161,7 @@ def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
     assert job.table is not None
     log = _log(job, item, files)
     found = validate_one(job.table, log, job.vehicle, job.limits, baselines=False)
-    broken = ", ".join(j.figure for j in found.judgements if j.passed is False)
+    broken = ", ".join(j.figure for j in found.judgements if j.verdict == FAILED)
     metrics = (finite(found.figures[name]) for name in METRICS)
     cells = (*metrics, broken or None, _codes(found.warnings))
     return Status.PASSED if found.passed else Status.FAILED, cells

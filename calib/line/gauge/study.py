@@ -20,7 +20,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import InputError, LimitsError
-from calib.estimation.limits import Judgement, Limit, judge
+from calib.estimation.limits import FAILED, Judgement, Limit, judge
 from calib.line.gauge.gauge_rr import (
     INTERACTION,
     STATION,
@@ -245,7 +245,7 @@ def _result(
     figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
     judgements = judge(_limits_of(name, limits), figures)
     shares = [x for x in (of_cars[0], of_tolerance) if x is not None]
-    if any(j.passed is False for j in judgements):
+    if any(j.verdict == FAILED for j in judgements):
         verdict = GaugeVerdict.BAD
     elif not shares:
         verdict = GaugeVerdict.ALIKE
