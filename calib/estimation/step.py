@@ -105,7 +105,7 @@ def _reasons(c: Constants, asked: Sequence[Array], level: Array, of_map: Mask) -
         pressure <= c.least_pressure,
         disturbed > 0.0,  # before the rims: those of locked wheels are slow
         rim <= MOVING,
-        braked < c.settle + 0.5 * c.block,
+        braked < c.settle - 0.5 * c.block,
         (level <= c.least_level) | (level >= c.most_level),
         ~of_map,
     ]
