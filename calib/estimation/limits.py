@@ -45,6 +45,13 @@ class Judgement(Limit):
             return FAILED
         return PASSED if _within(self.value, self.warn_low, self.warn_high) else WARNING
 
+    @property
+    def outcome(self) -> dict[str, bool | None]:
+        """`passed`, None where it is not known, and `warned`, as JSON documents have them."""
+        verdict = self.verdict
+        passed = None if verdict == NOT_KNOWN else verdict != FAILED
+        return {"passed": passed, "warned": verdict == WARNING}
+
     def warning(self, log: str) -> PlausibilityWarning:
         """What is said of a value outside the range without warning."""
         assert self.value is not None

@@ -14,7 +14,7 @@ from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
 from calib.estimation.agreement import agreement
 from calib.estimation.estimator import COLUMNS, Estimate
-from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
+from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, proof_of
 from calib.store.version import Stored
 from calib.table.budget import summary as budget_summary
@@ -71,8 +71,7 @@ def _of_log(r: Validation) -> dict[str, object]:
                 "min": j.low,
                 "max": j.high,
                 "warn": [j.warn_low, j.warn_high],
-                "passed": None if j.verdict == NOT_KNOWN else j.verdict != FAILED,
-                "warned": j.verdict == WARNING,
+                **j.outcome,
             }
             for j in r.judgements
         ],

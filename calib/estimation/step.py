@@ -60,6 +60,7 @@ the maps are read before any braking [1]."""
 def _answers(c: Constants, s: State, blocks: Sequence[Numbers]) -> Answer:
     """Answer each block, as `follow` left it."""
     rows = np.array(blocks).T
+    # nine of the level, four sums, fourteen of the speed: `State`; then what follows them
     steady, aa = np.maximum(rows[0], _LEAST), rows[3]
     weight, sum_z, sum_shift, sum_zz = rows[9:13]
     v, log_slip, _, scale, *_, ss, _, se, _, _, ee = rows[13:27]
@@ -104,7 +105,7 @@ def _reasons(c: Constants, asked: Sequence[Array], level: Array, of_map: Mask) -
         pressure <= c.least_pressure,
         disturbed > 0.0,  # before the rims: those of locked wheels are slow
         rim <= MOVING,
-        braked < c.settle + 0.5 * c.block,
+        braked < c.settle - 0.5 * c.block,
         (level <= c.least_level) | (level >= c.most_level),
         ~of_map,
     ]

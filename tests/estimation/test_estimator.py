@@ -17,6 +17,7 @@ from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
 from calib.model.sensors import judge_accelerometer
+from calib.run.blocks import BLOCK
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
@@ -227,7 +228,11 @@ def test_a_small_ensemble_is_held_by_its_intervals():
 
 
 def test_settled_braking_is_valid_and_the_lead_in_is_not(result):
-    assert not np.any(result.valid[result.time < 1.5 + Constants.settle])
+    # in whole blocks: that in which the brake is applied counts
+    assert not np.any(result.valid[result.time < 1.5 + Constants.settle - BLOCK])
+    assert np.all(
+        result.valid[(result.time > 1.5 + Constants.settle + BLOCK) & (result.time < 2.2)]
+    )
     steady = (result.time > 2.2) & (result.read.speed > 4.0)
     assert np.all(result.valid[steady])
     assert np.min(result.read.speed) < 2.0

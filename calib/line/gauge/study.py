@@ -12,7 +12,7 @@ with that. Where the cars do not differ only the tolerance can judge the gauge. 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
 
@@ -304,7 +304,8 @@ def to_dict(found: GaugeStudy) -> dict[str, object]:
 
 
 def _entry(result: GaugeResult) -> dict[str, object]:
-    entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
+    limits = [asdict(j) | j.outcome for j in result.judgements]
+    entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": limits}
     if result.gauge is None:
         return entry | dict.fromkeys(
             ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
