@@ -12,8 +12,10 @@ stays in: nobody knows which part is the usual one.
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from calib.base.arrays import Array, Mask
+from calib.base.intervals import QUARTILE
 from calib.car.vehicle import Vehicle
 from calib.model.ramp import RampRun, nominal_forces
 from calib.model.settings import SETTINGS
@@ -38,17 +40,12 @@ def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
 
 def _off(terms: list[Array], y: Array, least: float) -> Mask:
     """Where ``y`` (n,) is far off its smooth course: by ``least``, and by its usual scatter."""
-    from scipy.optimize import least_squares
-    from scipy.stats import median_abs_deviation
-
     A = np.column_stack(terms)
     start = np.linalg.lstsq(A, y, rcond=None)[0]
-    smooth = least_squares(
-        lambda x: A @ x - y, start, jac=lambda _: A, loss="cauchy", f_scale=least / 3.0
-    )
-    rest = y - A @ smooth.x
-    scatter = float(median_abs_deviation(rest, scale="normal"))
-    return np.asarray(np.abs(rest) > max(least, SETTINGS.disturbance_gate * scatter))
+    smooth = least_squares(lambda x: A @ x - y, start, loss="cauchy", f_scale=least / 3.0)
+    rest = np.abs(A @ smooth.x - y)
+    scatter = np.median(rest) / QUARTILE
+    return np.asarray(rest > max(least, SETTINGS.disturbance_gate * scatter))
 
 
 def _passing(wild: Mask, N: Array) -> Mask:

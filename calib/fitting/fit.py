@@ -30,8 +30,7 @@ from calib.fitting.known import known_before
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
-from calib.fitting.quality import metrics, remarks, warnings_of
-from calib.fitting.residuals import explained
+from calib.fitting.quality import explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.parameters import RampParameters
@@ -131,7 +130,6 @@ def fit(
     pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))
     require_possible_pads(car, pads, warnings)
     difference, paper = difference_curves(car, some, both, z_end)
-    quality = metrics(car, runs, left, of, min((ratio.sigma / before.sigma) ** 2, 1.0))
     pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
         name=vehicle.name,
@@ -143,11 +141,9 @@ def fit(
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
-        quality=quality,
+        quality=metrics(car, runs, left, of, min((ratio.sigma / before.sigma) ** 2, 1.0)),
         remarks=(
-            *remarks(
-                driven, mass_used(vehicle, mass), runs, left, pads, known, quality, coasts, bench
-            ),
+            *remarks(driven, mass_used(vehicle, mass), runs, left, pads, known, coasts, bench),
             *(
                 f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
                 for one, p in held

@@ -1,17 +1,29 @@
-"""How good a fit is: numbers, the words that its user must read, what files and logs say of it."""
+"""How well the ramps are explained, and what a user must know of that.
 
-from collections.abc import Iterator, Mapping, Sequence
+Residuals are what an ensemble leaves of eta and slip of a ramp, block by block, over their noise. A
+ramp that no draw carries, or that all leave far more of than the sensors err by, makes no table.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import LogError
+from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, judged
 from calib.car.bias import front_biased_up_to
+from calib.car.effects.line import limited
 from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import Ridge, find_peak
-from calib.fitting.residuals import Residuals
+from calib.fitting.ensemble import Ensemble
+from calib.fitting.known import Known
+from calib.fitting.posterior import Posterior, posterior
+from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.model.resistance import ROLLING, Resistance
 from calib.model.resistance import identify as identify_resistance
@@ -23,7 +35,94 @@ from calib.plausibility.run import of_bend, run_warnings
 from calib.run.axle_signals import signals
 from calib.run.brake_response import brake_balance, brake_response
 from calib.run.filters import runs as runs_of
-from calib.table.table import Calibration
+from calib.table.table import Calibration, Value
+
+_SOME = 64  # draws whose median is taken: it is known far better than a block
+
+_MOST = 3.0
+"""Root mean square of the residuals of eta past which a ramp is not explained: foreign tyres leave
+0.5 to 1.4, a wheel speed that is held for 0.1 s, and moves the ratio of the pads by a sixth, 5."""
+
+_KNEES = (15e5, 20e5, 25e5, 30e5, 35e5)  # of usual valves [Pa]
+_SLOPE = 0.4  # of the rear pressure above the knee, of a usual valve [1]
+_REACH = 0.85  # share of the highest pressure of a ramp below which a knee must be to show
+_DOUBT = 1.2  # misfit past which a knee is asked for: 1.0 to 1.3 without a valve, to 2.8 with one
+_DRAWS = 512  # enough for a misfit
+
+Residuals = list[tuple[Array, Array]]
+"""Of eta and of slip of each run, see `residuals`."""
+
+
+def explained(
+    car: Vehicle,
+    runs: list[RampRun],
+    ratio: Value,
+    known: Sequence[Known],
+    refused: Callable[..., LogError],
+) -> tuple[Posterior, Residuals, tuple[PlausibilityWarning, ...]]:
+    """The ensemble of the ramps, ``ratio`` known of the pads before, and its `residuals` of each.
+
+    With a warning where a valve of the rear pressure explains them better; what ``refused`` makes
+    of the reason is raised where nothing does.
+    """
+    try:
+        found = posterior(car, runs, ratio, known=known)
+    except ValueError as error:
+        raise refused(
+            "no tyre carries the forces of the ramps",
+            expected="no wheel near its limit, and mass, axle loads and radii of this car",
+            do="end the ramp before ABS works or a wheel locks; look at it with `brake-cal check`",
+        ) from error
+    left = [residuals(car, found, run) for run in runs]
+    worst = max(float(np.sqrt(np.mean(eta**2))) for eta, _ in left if eta.size)
+    valve = judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio))
+    if worst > _MOST and not valve:
+        raise refused(
+            f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
+            expected=f"up to {_MOST:.0f} times",
+            do="look at the wheel speeds with `brake-cal check`: one may be late, or coarse",
+        )
+    return found, left, valve
+
+
+def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
+    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v.
+
+    Of a ramp with one axle only nothing: its forces are another's.
+    """
+    none = np.empty(0)
+    if run.only is not None:
+        return none, none
+    of = Regression(car, [run], most=None)
+    sigma = np.linalg.norm(np.hstack([of.errors["noise"], of.errors["tyres"]]), axis=1)
+    lasting = np.hstack([of.errors["zeros"], of.errors["accelerometer"]])
+    left = of.left(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
+    left -= left @ of.white.T @ of.white @ lasting @ lasting.T  # as far as the run tells them
+    eta, slip = np.split(np.median(left, axis=0) / sigma, 2)
+    return eta, none if run.slip is None else slip
+
+
+def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) -> Iterator[Measured]:
+    """By how much the mean square that is left of the ramps falls with a knee of the rear pressure.
+
+    The pads' ratio would bend at a knee, which no tyre does. Not asked where a valve is declared or
+    the pressures of both axles are logged.
+    """
+    measured = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
+    if found.misfit < _DOUBT or measured or "rear_proportioning" in car.effects:
+        return
+    highest, left = max(float(np.max(run.blocks.p_r[run.use])) for run in runs), {}
+    for knee in (knee for knee in _KNEES if knee < _REACH * highest):
+        behind = [
+            replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, knee, _SLOPE)))
+            for run in runs
+        ]
+        with suppress(ValueError):  # no tyre carries these forces
+            left[knee] = posterior(car, behind, ratio, _DRAWS).misfit
+    if left:
+        knee = min(left, key=left.__getitem__)
+        words = {"bar": f"{from_si(knee, 'bar', 'Pa'):g}"}
+        yield Measured("rear_pressure_limited", found.misfit**2 - left[knee] ** 2, words=words)
 
 
 def metrics(
@@ -57,14 +156,12 @@ def remarks(
     left: Residuals,
     pads: Calibration,
     known: Resistance,
-    quality: Mapping[str, float],
     coasts: Sequence[Prepared],
     bench: RollerBench | None,
 ) -> Iterator[str]:
-    """What the user must know of this table, in words.
+    """What the user must know of this table beside its numbers, in words.
 
-    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``; ``quality`` as of
-    `metrics`.
+    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -82,18 +179,6 @@ def remarks(
         yield (
             "no reference speed: slip stiffness and pad ratio cannot be told apart, the ratio "
             f"rests on the {on}"
-        )
-    if quality["eta_peak_is_real"]:
-        yield (
-            f"eta peaks at {quality['eta_peak_deceleration']:.2f} g: f1, f2 of eta end before it; "
-            "beyond, use the tyre curve"
-        )
-    ratio = pads.pad_log_ratio
-    low, high = np.exp(ratio.ci95)
-    if not low < 1.0 < high:
-        yield (
-            "the pads were not in the ratio of the vehicle file: front/rear "
-            f"{np.exp(ratio.value):.2f} times nominal, 95 % {low:.2f} to {high:.2f}"
         )
     if bench is not None:
         stated, level = bench.log_pad_ratio(vehicle), bench.log_pad_level(vehicle)
