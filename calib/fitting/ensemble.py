@@ -34,6 +34,7 @@ KEPT = 400
 """Draws that a table keeps: a standard deviation is then known to 4 %."""
 
 _LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
+_STICKS = 0.3  # slip below which a tyre is not seen to slide [1]
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,7 @@ class Shown(NamedTuple):
 
     ``shift`` eta - 1 by (22) and the mean ``slip`` by load, over the lead-in, both with the
     departures of the draws; of the tyres of the axles (2, n, k) ``forces`` over the weight and
-    ``slips``; ``rolls`` as of `UnitSlips`.
+    ``slips``; ``rolls`` as of `UnitSlips`, where no tyre is seen to slide.
     """
 
     shift: Array
@@ -188,14 +189,14 @@ def shown(
     unit = unit_slips(car, e, z, forces, peak)
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
     turning = 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
-    hats = np.eye(DEPART_AT.size)
-    between = np.stack([np.interp(z if at is None else at, DEPART_AT, hat) for hat in hats])
+    where = z if at is None else at
+    between = np.stack([np.interp(where, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return Shown(
         shift=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
         slip=np.sum(unit.load * turning, axis=0) * (1.0 + e.depart_slip @ between),
         forces=forces,
         slips=slips,
-        rolls=unit.rolls,
+        rolls=unit.rolls & np.all(slips < _STICKS, axis=0),
     )
 
 

@@ -2,13 +2,10 @@ r"""The ensemble that explains the ramps.
 
     prior --> forces over loads --tyre forms--> slips --(22)--> eta, and slip where v is logged
 
-Forms, load exponents, peak, pads' ratio and centre of gravity enter nonlinearly. Given them, a
-Gaussian regression gives compliances and fall of the radii, and the evidence of the rest; see
-`calib.fitting.regression`. What a user states of the pads' ratio is evidence, too.
-
-The evidence carries the draws from prior to posterior in steps of equal loss (sequential Monte
-Carlo, Del Moral et al. 2006, doi:10.1111/j.1467-9868.2006.00553.x), with moves in between that
-leave the prior as it is (preconditioned Crank-Nicolson, Cotter et al. 2013, doi:10.1214/13-STS421).
+The evidence of `calib.fitting.regression`, and of what a user states of the pads' ratio, carries
+the draws from prior to posterior in steps of equal loss (sequential Monte Carlo, Del Moral et al.
+2006, doi:10.1111/j.1467-9868.2006.00553.x), with moves in between that leave the prior as it is
+(preconditioned Crank-Nicolson, Cotter et al. 2013, doi:10.1214/13-STS421).
 The sequence of draws is fixed: the same logs give the same table.
 """
 

@@ -168,7 +168,19 @@ def remarks(
     if mass.stated:
         yield f"mass in the logs: {mass}"
     for run, (of_eta, _) in zip(runs, left, strict=True):
-        yield from _of_run(run, of_eta)
+        b = run.blocks
+        zero = float(np.mean(b.eta[run.rolling])) - 1.0
+        yield f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)"
+        for first, after in [] if run.left_out is None else runs_of(run.left_out):
+            yield (
+                f"{run.name}: left out from {b.end[first] - b.length:.2f} to "
+                f"{b.end[after - 1]:.2f} s, where something acts that the pressure does not make: "
+                "a bump, a gear shift, another road"
+            )
+        far = np.flatnonzero(np.abs(of_eta) > SETTINGS.outlier)
+        if far.size:
+            listed = ", ".join(f"{t:.2f}" for t in b.end[run.braked][far[:5]])
+            yield f"{run.name}: {far.size} outlying blocks of eta, at {listed} s"
     if not known.known and not coasts:
         yield (
             "drag and rolling resistance share one lead-in: their sum is measured, their parts "
@@ -188,22 +200,6 @@ def remarks(
             f"nominal, known to {100.0 * stated.sigma:.2g} %, one sigma; their level is "
             f"{apart:.2f} times that of the ramps, which counts"
         )
-
-
-def _of_run(run: RampRun, of_eta: Array) -> Iterator[str]:
-    b = run.blocks
-    zero = float(np.mean(b.eta[run.rolling])) - 1.0
-    yield f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)"
-    for first, after in [] if run.left_out is None else runs_of(run.left_out):
-        yield (
-            f"{run.name}: left out from {b.end[first] - b.length:.2f} to {b.end[after - 1]:.2f} s, "
-            "where something acts that the pressure does not make: a bump, a gear shift, another "
-            "road"
-        )
-    far = np.flatnonzero(np.abs(of_eta) > SETTINGS.outlier)
-    if far.size:
-        listed = ", ".join(f"{t:.2f}" for t in b.end[run.braked][far[:5]])
-        yield f"{run.name}: {far.size} outlying blocks of eta, at {listed} s"
 
 
 def warnings_of(

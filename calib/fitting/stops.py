@@ -16,7 +16,6 @@ from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
 
 _LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
-_STICKS = 0.3  # slip below which a tyre is not seen to slide [1]
 
 
 @dataclass(frozen=True)
@@ -67,10 +66,9 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     of = e.take(np.arange(count) % e.size)
     log_peak, road = _drawn("log_peak", u[:, 2], x[:, 3])
     stiff, _ = _drawn("log_stiffness", u[:, 2], x[:, 4])
-    other = road > 0
-    # another road has a peak of its own, whatever that of the ramp
-    log_peak = np.where(other, log_peak - np.log(of.peak), log_peak)
-    stiff = np.where(other, stiff + 0.25 * (log_peak + np.log(of.peak / 0.9)), stiff)
+    other = road > 0  # which has a peak of its own, whatever that of the ramp
+    log_peak -= other * np.log(of.peak)
+    stiff += 0.25 * other * (log_peak + np.log(of.peak / 0.9))
     of_axles = np.stack([_drawn("log_tyre", u[:, 0], x[:, k])[0] for k in (5, 6)])
     load, case = _drawn("log_mass", u[:, 7], x[:, 8])
     known = car.mass_tolerance
@@ -91,7 +89,7 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
     ``z`` over the weight; ``odds`` ln of the front pressure over the rear one. By (22), (19), (20).
     """
     brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
-    here = shown(
+    of_one = shown(
         car,
         s.of,
         s.log_pad_ratio + odds,
@@ -101,5 +99,4 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
         peak=s.peak,
         softer=np.exp(-s.stiff)[..., None],
     )
-    shift, slip, forces, slips = (x[..., 0] for x in here[:-1])
-    return Shown(shift, slip, forces, slips, here.rolls[:, 0] & np.all(slips < _STICKS, axis=0))
+    return Shown(*(x[..., 0] for x in of_one))
