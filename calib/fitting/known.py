@@ -2,9 +2,8 @@ r"""What a car may be before its ramps: the field's prior, and half of it what t
 
     standard normal x --what is known--> coordinates, standard normal in the field --> a car
 
-What is known, of files of the tyres or of released cars of the model, is a normal distribution over
-the coordinates; the field's own is one of mean 0 and covariance 1. Half of the draws stay the
-field's, so that a car that contradicts what is known takes its answer from the field.
+What is known, of files of the tyres or of released cars of the model, is a normal distribution.
+Half of the draws stay the field's: a car that contradicts what is known takes its answer from it.
 
     draws of each car --less the field's prior--> what its ramps tell --> model --> one more car
 
@@ -46,11 +45,11 @@ CENTRE, WIDTH = np.array([PRIORS[name] for name in NONLINEAR]).T
 RATIO = NONLINEAR.index("log_pad_ratio")
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
-_X = np.linspace(-9.0, 9.0, 2001)
-_BELOW = (1.0 - _OTHER) * ndtr(_X) + _OTHER * ndtr(_X / _APART)
-_TAILS = ndtri(np.clip(_BELOW, 1e-15, 1.0 - 1e-15)), _X  # normal numbers, and the ratio's
-_Y = np.linspace(-7.0, 7.0, 2001)
-_AMOUNTS = _Y, np.log(gammaincinv(_SPARSE, ndtr(_Y)))  # and ln of the Gamma distributed ones
+_R, _X = np.linspace(-9.0, 9.0, 2001), np.linspace(-7.0, 7.0, 2001)
+_BELOW = (1.0 - _OTHER) * ndtr(_R) + _OTHER * ndtr(_R / _APART)
+# standard normal numbers beside those with the same quantiles: the ratio's, ln of the Gamma's
+_TAILS = ndtri(np.clip(_BELOW, 1e-15, 1.0 - 1e-15)), _R
+_AMOUNTS = _X, np.log(gammaincinv(_SPARSE, ndtr(_X)))
 _CARS_APART = np.array([float(ROWS[name]["model"]) for name in NAMES])
 _OF_FILE = np.array([float(ROWS[n]["tyre_file"] or PRIORS[n][1]) / PRIORS[n][1] for n in NAMES])
 _TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing

@@ -16,17 +16,10 @@ from calib.fitting.stops import scenarios, seen
 from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap
 
-Z = np.array([0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.6, 0.85])
-"""Demanded brake forces over the weight [1]."""
-
-SHIFTS = 21
-"""Number of values of (eta - 1)/z, from the least to the greatest that the scenarios show."""
-
-SLIP = np.array([-2.25, -0.75, 0.75, 2.25])
-"""ln(slip/z) from its mean in a place, in standard deviations: a road near its peak is at 2."""
-
-QUANTILES = (0.025, 0.5, 0.975)
-
+_Z = np.array([0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.6, 0.85])  # demanded force over weight [1]
+_SHIFTS = 21  # values of (eta - 1)/z, from the least to the greatest that the scenarios show
+_SLIP = np.array([-2.25, -0.75, 0.75, 2.25])  # sigmas of ln(slip/z); 2 is near a peak
+_QUANTILES = (0.025, 0.5, 0.975)
 _DENSE = 0.004  # (eta - 1)/z up to which its values stand evenly, beyond in equal ratios [1]
 _SEEN = (0.005, 0.995)  # quantiles of what the scenarios show between which the axis reaches
 _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
@@ -38,17 +31,17 @@ _GROUPS = 256  # of scenarios alike in what is asked, in which the weights are a
 
 
 def _quantiles(x: Array, weights: Array) -> Array:
-    """Of `QUANTILES` of ``x`` (n,) with ``weights`` (n, c), linear within a group, shape (c, 3)."""
+    """`_QUANTILES` of ``x`` (n,) with ``weights`` (n, c), linear within a group, shape (c, 3)."""
     count = x.size // _GROUPS * _GROUPS
     order, first = np.argsort(x)[:count], np.arange(0, count, count // _GROUPS)
     edges = np.append(x[order[first]], x[order[-1]])
     below = np.cumsum(np.add.reduceat(weights[order], first, axis=0), axis=0)
     below = np.concatenate([np.zeros_like(below[:1]), below / below[-1]])
-    return np.stack([np.interp(QUANTILES, column, edges) for column in below.T])
+    return np.stack([np.interp(_QUANTILES, column, edges) for column in below.T])
 
 
 def pressure_odds(runs: list[RampRun]) -> Array:
-    """ln of the front pressure over the rear one at `Z` (k,), as on ramps of both axles.
+    """ln of the front pressure over the rear one [1] at `_Z` (k,), as on ramps of both axles.
 
     0 where one pressure rules; a known valve, or logged pressures of the wheels, make them differ.
     """
@@ -58,36 +51,36 @@ def pressure_odds(runs: list[RampRun]) -> Array:
     z, p_f, p_r = x[:, np.argsort(x[0])]
     rows = np.stack([z, np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0))])
     groups = np.array_split(rows, min(20, z.size), axis=1)
-    return np.asarray(np.interp(Z, *np.transpose([group.mean(axis=1) for group in groups])))
+    return np.asarray(np.interp(_Z, *np.transpose([group.mean(axis=1) for group in groups])))
 
 
 def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, LevelMap]:
     """The maps of an ensemble: of the pads' ratio, and of what is known before eta is read.
 
-    ``odds`` ln of the axles' pressures at `Z` [1], (k,): the ratio of the maps is that of the brake
-    forces, and holds them.
+    ``odds`` as of `pressure_odds`: the ratio of the maps is that of the brake forces, and holds
+    them.
     """
     s = scenarios(car, e)
-    each = list(zip(Z.tolist(), np.broadcast_to(odds, Z.shape).tolist(), strict=True))
+    each = list(zip(_Z.tolist(), np.broadcast_to(odds, _Z.shape).tolist(), strict=True))
     shown = [seen(car, s, z, more) for z, more in each]
-    at_z = (np.arcsinh(at.shift[at.rolls] / z / _DENSE) for z, at in zip(Z, shown, strict=True))
+    at_z = (np.arcsinh(at.shift[at.rolls] / z / _DENSE) for z, at in zip(_Z, shown, strict=True))
     ends = [np.quantile(x, _SEEN) for x in at_z]
-    axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), SHIFTS))
+    axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), _SHIFTS))
     found = []
     for (z, more), at in zip(each, shown, strict=True):
         cells, own = _cells(z, at, axis, np.stack([s.log_pad_ratio + more, s.change]))
-        found.append((cells, own | _bounded("level", np.quantile(s.level(z), QUANTILES))))
+        found.append((cells, own | _bounded("level", np.quantile(s.level(z), _QUANTILES))))
     pads, before = (
         {name: np.array([row[name] for row in rows]) for name in rows[0]}
         for rows in zip(*found, strict=True)
     )
-    return PadMap.of((Z, axis, SLIP), **pads), LevelMap.of((Z,), **before)
+    return PadMap.of((_Z, axis, _SLIP), **pads), LevelMap.of((_Z,), **before)
 
 
 def _cells(
     z: float, at: Shown, axis: Array, asked: Array
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Columns of the maps at ``z``, of cells over the ``axis`` and `SLIP` and without a reading.
+    """Columns of the maps at ``z``, of cells over the ``axis`` and `_SLIP` and without a reading.
 
     ``asked`` ratio and change of the pads in the scenarios (2, n).
     """
@@ -101,21 +94,21 @@ def _cells(
     middle, spread = _moments(near, log_slip[None])
     mean, sigma = middle[:, 0], np.maximum(np.sqrt(spread[:, 0, 0]), 0.02)
     apart = (log_slip[:, None] - mean) / sigma
-    both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - SLIP) / _NEAR) ** 2)
+    both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - _SLIP) / _NEAR) ** 2)
     both += (some * np.max(near))[..., None]
     weights = np.hstack([rolls, both.reshape(log_slip.size, -1)])
     flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
-    cells = {name: np.repeat(x[:, None], SLIP.size, axis=1) for name, x in flat.items()}
+    cells = {name: np.repeat(x[:, None], _SLIP.size, axis=1) for name, x in flat.items()}
     # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
     middle, joint = (of[1:] for of in _moments(weights, np.vstack([log_slip, asked])))
-    off = (mean[:, None] + sigma[:, None] * SLIP).ravel() - middle[:, 0]
+    off = (mean[:, None] + sigma[:, None] * _SLIP).ravel() - middle[:, 0]
     before: dict[str, Array] = {}
     for k, (name, x) in enumerate(zip(("ratio", "change"), asked, strict=True), 1):
         whole, *found = _quantiles(x, weights)
         slope, spread = joint[:, 0, k] / joint[:, 0, 0], np.array(found)
         left = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
         within = spread[:, 1:2] + left * (spread - spread[:, 1:2]) + (slope * off)[:, None]
-        cells |= _bounded(name, within.reshape(axis.size, SLIP.size, 3))
+        cells |= _bounded(name, within.reshape(axis.size, _SLIP.size, 3))
         before |= _bounded(name, whole)
     width, most = (of["ratio_upper"] - of["ratio_lower"] for of in (cells, before))
     return cells | {"prior": np.minimum(width / most, 1.0)}, before

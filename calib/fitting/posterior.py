@@ -25,9 +25,7 @@ from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
-DRAWS = 2048
-"""Size of the ensemble: its 2.5 % quantile is known to a tenth of a sigma."""
-
+_DRAWS = 2048  # of an ensemble: its 2.5 % quantile is known to a tenth of a sigma
 _PADS = len(FORMS) + RATIO
 _CAUSES = {"tyres": [*range(_PADS), 11, 12], "unlike_pads": [_PADS], "load_geometry": [9, 10, 13]}
 """Coordinates of the prior by part of a budget."""
@@ -78,7 +76,7 @@ def posterior(
     car: Vehicle,
     runs: list[RampRun],
     ratio: Value,
-    draws: int = DRAWS,
+    draws: int = _DRAWS,
     known: Sequence[Known] = (),
 ) -> Posterior:
     """The ensemble given the ramps ``runs``; ``ratio`` what is stated of ln of the pads' ratio.

@@ -134,12 +134,11 @@ class Regression:
 
     def _form(self) -> Array:
         """Covariance of the error of the form, over the deceleration."""
-        each = [(of, r.only, r.z[1:], r.rows[i]) for r in self.ramps for i, of in enumerate(_KINDS)]
-        kind = np.concatenate([np.full(z.size, f"{of} {only}") for of, only, z, _ in each])
-        size = np.concatenate(
-            [PRIORS[f"form_error_{of}"][0] * np.maximum(np.abs(x), _FINEST) for of, _, _, x in each]
-        )
-        self.places = np.concatenate([z for _, _, z, _ in each])
+        each = [(r, of, x) for r in self.ramps for of, x in zip(_KINDS, r.rows, strict=True)]
+        kind = np.concatenate([np.full(x.size, f"{of} {r.only}") for r, of, x in each])
+        off = [PRIORS[f"form_error_{of}"][0] * np.maximum(np.abs(x), _FINEST) for _, of, x in each]
+        size = np.concatenate(off)
+        self.places = np.concatenate([r.z[1:] for r, _, _ in each])
         self.departs = {of: size * (kind == f"{of} None") for of in _KINDS}
         near = _near(self.places, self.places) * (kind[:, None] == kind)
         return np.asarray(size[:, None] * size * (near + _ROUGH * np.eye(size.size)))
