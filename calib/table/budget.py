@@ -33,9 +33,6 @@ _ADVICE = {
     "brakes of one axle only to the fit, wheel pressures logged: that tells front from rear pads",
     "cars": "fit a table of this car, or merge more cars",
     "ramp": "fit the table again: this one does not say what its pads rest on",
-    "motor": "state motor_odds = 0 in the vehicle file of a car without a motor, log T_drive_f and "
-    "T_drive_r, or brake hard and down to a standstill, which shows a motor",
-    "delay": "hold the pressure, and record all channels on one clock",
     "noise": "brake longer, with finer wheel speeds",
 }
 """What shrinks each part: an entry in the vehicle file, or a drive."""
