@@ -113,23 +113,22 @@ def read_out(
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
     front, rear = car.front, car.rear
     driven = known_slips(table, road)
-    columns = (
-        road.demanded / car.weight,
-        (brake_f + brake_r) / car.weight,
-        np.maximum(b.p_f, b.p_r),
-        b.z,
-        b.eta / speed_ratio(*driven),
-        np.maximum(front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
-        road.load_r / car.weight,
-        b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
-        disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1),
-        np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
+    x = Sample(
+        demand=road.demanded / car.weight,
+        nominal=(brake_f + brake_r) / car.weight,
+        pressure=np.maximum(b.p_f, b.p_r),
+        z=b.z,
+        eta=b.eta / speed_ratio(*driven),
+        rim=np.maximum(front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
+        rear_share=road.load_r / car.weight,
+        v=b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
+        disturbed=disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1) * 1.0,
+        log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
     )
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
-    samples = map(Sample._make, zip(*(x.tolist() for x in columns), strict=True))
-    answers, at = run(c, samples), b.last_complete(s.time)
-    share = front_share(car, columns[-1])
+    answers, at = run(c, x), b.last_complete(s.time)
+    share = front_share(car, x.log_odds)
     then, filed = table.calibration, np.array([front.pad_friction, rear.pad_friction])
     pads = filed[:, None, None] * _pads(share, answers.level, answers.ratio)[..., at]
     # over the ramp's pads: the tyres are those of today, and fall out
