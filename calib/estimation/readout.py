@@ -5,12 +5,15 @@
 What is handed out: the same numbers for every command, and for an ECU without a speed.
 """
 
+import itertools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
+from calib.base.names import AXLES, WHEELS
 from calib.car.balance import ForceBalance, brake_forces
 from calib.car.bias import front_share
 from calib.car.forces import speed_ratio
@@ -25,8 +28,7 @@ from calib.run.noise import SensorNoise
 from calib.table.table import Table
 
 
-@dataclass(frozen=True)
-class Bounded:
+class Bounded(NamedTuple):
     """A quantity with its 95 % interval, (n,) each."""
 
     value: Array
@@ -71,24 +73,26 @@ class Readout:
         return np.asarray(self.step.reason == Reason.VALID)
 
     def columns(self) -> dict[str, Array | Mask]:
-        """By the names of a file; torque is per wheel, both wheels of an axle have the same."""
-        named = {
-            "pad_friction_f": self.pads_f,
-            "pad_friction_r": self.pads_r,
-            "pad_change_f": self.change_f,
-            "pad_change_r": self.change_r,
-            "pad_level": self.level,
-            "pad_ratio": self.ratio,
-            "brake_torque_fl": self.torque_f,
-            "brake_torque_fr": self.torque_f,
-            "brake_torque_rl": self.torque_r,
-            "brake_torque_rr": self.torque_r,
-            "brake_torque_sum": self.torque_sum,
-        }
-        out: dict[str, Array | Mask] = {}
-        for name, x in named.items():
-            out |= {name: x.value, f"{name}_lower": x.lower, f"{name}_upper": x.upper}
-        return out
+        """By the names of `UNITS`, in their order."""
+        told = (getattr(self, name) for name in _COLUMNS.values())
+        parts = [x if isinstance(x, Bounded) else (x,) for x in told]
+        return dict(zip(UNITS, itertools.chain(*parts), strict=True))
+
+
+_COLUMNS = (
+    {f"pad_friction_{axle}": f"pads_{axle}" for axle in AXLES}
+    | {f"brake_torque_{wheel}": f"torque_{wheel[0]}" for wheel in WHEELS}
+    | {"valid": "valid"}
+    | {f"pad_change_{axle}": f"change_{axle}" for axle in AXLES}
+    | {"pad_level": "level", "pad_ratio": "ratio", "brake_torque_sum": "torque_sum"}
+)
+"""Fields of a `Readout` by their columns; both wheels of an axle have the same torque."""
+UNITS = {
+    f"{name}{end}": "N*m" if "torque" in name else "1"
+    for name in _COLUMNS
+    for end in (("",) if name == "valid" else ("", "_lower", "_upper"))
+}
+"""Columns of an answer as a table and as a file, with their units."""
 
 
 def read_out(

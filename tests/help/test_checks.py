@@ -11,7 +11,7 @@ from calib.base import random_effects
 from calib.base.units import QUANTITIES, Unit
 from calib.car import forces
 from calib.car.vehicle import Axle
-from calib.estimation import law, validate
+from calib.estimation import baselines, validate
 from calib.exports.write import FORMATS
 from calib.help import checks, qualify
 from calib.help.checks import SUITE
@@ -61,8 +61,8 @@ def wrong_loads(monkeypatch):
 
 
 def wrong_law(monkeypatch):
-    right = law.gradient
-    monkeypatch.setattr(law, "gradient", lambda y, u, g, dt: right(y, u, g, 1.001 * dt))
+    right = baselines.gradient
+    monkeypatch.setattr(baselines, "gradient", lambda y, u, g, dt: right(y, u, g, 1.001 * dt))
 
 
 def wrong_spread(monkeypatch):
