@@ -35,7 +35,8 @@ class Reader:
     def width(self, axis: int, x: Array) -> Array:
         """Width of the cell of an axis in which ``x`` lies."""
         points = self.axes[axis]
-        return np.diff(points)[np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1) - 1]
+        end = np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1)
+        return points[end] - points[end - 1]
 
     def __call__(self, *at: Array) -> Array:
         """All columns, in their shape (c, ...), at points, one array (...) for each axis."""

@@ -107,9 +107,9 @@ class Estimate:
     def refused(self) -> dict[str, Mask]:
         """Samples in which the pads bite and the model does not hold, (n,) each, by reason."""
         bites = np.maximum(self.read.p_f, self.read.p_r) > BITE
-        reasons = [one for one in Reason if one is not Reason.VALID]
-        of_run = dict.fromkeys(self.unfit, bites)
-        return of_run | {one.words: bites & (self.best.step.reason == one) for one in reasons}
+        reasons = (reason for reason in Reason if reason is not Reason.VALID)
+        shown = {reason.words: bites & (self.best.step.reason == reason) for reason in reasons}
+        return dict.fromkeys(self.unfit, bites) | shown
 
     @cached_property
     def eta_zero(self) -> float:

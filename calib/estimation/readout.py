@@ -134,16 +134,17 @@ def read_out(
     answers, at = run(c, x), b.last_complete(s.time)
     share = front_share(car, x.log_odds)
     then, filed = table.calibration, np.array([front.pad_friction, rear.pad_friction])
-    pads = filed[:, None, None] * _pads(share, answers.level, answers.ratio)[..., at]
+    pads = filed[:, None, None] * _pads(share, answers.level, answers.ratio)
     # over the ramp's pads: the tyres are those of today, and fall out
-    changed = _pads(share, answers.level, answers.change + then.pad_log_ratio.value)[..., at]
-    told = answers.at(at)
+    changed = _pads(share, answers.level, answers.change + then.pad_log_ratio.value)
+    level, ratio = np.exp(answers.level), filed[0] / filed[1] * np.exp(answers.ratio)
+    pads, changed, level, ratio = (np.take(x, at, axis=-1) for x in (pads, changed, level, ratio))
     gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
-    level, total = np.exp(told.level), 2.0 * (gains[0] * pads[0, 0] + gains[1] * pads[1, 0])
+    total = 2.0 * (gains[0] * pads[0, 0] + gains[1] * pads[1, 0])
     return Readout(
-        step=told,
+        step=answers.at(at),
         level=Bounded(*level),
-        ratio=Bounded(*(filed[0] / filed[1] * np.exp(told.ratio))),
+        ratio=Bounded(*ratio),
         pads_f=Bounded(*(factors[0] * pads[0])),
         pads_r=Bounded(*(factors[1] * pads[1])),
         change_f=Bounded(*(filed[0] / then.pad_friction_f.value * changed[0])),

@@ -37,7 +37,7 @@ class Answer(NamedTuple):
 
     def at(self, which: int | Index) -> "Answer":
         """The same at other places."""
-        return Answer(*(x[..., which] for x in self))
+        return Answer(*(np.take(x, which, axis=-1) for x in self))
 
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:

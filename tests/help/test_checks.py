@@ -79,14 +79,14 @@ def reader_that_takes_everything(monkeypatch):
 
 
 def wrong_pads(monkeypatch):
-    wrong_estimate(monkeypatch, "pads_f", lambda x: replace(x, value=1.1 * x.value))
+    wrong_estimate(monkeypatch, "pads_f", lambda x: x._replace(value=1.1 * x.value))
 
 
 def narrow_interval(monkeypatch):
     wrong_estimate(
         monkeypatch,
         "pads_f",
-        lambda x: replace(x, lower=x.value * 0.9999, upper=x.value * 1.0001),
+        lambda x: x._replace(lower=x.value * 0.9999, upper=x.value * 1.0001),
     )
 
 
