@@ -1,4 +1,4 @@
-r"""The three look-ups of a table from an ensemble: D(eta), f1 and f2(eta), and g(slip).
+r"""What a table shows of an ensemble: D(eta), f1 and f2(eta), g(slip), and g as a cubic.
 
     z --(pads, loads)--> F_f, F_r --tyres--> eta          D = F_f - F_r          of every draw
 
@@ -19,12 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.balance import braked_tyres, turning_shares
-from calib.car.bias import front_share
+from calib.car.balance import turning_shares
 from calib.car.forces import axle_loads, paper_curves
 from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, shown
+from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun
 from calib.model.settings import SETTINGS
 from calib.table.table import (
@@ -60,12 +60,9 @@ class Ridge:
 
 def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
     """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
-    brake = z * (1.0 + sum(turning_shares(car)))
-    share = front_share(car, e.log_pad_ratio)[:, None]
-    forces = np.stack(braked_tyres(car, share, brake, z))
-    of = shown(car, e, z, forces)
+    of = shown(car, e, e.log_pad_ratio, z * (1.0 + sum(turning_shares(car))), z)
     loads = np.stack(axle_loads(car, z))[:, None] / car.weight
-    return Ridge(z, 1.0 + of.rise, forces / loads, of.slips)
+    return Ridge(z, 1.0 + of.shift, of.forces / loads, of.slips)
 
 
 def find_peak(of: Ridge) -> tuple[float, float, bool]:
@@ -85,10 +82,7 @@ def readable_up_to(of: Ridge) -> float:
 def difference_curves(
     car: Vehicle, e: Ensemble, runs: list[RampRun], z_end: float
 ) -> tuple[DifferenceCurve, PaperCurves]:
-    """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it.
-
-    The band is that of D at a given eta.
-    """
+    """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it."""
     of = ridge(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(of.middle[-1]), SETTINGS.rows)
     seen = [1.0 + run.since_rolling(run.blocks.eta)[run.braked] for run in runs]
@@ -126,6 +120,29 @@ def differences(of: Ridge, eta: Array) -> Array:
 def tyre_forces(e: Ensemble, slip: Array) -> Array:
     """g of the draws at ``slip`` (k,), (n, k) [1]."""
     return np.array([np.interp(slip, x, g) for x, g in _tyres(e)])
+
+
+def as_cubic(e: Ensemble, greatest: float) -> Array:
+    """`RampParameters` of the draws, (8, n): slip = c F (1 + b2 F + b3 F^2), one tyre, a cubic.
+
+    The best such curve of every draw up to the ``greatest`` force over load of the ramp [1]. The
+    figures of a ramp, the mean of cars and calibration files know that tyre; estimates do not.
+    """
+    force = np.linspace(0.1, 1.0, 10) * greatest
+    use = force / e.peak[:, None]
+    x = np.einsum("nkf,nf->nk", inverse_forms(use), e.forms) / use
+    bend = np.linalg.lstsq(np.column_stack([force, force**2]), (x - 1.0).T, rcond=None)[0]
+    of_draws = RampParameters(
+        log_compliance=0.5 * np.log(e.compliance_f * e.compliance_r),
+        curvature_2=bend[0],
+        curvature_3=bend[1],
+        load_exponent=e.load_exponent,
+        clock_offset=e.v_late,
+        log_pad_ratio=e.log_pad_ratio,
+        log_tyre_ratio=np.log(e.compliance_f / e.compliance_r),
+        radius_load=e.radius_load,
+    )
+    return np.stack(of_draws)
 
 
 def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:

@@ -24,21 +24,16 @@ def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
     """The ramp without the blocks that show a disturbance; ``left_out`` says which they are."""
     left_out = np.zeros_like(run.use)
     if np.count_nonzero(run.braked) >= SETTINGS.fewest_blocks:
-        left_out[run.braked] = _disturbed(vehicle, run)
+        nominal = np.add(*nominal_forces(vehicle, run, 0.0))
+        of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, nominal)
+        time, eta, force, N = (x[run.braked] for x in of_run)
+        N = N / np.max(N)
+        t, rate, one = (time - np.mean(time)) / np.ptp(time), np.gradient(N, time), np.ones_like(N)
+        spread = np.subtract(*np.quantile(eta, [0.95, 0.05]))
+        wild = _off([one, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
+        wild |= _off([one, N, N * t, rate], force, SETTINGS.disturbance_of_force * np.max(force))
+        left_out[run.braked] = _passing(wild, N)
     return replace(run, use=run.use & ~left_out, left_out=left_out)
-
-
-def _disturbed(vehicle: Vehicle, run: RampRun) -> Mask:
-    """Of the braked blocks (n,) those that show a disturbance which comes and goes."""
-    nominal = np.add(*nominal_forces(vehicle, run, 0.0))
-    of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, nominal)
-    time, eta, force, N = (x[run.braked] for x in of_run)
-    N = N / np.max(N)
-    t, rate, one = (time - np.mean(time)) / np.ptp(time), np.gradient(N, time), np.ones_like(N)
-    spread = np.subtract(*np.quantile(eta, [0.95, 0.05]))
-    wild = _off([one, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
-    wild |= _off([one, N, N * t, rate], force, SETTINGS.disturbance_of_force * np.max(force))
-    return _passing(wild, N)
 
 
 def _off(terms: list[Array], y: Array, least: float) -> Mask:

@@ -10,6 +10,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import rows
+from calib.car.balance import braked_tyres
+from calib.car.bias import front_share
 from calib.car.forces import speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
@@ -36,16 +38,15 @@ _LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Draws of a car, equally likely. All (n,) [1] where no unit is said; ``forms`` (n, 5).
+    """Draws of a car, equally likely, (n,) [1] where nothing else is said.
 
-    ``forms`` weights of `calib.car.tyre_forms`; ``load_exponent`` by which the compliance grows
-    with the load, ``peak_load_exponent`` by which the peak falls; ``peak`` at half the weight;
-    ``log_pad_ratio`` front over rear, over that of the vehicle file; ``cg_to_front_axle``,
-    ``cg_height`` over those of the file; ``compliance_f``, ``compliance_r`` slip per normalised
-    force at small slip and half the weight; ``radius_load`` share by which a rolling radius falls
-    when the load of its axle doubles; ``v_late`` time by which v comes after
-    the wheel speeds [s]; ``depart_eta``, ``depart_slip`` (n, k) what eta - 1 and the
-    mean slip depart from all that by, relative, at the decelerations `DEPART_AT` (k,).
+    ``forms`` weights of `calib.car.tyre_forms` (n, 5); ``load_exponent`` by which the compliance
+    grows with the load, ``peak_load_exponent`` by which the ``peak`` at half the weight falls;
+    ``log_pad_ratio`` front over rear, ``cg_to_front_axle``, ``cg_height``, all over those of the
+    vehicle file; ``compliance_f``, ``compliance_r`` slip per normalised force at small slip and
+    half the weight; ``radius_load`` share by which a rolling radius falls when the load of its axle
+    doubles; ``v_late`` by which v comes after the wheel speeds [s]; ``depart_eta``, ``depart_slip``
+    relative, by which eta - 1 and the mean slip depart from all that at `DEPART_AT`, (n, 10).
     """
 
     forms: Array
@@ -88,10 +89,7 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
-    """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives.
-
-    A later map, a budget or a merge then needs no logs.
-    """
+    """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives."""
     kept, scale = e.take(np.linspace(0, e.size - 1, KEPT).astype(np.int64)), pads.pad_scale
     x = np.random.default_rng(42).standard_normal(KEPT)
     columns = {
@@ -155,14 +153,16 @@ def unit_slips(
 
 
 class Shown(NamedTuple):
-    """What wheels show of forces, (n, k) [1].
+    """What wheels show of a braking, (n, k) [1].
 
-    ``rise`` of eta (22) and the mean ``slip`` by load, both with the departures of the draws;
-    ``slips`` of the tyres of the axles (2, n, k); ``rolls`` as of `UnitSlips`.
+    ``shift`` eta - 1 by (22) and the mean ``slip`` by load, over the lead-in, both with the
+    departures of the draws; of the tyres of the axles (2, n, k) ``forces`` over the weight and
+    ``slips``; ``rolls`` as of `UnitSlips`.
     """
 
-    rise: Array
+    shift: Array
     slip: Array
+    forces: Array
     slips: Array
     rolls: Mask
 
@@ -170,26 +170,30 @@ class Shown(NamedTuple):
 def shown(
     car: Vehicle,
     e: Ensemble,
+    log_ratio: Array,
+    brake: Array,
     z: Array,
-    forces: Array,
     *,
     at: Array | None = None,
     peak: Array | float = 1.0,
     softer: Array | float = 1.0,
 ) -> Shown:
-    """What the draws show at the deceleration ``z`` (k,) or (n, 1) [1].
+    """What the draws show where the ``brake`` force of both axles over the weight alone slows the
+    car, by ``z``, (k,) or (n, 1) each [1].
 
-    ``forces``, ``peak`` as of `unit_slips`; ``at`` (k,) where departures are read, if not at ``z``;
-    ``softer`` compliances of the axles over those of the ramp, (2, n, 1).
+    ``log_ratio`` (n,) as of `front_share`; ``at`` (k,) where departures are read, if not at ``z``;
+    ``peak`` as of `unit_slips`; ``softer`` compliances of the axles over the ramp's, (2, n, 1).
     """
+    forces = np.stack(braked_tyres(car, front_share(car, log_ratio)[:, None], brake, z))
     unit = unit_slips(car, e, z, forces, peak)
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
     turning = 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
     hats = np.eye(DEPART_AT.size)
     between = np.stack([np.interp(z if at is None else at, DEPART_AT, hat) for hat in hats])
     return Shown(
-        rise=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
+        shift=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
         slip=np.sum(unit.load * turning, axis=0) * (1.0 + e.depart_slip @ between),
+        forces=forces,
         slips=slips,
         rolls=unit.rolls,
     )

@@ -5,40 +5,50 @@ logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> tabl
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 
 import numpy as np
 
 from calib.base.errors import LogError
-from calib.base.warning import PlausibilityWarning, judged
+from calib.base.program import PROGRAM
+from calib.base.warning import Measured, judged
 from calib.car.bias import front_biased_up_to
+from calib.car.braking import BITE
 from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_curve
+from calib.fitting.curves import (
+    as_cubic,
+    difference_curves,
+    readable_up_to,
+    ridge,
+    tyre_curve,
+)
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
-from calib.fitting.known import contradicted, known_before, likely
+from calib.fitting.known import known_before
 from calib.fitting.maps import maps, pressure_odds
-from calib.fitting.moments import as_cubic, tyre_posterior
 from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
-from calib.fitting.provenance import provenance
-from calib.fitting.quality import metrics, remarks
+from calib.fitting.quality import metrics, remarks, warnings_of
 from calib.fitting.residuals import explained
-from calib.fitting.warnings import warnings_of
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
+from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun, prepare
 from calib.model.resistance import RESISTANCE, Resistance
 from calib.model.resistance import identify as identify_resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.sensors import put_right
+from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared, sort_logs
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.run import wrong_speed
+from calib.run.blocks import BLOCK
 from calib.run.noise import worst_noise
+from calib.run.same_run import fingerprint_of
 from calib.table.invariants import require_finite
-from calib.table.table import Table, Value
+from calib.table.table import LogReference, Provenance, Table, TableReference, TyrePosterior, Value
 
 
 def fit(
@@ -96,16 +106,26 @@ def fit(
     if (wrong := wrong_speed(warnings)) is not None:
         raise wrong
     sources = ", ".join(log.source for log, _, _ in ramps)
+    refused = partial(LogError, where=sources, lines=tuple(map(str, warnings)))
     before = ratio_by_levels(car, runs, known, said)
-    ensemble, left, valve = explained(car, runs, before, sources, warnings, told)
+    ensemble, left, valve = explained(car, runs, before, told, refused)
+    held = list(zip(told, ensemble.held.tolist(), strict=True))
     # curves over eta and the level of both axles' pads are of ramps on which both brake
     both, some = [run for run in runs if run.only is None], ensemble.take(slice(None, None, 4))
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in both)
     of = ridge(car, some, np.linspace(0.0, z_max, 201))
     z_end = readable_up_to(of)
-    _require_rising(car, z_end, sources, warnings)
+    if z_end <= 0.0:
+        raise refused(
+            "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
+            "as hard for its load as the front axle, or harder",
+            expected=f"a front-biased car; by its file {car.name} is so up to "
+            f"{front_biased_up_to(car):.2f} g",
+            do="check areas and radii of the brakes in the vehicle file",
+        )
     drawn = as_cubic(ensemble, float(np.max(np.median(of.forces, axis=1))))
-    of_tyre = tyre_posterior(drawn)
+    mean, covariance = np.mean(drawn, axis=1).tolist(), np.cov(drawn, bias=True).tolist()
+    of_tyre = TyrePosterior(RampParameters._fields, tuple(mean), tuple(map(tuple, covariance)))
     ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
     scale, level = level_of(car, both, known, ratio.value)
     pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))
@@ -128,11 +148,14 @@ def fit(
             *remarks(
                 driven, mass_used(vehicle, mass), runs, left, pads, known, quality, coasts, bench
             ),
-            *likely(told, ensemble.held),
+            *(
+                f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
+                for one, p in held
+            ),
         ),
-        provenance=provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
+        provenance=_provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
         warnings=(
-            *judged(vehicle.name, contradicted(told, ensemble.held)),
+            *judged(vehicle.name, [Measured(one.code, p) for one, p in held]),
             *judged(car.name, of_calibration(car, pads, of_tyre, said)),
             *valve,
             *warnings,
@@ -159,17 +182,27 @@ def _ready(
     return runs, known
 
 
-def _require_rising(
-    car: Vehicle, z_end: float, sources: str, warnings: tuple[PlausibilityWarning, ...]
-) -> None:
-    """Raise LogError where eta rises up to no ``z_end`` [1]."""
-    if z_end <= 0.0:
-        raise LogError(
-            "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
-            "as hard for its load as the front axle, or harder",
-            where=sources,
-            expected=f"a front-biased car; by its file {car.name} is so up to "
-            f"{front_biased_up_to(car):.2f} g",
-            do="check areas and radii of the brakes in the vehicle file",
-            lines=tuple(map(str, warnings)),
-        )
+def _provenance(
+    roles: Mapping[str, list[Prepared]],
+    read: Mapping[tuple[str, str], Log],
+    bench: RollerBench | None,
+    tyres: Sequence[TyreFile],
+    fleet: Mapping[str, Table],
+) -> Provenance:
+    """The logs, by role and as ``read``, the tables, settings and program that a table rests on."""
+    logs_read = ((read[log.name, log.digest], role) for role in roles for log, _, _ in roles[role])
+    return Provenance(
+        logs=(
+            *(LogReference(x.name, x.digest, r, x.notes, fingerprint_of(x)) for x, r in logs_read),
+            *(LogReference(one.name, one.digest, "bench") for one in [bench] if one),
+            *(LogReference(one.name, one.digest, "tyre") for one in tyres),
+        ),
+        settings={
+            "block": BLOCK,
+            "bite_pressure": BITE,
+            "pads_repeat": SETTINGS.pads_repeat,
+            "pad_scatter": SETTINGS.pad_scatter,
+        },
+        program=PROGRAM,
+        parents=tuple(TableReference(id_, table.digest) for id_, table in fleet.items()),
+    )

@@ -12,14 +12,13 @@ Cars of a model have one mean and scatter about it, all of it normal: a hierarch
 et al., Bayesian Data Analysis, ch. 5).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from calib.base.arrays import Array, Index
-from calib.base.warning import Measured
 from calib.car.tyre_file import TyreFile
 from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
@@ -27,18 +26,10 @@ from calib.fitting.ensemble import DEPART_AT, PRIORS, ROWS, Ensemble, ensemble_o
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 
-NONLINEAR = {
-    "load_exponent": "load_exponent",
-    "peak_load_exponent": "peak_load_exponent",
-    "peak": "log_peak",
-    "log_pad_ratio": "log_pad_ratio",
-    "cg_to_front_axle": "cg_to_front_axle",
-    "cg_height": "cg_height",
-}
-"""What enters forces and slips nonlinearly, with the row of its prior."""
-
-NAMES = (*["form"] * len(FORMS), *NONLINEAR.values(), "compliance", "log_tyre_ratio", "radius_load")
-"""The coordinates in their order, by the rows of the priors."""
+_LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
+NONLINEAR = ("load_exponent", "peak_load_exponent", _LOGS[0], "log_pad_ratio", *_LOGS[1:])
+NAMES = (*["form"] * len(FORMS), *NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
+"""The coordinates in their order: forms, what else enters slips nonlinearly, and linearly."""
 
 OWN = len(FORMS) + len(NONLINEAR)
 """Number of coordinates that are drawn; the others are linear and integrated out."""
@@ -51,9 +42,8 @@ TO_LINEAR = np.array(
 )
 """Compliances and fall of the radii are LINEAR + TO_LINEAR @ (the last three coordinates)."""
 
-CENTRE, WIDTH = np.array([PRIORS[name] for name in NONLINEAR.values()]).T
-RATIO = list(NONLINEAR).index("log_pad_ratio")
-_LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
+CENTRE, WIDTH = np.array([PRIORS[name] for name in NONLINEAR]).T
+RATIO = NONLINEAR.index("log_pad_ratio")
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
 _CARS_APART = np.array([float(ROWS[name]["model"]) for name in NAMES])
@@ -126,17 +116,10 @@ def _cars(y: Array) -> Ensemble:
     columns = y[:, len(FORMS) :].copy()
     columns[:, RATIO] = np.interp(columns[:, RATIO], *_tails())
     values = dict(zip(NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
-    one, none = np.ones(len(y)), np.zeros((len(y), DEPART_AT.size))
-    return Ensemble(
-        forms=weights_of(y[:, : len(FORMS)]),
-        **(values | {name: np.exp(values[name]) for name in _LOGS}),
-        compliance_f=one,
-        compliance_r=one,
-        radius_load=one,
-        v_late=none[:, 0],
-        depart_eta=none,
-        depart_slip=none,
-    )
+    values |= {name: np.exp(values[name]) for name in _LOGS}
+    values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
+    values |= dict.fromkeys(("depart_eta", "depart_slip"), np.zeros((len(y), DEPART_AT.size)))
+    return Ensemble(forms=weights_of(y[:, : len(FORMS)]), v_late=np.zeros(len(y)), **values)
 
 
 def coordinates(e: Ensemble) -> Array:
@@ -171,17 +154,6 @@ def known_before(
     """What files of tyres and cars of the model say. Raises TyreError; StoreError without draws."""
     of_cars = (_of_fleet(car, fleet),) if fleet else ()
     return (_of_tyres(car, tyres), *of_cars) if tyres else of_cars
-
-
-def contradicted(known: Sequence[Known], held: Array) -> Iterator[Measured]:
-    """How likely each is to hold by the ramps, ``held`` (k,), to be judged."""
-    return (Measured(one.code, p) for one, p in zip(known, held.tolist(), strict=True))
-
-
-def likely(known: Sequence[Known], held: Array) -> Iterator[str]:
-    """The same in words."""
-    for one, p in zip(known, held.tolist(), strict=True):
-        yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
 
 
 def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:

@@ -11,8 +11,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble
-from calib.fitting.stops import Seen, scenarios, seen
+from calib.fitting.ensemble import Ensemble, Shown
+from calib.fitting.stops import scenarios, seen
 from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap
 
@@ -70,22 +70,22 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
     s = scenarios(car, e)
     each = list(zip(Z.tolist(), np.broadcast_to(odds, Z.shape).tolist(), strict=True))
     shown = [seen(car, s, z, more) for z, more in each]
-    axis = _shifts(shown)
-    pads: list[dict[str, Array]] = []
-    before: list[dict[str, Array]] = []
+    at_z = (np.arcsinh(at.shift[at.rolls] / z / _DENSE) for z, at in zip(Z, shown, strict=True))
+    ends = [np.quantile(x, _SEEN) for x in at_z]
+    axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), SHIFTS))
+    found = []
     for (z, more), at in zip(each, shown, strict=True):
         cells, own = _cells(z, at, axis, np.stack([s.log_pad_ratio + more, s.change]))
-        pads.append(cells)
-        before.append(own | _bounded("level", np.quantile(at.level, QUANTILES)))
-    return PadMap.of((Z, axis, SLIP), **_stacked(pads)), LevelMap.of((Z,), **_stacked(before))
-
-
-def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        found.append((cells, own | _bounded("level", np.quantile(s.level(z), QUANTILES))))
+    pads, before = (
+        {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        for rows in zip(*found, strict=True)
+    )
+    return PadMap.of((Z, axis, SLIP), **pads), LevelMap.of((Z,), **before)
 
 
 def _cells(
-    z: float, at: Seen, axis: Array, asked: Array
+    z: float, at: Shown, axis: Array, asked: Array
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Columns of the maps at ``z``, of cells over the ``axis`` and `SLIP` and without a reading.
 
@@ -119,16 +119,6 @@ def _cells(
         before |= _bounded(name, whole)
     width, most = (of["ratio_upper"] - of["ratio_lower"] for of in (cells, before))
     return cells | {"prior": np.minimum(width / most, 1.0)}, before
-
-
-def _shifts(shown: list[Seen]) -> Array:
-    """Axis of (eta - 1)/z."""
-    ends = [
-        np.quantile(np.arcsinh(at.shift[at.rolls] / z / _DENSE), _SEEN)
-        for z, at in zip(Z, shown, strict=True)
-    ]
-    low, high = np.min(ends), np.max(ends)
-    return np.asarray(_DENSE * np.sinh(np.linspace(low, high, SHIFTS)))
 
 
 def _moments(weight: Array, x: Array) -> tuple[Array, Array]:

@@ -112,7 +112,7 @@ def posterior(
     before = np.hstack([x[:, :OWN], found])
     if said:
         before[:, _PADS] = (e.log_pad_ratio - ratio.value) / ratio.sigma
-    pulls = regression.pulls(left)
+    pulls = {part: left @ (regression.white @ x) for part, x in regression.errors.items()}
     for part, columns in _CAUSES.items():
         pulls[part] = np.hstack([pulls.get(part, before[:, :0]), before[:, columns]])
     field, *others = np.bincount(part_of(x, known), minlength=len(known) + 1)

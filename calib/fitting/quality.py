@@ -1,21 +1,27 @@
-"""How good a fit is, in numbers and in the words that its user must read."""
+"""How good a fit is: numbers, the words that its user must read, what files and logs say of it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.warning import Measured, PlausibilityWarning, judged
 from calib.car.bias import front_biased_up_to
 from calib.car.mass import MassUsed
+from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import Ridge, find_peak
-from calib.fitting.regression import told
 from calib.fitting.residuals import Residuals
 from calib.model.ramp import RampRun
-from calib.model.resistance import Resistance
+from calib.model.resistance import ROLLING, Resistance
+from calib.model.resistance import identify as identify_resistance
 from calib.model.roller_bench import RollerBench
+from calib.model.sensors import judge_accelerometer
 from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared
+from calib.plausibility.run import of_bend, run_warnings
+from calib.run.axle_signals import signals
+from calib.run.brake_response import brake_balance, brake_response
 from calib.run.filters import runs as runs_of
 from calib.table.table import Calibration
 
@@ -25,9 +31,8 @@ def metrics(
 ) -> dict[str, float]:
     """Quality metrics of the fit, each a plain number.
 
-    ``left`` residuals of the ``runs``; ``of`` their draws up to the highest deceleration;
-    ``nominal`` weight of what was known of the pads' ratio before the ramps in what is known of it
-    now [1].
+    ``left`` residuals of the ``runs``, ``of`` their draws up to the highest z;
+    ``nominal`` weight of what was known of the pads' ratio before them in what is known now [1].
     """
     z_peak, eta_peak, real = find_peak(of)
     eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
@@ -112,5 +117,30 @@ def _of_run(run: RampRun, of_eta: Array) -> Iterator[str]:
         )
     far = np.flatnonzero(np.abs(of_eta) > SETTINGS.outlier)
     if far.size:
-        listed = ", ".join(f"{t:.2f}" for t in b.end[told(run)[far[:5]]])
+        listed = ", ".join(f"{t:.2f}" for t in b.end[run.braked][far[:5]])
         yield f"{run.name}: {far.size} outlying blocks of eta, at {listed} s"
+
+
+def warnings_of(
+    filed: Vehicle, car: Vehicle, ramps: list[Prepared], coasts: list[Prepared], known: Resistance
+) -> Iterator[PlausibilityWarning]:
+    """Warnings which need no fit: it says itself what it thinks of the pads.
+
+    ``car`` as its effects leave it of the ``filed`` one; ``ramps``, ``coasts`` with the blocks as
+    read; ``known`` the resistance that was identified, doubted where the file does not give it. A
+    ramp is compared with that of the coasts alone, and with their course, where there are any.
+    """
+    yield from (w for w in plausible(filed) if not w.code.startswith("pad_friction"))
+    effect, name = ROLLING
+    if effect not in car.effects:
+        found = known.effects.parameters[effect][name]
+        yield from judged(car.name, [Measured("rolling_resistance", found)])
+    straight, coasted = [log for log, _, _ in coasts], [(b, noise.z) for _, b, noise in coasts]
+    rolling = identify_resistance(car, coasted) if coasts else known
+    runs = [(run, rolling, straight) for run in ramps] + [(run, known, []) for run in coasts]
+    for (log, b, noise), resistance, others in runs:
+        s = signals(log, car)
+        sensor = judge_accelerometer(car, resistance, b, noise)
+        response = brake_response(s, brake_balance(car, known.effects, s))
+        yield from run_warnings(log, s, car, sensor, response)
+        yield from judged(log.name, of_bend(log, s, car.track_width, others))

@@ -9,11 +9,10 @@ a range of forces.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array, Index, Mask
+from calib.base.arrays import Array, Mask
 from calib.base.names import G
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
@@ -24,86 +23,11 @@ _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of
 _GRADE = 0.001  # walk of bias and slope [1/sqrt(s)]
 _CLOCK = 0.01  # sigma of the time by which v is late against the wheels [s]
 _WALKED = 5e-5  # sigma of what the zero of eta walked since the lead-in [1]
-_SLOW = 5.0  # speed below which a ramp tells little [m/s]
 _FINEST = 5e-4  # eta - 1 or slip below which an error of the form is no smaller [1]
 _ROUGH = 0.02  # share of the variance of that error that is not alike from point to point
 
 _KINDS = ("eta", "slip")  # of rows, in their order
 _ALONE: dict[str | None, float] = {"f": np.inf, "r": -np.inf}  # ln of the odds of its pressure
-
-
-@dataclass(frozen=True)
-class _Ramp:
-    """One ramp, zeroed on its lead-in: means of groups of blocks, (k,) each.
-
-    ``brake`` brake force of both axles over the weight; ``moments`` other ones of the axles (2, k);
-    ``rolling`` deceleration and moments of the lead-in, (3,), not zeroed; ``log_odds`` of the
-    axles' pressures; ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip, (2, k).
-    Without v the slip is what the wheels lose against the speed that a_x carries on. ``errors``
-    what those of one standard deviation make of either, (k, m), by cause.
-    """
-
-    z: Array
-    brake: Array
-    moments: Array
-    rolling: Array
-    log_odds: Array
-    only: str | None
-    rows: Array
-    errors: dict[str, tuple[Array, Array]]
-
-
-def told(run: RampRun) -> Index:
-    """The braked blocks of a ramp of which eta and slip tell."""
-    return np.flatnonzero(run.braked & (run.blocks.speed > _SLOW))
-
-
-def _ramp(car: Vehicle, run: RampRun, most: int | None) -> _Ramp:
-    b, noise = run.blocks, run.noise
-    at, lead = told(run), run.rolling
-    if not (at.size and lead.size):
-        raise ValueError("no blocks of a braking, or none of rolling before it")
-    groups = np.array_split(at, min(most or at.size, at.size))
-    time, rolled = np.array([g.size for g in groups]) * b.length, lead.size * b.length
-
-    def mean(x: Array) -> Array:
-        return np.array([np.mean(x[g]) for g in groups])
-
-    wheels = noise.omega / mean(b.omega_f)
-    zero_wheels = noise.omega / np.mean(b.omega_f[lead]) / np.sqrt(rolled)
-    eta_zero, none = float(np.mean(b.eta[lead])), np.zeros((time.size, 0))
-    if run.slip is None:
-        slip, of_slip = _carried_on(car, run, eta_zero, mean, time)
-    else:
-        slip, speed = mean(run.slip) - np.mean(run.slip[lead]), mean(b.speed)
-        zero_v = noise.v / np.mean(b.speed[lead]) / np.sqrt(rolled)
-        of_slip = {
-            "noise": np.diag(np.sqrt((wheels**2 + (noise.v / speed) ** 2) / time)),
-            "zeros": np.full((speed.size, 1), np.hypot(zero_wheels, zero_v)),
-            "clock": (_CLOCK * G * mean(b.z) / speed)[:, None],
-        }
-    of_eta = {
-        "noise": np.diag(np.sqrt(2.0 / time) * wheels),
-        "zeros": np.full((time.size, 1), np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED)),
-    }
-    B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
-    # the loads of the run, as known effects move them, are those of this deceleration
-    moved = (run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle) / car.cg_height
-    rolling = (moved, run.moment_f / car.weight, run.moment_r / car.weight)
-    z, *moments = map(mean, rolling)
-    return _Ramp(
-        z=z,
-        brake=(mean(run.brake_sum) - np.mean(run.brake_sum[lead])) / car.weight,
-        moments=np.array(moments),
-        rolling=np.array([np.mean(x[lead]) for x in rolling]),
-        log_odds=np.log(B_f / B_r) + _ALONE.get(run.only, 0.0),
-        only=run.only,
-        rows=np.array([mean(b.eta) / eta_zero - 1.0, slip]),
-        errors={
-            cause: (of_eta.get(cause, none), of_slip.get(cause, none))
-            for cause in ("noise", "zeros", "clock", "accelerometer")
-        },
-    )
 
 
 def _carried_on(
@@ -121,8 +45,8 @@ def _carried_on(
     slope, v_0 = np.polyfit(time[lead], rim[lead], 1)
     offset = np.mean(b.z[lead]) + slope / G
     lost = np.cumsum(np.where(time > 0.0, G * (b.z - offset) * b.length, 0.0))
-    t, gone, u = mean(time), mean(lost), mean(rim)
-    v = u * (1.0 + PRIORS["compliance"][0] * mean(b.z))
+    t, gone, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
+    v = u * (1.0 + PRIORS["compliance"][0] * z)
     wheel, rolled = noise.omega * R, lead.size * b.length
     sooner, later = np.minimum(t[:, None], t), np.maximum(t[:, None], t)
     walk = _GRADE**2 * (sooner**3 / 3.0 + sooner**2 * (later - sooner) / 2.0)
@@ -130,12 +54,58 @@ def _carried_on(
     covariance += np.diag((wheel / v) ** 2 / length)
     slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
     scale, sigma = PRIORS["a_x_scale"]
-    start = 2.0 * wheel / np.sqrt(rolled)
     return (v_0 - (1.0 - scale) * gone - u) / v, {
         "noise": np.linalg.cholesky(covariance),
-        "zeros": np.stack([-G * t * slope_sigma / v, start / v], axis=1),
+        "zeros": np.stack([-G * t * slope_sigma / v, 2.0 * wheel / np.sqrt(rolled) / v], axis=1),
         "accelerometer": (-gone * sigma / v)[:, None],
     }
+
+
+class _Ramp:
+    """One ramp: means of its lead-in, which all else is zeroed on, and of k groups of blocks.
+
+    Over the lead-in and the groups (1 + k,): ``brake`` brake force of both axles over the weight;
+    ``moments`` other ones of the axles (2, 1 + k); ``log_odds`` of the axles' pressures; ``only``
+    the axle that brakes alone. ``rows`` eta - 1 and slip of the groups, (2, k); without v the slip
+    is what the wheels lose against the speed that a_x carries on. ``errors`` what those of one
+    standard deviation make of either, (k, m), by cause.
+    """
+
+    def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
+        b, noise = run.blocks, run.noise
+        at, lead = np.flatnonzero(run.braked), run.rolling
+        if not (at.size and lead.size):
+            raise ValueError("no blocks of a braking, or none of rolling before it")
+        groups = [lead, *np.array_split(at, min(most or at.size, at.size))]
+        time = np.array([g.size for g in groups]) * b.length
+
+        def mean(x: Array) -> Array:
+            return np.array([np.mean(x[g]) for g in groups])
+
+        eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
+        zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
+        if run.slip is None:
+            slip, of_slip = _carried_on(car, run, eta[0], mean, time[1:])
+        else:
+            measured, late = mean(run.slip), noise.v / mean(b.speed)
+            slip = measured[1:] - measured[0]
+            of_slip = {
+                "noise": np.diag(np.sqrt((wheels**2 + late**2) / time)[1:]),
+                "zeros": np.hypot(zero_wheels, late[0] / np.sqrt(time[0])) * zeros,
+                "clock": (_CLOCK * G * mean(b.z) / mean(b.speed))[1:, None],
+            }
+        of_eta = {
+            "noise": np.diag((np.sqrt(2.0 / time) * wheels)[1:]),
+            "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED) * zeros,
+        }
+        B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
+        # the loads of the run, as known effects move them, are those of this deceleration
+        moved = (run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle) / car.cg_height
+        brake = mean(run.brake_sum)
+        self.z, self.brake = mean(moved), (brake - brake[0]) / car.weight
+        self.moments = np.stack([mean(x / car.weight) for x in (run.moment_f, run.moment_r)])
+        self.log_odds, self.only = np.log(B_f / B_r) + _ALONE.get(run.only, 0.0), run.only
+        self.rows, self.errors = np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
 
 
 class Regression:
@@ -146,7 +116,7 @@ class Regression:
     """
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
-        self.car, self.ramps = car, [_ramp(car, run, most) for run in runs]
+        self.car, self.ramps = car, [_Ramp(car, run, most) for run in runs]
         self.clock = self._of("clock")
         self.errors = {
             "noise": self._of("noise"),
@@ -160,21 +130,18 @@ class Regression:
     def _of(self, cause: str) -> Array:
         from scipy.linalg import block_diag
 
-        return np.asarray(block_diag(*(x for r in self.ramps for x in r.errors[cause])))
+        each = [(of, np.zeros((r.z.size - 1, 0))) for r in self.ramps for of in r.errors]
+        return np.asarray(block_diag(*(of.get(cause, none) for of, none in each)))
 
     def _form(self) -> Array:
         """Covariance of the error of the form, over the deceleration."""
-        kinds = [(of, r.only) for r in self.ramps for of in _KINDS]
-        lengths = [r.z.size for r in self.ramps for _ in _KINDS]
-        kind = np.repeat([kinds.index(k) for k in kinds], lengths)
-        share = np.repeat([PRIORS[f"form_error_{of}"][0] for of, _ in kinds], lengths)
-        size = share * np.maximum(
-            np.abs(np.concatenate([r.rows.ravel() for r in self.ramps])), _FINEST
+        each = [(of, r.only, r.z[1:], r.rows[i]) for r in self.ramps for i, of in enumerate(_KINDS)]
+        kind = np.concatenate([np.full(z.size, f"{of} {only}") for of, only, z, _ in each])
+        size = np.concatenate(
+            [PRIORS[f"form_error_{of}"][0] * np.maximum(np.abs(x), _FINEST) for of, _, _, x in each]
         )
-        self.places = np.concatenate([np.tile(r.z, 2) for r in self.ramps])
-        self.departs = {
-            of: size * np.repeat([k == (of, None) for k in kinds], lengths) for of in _KINDS
-        }
+        self.places = np.concatenate([z for _, _, z, _ in each])
+        self.departs = {of: size * (kind == f"{of} None") for of in _KINDS}
         near = _near(self.places, self.places) * (kind[:, None] == kind)
         return np.asarray(size[:, None] * size * (near + _ROUGH * np.eye(size.size)))
 
@@ -186,14 +153,12 @@ class Regression:
             forces = np.stack([share, 1.0 - share]) * r.brake + r.moments[:, None]
             unit = unit_slips(self.car, e, r.z, forces)
             rolls &= unit.rolls.all(axis=1)
-            z, *rolling = r.rolling
-            still = np.tile(np.reshape(rolling, (2, 1, 1)), (1, e.size, 1))
-            zero = unit_slips(self.car, e, z, still)
-            by, grown = unit.slip - zero.slip, unit.grown - zero.grown
-            eta = r.rows[0] * (1.0 - PRIORS["compliance"][0] * unit.slip[0])
+            by, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
+            load, eta = unit.load[..., 1:], r.rows[0]
+            eta = eta * (1.0 - PRIORS["compliance"][0] * unit.slip[0][:, 1:])
             rows.append([by[0], -by[1], grown[1] - grown[0], eta])
             slip = np.broadcast_to(r.rows[1], eta.shape)
-            rows.append([*unit.load * by, -np.sum(unit.load * grown, axis=0), slip])
+            rows.append([*load * by, -np.sum(load * grown, axis=0), slip])
         return np.concatenate(rows, axis=-1), rolls
 
     def solve(self, e: Ensemble, centre: Array, root: Array) -> tuple[Array, Array, Array]:
@@ -217,10 +182,6 @@ class Regression:
         """What the draws leave of the rows (n, k)."""
         *H, y = self.rows(e)[0]
         return np.asarray(y - np.einsum("ink,ni->nk", H, e.linear))
-
-    def pulls(self, left: Array) -> dict[str, Array]:
-        """How ln of the probability of a draw grows with each of `errors`, (n, m) by part."""
-        return {part: left @ (self.white @ error) for part, error in self.errors.items()}
 
     def beside(self, left: Array, rng: np.random.Generator) -> dict[str, Array]:
         """What else an `Ensemble` has, by name, from what its draws leave.

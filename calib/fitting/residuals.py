@@ -10,7 +10,7 @@ but where a valve of the rear pressure, missing in the vehicle file, explains it
         +---+---------> p_mc
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -49,42 +49,36 @@ def explained(
     car: Vehicle,
     runs: list[RampRun],
     ratio: Value,
-    sources: str,
-    warnings: tuple[PlausibilityWarning, ...],
     known: Sequence[Known],
+    refused: Callable[..., LogError],
 ) -> tuple[Posterior, Residuals, tuple[PlausibilityWarning, ...]]:
-    """The ensemble of the ramps, ``ratio`` known of the pads before, and what it leaves of them.
+    """The ensemble of the ramps, ``ratio`` known of the pads before, and its `residuals` of each.
 
-    With a warning where a valve of the rear pressure explains them better; LogError, with the
-    ``sources`` of the ramps, where nothing does.
+    With a warning where a valve of the rear pressure explains them better; what ``refused`` makes
+    of the reason is raised where nothing does.
     """
-    lines = tuple(map(str, warnings))
     try:
         found = posterior(car, runs, ratio, known=known)
     except ValueError as error:
-        raise LogError(
+        raise refused(
             "no tyre carries the forces of the ramps",
-            where=sources,
             expected="no wheel near its limit, and mass, axle loads and radii of this car",
             do="end the ramp before ABS works or a wheel locks; look at it with `brake-cal check`",
-            lines=lines,
         ) from error
     left = [residuals(car, found, run) for run in runs]
     worst = max(float(np.sqrt(np.mean(eta**2))) for eta, _ in left if eta.size)
-    valve = tuple(judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio)))
+    valve = judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio))
     if worst > _MOST and not valve:
-        raise LogError(
+        raise refused(
             f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
-            where=sources,
             expected=f"up to {_MOST:.0f} times",
             do="look at the wheel speeds with `brake-cal check`: one may be late, or coarse",
-            lines=lines,
         )
     return found, left, valve
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Of eta and of slip, over their sigma, at the blocks `told` (k,); no slip without v.
+    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v.
 
     Of a ramp with one axle only nothing: its forces are another's.
     """
@@ -118,6 +112,5 @@ def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) ->
             left[knee] = posterior(car, behind, ratio, _DRAWS).misfit
     if left:
         knee = min(left, key=left.__getitem__)
-        bar = f"{from_si(knee, 'bar', 'Pa'):g}"
-        fall = found.misfit**2 - left[knee] ** 2
-        yield Measured("rear_pressure_limited", fall, words={"bar": bar})
+        words = {"bar": f"{from_si(knee, 'bar', 'Pa'):g}"}
+        yield Measured("rear_pressure_limited", found.misfit**2 - left[knee] ** 2, words=words)

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array
 from calib.base.plain import rows
-from calib.car.balance import braked_tyres, turning_shares
-from calib.car.bias import front_share
+from calib.car.balance import turning_shares
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, shown, spread_evenly
+from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
 
 _LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
+_STICKS = 0.3  # slip below which a tyre is not seen to slide [1]
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,10 @@ class Scenarios:
         """ln of the pads' ratio in the stop, over that of the vehicle file."""
         return self.of.log_pad_ratio + self.change
 
+    def level(self, z: float) -> Array:
+        """ln of the brake force over that which ``z`` and the mass of the file give [1]."""
+        return np.asarray(np.log(np.maximum(1.0 - self.offset / z, 0.05)) + self.mass)
+
 
 def _drawn(name: str, u: Array, x: Array) -> tuple[Array, Array]:
     """Draws of a name from uniform ``u`` and normal ``x``, and the number of the case of each."""
@@ -61,7 +65,6 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     u = spread_evenly(count, 11)
     x = ndtri(u)
     of = e.take(np.arange(count) % e.size)
-    change, _ = _drawn("log_pad_ratio", u[:, 0], x[:, 1])
     log_peak, road = _drawn("log_peak", u[:, 2], x[:, 3])
     stiff, _ = _drawn("log_stiffness", u[:, 2], x[:, 4])
     other = road > 0
@@ -73,7 +76,7 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     known = car.mass_tolerance
     return Scenarios(
         of=of,
-        change=change,
+        change=_drawn("log_pad_ratio", u[:, 0], x[:, 1])[0],
         peak=np.exp(log_peak),
         stiff=stiff + of_axles,
         scale=_drawn("a_x_scale", u[:, 7], x[:, 9])[0],
@@ -82,42 +85,21 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     )
 
 
-@dataclass(frozen=True)
-class Seen:
-    """What the sensors see of the scenarios at one deceleration, (n,) [1].
+def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
+    """What is seen, (n,) each, where the zeroed deceleration demands the brake force ``z`` [1].
 
-    ``shift`` eta - 1, ``slip`` the mean slip weighted by load, both over the lead-in; ``level`` ln
-    of the brake force over the one that the zeroed deceleration and the mass of the file give;
-    ``rolls`` below the peaks of the tyres.
-    """
-
-    shift: Array
-    slip: Array
-    level: Array
-    rolls: Mask
-
-
-def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Seen:
-    """What is seen where the zeroed deceleration demands the brake force ``z`` [1] over the weight.
-
-    ``odds`` ln of the front pressure over the rear one. By (22), (19), (20). The tyres carry it
-    less what the wheels' inertia takes.
+    ``z`` over the weight; ``odds`` ln of the front pressure over the rear one. By (22), (19), (20).
     """
     brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
-    true = brake / (1.0 + sum(turning_shares(car)))
-    share = front_share(car, s.log_pad_ratio + odds)[:, None]
     here = shown(
         car,
         s.of,
-        true,
-        np.stack(braked_tyres(car, share, brake, true)),
+        s.log_pad_ratio + odds,
+        brake,
+        brake / (1.0 + sum(turning_shares(car))),
         at=np.array([z]),
         peak=s.peak,
         softer=np.exp(-s.stiff)[..., None],
     )
-    return Seen(
-        shift=here.rise[:, 0],
-        slip=here.slip[:, 0],
-        level=np.log(np.maximum(1.0 - s.offset / z, 0.05)) + s.mass,
-        rolls=(here.rolls & np.all(here.slips < 0.3, axis=0))[:, 0],
-    )
+    shift, slip, forces, slips = (x[..., 0] for x in here[:-1])
+    return Shown(shift, slip, forces, slips, here.rolls[:, 0] & np.all(slips < _STICKS, axis=0))

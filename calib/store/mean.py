@@ -25,9 +25,8 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.random_effects import RandomEffects, quantile95, random_effects
-from calib.fitting.curves import Ridge, differences, paper_of, ridge, tyre_forces
+from calib.fitting.curves import Ridge, as_cubic, differences, paper_of, ridge, tyre_forces
 from calib.fitting.ensemble import Ensemble, ensemble_of
-from calib.fitting.moments import as_cubic
 from calib.fitting.pads import calibration_of
 from calib.model.settings import SETTINGS
 from calib.table.budget import PadLevels, level_of, pad_levels, pad_scale

@@ -115,7 +115,7 @@ def test_points_are_in_the_open_cube_and_more_even_than_random_ones(dimension):
 
 def test_priors_name_their_sources():
     assert all(sigma >= 0.0 for _, sigma in PRIORS.values())
-    assert {"compliance", "load_exponent", "log_peak", "form_error_eta"} <= set(PRIORS)
+    assert {"compliance", "load_exponent", "peak", "form_error_eta"} <= set(PRIORS)
 
 
 def test_the_draws_of_an_ensemble_give_it_back():

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from calib.base.warning import judged
+from calib.base.warning import Measured, judged
 from calib.car.tyre_file import read_tyre
 from calib.fitting import known as module
 from calib.fitting.ensemble import draws_of
 from calib.fitting.fit import fit
-from calib.fitting.known import Known, contradicted, known_before, log_more
+from calib.fitting.known import Known, known_before, log_more
 from calib.fitting.pads import UNSAID
 from calib.fitting.posterior import posterior
 from calib.table.table import Calibration, Value
@@ -59,6 +59,11 @@ def inside(x, true, share=0.95):
     return low < true < high
 
 
+def told(known, held):
+    """Warnings of what the ramps contradict."""
+    return judged("car", [Measured(one.code, p) for one, p in zip(known, held, strict=True)])
+
+
 def test_to_know_the_field_is_to_know_nothing(run, alone):
     """Even odds stay even, and the answer is that of the ramp."""
     e = posterior(CAR, [run], UNSAID, known=(FIELD,))
@@ -99,7 +104,7 @@ def test_the_right_tyre_file_narrows(run, alone, tyre):
         (e.compliance_r, 1.0 / STIFFNESS),
     ):
         assert inside(found, true)
-    assert not judged("car", contradicted(known_before(CAR, [tyre()], {}), e.held))
+    assert not told(known_before(CAR, [tyre()], {}), e.held)
 
 
 def test_files_of_front_and_rear_are_those_of_their_axles(tyre):
@@ -119,7 +124,7 @@ def test_a_tyre_file_a_fifth_off_leaves_the_truth_inside(run, tyre, factor):
 def test_a_tyre_file_that_the_ramp_contradicts_is_told_and_not_followed(run, alone, tyre):
     known = known_before(CAR, [tyre(2.2)], {})
     e = posterior(CAR, [run], UNSAID, known=known)
-    (said,) = judged("car", contradicted(known, e.held))
+    (said,) = told(known, e.held)
     assert (said.code, said.log) == ("tyre_file", "car")
     assert said.measured < said.expected[0] < 0.5
     assert np.mean(e.compliance_f) == pytest.approx(
@@ -167,7 +172,7 @@ def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
     other = prepared(noisy(ramp(plant(0.62 * STIFFNESS)), 3))
     known, before = known_before(CAR, (), fleet), posterior(CAR, [other], UNSAID)
     e = posterior(CAR, [other], UNSAID, known=known)
-    (said,) = judged("car", contradicted(known, e.held))
+    (said,) = told(known, e.held)
     assert said.code == "fleet_prior"
     assert np.mean(e.compliance_f) == pytest.approx(np.mean(before.compliance_f), rel=0.03)
     assert inside(e.log_pad_ratio, math.log(RATIO))

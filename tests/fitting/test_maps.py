@@ -11,7 +11,6 @@ from calib.fitting import maps as module
 from calib.fitting import stops
 from calib.fitting.maps import maps
 from calib.fitting.posterior import posterior
-from calib.fitting.stops import Seen
 from calib.table.table import Value
 from tests.support.reference_car import CAR, REAL, noisy, prepared, ramp
 
@@ -40,13 +39,14 @@ class Toy:
         self.log_slip = -3.0 + follows * self.log_pad_ratio + SCATTER * x[3]
 
     def seen(self, z):
-        count = self.change.size
-        return Seen(
+        return SimpleNamespace(
             shift=z * (self.shift + (self.jump if z > 0.5 else 0.0)),
             slip=z * np.exp(self.log_slip),
-            level=np.full(count, 0.01),
-            rolls=np.ones(count, dtype=bool),
+            rolls=np.ones(self.change.size, dtype=bool),
         )
+
+    def level(self, z):
+        return np.full(self.change.size, 0.01)
 
 
 def made(monkeypatch, follows, jump=0.0):
@@ -206,7 +206,7 @@ def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
 def test_ranks_of_the_level_are_uniform(table, fresh):
     _, _, before = table
     for i, z in enumerate(before.z):
-        level = stops.seen(CAR, fresh, float(z)).level
+        level = fresh.level(float(z))
         ranks = [np.mean(level <= getattr(before, f"level{end}")[i]) for end in BOUNDS]
         assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.015)
 

@@ -160,7 +160,7 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
     at = seen(CAR, still(), z)
     assert at.shift == pytest.approx(rear / front - 1.0, rel=1e-4)
     assert at.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
-    assert at.level == pytest.approx(0.0)
+    assert still().level(z) == pytest.approx(0.0)
     assert at.rolls.all()
 
 
@@ -175,8 +175,7 @@ def test_better_front_pads_and_softer_roads_raise_eta():
 
 def test_level_holds_mass_and_offset_of_a_x():
     """A twentieth of the deceleration that is none, and 2 % more mass."""
-    at = seen(CAR, still(offset=0.015, mass=0.02), 0.3)
-    assert at.level == pytest.approx(math.log(0.95) + 0.02)
+    assert still(offset=0.015, mass=0.02).level(0.3) == pytest.approx(math.log(0.95) + 0.02)
 
 
 def test_a_tyre_departs_in_a_stop_as_on_the_ramp():

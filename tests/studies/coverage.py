@@ -109,7 +109,7 @@ def drawn(rng: np.random.Generator, place: float) -> Car:
         base,
         vehicle=file,
         stiffness=1.0 / compliance,
-        peak=float(np.exp(normal(rng, "log_peak"))),
+        peak=float(np.exp(normal(rng, "peak"))),
         load_exponent=normal(rng, "load_exponent"),
         peak_exponent=normal(rng, "peak_load_exponent"),
         pads=(front * np.exp(level + 0.5 * apart), rear * np.exp(level - 0.5 * apart)),
