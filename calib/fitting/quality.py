@@ -11,6 +11,7 @@ from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import Ridge, find_peak
+from calib.fitting.known import Known
 from calib.fitting.residuals import Residuals
 from calib.model.ramp import RampRun
 from calib.model.resistance import ROLLING, Resistance
@@ -60,11 +61,12 @@ def remarks(
     quality: Mapping[str, float],
     coasts: Sequence[Prepared],
     bench: RollerBench | None,
+    held: Sequence[tuple[Known, float]],
 ) -> Iterator[str]:
     """What the user must know of this table, in words.
 
-    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``; ``quality`` as of
-    `metrics`.
+    ``vehicle`` and ``mass`` as in the logs; ``left``, ``quality`` as of `metrics`; ``held``
+    what was known before, with how likely it holds.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -103,6 +105,8 @@ def remarks(
             f"nominal, known to {100.0 * stated.sigma:.2g} %, one sigma; their level is "
             f"{apart:.2f} times that of the ramps, which counts"
         )
+    for one, p in held:
+        yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
 
 
 def _of_run(run: RampRun, of_eta: Array) -> Iterator[str]:
