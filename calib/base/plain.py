@@ -42,6 +42,11 @@ def signed_percent(share: float) -> str:
     return f"{whole:+d}{NBSP}%" if whole else f"0{NBSP}%"
 
 
+def finite(value: float | None) -> float | None:
+    """A number as a file has it; None of one that is not known or not finite."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
 class Ends(NamedTuple):
     """Limits of a metric; None where an end is open."""
 

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array
-from calib.base.plain import bound
+from calib.base.plain import bound, finite
 from calib.estimation.estimator import Estimate
 from calib.estimation.validate import Validation
 
@@ -46,32 +45,45 @@ class _Road:
 
 @dataclass(frozen=True)
 class Agreement:
-    """Pad friction of the stops: the mean of all, and the largest departure within a road [1]."""
+    """Mean pad friction of all stops, and the largest departure from it within a road [1]."""
 
+    pad_friction_f: float
+    pad_friction_r: float
+    largest_departure_f: float
+    largest_departure_r: float
     roads: tuple[_Road, ...]
-    mean_f: float
-    mean_r: float
-    spread_f: float
-    spread_r: float
 
     @property
     def differ(self) -> bool:
         """Whether stops are too far apart to have the same pads: where the station warns."""
         front, rear = (bound(f"repeatability_{axle}", "warn_high") for axle in "fr")
-        return self.spread_f > front or self.spread_r > rear
+        return self.largest_departure_f > front or self.largest_departure_r > rear
 
 
 def agreement(results: Iterable[Validation]) -> Agreement | None:
-    """Agreement of the stops; None where no two with an answer are of one road and like pads."""
+    """Agreement of the stops; None where no two with an answer are of one road and like pads.
+
+    From the softest road on, each stop that is like the softest one left is of its road.
+    """
     known = [r for r in results if r.figures["pad_level"] is not None]
     rows = [[*(r.figures[key] for key in _PADS), *stiffness(r.estimate)] for r in known]
     stops = np.array(rows, dtype=float).reshape(-1, 5)
-    roads = tuple(_road([known[i].log for i in of], stops[of]) for of in _alike(*stops[:, 2:].T))
-    spreads = [(r.spread_f, r.spread_r) for r in roads if len(r.stops) > 1]
+    left, roads = np.argsort(stops[:, 3], kind="stable"), []
+    while left.size:
+        _, _, level, tyres, sigma = stops[left].T
+        like = tyres - tyres[0] <= _APART * np.hypot(sigma, sigma[0])
+        like &= np.abs(np.log(level / level[0])) < _OTHER_PADS
+        of = stops[left[like]]
+        pads = of[:, :2].mean(axis=0)
+        spread = np.abs(of[:, :2] / pads - 1.0).max(axis=0) if len(of) > 1 else (None, None)
+        names = tuple(known[i].log for i in left[like])
+        roads.append(_Road(names, math.exp(of[:, 3].mean()), *pads.tolist(), *map(finite, spread)))
+        left = left[~like]
+    spreads = [(road.spread_f, road.spread_r) for road in roads if road.spread_f is not None]
     if not spreads:
         return None
     means, most = stops[:, :2].mean(axis=0), np.array(spreads, dtype=float).max(axis=0)
-    return Agreement(roads, *means.tolist(), *most.tolist())
+    return Agreement(float(means[0]), float(means[1]), float(most[0]), float(most[1]), tuple(roads))
 
 
 def stiffness(e: Estimate) -> tuple[float, float]:
@@ -82,25 +94,3 @@ def stiffness(e: Estimate) -> tuple[float, float]:
     z = float(np.clip(e.read.z[i], tyre.force[1], tyre.force[-1]))
     on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
     return math.log(on_ramp) - float(e.best.step.slip[i]), float(e.best.step.slip_sigma[i])
-
-
-def _alike(level: Array, tyres: Array, sigma: Array) -> list[list[int]]:
-    """Places of the stops of each road with like pads, the softest road first.
-
-    ``level`` of the pads, ln of the tyres' stiffness and its ``sigma``, (n,).
-    """
-    left, roads = np.argsort(tyres, kind="stable"), []
-    while left.size:
-        apart = (tyres[left] - tyres[left[0]]) / np.hypot(sigma[left], sigma[left[0]])
-        other = np.abs(np.log(level[left] / level[left[0]])) >= _OTHER_PADS
-        alike = (apart <= _APART) & ~other
-        roads.append(left[alike].tolist())
-        left = left[~alike]
-    return roads
-
-
-def _road(names: list[str], stops: Array) -> _Road:
-    mean_f, mean_r, _, tyres, _ = stops.mean(axis=0).tolist()
-    apart = np.abs(stops[:, :2] / (mean_f, mean_r) - 1.0).max(axis=0).tolist()
-    spread = apart if len(names) > 1 else (None, None)
-    return _Road(tuple(names), math.exp(tyres), mean_f, mean_r, *spread)

@@ -9,6 +9,13 @@
 
 The curves hold on the road of the ramp: what they cost on another one is the difference of the last
 two. A method that cannot be used on a run is left out, with a note; none stops an estimate.
+
+    y = J d omega/dt - F_bar R F_z + mu_n C P = -zeta C P        (23)
+    y = theta u,   theta = zeta,   u = -C P                      (24)
+
+(25) as printed lacks the dot and the sampling time; it is theta_dot = gamma eps u. In steps of dt
+it is stable while gamma u^2 dt < 2. The Lyapunov function that decreases is theta_err^2/(2 gamma):
+(26) takes eps = -theta_err u in place of theta_err, so that (27), (28) hold for constant u only.
 """
 
 from collections.abc import Callable
@@ -17,16 +24,23 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.errors import InputError
+from calib.base.names import AXLES
 from calib.car.balance import ForceBalance, force_balance
+from calib.car.bias import front_share
 from calib.car.disc_temperature import AIR, DISCS, START, disc_temperature
 from calib.car.effects import pads
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.forces import brake_torque
 from calib.car.history import constant_speed
+from calib.car.vehicle import Axle
+from calib.estimation.constants import Reader
 from calib.estimation.estimator import Estimate
-from calib.estimation.law import adapted, by_curves, by_map, gain
+from calib.table.table import Table
 
+RATE, PRESSURE = 8.0, 20e5
+"""Rate of the gradient law [1/s], 90 % of a step of zeta in 0.3 s, at a pressure [Pa] of a usual
+braking; it grows with its square."""
 _MEMORY = 0.5  # of the mean gain [s]: short against a stop, long against road noise (0.1 s)
 _FADE = {p.name: p.typical for p in pads.FADE.card.parameters}
 
@@ -79,16 +93,16 @@ def temperature(e: Estimate) -> Pair:
     if name in e.car.effects:
         raise InputError(f"{name} of the car is already taken out of the log")
     s, heat = e.read, {}
-    for side, axle, pressure, omega in (
-        ("f", e.car.front, s.p_f, s.omega_f),
-        ("r", e.car.rear, s.p_r, s.omega_r),
-    ):
+    of_f, of_r = (e.car.front, s.p_f, s.omega_f), (e.car.rear, s.p_r, s.omega_r)
+    for side, (axle, pressure, omega) in zip(AXLES, (of_f, of_r), strict=True):
         power = np.abs(brake_torque(axle, axle.pad_friction, pressure) * omega)
-        logged = e.ran.log.channels.get(f"T_disc_{side}")
-        start = START if logged is None else float(logged[0])
-        heat[side] = disc_temperature(s.time, power, DISCS[side], start, AIR)
+        logged = e.ran.log.channels.get(f"T_disc_{side}", (START,))
+        heat[side] = disc_temperature(s.time, power, DISCS[side], float(logged[0]), AIR)
     history = constant_speed(s.time, s.p_f, 0.0, heat)
     return nominal(e, *pads.faded(_FADE, history, s.p_f, s.p_r))
+
+
+# The paper's law ---------------------------------------------------------------------------------
 
 
 def as_written(e: Estimate) -> Pair:
@@ -97,15 +111,15 @@ def as_written(e: Estimate) -> Pair:
     d omega/dt is the step of the axle's mean wheel speed since the sample before; nothing is
     smoothed. z is the accelerometer's as read, the loads are (6), (7), no resistance or motor is
     taken out, and the law is never frozen. What the paper leaves open: gamma is one for both axles,
-    that which gives the front axle `law.RATE`, so that the rear of the reference car is 7 times
-    slower; mu_n is that of the estimate; P is the axle's where wheel pressures are logged; eta is
-    zeroed like the table's, or both would hold the mismatch of their day's radii.
+    that which gives the front axle `RATE`, so that the rear of the reference car is 7 times slower;
+    mu_n is that of the estimate; P is the axle's where wheel pressures are logged; eta is zeroed
+    like the table's, or both would hold the mismatch of their day's radii.
     """
     car, s = e.car, e.read
     spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
     b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
     gamma = gain(car.front)
-    return _adapted(e, b, by_curves(e.table, e.eta, s.z), (gamma, gamma))
+    return _adapted(e, b, by_curves(e.table, e.eta, s.z), (gamma, gamma), acts=True)
 
 
 def _plainly(e: Estimate, forces: Pair) -> Pair:
@@ -115,19 +129,77 @@ def _plainly(e: Estimate, forces: Pair) -> Pair:
 
 
 def _adapted(
-    e: Estimate,
-    b: ForceBalance,
-    forces: Pair,
-    gammas: tuple[float, float],
-    acts: Mask | bool = True,
+    e: Estimate, b: ForceBalance, forces: Pair, gammas: tuple[float, float], acts: Mask | bool
 ) -> Pair:
-    """The law on normalised ``forces`` of the axles [1], with loads and moments of a balance."""
-    s, front, rear = e.read, e.car.front, e.car.rear
-    of_f, of_r = forces[0] * b.load_f - b.moment_f, forces[1] * b.load_r - b.moment_r  # (13), (14)
+    """Pad friction mu_n + zeta of the axles by the law on their normalised ``forces`` [1].
+
+    Loads and moments are those of ``b``; frozen where not ``acts``. Raises InputError if the law is
+    unstable: too high a pressure for the rate of the log.
+    """
+
+    def of(axle: Axle, p: Array, F: Array, load: Array, moment: Array, gamma: float) -> Array:
+        torque, road = axle.torque_gain * p, F * load - moment  # (13), (14)
+        y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * road  # (23)
+        u = np.where(acts, -torque, 0.0)  # (24)
+        return axle.pad_friction + gradient(y, u, gamma, e.read.sample_time)
+
     return (
-        adapted(front, s.p_f, of_f, gammas[0], s.sample_time, acts),
-        adapted(rear, s.p_r, of_r, gammas[1], s.sample_time, acts),
+        of(e.car.front, e.read.p_f, forces[0], b.load_f, b.moment_f, gammas[0]),
+        of(e.car.rear, e.read.p_r, forces[1], b.load_r, b.moment_r, gammas[1]),
     )
+
+
+def by_curves(table: Table, eta: Array, level: Array) -> Pair:
+    """F_f = level + f1(eta), F_r = level + f2(eta) [1], (11), (12), as the table exports them.
+
+    ``eta`` zeroed (22), ``level`` z, both (n,). Beyond the ends of the curves their last values.
+    """
+    c = table.paper
+    return level + np.interp(eta, c.eta, c.f1), level + np.interp(eta, c.eta, c.f2)
+
+
+def by_map(table: Table, eta: Array, b: ForceBalance) -> Pair:
+    """F_f, F_r [1] that share the demanded brake force as the map of the table says, without v.
+
+    With the loads of the live deceleration they are z + f1(z, eta) and z + f2(z, eta): together
+    they are all tyre forces, so (18) holds exactly. ``eta`` zeroed (22) (n,). Beyond the ends of
+    the map its last values.
+    """
+    assert table.map is not None
+    ratios = Reader(table.map, ("ratio",))
+    braked = np.clip(b.demanded / table.vehicle.weight, *ratios.axes[0][[0, -1]])
+    (ratio,) = ratios(braked, (eta - 1.0) / braked, np.zeros_like(eta))
+    share = front_share(table.vehicle, ratio)
+    F_f = (share * b.demanded + b.moment_f) / b.load_f
+    return F_f, ((1.0 - share) * b.demanded + b.moment_r) / b.load_r
+
+
+def gain(axle: Axle) -> float:
+    """gamma [1/(N^2 m^2 s)] that adapts this axle at `RATE` at `PRESSURE`."""
+    return RATE / (axle.torque_gain * PRESSURE) ** 2
+
+
+def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
+    """theta after each sample by (25), from 0, (n,). Raises InputError if gamma u^2 dt reaches 2.
+
+    theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system, so LAPACK
+    solves it in one call.
+    """
+    from scipy.linalg.lapack import dtbtrs
+
+    step = gamma * dt
+    worst = step * float(np.max(u * u, initial=0.0))
+    if worst >= 2.0:
+        raise InputError(
+            f"the adaptive law is unstable: gamma u^2 dt = {worst:.2f}",
+            expected="below 2",
+            do="lower the gain, or log faster",
+        )
+    band = np.ones((2, u.size), order="F")  # unit diagonal and one below it
+    band[1, :-1] = step * u[1:] * u[1:] - 1.0
+    theta, info = dtbtrs(band, (step * u * y)[:, None], uplo="L", diag="U", overwrite_b=1)
+    assert info == 0
+    return np.asarray(theta[:, 0])  # (25)
 
 
 METHODS: dict[str, Callable[[Estimate], Pair]] = {

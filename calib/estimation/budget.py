@@ -7,7 +7,6 @@ the ramp left open of tyres and pads, and the rest, which a stop may bring.
 """
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -25,32 +24,24 @@ def budget(e: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
     """
     if not e.valid.any():
         return None
-    return _of_axle(e, e.best.pads_f, front=True), _of_axle(e, e.best.pads_r, front=False)
+    return _of_axle(e, e.best.pads_f, 0), _of_axle(e, e.best.pads_r, 1)
 
 
-def _of_axle(e: Estimate, pads: Bounded, *, front: bool) -> AxleBudget:
-    step, draws, car = e.best.step, e.table.draws, e.table.vehicle
-    valid = np.flatnonzero(e.valid)
+def _of_axle(e: Estimate, pads: Bounded, axle: int) -> AxleBudget:
+    step, draws, car, valid = e.best.step, e.table.draws, e.table.vehicle, np.flatnonzero(e.valid)
     order = np.argsort((pads.upper / pads.lower)[valid], kind="stable")
     i = valid[order[(order.size - 1) // 2]]  # the earlier one of an even number
     filed = car.front.pad_friction / car.rear.pad_friction
     share = front_share(car, math.log(e.best.ratio.value[i] / filed))
-    lever = 1.0 - share if front else share
-    whole, level = (float(x.sigma[i]) ** 2 for x in (pads, e.best.level))
-    ramp = 0.0 if draws is None else float(np.var(draws.log_pad_ratio))
-    of_level = {
-        "accelerometer": float(step.accelerometer[i]),
-        "noise": float(step.noise[i]),
-    }
-    of_ratio = {"zeros": lever**2 * float(step.zeros[i]), "tyres": lever**2 * ramp}
-    parts = _split(level, of_level, "mass") | _split(whole - level, of_ratio, "unlike_pads")
-    return AxleBudget(float(pads.value[i]), parts)
-
-
-def _split(whole: float, known: Mapping[str, float], rest: str) -> dict[str, float]:
-    """A variance by its parts: what is ``known``, as far as it goes, and the ``rest``."""
+    lever = (1.0 - share, share)[axle] ** 2
+    ramp = 0.0 if draws is None else lever * np.var(draws.log_pad_ratio)
+    whole, level = (x.sigma[i] ** 2 for x in (pads, e.best.level))
+    of_level = ("accelerometer", step.accelerometer[i]), ("noise", step.noise[i]), ("mass", np.inf)
+    of_ratio = ("zeros", lever * step.zeros[i]), ("tyres", ramp), ("unlike_pads", np.inf)
     parts = {}
-    for part, variance in (*known.items(), (rest, math.inf)):
-        parts[part] = min(variance, max(whole, 0.0))
-        whole -= parts[part]
-    return {part: variance for part, variance in parts.items() if variance > 0.0}
+    for variance, causes in ((level, of_level), (whole - level, of_ratio)):
+        left = max(float(variance), 0.0)
+        for part, known in causes:  # as far as it goes; the last one is the rest
+            parts[part] = min(float(known), left)
+            left -= parts[part]
+    return AxleBudget(float(pads.value[i]), {part: x for part, x in parts.items() if x > 0.0})

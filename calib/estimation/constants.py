@@ -1,48 +1,58 @@
 """What the step takes from a table: maps that are read, noise of the sensors, tuned numbers."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.run.noise import SensorNoise
 from calib.table.maps import Map
 from calib.table.table import Table
 
 LEVEL = ("level", "level_lower", "level_upper")
-PADS = ("ratio", "change", "ratio_lower", "change_lower", "ratio_upper", "change_upper")
+PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "change_upper")
 SLIP = ("log_slip", "log_slip_sigma")
-"""Columns of the maps that the step reads."""
+"""Columns of the maps that the step reads, in the shape in which it has them."""
 
 
 class Reader:
-    """A map read between its cells, linear along each axis, held at its ends."""
+    """Columns of a map, read between its cells, linear along each axis, held at its ends."""
 
-    def __init__(self, m: Map, columns: tuple[str, ...]) -> None:
+    def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
         from scipy.interpolate import RegularGridInterpolator
 
-        self.axes = list(m.axes.values())
-        cells = np.stack([getattr(m, name) for name in columns], axis=-1)
-        shape = [axis.size for axis in self.axes]
-        self._read = RegularGridInterpolator(self.axes, cells.reshape(*shape, -1))
+        self.axes, names = list(m.axes.values()), np.array(columns)
+        cells = np.stack([getattr(m, name) for name in names.flat], axis=-1)
+        shape = *(axis.size for axis in self.axes), *names.shape
+        self._read = RegularGridInterpolator(self.axes, cells.reshape(shape))
+        self._last = -names.ndim
+
+    def holds(self, axis: int, x: Array) -> Mask:
+        """Where ``x`` is within the ends of an axis."""
+        return np.asarray((self.axes[axis][0] <= x) & (x <= self.axes[axis][-1]))
 
     def width(self, axis: int, x: Array) -> Array:
         """Width of the cell of an axis in which ``x`` lies."""
         points = self.axes[axis]
-        return np.diff(points)[np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1) - 1]
+        end = np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1)
+        return points[end] - points[end - 1]
 
     def __call__(self, *at: Array) -> Array:
-        """All columns (c, ...) at points, one array (...) for each axis."""
+        """All columns, in their shape (c, ...), at points, one array (...) for each axis."""
         held = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(at, self.axes, strict=True)]
-        return np.moveaxis(self._read(np.stack(held, axis=-1)), -1, 0)
+        read = self._read(np.stack(held, axis=-1))
+        return np.moveaxis(read, range(self._last, 0), range(-self._last))
 
 
 @dataclass(frozen=True)
 class Constants:
     """What the step takes from a table, and its tuned numbers."""
 
-    ratio: Reader  # of `PADS` and `SLIP` over what is seen
-    level: Reader  # of `LEVEL` and `PADS` before eta is read
+    pads: Reader  # of `PADS` over what is seen
+    slip: Reader  # of `SLIP` over the same
+    level: Reader  # of `LEVEL` over z
+    before: Reader  # of `PADS` before eta is read
     noise_omega: float  # densities of the sensors' noise, as in `SensorNoise`
     noise_z: float
     noise_v: float
@@ -91,11 +101,13 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     assert table.level_map is not None
     draws, ramp = table.draws, table.level_map.ratio[0]
     return Constants(
-        ratio=Reader(table.map, (*PADS, *SLIP)),
-        level=Reader(table.level_map, (*LEVEL, *PADS)),
-        noise_omega=noise.omega,
-        noise_z=noise.z,
-        noise_v=noise.v,
+        pads=Reader(table.map, PADS),
+        slip=Reader(table.map, SLIP),
+        level=Reader(table.level_map, LEVEL),
+        before=Reader(table.level_map, PADS),
+        noise_omega=float(noise.omega),  # Python's numbers are three times as fast
+        noise_z=float(noise.z),
+        noise_v=float(noise.v),
         radius=table.vehicle.front.rolling_radius,
         late=0.0 if draws is None else float(np.mean(draws.v_late)),
         late_sigma=0.01 if draws is None else float(np.std(draws.v_late)),

@@ -25,7 +25,7 @@ from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
 from calib.estimation.constants import Constants
 from calib.estimation.known import known_effects, known_slips, nominal_car
-from calib.estimation.readout import Readout, read_out
+from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
 from calib.model.known_effects import CorrectedRun, remove_known_effects
@@ -44,23 +44,11 @@ if TYPE_CHECKING:
 _SMOOTH = 0.1  # time constant of the causal filter on a load [s], short against the change of a pad
 
 
-def _bounded(unit: str, *names: str) -> dict[str, str]:
-    return {f"{name}{end}": unit for name in names for end in ("", "_lower", "_upper")}
-
-
-_ANSWER = {
-    **_bounded("1", "pad_friction_f", "pad_friction_r"),
-    **_bounded("N*m", *(f"brake_torque_{w}" for w in WHEELS)),
-    "valid": "1",
-    **_bounded("1", "pad_change_f", "pad_change_r", "pad_level", "pad_ratio"),
-    **_bounded("N*m", "brake_torque_sum"),
-}
-
 COLUMNS = {
     "time": "s",
     **dict.fromkeys(("z", "eta", "normalised_force_f", "normalised_force_r"), "1"),
-    **_ANSWER,
-    **{f"ecu_{name}": unit for name, unit in _ANSWER.items()},
+    **UNITS,
+    **{f"ecu_{name}": unit for name, unit in UNITS.items()},
     "ecu_reason": "1",
 }
 """Columns of an estimate as a table and as a file, in their order, with their units.
@@ -119,9 +107,9 @@ class Estimate:
     def refused(self) -> dict[str, Mask]:
         """Samples in which the pads bite and the model does not hold, (n,) each, by reason."""
         bites = np.maximum(self.read.p_f, self.read.p_r) > BITE
-        reasons = [one for one in Reason if one is not Reason.VALID]
-        of_run = dict.fromkeys(self.unfit, bites)
-        return of_run | {one.words: bites & (self.best.step.reason == one) for one in reasons}
+        reasons = (reason for reason in Reason if reason is not Reason.VALID)
+        shown = {reason.words: bites & (self.best.step.reason == reason) for reason in reasons}
+        return dict.fromkeys(self.unfit, bites) | shown
 
     @cached_property
     def eta_zero(self) -> float:
@@ -169,24 +157,17 @@ class Estimate:
         )
 
     def columns(self) -> dict[str, Array | Mask | Index]:
-        """The samples by the names of `COLUMNS`, (n,) each.
-
-        Pad friction and its bounds are per axle, torque is per wheel: both wheels of an axle have
-        the same.
-        """
-        values: dict[str, Array | Mask | Index] = {
+        """The samples by the names of `COLUMNS`, (n,) each; those of both wheels are the same."""
+        return {
             "time": self.time,
             "z": self.read.z,
             "eta": self.eta,
             "normalised_force_f": self.normalised[0],
             "normalised_force_r": self.normalised[1],
-            "valid": self.valid,
-            **self.best.columns(),
+            **(self.best.columns() | {"valid": self.valid}),
             **{f"ecu_{name}": x for name, x in self.ecu.columns().items()},
-            "ecu_valid": self.ecu.valid,
             "ecu_reason": self.ecu.step.reason,
         }
-        return {name: values[name] for name in COLUMNS}
 
     def to_frame(self) -> "pd.DataFrame":
         """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``."""

@@ -2,11 +2,10 @@
 
     (z, eta - 1) of the braking  against  what each scenario of `calib.fitting.stops` would show
 
-The mean of the likelihoods over the scenarios, of the log as given and of the same with its axles
-exchanged, 1/eta: pads alike or apart, any road, the zero of the day. Front pads that are weak, or a
-car near ideal balance, are among the scenarios. A front wheel that has changed places with the rear
-one of the other side leaves eta flat and the sides apart, see `calib.run.wheels`; those of one side
-are refused before a stop is estimated.
+The mean of the likelihoods over the scenarios (pads alike or apart, weak ones too, any road, the
+zero of the day), of eta as given and of 1/eta, as with exchanged axles. A front wheel that has
+changed places with the rear one of the other side leaves eta flat and the sides apart, see
+`calib.run.wheels`; those of one side are refused before a stop is estimated.
 """
 
 from collections.abc import Iterator
@@ -50,8 +49,7 @@ def exchanged(
     Each with the reason for which no sample counts, "" where that is not sure.
     """
     why = "the wheel speeds fit with {} exchanged"
-    odds = axles_exchanged(table, e)
-    if odds is not None and odds > 0.0:
+    if (odds := axles_exchanged(table, e)) is not None and odds > 0.0:
         told = warning("axles_exchanged", log, odds, (None, 0.0))
         yield told, why.format("front and rear") if odds > SURE else ""
     if parts is None:

@@ -1,8 +1,4 @@
-"""Limits of a validation: the allowed range of each metric.
-
-A metric that a log cannot give (without truth, for example) is `not known`; where it is
-``required`` it fails. The TOML file of them: `calib.estimation.limits_file`.
-"""
+"""Limits of a validation and what is judged by them; the file: `calib.estimation.limits_file`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,8 +14,8 @@ PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
 class Limit:
     """Allowed range of a metric; any end may be open (None).
 
-    Outside ``low`` to ``high`` it fails, outside ``warn_low`` to ``warn_high`` it warns. A
-    ``required`` metric that is not known fails.
+    Outside ``low`` to ``high`` it fails, outside ``warn_low`` to ``warn_high`` it warns. One that a
+    log cannot give (without truth, for example) is not known, and fails where it is ``required``.
     """
 
     figure: str
@@ -48,9 +44,8 @@ class Judgement(Limit):
     @property
     def outcome(self) -> dict[str, bool | None]:
         """`passed`, None where it is not known, and `warned`, as JSON documents have them."""
-        verdict = self.verdict
-        passed = None if verdict == NOT_KNOWN else verdict != FAILED
-        return {"passed": passed, "warned": verdict == WARNING}
+        passed = None if self.verdict == NOT_KNOWN else self.verdict != FAILED
+        return {"passed": passed, "warned": self.verdict == WARNING}
 
     def warning(self, log: str) -> PlausibilityWarning:
         """What is said of a value outside the range without warning."""

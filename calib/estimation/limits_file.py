@@ -3,11 +3,9 @@
     schema = 1
     [limits]
     valid_share = { min = 0.7 }
-    pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1] }
+    pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1], required = true }
 
-It fails outside ``fail`` and warns outside ``warn``; `-inf` and `inf` leave an end open. `min` and
-`max` are other words for the ends of ``fail``. With `required = true` a metric that a log cannot
-give fails.
+`min` and `max` are other words for the ends of ``fail``; `-inf` and `inf` leave an end open.
 """
 
 from collections.abc import Collection
@@ -15,7 +13,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BeforeValidator, FiniteFloat, WithJsonSchema, create_model, model_validator
+from pydantic import BeforeValidator, Field, FiniteFloat, create_model, model_validator
 
 from calib.base.errors import LimitsError
 from calib.base.plain import Ends
@@ -26,24 +24,17 @@ from calib.estimation.limits import Limit
 _EXPECTED = "[LOW, HIGH]; -inf, inf: no limit"
 
 
-def _range(written: object) -> tuple[float, float]:
-    if not (isinstance(written, list) and len(written) == 2 and all(map(_is_number, written))):
-        raise wrong(f"{written!r}", _EXPECTED)
-    low, high = map(float, written)
-    if low > high or low == inf or high == -inf:
-        raise wrong(f"{low:g} to {high:g} is no range", _EXPECTED)
-    return low, high
+def _range(written: object) -> object:
+    """Both ends of a list; that neither is true or false the schema says itself."""
+    match written:
+        case [int() | float() as low, int() | float() as high]:
+            if low <= high and low < inf and high > -inf:
+                return written
+            raise wrong(f"{low:g} to {high:g} is no range", _EXPECTED)
+    raise wrong(f"{written!r}", _EXPECTED)
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and value == value
-
-
-_Range = Annotated[
-    tuple[float, float],
-    BeforeValidator(_range),
-    WithJsonSchema({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}),
-]
+_Range = Annotated[list[float], Field(min_length=2, max_length=2), BeforeValidator(_range)]
 
 
 class _LimitSection(Section):
@@ -70,15 +61,13 @@ class _LimitSection(Section):
     def _says_one_thing(self) -> Self:
         if self.model_fields_set <= {"required"}:
             raise wrong("no limit in it", self.written_as)
-        if self.fail is not None and (self.min is not None or self.max is not None):
-            other = "max" if self.min is None else "min"
-            raise wrong(f"has both fail and {other}", "one of them: they say the same")
-        low, high, warn_low, warn_high = self.ends
-        if low > high:
-            raise wrong(f"min {low:g} lies above max {high:g}", "min below max")
-        for warn, fail, sign in ((warn_low, low, 1.0), (warn_high, high, -1.0)):
-            if isfinite(warn) and sign * warn < sign * fail:
-                raise wrong(f"warn {warn:g} lies beyond fail {fail:g}", "warn inside fail")
+        if self.fail is not None and self.model_fields_set & {"min", "max"}:
+            raise wrong("has both fail and min or max", "one of them: they say the same")
+        low, high, *warn = self.ends
+        _range([low, high])
+        for end, beyond in zip(warn, (warn[0] < low, warn[1] > high), strict=True):
+            if isfinite(end) and beyond:
+                raise wrong(f"warn {end:g} lies beyond fail {low:g} to {high:g}")
         return self
 
 

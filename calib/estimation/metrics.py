@@ -56,10 +56,10 @@ _SIDES = ("f", "r", "level")
 """Of what an answer is scored: pads and torque of an axle, or of both together."""
 _NAMES = {
     "pad_friction_level": "pad_level",
-    "truth_pad_friction_level": "truth_pad_level",
     "torque_error_level": "level_error",
+    "ecu_truth": "true",
 }
-"""Names that are not those of the metric and the side."""
+"""Parts of names that are not those of the metric and the side: truth is of the ECU's samples."""
 
 
 def score(log: Log, e: Estimate) -> Figures:
@@ -72,9 +72,9 @@ def score(log: Log, e: Estimate) -> Figures:
         "ecu_valid_share": share(by_ecu, counted),
     }
     # errors of prediction of blocks above 3 m/s after the lead-in
-    rest = e.best.step.innovation[e.blocks.samples - 1 :: e.blocks.samples]
-    rest = rest[~e.blocks.lead_in & (e.blocks.speed > MOVING)]
-    rest = rest[np.isfinite(rest)]
+    b = e.blocks
+    rest = e.best.step.innovation[b.samples - 1 :: b.samples]
+    rest = rest[np.isfinite(rest) & ~b.lead_in & (b.speed > MOVING)]
     if rest.size > 10:
         found["innovation_rms"] = _rms(rest)
         found["innovation_colour"] = np.mean(rest[1:] * rest[:-1])
@@ -82,8 +82,7 @@ def score(log: Log, e: Estimate) -> Figures:
     bites = counted & np.isfinite(e.best.pads_f.value)
     for of, answer, holds, told in (("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)):
         for metric, values in _of_answer(answer, truth, holds, told).items():
-            names = [f"{metric}_{side}" for side in _SIDES]
-            found |= {of + _NAMES.get(k, k): x for k, x in zip(names, values, strict=True)}
+            found |= {f"{of}{metric}_{s}": x for s, x in zip(_SIDES, values, strict=True)}
     if valid.any():
         covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
         found["covered_share"] = share(covered, valid)
@@ -92,9 +91,10 @@ def score(log: Log, e: Estimate) -> Figures:
     if e.blocks.v is not None and (both := valid & by_ecu).any():
         found["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, both)
         found["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, both)
-    # the truth is told of the samples of the ECU
-    known = {k.replace("ecu_truth", "true"): float(x) for k, x in found.items() if np.isfinite(x)}
-    return {name: known.get(name) for name in METRICS}
+    for name, told_as in _NAMES.items():
+        found = {key.replace(name, told_as): x for key, x in found.items()}
+    known = {key: float(x) for key, x in found.items() if np.isfinite(x)}
+    return {key: known.get(key) for key in METRICS}
 
 
 def counted_samples(e: Estimate) -> Mask:
@@ -168,18 +168,13 @@ def baseline_errors(
 ) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction of each method, front and rear, over valid samples.
 
-    ``others`` the pad friction of those beside the estimate (n,), front and rear.
-
-    ``others`` the pad friction of those beside the estimate (n,), front and rear.
-
-    Without a truth it is against the best estimate, where that has seen v; else there are none.
+    ``others`` the pad friction of those beside the estimate (n,), front and rear. Without a truth
+    it is against the best estimate, where that has seen v; else there are none.
     """
     truth = truth_of(log, e)
-    methods = {"ecu": (e.ecu.pads_f.value, e.ecu.pads_r.value), **others}
-    true = np.array([e.best.pads_f.value, e.best.pads_r.value])
-    if truth is not None:
-        methods = {"estimate": tuple(true), **methods}
-        true = truth.pad_friction
+    both = (("estimate", e.best), ("ecu", e.ecu))
+    methods = {name: (of.pads_f.value, of.pads_r.value) for name, of in both} | others
+    true = np.array(methods.pop("estimate")) if truth is None else truth.pad_friction
     known = e.valid & np.isfinite(true).all(axis=0)
     if not known.any() or (truth is None and e.blocks.v is None):
         return {}

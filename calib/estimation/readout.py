@@ -5,12 +5,15 @@
 What is handed out: the same numbers for every command, and for an ECU without a speed.
 """
 
+import itertools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
+from calib.base.names import AXLES, WHEELS
 from calib.car.balance import ForceBalance, brake_forces
 from calib.car.bias import front_share
 from calib.car.forces import speed_ratio
@@ -25,8 +28,7 @@ from calib.run.noise import SensorNoise
 from calib.table.table import Table
 
 
-@dataclass(frozen=True)
-class Bounded:
+class Bounded(NamedTuple):
     """A quantity with its 95 % interval, (n,) each."""
 
     value: Array
@@ -71,24 +73,26 @@ class Readout:
         return np.asarray(self.step.reason == Reason.VALID)
 
     def columns(self) -> dict[str, Array | Mask]:
-        """By the names of a file; torque is per wheel, both wheels of an axle have the same."""
-        named = {
-            "pad_friction_f": self.pads_f,
-            "pad_friction_r": self.pads_r,
-            "pad_change_f": self.change_f,
-            "pad_change_r": self.change_r,
-            "pad_level": self.level,
-            "pad_ratio": self.ratio,
-            "brake_torque_fl": self.torque_f,
-            "brake_torque_fr": self.torque_f,
-            "brake_torque_rl": self.torque_r,
-            "brake_torque_rr": self.torque_r,
-            "brake_torque_sum": self.torque_sum,
-        }
-        out: dict[str, Array | Mask] = {}
-        for name, x in named.items():
-            out |= {name: x.value, f"{name}_lower": x.lower, f"{name}_upper": x.upper}
-        return out
+        """By the names of `UNITS`, in their order."""
+        told = (getattr(self, name) for name in _COLUMNS.values())
+        parts = [x if isinstance(x, Bounded) else (x,) for x in told]
+        return dict(zip(UNITS, itertools.chain(*parts), strict=True))
+
+
+_COLUMNS = (
+    {f"pad_friction_{axle}": f"pads_{axle}" for axle in AXLES}
+    | {f"brake_torque_{wheel}": f"torque_{wheel[0]}" for wheel in WHEELS}
+    | {"valid": "valid"}
+    | {f"pad_change_{axle}": f"change_{axle}" for axle in AXLES}
+    | {"pad_level": "level", "pad_ratio": "ratio", "brake_torque_sum": "torque_sum"}
+)
+"""Fields of a `Readout` by their columns; both wheels of an axle have the same torque."""
+UNITS = {
+    f"{name}{end}": "N*m" if "torque" in name else "1"
+    for name in _COLUMNS
+    for end in (("",) if name == "valid" else ("", "_lower", "_upper"))
+}
+"""Columns of an answer as a table and as a file, with their units."""
 
 
 def read_out(
@@ -113,34 +117,34 @@ def read_out(
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
     front, rear = car.front, car.rear
     driven = known_slips(table, road)
-    columns = (
-        road.demanded / car.weight,
-        (brake_f + brake_r) / car.weight,
-        np.maximum(b.p_f, b.p_r),
-        b.z,
-        b.eta / speed_ratio(*driven),
-        np.maximum(front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
-        road.load_r / car.weight,
-        b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
-        disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1),
-        np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
+    x = Sample(
+        demand=road.demanded / car.weight,
+        nominal=(brake_f + brake_r) / car.weight,
+        pressure=np.maximum(b.p_f, b.p_r),
+        z=b.z,
+        eta=b.eta / speed_ratio(*driven),
+        rim=np.maximum(front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
+        rear_share=road.load_r / car.weight,
+        v=b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
+        disturbed=disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1) * 1.0,
+        log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
     )
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
-    samples = map(Sample._make, zip(*(x.tolist() for x in columns), strict=True))
-    answers, at = run(c, samples), b.last_complete(s.time)
-    share = front_share(car, columns[-1])
+    answers, at = run(c, x), b.last_complete(s.time)
+    share = front_share(car, x.log_odds)
     then, filed = table.calibration, np.array([front.pad_friction, rear.pad_friction])
-    pads = filed[:, None, None] * _pads(share, answers.level, answers.ratio)[..., at]
+    pads = filed[:, None, None] * _pads(share, answers.level, answers.ratio)
     # over the ramp's pads: the tyres are those of today, and fall out
-    changed = _pads(share, answers.level, answers.change + then.pad_log_ratio.value)[..., at]
-    told = answers.at(at)
+    changed = _pads(share, answers.level, answers.change + then.pad_log_ratio.value)
+    level, ratio = np.exp(answers.level), filed[0] / filed[1] * np.exp(answers.ratio)
+    pads, changed, level, ratio = (np.take(x, at, axis=-1) for x in (pads, changed, level, ratio))
     gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
-    level, total = np.exp(told.level), 2.0 * (gains[0] * pads[0, 0] + gains[1] * pads[1, 0])
+    total = 2.0 * (gains[0] * pads[0, 0] + gains[1] * pads[1, 0])
     return Readout(
-        step=told,
+        step=answers.at(at),
         level=Bounded(*level),
-        ratio=Bounded(*(filed[0] / filed[1] * np.exp(told.ratio))),
+        ratio=Bounded(*ratio),
         pads_f=Bounded(*(factors[0] * pads[0])),
         pads_r=Bounded(*(factors[1] * pads[1])),
         change_f=Bounded(*(filed[0] / then.pad_friction_f.value * changed[0])),

@@ -60,7 +60,7 @@ def disturbances(log: Log, s: Signals, cornering: Array) -> Index:
             Reason.CORNERS: ~(np.abs(cornering) < LATERAL),
             Reason.TURNED: ~(np.abs(steered) < STEERING),
         }
-    return np.select(list(shown.values()), [int(reason) for reason in shown], 0)
+    return np.select(list(shown.values()), list(shown), 0)
 
 
 def _locks(log: Log, s: Signals) -> Mask:

@@ -5,10 +5,10 @@ written completely or not at all.
 """
 
 import json
-import math
 from dataclasses import asdict
 from pathlib import Path
 
+from calib.base.plain import finite
 from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
@@ -44,14 +44,7 @@ def to_dict(
         "proof": proof_of(results),
         "exported": how and asdict(how),
         "logs": [_of_log(r) for r in results],
-        "agreement": together
-        and {
-            "pad_friction_f": together.mean_f,
-            "pad_friction_r": together.mean_r,
-            "largest_departure_f": together.spread_f,
-            "largest_departure_r": together.spread_r,
-            "roads": [asdict(road) for road in together.roads],
-        },
+        "agreement": together and asdict(together),
     }
 
 
@@ -63,11 +56,11 @@ def _of_log(r: Validation) -> dict[str, object]:
         "role": r.role,
         "verdict": PASSED if r.passed else FAILED,
         "proof": r.proof,
-        "figures": {key: _finite(value) for key, value in r.figures.items()},
+        "figures": {key: finite(value) for key, value in r.figures.items()},
         "limits": [
             {
                 "figure": j.figure,
-                "value": _finite(j.value),
+                "value": finite(j.value),
                 "min": j.low,
                 "max": j.high,
                 "warn": [j.warn_low, j.warn_high],
@@ -81,15 +74,11 @@ def _of_log(r: Validation) -> dict[str, object]:
         "not_valid": r.refused,
         "rms_error_against": r.compared_with,
         "rms_error_by_method": {
-            name: dict(zip(("front", "rear"), map(_finite, errors), strict=True))
-            for name, errors in r.baselines.items()
+            name: {"front": finite(front), "rear": finite(rear)}
+            for name, (front, rear) in r.baselines.items()
         },
         **({"notes": notes} if notes else {}),
     }
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
 
 
 def write_result(e: Estimate, path: Path) -> None:

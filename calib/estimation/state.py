@@ -17,28 +17,54 @@ import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
+from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.braking import BITE, MOVING
 from calib.estimation.constants import Constants
 from calib.run.driving_record import STEADY
 from calib.run.noise import WALK
 
+Number = TypeVar("Number", float, Array)
+"""Of one block, or of each of many (k,)."""
 
-class Sample(NamedTuple):
+
+class Sample(NamedTuple, Generic[Number]):
     """Means over a block, SI."""
 
-    demand: float  # brake force that the deceleration demands, over the weight [1]
-    nominal: float  # that of nominal pads [1]
-    pressure: float  # the higher one [Pa]
-    z: float
-    eta: float  # as read [1]
-    rim: float  # speed of the front wheels' rims [m/s]
-    rear_share: float  # of the load [1]
-    v: float  # [m/s], NaN where not logged
-    disturbed: float  # number of a `Reason` while the car is steered or a wheel locks, else 0
-    log_odds: float = 0.0  # ln of the front pressure over the rear one
+    demand: Number  # brake force that the deceleration demands, over the weight [1]
+    nominal: Number  # that of nominal pads [1]
+    pressure: Number  # the higher one [Pa]
+    z: Number
+    eta: Number  # as read [1]
+    rim: Number  # speed of the front wheels' rims [m/s]
+    rear_share: Number  # of the load [1]
+    v: Number  # [m/s], NaN where not logged
+    disturbed: Number  # number of a `Reason` while the car is steered or a wheel locks, else 0
+    log_odds: Number  # ln of the front pressure over the rear one
+
+
+class Seen(NamedTuple, Generic[Number]):
+    """What is known of brakes and tyres once a block is taken in."""
+
+    level: Number  # of the pads [1], its variance
+    level_variance: Number
+    blocks: Number  # number in the means that forget; 0 before any braking
+    z: Number  # means of z, eta - 1 from their zeros and of z squared [1]
+    shift: Number
+    z_squared: Number
+    speed: Number  # [m/s]
+    log_slip: Number  # ln(slip/z), scale of a_x [1], their covariance
+    scale: Number
+    slip_variance: Number
+    slip_scale: Number
+    scale_variance: Number
+    demand_variance: Number  # of the zeros
+    eta_variance: Number
+    acts: Number  # share of the pressure that acts [1]
+    innovation: Number  # of the wheels, in standard deviations; NaN where they do not count
+    braked: Number  # time of this stop [s]
 
 
 @dataclass(slots=True)
@@ -69,7 +95,7 @@ class State:
     level: Numbers  # of the pads [1], lag of the brakes [s], rate of the level [1/s]
     speed: Numbers = ()  # [m/s], ln(slip/z), offset and scale of a_x [1]
     anchored: bool = False  # once the speed no longer moves with the zero of eta
-    waiting: deque[Sample] = field(default_factory=deque)
+    waiting: deque[Sample[float]] = field(default_factory=deque)
     nominal: float = 0.0  # brake force of nominal pads over the weight [1]
     acting: float = 0.0  # the same behind the lag [1]
     by_lag: float = 0.0  # its slope by the lag [1/s]
@@ -92,12 +118,8 @@ def started(c: Constants) -> State:
     return s
 
 
-def follow(c: Constants, s: State, x: Sample) -> Numbers:
-    """Take in a block; what is then known of the brakes. Changes the state.
-
-    `State.level`, ``sums`` and ``speed``; variances of the zeros; share of the pressure that acts;
-    innovation of the wheels, NaN where they do not count; time braked; four of the sample.
-    """
+def follow(c: Constants, s: State, x: Sample[float]) -> Seen[float]:
+    """Take in a block. Changes the state."""
     dt, most = c.block, c.zero**2
     for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
         variance = zero.variance + walk * walk * dt
@@ -119,14 +141,18 @@ def follow(c: Constants, s: State, x: Sample) -> Numbers:
     _move(c, s, x, abs(s.mean_z - before), braking=braking)
     innovation = _see_speed(c, s, x, braking=braking) if counts else math.nan
     s.z = x.z
-    acts = s.acting / x.nominal if braking else 1.0
-    return (
-        *s.level, *s.sums, *s.speed, s.demand.variance, s.eta.variance, acts, innovation,
-        s.braked, x.pressure, x.rim, x.disturbed, x.log_odds,
+    level, _, _, level_variance, *_ = s.level
+    blocks, _, shift, zz = s.sums
+    n = blocks or 1.0
+    v, log_slip, _, scale, _, _, _, _, ss, _, se, _, _, ee = s.speed
+    return Seen(
+        level, level_variance, blocks, s.mean_z, shift / n, zz / n,
+        v, log_slip, scale, ss, se, ee, s.demand.variance, s.eta.variance,
+        s.acting / x.nominal if braking else 1.0, innovation, s.braked,
     )  # fmt: skip
 
 
-def _roll(c: Constants, s: State, x: Sample, counts: bool) -> None:
+def _roll(c: Constants, s: State, x: Sample[float], counts: bool) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
     if len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
@@ -142,7 +168,7 @@ def _roll(c: Constants, s: State, x: Sample, counts: bool) -> None:
         s.waiting.clear()
 
 
-def _rim(s: State, x: Sample) -> float:
+def _rim(s: State, x: Sample[float]) -> float:
     """Speed of all wheels' rims [m/s], weighted by load, radii made equal."""
     return x.rim * (1.0 + x.rear_share * (x.eta / s.eta.value - 1.0))
 
@@ -165,7 +191,7 @@ def _press(c: Constants, s: State, nominal: float) -> None:
     s.nominal = nominal
 
 
-def _brake(c: Constants, s: State, x: Sample) -> None:
+def _brake(c: Constants, s: State, x: Sample[float]) -> None:
     """Level and lag; means of what goes into the map."""
     y, dt = x.demand - s.demand.value, c.block
     a, lag, rate, aa, al, ar, ll, lr, rr = s.level
@@ -193,14 +219,14 @@ def _brake(c: Constants, s: State, x: Sample) -> None:
     weight, z, shift, zz = s.sums
     weight, z = keep * weight + 1.0, keep * z + y
     s.sums = weight, z, keep * shift + x.eta / s.eta.value - 1.0, keep * zz + y * y
-    s.mean_z = max(z / weight, LEAST_Z)
+    s.mean_z = max(z / weight, _LEAST_Z)
 
 
-LEAST_Z = 0.01
+_LEAST_Z = 0.01
 """Mean deceleration below which there is none [1]."""
 
 
-def _move(c: Constants, s: State, x: Sample, bends: float, *, braking: bool) -> None:
+def _move(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
     """The speed by a_x, until it is measured.
 
     ``bends`` by how much the mean deceleration changed [1].
@@ -231,7 +257,7 @@ def _move(c: Constants, s: State, x: Sample, bends: float, *, braking: bool) -> 
     s.speed = v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee
 
 
-def _see_speed(c: Constants, s: State, x: Sample, *, braking: bool) -> float:
+def _see_speed(c: Constants, s: State, x: Sample[float], *, braking: bool) -> float:
     """The speed by the wheels and v; what does not fit is offset, scale and slip.
 
     Returns the innovation of the wheels.

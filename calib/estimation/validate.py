@@ -30,31 +30,28 @@ from calib.run.rules import problems
 from calib.run.warnings import clock_gaps, locked_wheels, saturated
 from calib.store.evidence import CONSISTENT
 from calib.table.budget import AxleBudget
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
-HOLDOUT, CALIBRATION = "hold-out", "calibration"
-"""Roles of a log in a validation."""
+HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
 
 TRUTH, REFERENCE, NONE = "truth", "reference", "none"
 """What a log has to hold against the table, from the strongest: torques, v, or neither."""
 
 _PROOFS = {TRUTH: "ecu_normalised_error_f", REFERENCE: "ecu_reference_f"}
 
-_NAMED = 0.1
-"""Share of the braked samples from which a reason for not being valid is named."""
+_NAMED = 0.1  # share of the braked samples from which a reason for not being valid is named
 
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
 
 @dataclass(frozen=True)
 class Validation:
-    """One log: its estimate, its metrics, its judgements, pad friction (front, rear) of the
-    ``others`` that stand beside it, by method [1] (n,), errors of these ``baselines``.
+    """One log: its estimate, its metrics, its judgements, and what stands beside them.
 
-    ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it is reported,
-    but validates nothing, so it does not pass. ``mass`` is what the estimate rests on;
-    ``notes`` name the methods left out; ``warnings`` what speaks against the result.
+    ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it validates
+    nothing, so it does not pass. ``others`` pad friction (front, rear) by other methods [1] (n,),
+    ``baselines`` their rms errors [1], ``notes`` those left out. ``mass`` is what the estimate
+    rests on; ``warnings`` what speaks against it.
     """
 
     log: str
@@ -125,7 +122,7 @@ def validate(
     mass: float | None = None,
     exported: Table | None = None,
 ) -> list[Validation]:
-    """Run, score and judge the estimator on every log.
+    """Run, score and judge the estimator on every log; one validation for each, in their order.
 
     Parameters
     ----------
@@ -135,10 +132,6 @@ def validate(
     limits : of the metrics, for pass or fail.
     mass : of the car in these logs [kg], if it is not that of the table's vehicle.
     exported : the table as an ECU reads it, see `calib.table.exported`; else its full maps.
-
-    Returns
-    -------
-    One validation per log, in their order.
 
     Raises LogError for a log that cannot be used, and when the log is clearly of another vehicle;
     VehicleError when ``vehicle`` is another car than the table's; StoreError for a table without
@@ -168,14 +161,10 @@ def validate_one(
     exported: Table | None = None,
 ) -> Validation:
     """Run, score and judge one log; without ``baselines`` the other methods are left out."""
-    require_maps(table)
     seen = observe(log, full=False)
     if reasons := problems(seen, "validate"):
-        raise LogError(
-            "this run cannot be used for a validation: " + "; ".join(reasons),
-            where=log.source,
-            do="see `brake-cal check`",
-        )
+        what = "this run cannot be used for a validation: " + "; ".join(reasons)
+        raise LogError(what, where=log.source, do="see `brake-cal check`")
     if vehicle is not None:
         require_same_car(table.vehicle, vehicle, weighed=mass is not None)
     result = estimate(table, log, vehicle, mass=mass, exported=exported)
@@ -210,5 +199,4 @@ def validate_one(
 
 def proof_of(results: Iterable[Validation]) -> str:
     """The strongest proof that any of the logs gives."""
-    given = {result.proof for result in results}
-    return next((proof for proof in _PROOFS if proof in given), NONE)
+    return min((r.proof for r in results), key=(*_PROOFS, NONE).index, default=NONE)

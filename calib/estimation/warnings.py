@@ -23,14 +23,10 @@ def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
     of_run = run_warnings(log, e.read, e.car, sensor, brake_response(e.read, e.forces))
     if not e.valid.any():
         return of_run
-    last = int(np.flatnonzero(e.valid)[-1])
-    return (*of_run, *judged(log.name, of_changes(_together(e, last), _apart(e, last))))
-
-
-def _apart(e: Estimate, i: int) -> tuple[float, float]:
-    """ln of the front pads' change over the rear ones', at a sample; its sigma."""
+    i = int(np.flatnonzero(e.valid)[-1])
     middle, low, high = e.best.step.change[:, i].tolist()
-    return middle, (high - low) / (2.0 * Z95)
+    apart = middle, (high - low) / (2.0 * Z95)
+    return (*of_run, *judged(log.name, of_changes(_together(e, i), apart)))
 
 
 def _together(e: Estimate, i: int) -> tuple[float, float]:
@@ -42,7 +38,7 @@ def _together(e: Estimate, i: int) -> tuple[float, float]:
     share = front_share(e.table.vehicle, e.table.calibration.pad_log_ratio.value)
     level = share * best.change_f.value[i] + (1.0 - share) * best.change_r.value[i]
     resistance = float(known_resistance(e.table).sigma_z(e.car, e.read.speed[i : i + 1])[0])
-    sensors = float(best.step.noise[i] + best.step.accelerometer[i])
-    ramp = sum(variance for part, variance in level_of(e.table).items() if part != "mass")
-    variance = sensors + (resistance / max(float(e.read.z[i]), 0.02)) ** 2 + ramp
+    variance = float(best.step.noise[i] + best.step.accelerometer[i])
+    variance += (resistance / max(float(e.read.z[i]), 0.02)) ** 2
+    variance += sum(x for part, x in level_of(e.table).items() if part != "mass")
     return math.log(level), math.sqrt(variance)

@@ -37,7 +37,7 @@ _CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "
     "the estimator marks such samples as not valid"
 )
-"""Values of a look-up beyond the ends, as in `calib.estimation.law`."""
+"""Values of a look-up beyond the ends, as in `calib.estimation.baselines`."""
 
 UNIT = "1"
 """Unit of every axis and curve: speed ratios, slips and normalised forces."""

@@ -17,13 +17,7 @@ from calib.car.braking import BITE
 from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import (
-    as_cubic,
-    difference_curves,
-    readable_up_to,
-    ridge,
-    tyre_curve,
-)
+from calib.fitting.curves import as_cubic, difference_curves, readable_up_to, ridge, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
 from calib.fitting.known import known_before
@@ -95,7 +89,7 @@ def fit(
     0.4 is what the simulation had [1].
     """
     read = {(log.name, log.digest): log for log in logs}
-    driven = weighed(vehicle, mass)
+    driven, used = weighed(vehicle, mass), mass_used(vehicle, mass)
     said, told = stated_pad_ratio(driven, bench), known_before(driven, tyre, fleet or {})
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
@@ -142,13 +136,7 @@ def fit(
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, runs, left, of, min((ratio.sigma / before.sigma) ** 2, 1.0)),
-        remarks=(
-            *remarks(driven, mass_used(vehicle, mass), runs, left, pads, known, coasts, bench),
-            *(
-                f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
-                for one, p in held
-            ),
-        ),
+        remarks=tuple(remarks(driven, used, runs, left, pads, known, coasts, bench, held)),
         provenance=_provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
         warnings=(
             *judged(vehicle.name, [Measured(one.code, p) for one, p in held]),

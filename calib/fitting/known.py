@@ -26,7 +26,7 @@ from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 
 _LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
-NONLINEAR = ("load_exponent", "peak_load_exponent", _LOGS[0], "log_pad_ratio", *_LOGS[1:])
+NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_LOGS[1:])
 NAMES = (*["form"] * len(FORMS), *NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
 """The coordinates in their order: forms, what else enters slips nonlinearly, and linearly."""
 

@@ -158,10 +158,12 @@ def remarks(
     known: Resistance,
     coasts: Sequence[Prepared],
     bench: RollerBench | None,
+    held: Sequence[tuple[Known, float]],
 ) -> Iterator[str]:
     """What the user must know of this table beside its numbers, in words.
 
-    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``.
+    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``; ``held`` what was
+    known before, with how likely it holds.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -200,6 +202,8 @@ def remarks(
             f"nominal, known to {100.0 * stated.sigma:.2g} %, one sigma; their level is "
             f"{apart:.2f} times that of the ramps, which counts"
         )
+    for one, p in held:
+        yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
 
 
 def warnings_of(

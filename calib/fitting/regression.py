@@ -118,11 +118,10 @@ class Regression:
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
         self.car, self.ramps = car, [_Ramp(car, run, most) for run in runs]
-        self.clock = self._of("clock")
         self.errors = {
             "noise": self._of("noise"),
             "tyres": np.asarray(np.linalg.cholesky(self._form())),
-            "zeros": np.hstack([self._of("zeros"), self.clock]),
+            "zeros": np.hstack([self._of("zeros"), self._of("clock")]),
             "accelerometer": self._of("accelerometer"),
         }
         covariance = sum(error @ error.T for error in self.errors.values())
@@ -187,7 +186,7 @@ class Regression:
         ``v_late`` a draw of the mean of the runs that have v, 0 without any; ``depart_eta`` and
         ``depart_slip`` means of the correlated error of the form.
         """
-        clock, near = self.white @ self.clock, _near(self.places, DEPART_AT)
+        clock, near = self.white @ self._of("clock"), _near(self.places, DEPART_AT)
         root = np.linalg.cholesky(np.eye(clock.shape[1]) - clock.T @ clock)
         late = left @ clock + rng.standard_normal((len(left), clock.shape[1])) @ root.T
         return {"v_late": _CLOCK * np.sum(late, axis=1) / max(clock.shape[1], 1)} | {

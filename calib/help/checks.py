@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from calib.base import random_effects, units
 from calib.base.errors import BrakeCalError
 from calib.car import forces
-from calib.estimation import law
+from calib.estimation import baselines
 from calib.estimation.limits import Limit
 from calib.estimation.validate import validate
 from calib.exports.export import export
@@ -54,7 +54,7 @@ def _constraint(material: Material) -> float:
 def _adapted(material: Material) -> float:
     u = np.full(500, -200.0)
     gamma, dt = 0.01 / (200.0**2 * 0.005), 0.005
-    return float(law.gradient(0.08 * u, u, gamma, dt)[-1])
+    return float(baselines.gradient(0.08 * u, u, gamma, dt)[-1])
 
 
 # Logs that the checks write: 200 equal samples, and what they are by the definitions of the units.

@@ -233,7 +233,8 @@ def _facts(
         for s in five
     ]  # fmt: skip
     blind, told = (
-        f"{100 * one.spread_f:.1f} % front, {100 * one.spread_r:.1f} % rear" for one in spreads
+        f"{100 * one.largest_departure_f:.1f} % front, {100 * one.largest_departure_r:.1f} % rear"
+        for one in spreads
     )
     by_method = ("method", "final front", "final rear", "torque error [N m]", "better by")
     by_stop = ("stop", "front pads", "rear pads", "sum, nominal pads", "sum, compensated")

@@ -15,6 +15,7 @@ from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, relative
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
+from calib.table.pad_levels import pad_levels
 from calib.table.table import Calibration, TyrePosterior, Value
 
 _POSSIBLE = (0.05, 1.0)
@@ -55,15 +56,13 @@ def require_possible_pads(
 
 def likely_entry(vehicle: Vehicle, found: Calibration) -> str:
     """What in the file may be wrong, in words."""
-    share = front_share(vehicle, 0.0)
+    share, (level, apart) = front_share(vehicle, 0.0), pad_levels(vehicle, found)
     a = math.log(found.pad_friction_f.value / vehicle.front.pad_friction)
-    b = math.log(found.pad_friction_r.value / vehicle.rear.pad_friction)
-    swap = 2.0 * math.log((1.0 - share) / share)
-    summed = math.log(share * math.exp(a) + (1.0 - share) * math.exp(b))
-    if math.hypot(summed, a - b - swap) < min(abs(a), abs(b)):
+    b = a - apart
+    if math.hypot(level, apart - 2.0 * math.log((1.0 - share) / share)) < min(abs(a), abs(b)):
         return "[front] and [rear] are exchanged"
-    axles = (a, "front", vehicle.front), (b, "rear", vehicle.rear)
-    factor, name, axle = max(axles, key=lambda one: abs(one[0]))
+    off = (a, "front", vehicle.front), (b, "rear", vehicle.rear)
+    factor, name, axle = max(off, key=lambda one: abs(one[0]))
     area = from_si(axle.piston_area, "cm^2", "m^2")
     return (
         f"{name}.piston_area: {area * math.exp(factor):.4g} cm^2 instead of {area:.4g} cm^2, or "

@@ -33,25 +33,20 @@ from calib.run.warnings import impossible_samples
 
 _COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
 
-_WANDERS = 0.5
-"""Chance of a slope that changes from which it is named [1]."""
+_WANDERS = 0.5  # chance of a slope that changes from which it is named [1]
 _MOTOR, _STATED = 0.67, 0.01
 """Odds of a motor from which it is named [1]: what is named too often costs a look, a motor that is
 not named stands in the pads. Least odds of one before the run: files that have none err, too."""
-_FORCE = 0.1
-"""Spread of a motor's force over the usual brake force [1]: 0.01 to 0.1 g beside 0.3 g."""
+_FORCE = 0.1  # spread of a motor's force over the usual brake force [1]: 0.01 to 0.1 g beside 0.3 g
 _USUAL, _FADING = 0.015, 0.02
 """Spread of a force without pressure, and of one that goes with the speed, where nothing but the
 pads brakes [1]: the pressure at which pads bite and the zero of p_mc within 0.5 bar, over 30 bar;
 slow noise in the half second below 3 m/s. Pads that grip more as they get slow are below zero."""
-_STIFFEST = 60.0
-"""Slip stiffness over load [1] that no tyre has."""
-_BRAKED = 0.05
-"""Nominal brake force of an axle over its load [1] from which the slip of its tyres is seen."""
-_OF_AXLES = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.5]])
-"""Of front and rear wheels, what v may be made of: one axle or both."""
-_TIME = 1.0
-"""Time of such braking, or of rolling, that is needed [s]."""
+_STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
+_BRAKED = 0.05  # nominal brake force of an axle over its load [1] from which its slip is seen
+_MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
+"""Weights of the front and rear wheels that v may be made of."""
+_TIME = 1.0  # time of such braking, or of rolling, that is needed [s]
 _SPAN, _SIGMA = 11, 5.0
 """Samples of the median from which a lost pulse stands out; the distance below it, in its usual
 scatter, or in 0.1 % of the speed, that noise does not have."""
@@ -73,12 +68,8 @@ def run_warnings(
     ``s`` its signals as read, known effects taken out; ``vehicle`` with the pads that are expected;
     ``sensor`` the accelerometer as judged over the run; ``response`` of its brakes to the pressure.
     """
-    measured = (
-        *of_channels(log, s),
-        *of_wheels(log, vehicle, s),
-        *of_accelerometer(sensor),
-        *(of_brakes(response, vehicle.motor_odds) if response else ()),
-    )
+    brakes = of_brakes(response, vehicle.motor_odds) if response else ()
+    measured = *of_channels(log, s), *of_wheels(log, vehicle, s), *of_accelerometer(sensor), *brakes
     return (*impossible_samples(log), *judged(log.name, measured))
 
 
@@ -102,34 +93,35 @@ def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:
     if radii is not None and s.v is not None:
         yield relative("rolling_radius_f", radii[0], vehicle.front.rolling_radius)
         yield relative("rolling_radius_r", radii[1], vehicle.rear.rolling_radius)
-        n = max(1, round(BLOCK / s.sample_time))
-        omega, v = block_mean(np.stack([s.omega_f, s.omega_r]), n), block_mean(s.v, n)
-        slip = 1.0 - omega * np.array(radii)[:, None] / np.maximum(v, MOVING)
-        loads = np.stack(axle_loads(vehicle, block_mean(s.z, n)))
-        force = block_mean(np.stack(brake_forces(vehicle, s.p_f, s.p_r)), n) / np.maximum(loads, 1)
-        driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
-        told = (v > MOVING) & ~driven & np.all(loads > 0.0, axis=0)  # else a glitch of a_x
-        yield from _slip_of_v(slip[:, told], force[:, told], n * s.sample_time)
+        yield from _slip_of_v(vehicle, s, s.v, radii)
     yield from _lost_pulses(log, s)
 
 
-def _slip_of_v(slip: Array, force: Array, step: float) -> Iterator[Measured]:
-    """Slip of an axle while it brakes, by v, over the least that any tyre has [1] (rms).
+def _slip_of_v(
+    vehicle: Vehicle, s: Signals, speed: Array, radii: tuple[float, float]
+) -> Iterator[Measured]:
+    """Slip of an axle while it brakes, by ``speed`` v, over the least that any tyre has [1] (rms).
 
-    ``slip`` and ``force`` over load [1] of front and rear axle, (2, k), each ``step`` [s]. Of v
-    from one axle that slip is zero, of v from all wheels the mean of both: the least of the three.
-    An axle that is not braked for long says nothing.
+    Of v from one axle that slip is zero, of v from all wheels the mean of both: the least of the
+    three. An axle that is not braked for long says nothing.
     """
+    n = max(1, round(BLOCK / s.sample_time))
+    omega, v = block_mean(np.stack([s.omega_f, s.omega_r]), n), block_mean(speed, n)
+    loads = np.stack(axle_loads(vehicle, block_mean(s.z, n)))
+    driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
+    told = (v > MOVING) & ~driven & np.all(loads > 0.0, axis=0)  # else a glitch of a_x
+    slip = (1.0 - omega * np.array(radii)[:, None] / np.maximum(v, MOVING))[:, told]
+    brakes = block_mean(np.stack(brake_forces(vehicle, s.p_f, s.p_r)), n)
+    force = (brakes / np.maximum(loads, 1.0))[:, told]
     found = []
-    axles = zip(("front", "rear", "four"), _OF_AXLES @ slip, _OF_AXLES @ force, strict=True)
-    for source, shown, carried in axles:
-        braked = carried > _BRAKED
-        if np.count_nonzero(braked) * step >= _TIME:
-            share = _STIFFEST * np.sqrt(np.mean(shown[braked] ** 2)) / np.mean(carried[braked])
-            found.append((float(share), f"the {source} wheels"))
+    for source, weights in _MADE_OF.items():
+        braked = weights @ force > _BRAKED
+        if np.count_nonzero(braked) * n * s.sample_time >= _TIME:
+            rms = np.sqrt(np.mean((weights @ slip)[braked] ** 2))
+            found.append((float(_STIFFEST * rms / np.mean((weights @ force)[braked])), source))
     if found:
         share, source = min(found)
-        yield Measured("v_of_wheels", share, words={"source": source})
+        yield Measured("v_of_wheels", share, words={"source": f"the {source} wheels"})
 
 
 def _lost_pulses(log: Log, s: Signals) -> Iterator[Measured]:
@@ -171,11 +163,11 @@ def of_bend(
 
 def of_accelerometer(sensor: Accelerometer) -> Iterator[Measured]:
     """Scale, slope, offset, drag and delay."""
-    scale, other = sensor.scale, sensor.other_scale
-    if other != 0.0:
+    if (other := sensor.other_scale) != 0.0:
         yield Measured("v_scale", other / (1.0 - other))
     else:
-        yield Measured("a_x_scale", scale / (1.0 - scale), math.sqrt(sensor.variance_scale))
+        scale = sensor.scale / (1.0 - sensor.scale)
+        yield Measured("a_x_scale", scale, math.sqrt(sensor.variance_scale))
     if sensor.wanders > _WANDERS:
         yield Measured("a_x_against_v", sensor.disagrees)
     yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
@@ -190,13 +182,12 @@ def of_brakes(response: BrakeResponse, odds: float) -> Iterator[Measured]:
     that goes with the speed where it hands over to the brakes before the car stands; each of them,
     and both, are as likely. A run that is not braked down to 3 m/s says nothing of the second.
     """
-    share, sigma = response.share, response.share_sigma
-    late, sigma_late = response.fading, response.fading_sigma
-    one = likelihood_ratio(share, math.hypot(sigma, _USUAL), _FORCE)
-    other = likelihood_ratio(late, math.hypot(sigma_late, _FADING), _FORCE)
+    share, late = response.share, response.fading
+    one = likelihood_ratio(share, math.hypot(response.share_sigma, _USUAL), _FORCE)
+    other = likelihood_ratio(late, math.hypot(response.fading_sigma, _FADING), _FORCE)
     if max(odds, _STATED) * (one + other + one * other) / 3.0 > _MOTOR:
         yield Measured("unexplained_braking_force", share if one > other else late)
-    yield Measured("braking_force_missing", share, sigma)
+    yield Measured("braking_force_missing", share, response.share_sigma)
     at, step, scatter = response.step
     yield Measured("force_step", step, scatter, words={"at": at})
     yield Measured("pressure_lag", response.delay, response.delay_sigma)

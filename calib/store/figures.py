@@ -8,7 +8,7 @@ import numpy as np
 from calib.base.random_effects import quantile95
 from calib.car.own_effects.own_effect import every_effect
 from calib.store.mean import stiffness
-from calib.table.budget import pad_levels
+from calib.table.pad_levels import pad_levels
 from calib.table.table import Scatter, Table, Value
 
 

@@ -29,7 +29,8 @@ from calib.fitting.curves import Ridge, as_cubic, differences, paper_of, ridge, 
 from calib.fitting.ensemble import Ensemble, ensemble_of
 from calib.fitting.pads import calibration_of
 from calib.model.settings import SETTINGS
-from calib.table.budget import PadLevels, level_of, pad_levels, pad_scale
+from calib.table.budget import level_of
+from calib.table.pad_levels import PadLevels, pad_levels, pad_scale
 from calib.table.table import (
     Array,
     DifferenceCurve,

@@ -7,14 +7,10 @@ areas and radii of the brakes, which are taken as the vehicle file has them.
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
-import numpy as np
-
-from calib.car.balance import brake_forces
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.table.table import Calibration, Table
+from calib.table.table import Calibration, Table, Value
 
 Parts = Mapping[str, float]
 """Variance of the logarithm of a pad friction [1] by the name of its cause."""
@@ -33,9 +29,6 @@ _ADVICE = {
     "brakes of one axle only to the fit, wheel pressures logged: that tells front from rear pads",
     "cars": "fit a table of this car, or merge more cars",
     "ramp": "fit the table again: this one does not say what its pads rest on",
-    "motor": "state motor_odds = 0 in the vehicle file of a car without a motor, log T_drive_f and "
-    "T_drive_r, or brake hard and down to a standstill, which shows a motor",
-    "delay": "hold the pressure, and record all channels on one clock",
     "noise": "brake longer, with finer wheel speeds",
 }
 """What shrinks each part: an entry in the vehicle file, or a drive."""
@@ -78,12 +71,6 @@ class AxleBudget:
         return "one sigma of " + ", ".join(f"{part} {percent:.1f} %" for part, percent in named)
 
 
-def axle_budget(pad_friction: float, *weighed: tuple[float, Parts]) -> AxleBudget:
-    """Budget of a pad friction from several groups of parts, each with a factor on its variance."""
-    total = {part: sum(factor * of.get(part, 0.0) for factor, of in weighed) for part in PARTS}
-    return AxleBudget(pad_friction, {part: x for part, x in total.items() if x > 0.0})
-
-
 def advice_lines(axles: Iterable[AxleBudget]) -> list[str]:
     """One line for each part that is the largest of an axle, with what would shrink it."""
     largest = dict.fromkeys(axle.largest for axle in axles)
@@ -121,10 +108,12 @@ def axle_budgets(
     The ratio of the pads moves each axle by the other one's share of the brake force.
     """
     share = front_share(vehicle, cal.pad_log_ratio.value)
-    return (
-        axle_budget(cal.pad_friction_f.value, (1.0, level), ((1.0 - share) ** 2, ratio)),
-        axle_budget(cal.pad_friction_r.value, (1.0, level), (share**2, ratio)),
-    )
+
+    def budget(pads: Value, lever: float) -> AxleBudget:
+        parts = {p: level.get(p, 0.0) + lever**2 * ratio.get(p, 0.0) for p in PARTS}
+        return AxleBudget(pads.value, {part: x for part, x in parts.items() if x > 0.0})
+
+    return budget(cal.pad_friction_f, 1.0 - share), budget(cal.pad_friction_r, share)
 
 
 def level_of(table: Table) -> Parts:
@@ -136,34 +125,3 @@ def level_of(table: Table) -> Parts:
     total = max((cal.pad_scale.sigma / cal.pad_scale.value) ** 2 - of_ratio**2, 0.0)
     mass = min(table.vehicle.mass_tolerance**2, total)
     return {"mass": mass, "ramp": total - mass}
-
-
-class PadLevels(NamedTuple):
-    """Logarithms [1], against the pads of the vehicle file.
-
-    ``level`` of the brake force of both axles per pressure, which the sum of forces fixes;
-    ``ratio`` of the pads, front over rear.
-    """
-
-    level: float
-    ratio: float
-
-
-def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:
-    """Level and ratio of the pads of a calibration."""
-    front = pads.pad_friction_f.value / vehicle.front.pad_friction
-    rear = pads.pad_friction_r.value / vehicle.rear.pad_friction
-    ratio = math.log(front / rear)
-    return PadLevels(math.log(math.sqrt(front * rear)) + _gain(vehicle, ratio), ratio)
-
-
-def pad_scale(vehicle: Vehicle, levels: PadLevels) -> float:
-    """Common factor on the pads of the vehicle file [1]; with the ratio it gives both axles."""
-    return math.exp(levels.level - _gain(vehicle, levels.ratio))
-
-
-def _gain(vehicle: Vehicle, ratio: float) -> float:
-    """ln of the brake force per pressure at a pad ratio over that at the ratio of the file."""
-    one = np.ones(())
-    with_ratio, nominal = (sum(brake_forces(vehicle, one, one, r)) for r in (ratio, 0.0))
-    return math.log(float(with_ratio) / float(nominal))

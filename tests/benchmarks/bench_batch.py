@@ -24,7 +24,7 @@ from calib.base.names import G  # noqa: E402
 from calib.car.model import default_model  # noqa: E402
 from calib.car.vehicle import Vehicle  # noqa: E402
 from calib.car.vehicle_file import read_vehicle  # noqa: E402
-from calib.estimation import estimator, law  # noqa: E402
+from calib.estimation import baselines, estimator  # noqa: E402
 from calib.estimation.limits import DEFAULTS  # noqa: E402
 from calib.fitting.fit import fit  # noqa: E402
 from calib.line.fleet.batch import run_batch  # noqa: E402
@@ -68,7 +68,7 @@ def plain_law(table: Table, path: Path) -> list[float]:
     frame = pd.read_csv(path)
     frame.columns = [name.split(" ")[0] for name in frame.columns]
     car, curve, axle = table.vehicle, table.difference, table.vehicle.front
-    gamma, dt = law.gain(axle), 0.005
+    gamma, dt = baselines.gain(axle), 0.005
     eta_zero, seen, zeta, out = 0.0, 0, 0.0, []
     for _, row in frame.iterrows():
         p, a_x, fl, fr, rl, rr = (row[c] for c in COLUMNS)

@@ -72,9 +72,9 @@ def test_the_largest_departure_is_within_a_road():
         *stops(0.03, pads=(0.40, 0.40)), *stops(-0.25, pads=(0.20, 0.30)),
         *stops(0.031, pads=(0.42, 0.40)), *stops(-0.24, pads=(0.20, 0.36)),
     ])  # fmt: skip
-    assert together.spread_f == pytest.approx(0.01 / 0.41)
-    assert together.spread_r == pytest.approx(0.03 / 0.33)
-    assert together.mean_f == pytest.approx(1.22 / 4)
+    assert together.largest_departure_f == pytest.approx(0.01 / 0.41)
+    assert together.largest_departure_r == pytest.approx(0.03 / 0.33)
+    assert together.pad_friction_f == pytest.approx(1.22 / 4)
     assert together.differ == (0.03 / 0.33 > 0.2)
     assert agreement(stops(0.03, -0.25)) is None
 
@@ -85,7 +85,7 @@ def test_a_wet_stop_is_not_held_against_a_dry_one():
     (wet,) = stops(0.005, pads=(0.19, 0.18), level=0.5)
     assert groups([dry, wet]) is None
     found = agreement([dry, wet, again])
-    assert (found.spread_f, found.spread_r) == (0.0, 0.0)
+    assert (found.largest_departure_f, found.largest_departure_r) == (0.0, 0.0)
     # pads of one axle that stick, at a level that hardly tells
     (unlike,) = stops(0.005, pads=(0.38, 0.20), level=0.91)
-    assert agreement([dry, unlike]).spread_r == pytest.approx(0.08 / 0.28)
+    assert agreement([dry, unlike]).largest_departure_r == pytest.approx(0.08 / 0.28)

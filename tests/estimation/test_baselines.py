@@ -8,8 +8,7 @@ import pytest
 
 from calib.base.errors import InputError
 from calib.car.effects.effects import Effects
-from calib.estimation import law
-from calib.estimation.baselines import METHODS, as_written, other_methods, temperature
+from calib.estimation.baselines import METHODS, as_written, gain, other_methods, temperature
 from calib.estimation.estimator import estimate
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.validate import validate, validate_one
@@ -104,13 +103,13 @@ def test_constant_braking_gives_the_exponential(braking):
     """mu = mu_n (1 - 0.001 (T - 150)) above 150 degC; T by the closed form of the disc."""
     descent = rolling(braking, 30e5, 60.0)
     t = descent.time - descent.time[0]
-    for found, gain, capacity in zip(
+    for found, torque_gain, capacity in zip(
         temperature(run_of(descent)),
         (2.0 * 28.84e-4 * 0.1309, 2.0 * 11.34e-4 * 0.1240),
         (3700.0, 2300.0),
         strict=True,
     ):
-        end = 20.0 + 0.38 * gain * 30e5 * 60.0 * 300.0 / capacity
+        end = 20.0 + 0.38 * torque_gain * 30e5 * 60.0 * 300.0 / capacity
         T = end + (100.0 - end) * np.exp(-t / 300.0)
         assert T[-1] > 150.0
         assert found == pytest.approx(0.38 * (1.0 - 0.001 * np.maximum(T - 150.0, 0.0)), rel=1e-9)
@@ -187,7 +186,7 @@ def test_error_falls_by_the_same_gamma_u2_dt_on_both_axles(braking):
     """theta - zeta shrinks by 1 - gamma u^2 dt a sample, however the wheels shake."""
     s = turning(-10.0 + 30.0 * np.random.default_rng(1).normal(size=N))
     found = as_written(run_of(braking, s=s, eta=np.full(N, ETA), car=VEHICLE))
-    gamma = law.gain(VEHICLE.front)
+    gamma = gain(VEHICLE.front)
     for pad, axle, mu, p in zip(
         found, (VEHICLE.front, VEHICLE.rear), TRUE, (s.p_f, s.p_r), strict=True
     ):
@@ -200,6 +199,15 @@ def test_error_falls_by_the_same_gamma_u2_dt_on_both_axles(braking):
     front, rear = (abs(pad[200] - mu) / abs(0.38 - mu) for pad, mu in zip(found, TRUE, strict=True))
     assert front < 0.01  # after 1 s
     assert rear > 0.05  # one gamma for both axles makes the rear slow
+
+
+def test_it_is_frozen_where_no_pads_bite(braking):
+    e = run_of(braking, eta=np.full_like(braking.time, ETA))
+    acts = e.forces.active[1:]
+    for pad in METHODS["gradient_paper"](e):
+        assert pad[0] == 0.38
+        assert not np.any(np.diff(pad)[~acts])
+        assert np.mean(np.diff(pad)[acts] != 0.0) > 0.9
 
 
 @pytest.mark.parametrize("name", ["gradient_as_written", "gradient_paper", "gradient_map"])

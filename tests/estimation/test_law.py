@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from calib.base.errors import InputError
 from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
-from calib.estimation import law
+from calib.estimation import baselines as law
 from tests.support.tables import B_SHIFT, B_Z, VEHICLE, A, C, K, made_table, mapped_table
 
 DT = 0.005
@@ -33,23 +31,6 @@ def plain_loop(y, u, gamma, dt):
 
 
 # (23), (24) --------------------------------------------------------------------------------------
-
-
-@given(st.floats(0.1, 0.7), st.floats(5e5, 1e7), st.floats(-500.0, 500.0))
-def test_a_wheel_that_turns_by_13_gives_its_pads(pad, bar, moment):
-    """2 mu C P/R of the brakes of both wheels; what else slows them is not the brakes'."""
-    p, one = np.full(4000, bar), np.ones(4000)
-    tyres = (2.0 * pad * GAIN * bar + moment) / 0.322
-    rate = 0.5 / (GAIN * bar) ** 2 / DT
-    found = law.adapted(AXLE, p, (tyres - moment / 0.322) * one, rate, DT)
-    assert found[-1] == pytest.approx(pad, abs=1e-9)
-
-
-def test_it_is_frozen_where_it_may_not_act():
-    p, acts = np.full(400, 20e5), np.arange(400) < 200
-    found = law.adapted(AXLE, p, np.full(400, 4e3), law.gain(AXLE), DT, acts)
-    assert found[0] != found[199]
-    assert set(found[199:]) == {found[199]}
 
 
 def test_gain_adapts_both_axles_at_the_same_rate():

@@ -120,12 +120,12 @@ def test_a_wider_range_never_judges_harder(value, fail, warn, required):
 @pytest.mark.parametrize(
     ("spec", "says"),
     [
-        ("{ fail = [0, 1], min = 0 }", "has both fail and min"),
+        ("{ fail = [0, 1], min = 0 }", "has both fail and min or max"),
         ("{ fail = 3 }", "expected [LOW, HIGH]"),
         ("{ fail = [0, nan] }", "expected [LOW, HIGH]"),
         ("{ fail = [2, 1] }", "2 to 1 is no range"),
         ("{ warn = [inf, inf] }", "is no range"),
-        ("{ fail = [0, 1], warn = [0, 2] }", "warn 2 lies beyond fail 1"),
+        ("{ fail = [0, 1], warn = [0, 2] }", "warn 2 lies beyond fail 0 to 1"),
         ("{ required = true }", "valid_share: no limit in it; expected { min = NUMBER }"),
         ("{ min = 0, required = 1 }", "expected true or false"),
     ],

@@ -29,8 +29,10 @@ def before_eta():
 def constants(**changed):
     return Constants(
         **{
-            "ratio": Reader(made_map(), (*PADS, *SLIP)),
-            "level": Reader(before_eta(), (*LEVEL, *PADS)),
+            "pads": Reader(made_map(), PADS),
+            "slip": Reader(made_map(), SLIP),
+            "level": Reader(before_eta(), LEVEL),
+            "before": Reader(before_eta(), PADS),
             "noise_omega": 1e-3,
             "noise_z": 1e-4,
             "noise_v": 1e-3,
@@ -67,7 +69,7 @@ def stop(level=0.8, *, lag=1e-3, zero=0.012, wheels=0.998, rolling=1.5, apart=0.
         rim = v * (1.0 - slip) / (1.0 + 0.4 * (eta / turned - 1.0))
         out.append(
             Sample(z + zero, nominal, 4e7 / 4.0 * nominal, z + zero, eta, rim, 0.4,
-                   v if with_v else math.nan, 0.0)
+                   v if with_v else math.nan, 0.0, 0.0)
         )  # fmt: skip
     return out
 
@@ -91,6 +93,7 @@ def test_a_map_is_read_between_its_cells():
 
 def test_a_map_is_held_at_its_ends():
     beyond, end = Reader(made_map(), PADS)(*np.array([[9.0, 0.8], [9.0, 0.02], [-9.0, -1.0]])).T
+    assert beyond.shape == (2, 3)
     assert np.array_equal(beyond, end)
 
 
@@ -110,7 +113,7 @@ def test_all_blocks_at_once_are_each_by_itself():
     """To the last bit: one code for an ECU and for a log."""
     blocks = [*stop(0.5), *stop(1.0, rolling=2.0, apart=0.5)]
     one_by_one, _ = run(blocks)
-    for name, together in run_all(constants(), blocks)._asdict().items():
+    for name, together in run_all(constants(), Sample(*np.array(blocks).T))._asdict().items():
         apart = np.stack([getattr(one, name) for one in one_by_one], axis=-1)
         assert np.array_equal(together, apart, equal_nan=True), name
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from calib.base.errors import ExchangeError
-from calib.estimation.law import by_curves
+from calib.estimation.baselines import by_curves
 from calib.exports.dataset import LONGEST, LONGEST_PREFIX, build, label, prefix
 from calib.exports.write import printable
 from calib.store.evidence import Quality
@@ -32,7 +32,7 @@ def test_any_name_gives_identifiers(name, part):
 
 
 def test_ends_are_clamped_as_the_look_up_does(stored):
-    """What every file says of the ends is what `calib.estimation.law` does."""
+    """What every file says of the ends is what `by_curves` does."""
     z, eta = np.full(2, 0.1), np.array([0.9, 1.1])
     curves = {c.label: c.values for c in build(stored).curves}
     F_f, F_r = by_curves(stored.table, eta, z)

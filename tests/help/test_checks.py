@@ -11,7 +11,7 @@ from calib.base import random_effects
 from calib.base.units import QUANTITIES, Unit
 from calib.car import forces
 from calib.car.vehicle import Axle
-from calib.estimation import law, validate
+from calib.estimation import baselines, validate
 from calib.exports.write import FORMATS
 from calib.help import checks, qualify
 from calib.help.checks import SUITE
@@ -61,8 +61,8 @@ def wrong_loads(monkeypatch):
 
 
 def wrong_law(monkeypatch):
-    right = law.gradient
-    monkeypatch.setattr(law, "gradient", lambda y, u, g, dt: right(y, u, g, 1.001 * dt))
+    right = baselines.gradient
+    monkeypatch.setattr(baselines, "gradient", lambda y, u, g, dt: right(y, u, g, 1.001 * dt))
 
 
 def wrong_spread(monkeypatch):
@@ -79,14 +79,14 @@ def reader_that_takes_everything(monkeypatch):
 
 
 def wrong_pads(monkeypatch):
-    wrong_estimate(monkeypatch, "pads_f", lambda x: replace(x, value=1.1 * x.value))
+    wrong_estimate(monkeypatch, "pads_f", lambda x: x._replace(value=1.1 * x.value))
 
 
 def narrow_interval(monkeypatch):
     wrong_estimate(
         monkeypatch,
         "pads_f",
-        lambda x: replace(x, lower=x.value * 0.9999, upper=x.value * 1.0001),
+        lambda x: x._replace(lower=x.value * 0.9999, upper=x.value * 1.0001),
     )
 
 

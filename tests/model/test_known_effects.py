@@ -208,6 +208,6 @@ def test_pads_need_not_swallow_a_valve_that_is_known(hidden):
         assert error < max(result.figures[name] for result in seen)
     together = agreement(seen)
     assert together is not None
-    assert together.spread_f < 0.01
+    assert together.largest_departure_f < 0.01
     assert table.vehicle.effects == told.effects
     assert any("rear_proportioning" in remark for remark in table.remarks)

@@ -15,8 +15,9 @@ from calib.model.parameters import RampParameters, tyres_of
 from calib.store.merge import merge
 from calib.store.state import OUTSIDE, VersionState
 from calib.store.store import Store
-from calib.table.budget import pad_levels, pads_budget
+from calib.table.budget import pads_budget
 from calib.table.invariants import violations
+from calib.table.pad_levels import pad_levels
 from calib.table.table import SetByHand
 from tests.support.cars_of_a_line import car_table, cars, version
 from tests.support.reference_car import WET, noisy, stop

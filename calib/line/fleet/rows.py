@@ -1,6 +1,5 @@
 """Rows and columns of `results.parquet`: what a batch says of each log."""
 
-import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -65,11 +64,6 @@ class Row:
         pads = [metrics.get(f"pad_friction_{axle}") for axle in "fr"]
         told = "" if None in pads else f", pads {pads[0]:.3f} / {pads[1]:.3f}"
         return f"{self.log}: {self.status}{broken}{told}"
-
-
-def finite(value: float | None) -> float | None:
-    """A float, or None if ``value`` is None or not finite."""
-    return None if value is None or not math.isfinite(value) else float(value)
 
 
 def _text(name: str, meaning: str) -> Column:

@@ -9,12 +9,13 @@ from functools import lru_cache
 from pathlib import Path
 
 from calib.base.errors import BatchError, BrakeCalError
+from calib.base.plain import finite
 from calib.base.printable import printable
 from calib.base.program import PROGRAM, VERSION
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, Limit
-from calib.line.fleet.rows import FIT, Cell, Command, Row, Status, finite
+from calib.line.fleet.rows import FIT, Cell, Command, Row, Status
 from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.formats import ending_of
 from calib.logs.log import Log

@@ -9,7 +9,6 @@ is valid by the schema junit-10 of Jenkins' xUnit plugin.
 """
 
 import json
-import math
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -18,7 +17,7 @@ from xml.etree import ElementTree
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import BrakeCalError
-from calib.base.plain import NBSP, plain
+from calib.base.plain import NBSP, finite, plain
 from calib.base.printable import printable
 from calib.base.program import PROGRAM
 from calib.base.publish import publish, workshop
@@ -98,7 +97,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "counts": found.counts(),
         "warnings": [warning_dict(warning) for warning in found.warnings],
         "checks": [_check(check) for check in found.checks],
-        "figures": {name: _finite(value) for name, value in found.figures.items()},
+        "figures": {name: finite(value) for name, value in found.figures.items()},
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in found.logs],
         "validation": validation_dict(stored, list(found.results)),
         "remarks": list(found.table.remarks),
@@ -119,16 +118,12 @@ def _check(check: StationCheck) -> dict[str, Any]:
         "scope": check.scope,
         "figure": check.figure,
         "meaning": plain(check.figure).meaning,
-        "value": _finite(j.value),
+        "value": finite(j.value),
         "fail": [j.low, j.high],
         "warn": [j.warn_low, j.warn_high],
         "verdict": check.verdict,
         "action": check.action if bad else None,
     }
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
 
 
 def junit_xml(found: StationOutcome, stored: Stored) -> bytes:

@@ -30,8 +30,8 @@ from calib.store.mean import (
 )
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import pad_levels
 from calib.table.generation import require_maps
+from calib.table.pad_levels import pad_levels
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5

@@ -55,8 +55,8 @@ def metrics_of(
         sides = [side_difference(table, log, axle) for log in ramps]
         out[f"side_difference_{axle}"] = _largest(sides)
     together = agreement(results)
-    out["repeatability_f"] = together.spread_f if together else None
-    out["repeatability_r"] = together.spread_r if together else None
+    out["repeatability_f"] = together.largest_departure_f if together else None
+    out["repeatability_r"] = together.largest_departure_r if together else None
     if golden:
         out |= golden_metrics(table, golden)
     return {name: out.get(name) for name in METRICS}

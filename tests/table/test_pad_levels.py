@@ -1,0 +1,38 @@
+"""Level and ratio of pads against the brake force of both axles (2)."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.table.pad_levels import pad_levels, pad_scale
+from tests.support.cars_of_a_line import car_table
+from tests.support.tables import VEHICLE
+
+
+def force(vehicle, mu_f, mu_r):
+    """Brake force of both axles over pressure, (2) with both wheels."""
+    axles = zip((vehicle.front, vehicle.rear), (mu_f, mu_r), strict=True)
+    return sum(
+        2 * 2 * a.piston_area * a.effective_radius * mu / a.rolling_radius for a, mu in axles
+    )
+
+
+@given(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+def test_the_level_is_the_brake_force_of_both_axles_and_the_way_back_is_exact(level, ratio):
+    pads = car_table(1, level=level, ratio=ratio).calibration
+    found = pad_levels(VEHICLE, pads)
+    nominal = force(VEHICLE, VEHICLE.front.pad_friction, VEHICLE.rear.pad_friction)
+    told = force(VEHICLE, pads.pad_friction_f.value, pads.pad_friction_r.value)
+    assert found.level == pytest.approx(math.log(told / nominal), abs=1e-12)
+    assert found.ratio == pytest.approx(ratio, abs=1e-12)
+    assert math.log(pad_scale(VEHICLE, found)) == pytest.approx(level, abs=1e-12)
+
+
+def test_level_and_ratio_are_those_of_the_vehicle_file():
+    front = replace(VEHICLE.front, pad_friction=2.0 * VEHICLE.front.pad_friction)
+    rear = replace(VEHICLE.rear, pad_friction=2.0 * VEHICLE.rear.pad_friction)
+    found = pad_levels(replace(VEHICLE, front=front, rear=rear), car_table(1).calibration)
+    assert (found.level, found.ratio) == (pytest.approx(-math.log(2.0)), pytest.approx(0.0))
