@@ -99,4 +99,5 @@ def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
         peak=s.peak,
         softer=np.exp(-s.stiff)[..., None],
     )
-    return Shown(*(x[..., 0] for x in of_one))
+    shift, slip, forces, slips = (x[..., 0] for x in of_one[:-1])
+    return Shown(shift, slip, forces, slips, of_one.rolls[:, 0])
