@@ -12,7 +12,6 @@ stays in: nobody knows which part is the usual one.
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from calib.base.arrays import Array, Mask
 from calib.base.intervals import QUARTILE
@@ -40,6 +39,8 @@ def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
 
 def _off(terms: list[Array], y: Array, least: float) -> Mask:
     """Where ``y`` (n,) is far off its smooth course: by ``least``, and by its usual scatter."""
+    from scipy.optimize import least_squares
+
     A = np.column_stack(terms)
     start = np.linalg.lstsq(A, y, rcond=None)[0]
     smooth = least_squares(lambda x: A @ x - y, start, loss="cauchy", f_scale=least / 3.0)

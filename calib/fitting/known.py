@@ -13,9 +13,9 @@ et al., Bayesian Data Analysis, ch. 5).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
-from scipy.special import gammaincinv, ndtr, ndtri
 
 from calib.base.arrays import Array, Index
 from calib.car.tyre_file import TyreFile
@@ -45,11 +45,6 @@ CENTRE, WIDTH = np.array([PRIORS[name] for name in NONLINEAR]).T
 RATIO = NONLINEAR.index("log_pad_ratio")
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
-_R, _X = np.linspace(-9.0, 9.0, 2001), np.linspace(-7.0, 7.0, 2001)
-_BELOW = (1.0 - _OTHER) * ndtr(_R) + _OTHER * ndtr(_R / _APART)
-# standard normal numbers beside those with the same quantiles: the ratio's, ln of the Gamma's
-_TAILS = ndtri(np.clip(_BELOW, 1e-15, 1.0 - 1e-15)), _R
-_AMOUNTS = _X, np.log(gammaincinv(_SPARSE, ndtr(_X)))
 _CARS_APART = np.array([float(ROWS[name]["model"]) for name in NAMES])
 _OF_FILE = np.array([float(ROWS[n]["tyre_file"] or PRIORS[n][1]) / PRIORS[n][1] for n in NAMES])
 _TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing
@@ -88,6 +83,8 @@ def drawn(x: Array, known: Sequence[Known]) -> tuple[Ensemble, Array, Array]:
 
 def part_of(x: Array, known: Sequence[Known]) -> Index:
     """What each draw (n,) rests on: 0 the field, then what is known in its order."""
+    from scipy.special import ndtr
+
     above = (2.0 * ndtr(x[:, -1]) - 1.0) * len(known)
     return np.asarray(np.ceil(np.clip(above, 0.0, len(known))), dtype=np.int64)
 
@@ -100,10 +97,29 @@ def log_more(stated: Value, log_ratio: Array) -> Array:
     return np.asarray(-0.5 * ((log_ratio - stated.value) / stated.sigma) ** 2 - np.log(field))
 
 
+@cache
+def _tails() -> tuple[Array, Array]:
+    """Standard normal numbers, and those of the pads' ratio with the same quantiles."""
+    from scipy.special import ndtr, ndtri
+
+    r = np.linspace(-9.0, 9.0, 2001)
+    below = (1.0 - _OTHER) * ndtr(r) + _OTHER * ndtr(r / _APART)
+    return ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)), r
+
+
+@cache
+def _amounts() -> tuple[Array, Array]:
+    """Standard normal numbers, and ln of the Gamma distributed ones with the same quantiles."""
+    from scipy.special import gammaincinv, ndtr
+
+    x = np.linspace(-7.0, 7.0, 2001)
+    return x, np.log(gammaincinv(_SPARSE, ndtr(x)))
+
+
 def _cars(y: Array) -> Ensemble:
     """Cars of coordinates (n, OWN), of unit compliances."""
     columns = y[:, len(FORMS) :].copy()
-    columns[:, RATIO] = np.interp(columns[:, RATIO], *_TAILS)
+    columns[:, RATIO] = np.interp(columns[:, RATIO], *_tails())
     values = dict(zip(NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
     values |= {name: np.exp(values[name]) for name in _LOGS}
     values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
@@ -116,7 +132,7 @@ def coordinates(e: Ensemble) -> Array:
     rng = np.random.default_rng(44)
     # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
     amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
-    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_AMOUNTS[::-1])
+    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
     values = vars(e) | {name: np.log(getattr(e, name)) for name in _LOGS}
     nonlinear = (np.stack([values[name] for name in NONLINEAR], axis=1) - CENTRE) / WIDTH
     return np.hstack([forms, nonlinear, np.linalg.solve(TO_LINEAR, (e.linear - LINEAR).T).T])
@@ -124,7 +140,7 @@ def coordinates(e: Ensemble) -> Array:
 
 def weights_of(x: Array) -> Array:
     """Weights of the forms (n, 5) by their standard normal coordinates (n, 5)."""
-    amount = np.exp(np.interp(x, *_AMOUNTS))
+    amount = np.exp(np.interp(x, *_amounts()))
     return np.asarray(amount / amount.sum(axis=1, keepdims=True))
 
 
@@ -161,6 +177,8 @@ def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:
 
 def _form(use: Array, slip: Array) -> tuple[Array, Array]:
     """Mean (5,) and covariance (5, 5) of the coordinates of forms that are like a curve (k,)."""
+    from scipy.special import ndtri
+
     x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
     off = np.mean((weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
     weight = np.exp(-0.5 * (off - off.min()) / _OF_FILE[0] ** 2)

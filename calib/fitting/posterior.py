@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import ndtri
 
 from calib.base.arrays import Array
 from calib.car.tyre_forms import FORMS
@@ -84,6 +83,8 @@ def posterior(
     `UNSAID` where nobody states it. What else is ``known`` shares half of the prior. Raises
     ValueError where no draw of the prior explains the ramps at all, or nothing is left of a ramp.
     """
+    from scipy.special import ndtri
+
     regression, rng = Regression(car, runs), np.random.default_rng(40)
     said = ratio != UNSAID
 

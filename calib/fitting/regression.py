@@ -11,7 +11,6 @@ a range of forces.
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import G
@@ -128,6 +127,8 @@ class Regression:
         self.white = np.linalg.inv(np.linalg.cholesky(np.asarray(covariance)))
 
     def _of(self, cause: str) -> Array:
+        from scipy.linalg import block_diag
+
         each = [(of, np.zeros((r.z.size - 1, 0))) for r in self.ramps for of in r.errors]
         return np.asarray(block_diag(*(of.get(cause, none) for of, none in each)))
 
