@@ -112,6 +112,11 @@ class Estimate:
         return dict.fromkeys(self.unfit, bites) | shown
 
     @cached_property
+    def driven(self) -> Pair:
+        """Slips (k,) of the axles at the blocks by known effects, see `known_slips`."""
+        return known_slips(self.table, self.road)
+
+    @cached_property
     def eta_zero(self) -> float:
         """eta - 1 (22) on the lead-in [1], less what known effects do to it: the radii of the day.
 
@@ -120,7 +125,7 @@ class Estimate:
         b = self.blocks
         if not b.lead_in.any():
             return self.car.front.rolling_radius / self.car.rear.rolling_radius - 1.0
-        eta = b.eta / speed_ratio(*known_slips(self.table, self.road))
+        eta = b.eta / speed_ratio(*self.driven)
         density = math.sqrt(2.0) * self.noise.omega / np.maximum(b.omega_f, 1.0)
         # radii walk: the last seconds count most
         weights = aged(b.end, b.lead_in, density)[b.lead_in] ** -2.0
@@ -137,10 +142,9 @@ class Estimate:
         s, radii = self.read, rolling_radii(self.read)
         if s.v is None or radii is None:
             return None
-        driven = known_slips(self.table, self.road)
         free_f, free_r = (
             radius * (1.0 - float(np.mean(slip[self.blocks.lead_in])))
-            for radius, slip in zip(radii, driven, strict=True)
+            for radius, slip in zip(radii, self.driven, strict=True)
         )
         v = np.maximum(s.v, 0.5)
         return 1.0 - free_f * s.omega_f / v, 1.0 - free_r * s.omega_r / v

@@ -18,7 +18,6 @@ from calib.base.warning import PlausibilityWarning, warning
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
-from calib.estimation.known import known_slips
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
@@ -95,8 +94,7 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     """
     b = e.blocks
     demanded = e.road.demanded / e.car.weight
-    known = speed_ratio(*known_slips(e.table, e.road))
-    shift = b.eta / known / (1.0 + e.eta_zero) - 1.0
+    shift = b.eta / speed_ratio(*e.driven) / (1.0 + e.eta_zero) - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls

@@ -161,9 +161,10 @@ def _keep(
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
     for row, a, first in zip(rows, level.tolist(), new.tolist(), strict=True):
         variance = c.ageing**2 * s.age + (c.unlike * math.log(a / s.level_then)) ** 2
-        more, (middle, _, low, _, high, *_) = Z95 * math.sqrt(variance), s.kept
+        more = Z95 * math.sqrt(variance)
+        (middle, _, low, _, high, *_), (_, _, low_now, _, high_now, *_) = s.kept, row
         known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-        if first or row[4] - row[2] <= known:
+        if first or high_now - low_now <= known:
             s.kept, s.age, s.level_then, variance = row, 0.0, a, 0.0
         s.age += c.block
         kept.append(s.kept)

@@ -10,6 +10,7 @@ from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
 from calib.logs.log import Log
+from calib.model.resistance import Resistance
 from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import of_changes
 from calib.plausibility.run import run_warnings
@@ -19,17 +20,18 @@ from calib.table.budget import level_of
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
     """Warnings on one log, from what its whole run says."""
-    sensor = judge_accelerometer(e.car, known_resistance(e.table), e.blocks, e.noise)
+    known = known_resistance(e.table)
+    sensor = judge_accelerometer(e.car, known, e.blocks, e.noise)
     of_run = run_warnings(log, e.read, e.car, sensor, brake_response(e.read, e.forces))
     if not e.valid.any():
         return of_run
     i = int(np.flatnonzero(e.valid)[-1])
     middle, low, high = e.best.step.change[:, i].tolist()
     apart = middle, (high - low) / (2.0 * Z95)
-    return (*of_run, *judged(log.name, of_changes(_together(e, i), apart)))
+    return (*of_run, *judged(log.name, of_changes(_together(e, known, i), apart)))
 
 
-def _together(e: Estimate, i: int) -> tuple[float, float]:
+def _together(e: Estimate, known: Resistance, i: int) -> tuple[float, float]:
     """ln of the brake force over that of the ramp's pads, at a sample; its sigma.
 
     The mass is not counted in the sigma, since another load is what it would tell.
@@ -37,7 +39,7 @@ def _together(e: Estimate, i: int) -> tuple[float, float]:
     best = e.best
     share = front_share(e.table.vehicle, e.table.calibration.pad_log_ratio.value)
     level = share * best.change_f.value[i] + (1.0 - share) * best.change_r.value[i]
-    resistance = float(known_resistance(e.table).sigma_z(e.car, e.read.speed[i : i + 1])[0])
+    resistance = float(known.sigma_z(e.car, e.read.speed[i : i + 1])[0])
     variance = float(best.step.noise[i] + best.step.accelerometer[i])
     variance += (resistance / max(float(e.read.z[i]), 0.02)) ** 2
     variance += sum(x for part, x in level_of(e.table).items() if part != "mass")
