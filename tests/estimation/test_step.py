@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from calib.base.names import G
-from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, Reader
+from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample, measured, started
 from calib.estimation.step import run as run_all
 from calib.estimation.step import step
-from calib.table.maps import LevelMap
+from calib.table.maps import LevelMap, Reader
 from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map
 
 DT = 0.05
@@ -33,10 +33,10 @@ def constants(**changed):
             "slip": Reader(made_map(), SLIP),
             "level": Reader(before_eta(), LEVEL),
             "before": Reader(before_eta(), PADS),
-            "noise_omega": 1e-3,
+            "noise_rim": 3e-4,
             "noise_z": 1e-4,
             "noise_v": 1e-3,
-            "radius": 0.322,
+            "radii": 1.0,
             "late": 0.0,
             "late_sigma": 1e-3,
             "ramp_ratio": 0.0,
@@ -237,7 +237,7 @@ def test_an_eta_that_no_stop_shows_is_not_read():
 
 def test_in_the_limit_of_no_noise_the_forces_are_exact():
     quiet = constants(
-        noise_omega=1e-9, noise_z=1e-9, noise_v=1e-9, late_sigma=0.0, scale=0.0, scale_sigma=1e-9
+        noise_rim=1e-9, noise_z=1e-9, noise_v=1e-9, late_sigma=0.0, scale=0.0, scale_sigma=1e-9
     )
     answers, _ = run(stop(lag=quiet.lag), quiet)
     assert answers[-1].level[0] == pytest.approx(math.log(0.8), abs=2e-4)
