@@ -209,6 +209,14 @@ def test_without_a_lead_in_all_is_finite_and_wide():
     assert short[-1].level[0] == pytest.approx(math.log(0.8), abs=0.1)
 
 
+def test_unlike_wheels_of_the_car_are_no_slip_although_nothing_rolled():
+    one, other = (
+        run(stop(rolling=0.0, wheels=radii), constants(radii=radii))[0][-1] for radii in (1.0, 1.03)
+    )
+    assert other.zero_eta == pytest.approx(1.03 * one.zero_eta)
+    assert other.ratio == pytest.approx(one.ratio)
+
+
 def test_reasons():
     blocks = stop()
     answers, s = run(blocks)
