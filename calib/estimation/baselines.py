@@ -1,14 +1,7 @@
 """Other ways to the pad friction, shown beside the estimate: the paper's, and what it argues with.
 
-    nominal               the pads of the file
-    mean_gain             one factor for both axles by recursive least squares, the paper's [16]
-    temperature           nominal pads that fade with a computed disc temperature, its [17]
-    gradient_as_written   the paper's law (23)-(25) on f1(eta), f2(eta), as it is written
-    gradient_paper        on the same curves with a gain for each axle, known resistance taken out
-    gradient_map          the same with f1, f2 read from the map
-
-The curves hold on the road of the ramp: what they cost on another one is the difference of the last
-two. A method that cannot be used on a run is left out, with a note; none stops an estimate.
+The curves f1(eta), f2(eta) hold on the road of the ramp: what they cost on another one is the
+difference of the last two `METHODS`. One that cannot be used on a run says NaN.
 
     y = J d omega/dt - F_bar R F_z + mu_n C P = -zeta C P        (23)
     y = theta u,   theta = zeta,   u = -C P                      (24)
@@ -23,7 +16,6 @@ from collections.abc import Callable
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.errors import InputError
 from calib.car.balance import ForceBalance, force_balance
 from calib.car.bias import front_share
 from calib.car.disc_temperature import DISCS, START, heated
@@ -42,18 +34,6 @@ RATE, PRESSURE = 8.0, 20e5
 braking; it grows with its square."""
 _MEMORY = 0.5  # of the mean gain [s]: short against a stop, long against road noise (0.1 s)
 _FADE = {p.name: p.typical for p in pads.FADE.card.parameters}
-
-
-def other_methods(e: Estimate) -> tuple[dict[str, Pair], tuple[str, ...]]:
-    """Pad friction (front, rear) [1] (n,) by method, and notes on those that are left out."""
-    found: dict[str, Pair] = {}
-    notes: dict[str, list[str]] = {}
-    for name, method in METHODS.items():
-        try:
-            found[name] = method(e)
-        except InputError as error:
-            notes.setdefault(error.what, []).append(name)
-    return found, tuple(f"{', '.join(names)} left out: {why}" for why, names in notes.items())
 
 
 def nominal(e: Estimate, front: Array | float = 1.0, rear: Array | float = 1.0) -> Pair:
@@ -85,12 +65,11 @@ def temperature(e: Estimate) -> Pair:
     Of [17] the paper only says that all heat is absorbed and dissipated by the disc. The law of the
     pads is not told; here it is `pad_thermal_fade` at the typical values of its card: no change up
     to 150 degC, then 0.1 % less friction per kelvin. Heat is that of nominal pads; a logged
-    `T_disc` gives the first value only. On wet pads it says what nominal pads would do. Raises
-    InputError if thermal fade is a known effect, which is taken out already.
+    `T_disc` gives the first value only. On wet pads it says what nominal pads would do. NaN
+    where thermal fade is a known effect, which is taken out already.
     """
-    name = pads.FADE.card.name
-    if name in e.car.effects:
-        raise InputError(f"{name} of the car is already taken out of the log")
+    if pads.FADE.card.name in e.car.effects:
+        return nominal(e, np.nan, np.nan)
     s, heat = e.read, {}
     front = e.car.front.rolling_radius * e.forces.nominal_f * s.omega_f
     rear = e.car.rear.rolling_radius * e.forces.nominal_r * s.omega_r
@@ -116,27 +95,27 @@ def as_written(e: Estimate) -> Pair:
     car, s = e.car, e.read
     spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
     b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
-    gamma = gain(car.front)
-    return _adapted(e, by_curves(e.table, e.eta, b), (gamma, gamma), acts=True)
+    return _adapted(e, by_curves(e.table, e.eta, b), gain(car.front), acts=True)
 
 
 def _plainly(e: Estimate, share: Callable[[Table, Array, ForceBalance], Pair]) -> Pair:
     """The law with a gain for each axle, known resistance taken out, frozen where no pads bite."""
-    brakes = share(e.table, e.eta, e.forces.balance)
-    return _adapted(e, brakes, (gain(e.car.front), gain(e.car.rear)), e.forces.active)
+    return _adapted(e, share(e.table, e.eta, e.forces.balance), None, e.forces.active)
 
 
-def _adapted(e: Estimate, brakes: Pair, gammas: tuple[float, float], acts: Mask | bool) -> Pair:
-    """Pad friction mu_n + zeta by the law on brake forces [N]; frozen where not ``acts``."""
+def _adapted(e: Estimate, brakes: Pair, gamma: float | None, acts: Mask | bool) -> Pair:
+    """Pad friction mu_n + zeta by the law on brake forces [N]; frozen where not ``acts``.
 
-    def of(axle: Axle, p: Array, brake: Array, gamma: float) -> Array:
+    ``gamma`` of both axles; None for that of each.
+    """
+
+    def of(axle: Axle, p: Array, brake: Array) -> Array:
         torque = axle.torque_gain * p
         y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
         u = np.where(acts, -torque, 0.0)  # (24)
-        return axle.pad_friction + gradient(y, u, gamma, e.read.sample_time)
+        return axle.pad_friction + gradient(y, u, gamma or gain(axle), e.read.sample_time)
 
-    front = of(e.car.front, e.read.p_f, brakes[0], gammas[0])
-    return front, of(e.car.rear, e.read.p_r, brakes[1], gammas[1])
+    return of(e.car.front, e.read.p_f, brakes[0]), of(e.car.rear, e.read.p_r, brakes[1])
 
 
 def by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
@@ -170,20 +149,15 @@ def gain(axle: Axle) -> float:
 
 
 def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
-    """theta after each sample by (25), from 0, (n,). Raises InputError if gamma u^2 dt reaches 2.
+    """theta after each sample by (25), from 0, (n,); NaN where gamma u^2 dt reaches 2: unstable.
 
     theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system.
     """
     from scipy.linalg import solve_banded
 
     step = gamma * dt * u
-    worst = float(np.max(step * u, initial=0.0))
-    if worst >= 2.0:
-        raise InputError(
-            f"the adaptive law is unstable: gamma u^2 dt = {worst:.2f}",
-            expected="below 2",
-            do="lower the gain, or log faster",
-        )
+    if np.max(step * u, initial=0.0) >= 2.0:
+        return np.full_like(y, np.nan)
     band = np.stack([np.ones_like(u), np.append((step * u)[1:], 2.0) - 1.0])
     return np.asarray(solve_banded((1, 0), band, step * y))  # (25)
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import InputError
 from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
 from calib.estimation import baselines as law
@@ -60,15 +59,14 @@ def test_constant_u_gives_the_exponential():
     assert theta == pytest.approx(-0.15 * (1.0 - np.exp(-rate * t)), abs=0.15 * rate * dt)
 
 
-def test_stable_just_below_the_limit_and_refused_at_it():
+def test_stable_just_below_the_limit_and_not_known_at_it():
     u = np.full(4000, -700.0)
     below, above = 1.99 / (700.0**2 * DT), 2.0001 / (700.0**2 * DT)
     theta = law.gradient(-0.1 * u, u, below, DT)
     assert np.max(np.abs(theta[-100:] + 0.1)) < 1e-12  # |1 - 1.99|^4000
     grown = plain_loop(-0.1 * u, u, 1.05 * above, DT)
     assert np.abs(grown[-1]) > 1e3
-    with pytest.raises(InputError, match=r"unstable: gamma u\^2 dt = 2\.00.*below 2"):
-        law.gradient(-0.1 * u, u, above, DT)
+    assert np.isnan(law.gradient(-0.1 * u, u, above, DT)).all()
 
 
 def test_lyapunov_rate_is_the_slope_of_the_function():
