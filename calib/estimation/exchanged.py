@@ -16,7 +16,6 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.warning import PlausibilityWarning, warning
 from calib.car.braking import BITE, MOVING
-from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
@@ -42,32 +41,25 @@ _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-i
 
 def exchanged(
     log: str, table: Table, e: Estimate, parts: WheelParts | None
-) -> Iterator[tuple[PlausibilityWarning, str]]:
-    """Warnings of columns of a log that fit better the other way round; ``parts`` of its wheels.
-
-    Each with the reason for which no sample counts, "" where that is not sure.
-    """
-    why = "the wheel speeds fit with {} exchanged"
-    if (odds := axles_exchanged(table, e)) is not None and odds > 0.0:
-        told = warning("axles_exchanged", log, odds, (None, 0.0))
-        yield told, why.format("front and rear") if odds > SURE else ""
-    if parts is None:
-        return
-    expected = float(np.interp(parts.z, table.paper.z, table.paper.eta)) - 1.0
-    if (crossed := crossed_diagonal(parts, expected)) is not None:
-        least = LIMITS.crossed_least * parts.z
-        told = warning("wheels_crossed", log, crossed.part, (-least, least), found=crossed)
-        yield told, why.format(" and ".join(crossed.wheels))
+) -> Iterator[PlausibilityWarning]:
+    """Warnings of columns of a log that fit better the other way round; ``parts`` of its wheels."""
+    if (odds := axles_exchanged(table, e)) > 0.0:
+        yield warning("axles_exchanged", log, odds, (None, 0.0))
+    if parts is not None:
+        expected = float(np.interp(parts.z, table.paper.z, table.paper.eta)) - 1.0
+        if crossed := crossed_diagonal(parts, expected):
+            least = LIMITS.crossed_least * parts.z
+            yield warning("wheels_crossed", log, crossed.part, (-least, least), found=crossed)
 
 
-def axles_exchanged(table: Table, e: Estimate) -> float | None:
+def axles_exchanged(table: Table, e: Estimate) -> float:
     """Logarithm of the likelihood of eta with the axles exchanged over that as given.
 
-    None without draws in the table, where the car never brakes, or brakes with the rear axle alone.
+    0 where the car never brakes, or brakes with the rear axle alone.
     """
     z, shift, error = _curve(e)
-    if table.draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
-        return None
+    if not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
+        return 0.0
     shown = _shown(table) @ np.stack([np.interp(z, _Z, hat) for hat in np.eye(_Z.size)])
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     whiten = np.linalg.cholesky(np.linalg.inv(np.diag(error**2) + zero**2))
@@ -92,9 +84,8 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
 
     Without wheels at their limit, which no scenario has.
     """
-    b = e.blocks
-    demanded = e.road.demanded / e.car.weight
-    shift = b.eta / speed_ratio(*e.driven) / (1.0 + e.eta_zero) - 1.0
+    b, demanded = e.blocks, e.best.given.demand
+    shift = e.best.given.eta / e.zeros[0] - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls

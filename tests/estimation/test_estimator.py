@@ -8,7 +8,7 @@ import pytest
 
 from calib.base.names import WHEELS, G
 from calib.car.balance import brake_forces
-from calib.estimation.baselines import other_methods
+from calib.estimation.baselines import METHODS
 from calib.estimation.constants import Constants
 from calib.estimation.estimator import estimate
 from calib.estimation.known import known_resistance, nominal_car
@@ -50,7 +50,8 @@ def columns(e, until=None):
     stop = None if until is None else int(np.searchsorted(e.time, until))
     out = {"z": e.read.z, "eta": e.eta, "valid": e.valid, "braked": e.braked}
     out |= e.best.columns() | {f"force_{i}": force for i, force in enumerate(e.normalised)}
-    for name, (front, rear) in other_methods(e)[0].items():
+    for name, method in METHODS.items():
+        front, rear = method(e)
         out |= {f"{name}.front": front, f"{name}.rear": rear}
     return {name: np.asarray(x[:stop], float) for name, x in out.items()}
 
@@ -172,7 +173,7 @@ def test_normalised_forces_are_those_of_the_plant(fitted, wet, result):
 def test_eta_is_zeroed_on_the_lead_in(fitted):
     larger = replace(WET, radius_scale=(1.0, 1.004))
     e = estimate(fitted, stop(larger))
-    assert e.eta_zero == pytest.approx(1.0 / 1.004 - 1.0, abs=2e-5)
+    assert e.zeros[0] == pytest.approx(1.0 / 1.004, abs=2e-5)
     free = e.time < 1.4
     assert e.eta[free] == pytest.approx(1.0, abs=2e-5)
 
@@ -331,7 +332,7 @@ def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(fitted,
         rear=replace(CAR.rear, pad_friction=0.6),
     )
     e = estimate(fitted, wet, wrong)
-    front, rear = other_methods(e)[0]["nominal"]
+    front, rear = METHODS["nominal"](e)
     assert (set(front), set(rear)) == ({0.5}, {0.6})
     # the sum of forces finds the level at once, whatever the file says
     late = e.valid & (e.time > 3.0)
@@ -415,11 +416,15 @@ def test_slips_are_counted_from_free_rolling(fitted):
 
 
 def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(fitted):
-    shifted = replace(
-        fitted.calibration,
-        pad_scale=replace(fitted.calibration.pad_scale, value=0.9),
-        pad_log_ratio=replace(fitted.calibration.pad_log_ratio, value=0.3),
+    then = fitted.calibration
+    pads_f, pads_r = (
+        replace(of, value=0.9 * math.exp(half) * axle.pad_friction)
+        for of, half, axle in (
+            (then.pad_friction_f, 0.15, CAR.front),
+            (then.pad_friction_r, -0.15, CAR.rear),
+        )
     )
+    shifted = replace(then, pad_friction_f=pads_f, pad_friction_r=pads_r)
     car = nominal_car(replace(fitted, calibration=shifted))
     assert car.front.pad_friction / car.rear.pad_friction == pytest.approx(1.0)
     one = np.ones(())
