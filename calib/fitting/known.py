@@ -70,9 +70,8 @@ def drawn(x: Array, known: Sequence[Known]) -> tuple[Ensemble, Array, Array]:
     Those are normal, too: centre (n, 3) plus root (n, 3, 3) times standard normal ones.
     """
     y, centre, root = (np.empty((len(x), *shape)) for shape in ((OWN,), (3,), (3, 3)))
-    which = part_of(x, known)
     for i, one in enumerate((_FIELD, *known)):
-        at, own = which == i, np.linalg.cholesky(one.covariance)
+        at, own = part_of(x, known) == i, np.linalg.cholesky(one.covariance)
         moved = one.mean + x[at, :OWN] @ own[:, :OWN].T
         y[at], centre[at] = moved[:, :OWN], LINEAR + moved[:, OWN:] @ TO_LINEAR.T
         left = TO_LINEAR @ own[OWN:, OWN:]

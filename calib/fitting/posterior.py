@@ -119,11 +119,8 @@ def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Ge
         raise ValueError("no draw of the prior explains the ramps")
     while power < 1.0:
         step = _step(log, 1.0 - power)
-        weight = np.exp(step * (log - log.max()))
-        at = np.searchsorted(
-            np.cumsum(weight) / weight.sum(), (np.arange(log.size) + rng.random()) / log.size
-        )
-        at = np.minimum(at, log.size - 1)
+        share = np.cumsum(np.exp(step * (log - log.max())))
+        at = np.searchsorted(share / share[-1], (np.arange(log.size) + rng.random()) / log.size)
         x, log, power = x[at], log[at], power + step
         moved = 0.0
         for _ in range(_MOST_MOVES):

@@ -175,10 +175,8 @@ def warnings_of(
     ramp is compared with that of the coasts alone, and with their course, where there are any.
     """
     yield from (w for w in plausible(filed) if not w.code.startswith("pad_friction"))
-    effect, name = ROLLING
-    if effect not in car.effects:
-        found = known.effects.parameters[effect][name]
-        yield from judged(car.name, [Measured("rolling_resistance", found)])
+    if ROLLING[0] not in car.effects:
+        yield from judged(car.name, [Measured("rolling_resistance", known.mean[1])])
     straight, coasted = [log for log, _, _ in coasts], [(b, noise.z) for _, b, noise in coasts]
     rolling = identify_resistance(car, coasted) if coasts else known
     runs = [(run, rolling, straight) for run in ramps] + [(run, known, []) for run in coasts]
