@@ -29,7 +29,7 @@ from calib.run.observation import observe
 from calib.run.rules import problems
 from calib.run.warnings import clock_gaps, locked_wheels, saturated
 from calib.store.evidence import CONSISTENT
-from calib.table.budget import AxleBudget
+from calib.table.budget import Parts
 from calib.table.table import Table
 
 HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
@@ -109,7 +109,7 @@ class Validation:
         return TRUTH if "estimate" in self.baselines else REFERENCE if self.baselines else NONE
 
     @cached_property
-    def budget(self) -> tuple[AxleBudget, AxleBudget] | None:
+    def budget(self) -> tuple[Parts, Parts] | None:
         """What the intervals of front and rear pads are made of; None without a valid sample."""
         return budget(self.estimate)
 
