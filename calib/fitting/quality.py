@@ -19,8 +19,8 @@ from calib.car.effects.line import limited
 from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import Ridge, find_peak
-from calib.fitting.ensemble import Ensemble
+from calib.fitting.curves import find_peak
+from calib.fitting.ensemble import Ensemble, Shown
 from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
@@ -126,7 +126,7 @@ def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) ->
 
 
 def metrics(
-    vehicle: Vehicle, runs: list[RampRun], left: Residuals, of: Ridge, nominal: float
+    vehicle: Vehicle, runs: list[RampRun], left: Residuals, of: Shown, nominal: float
 ) -> dict[str, float]:
     """Quality metrics of the fit, each a plain number.
 

@@ -25,8 +25,8 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.random_effects import RandomEffects, quantile95, random_effects
-from calib.fitting.curves import Ridge, as_cubic, differences, paper_of, ridge, tyre_forces
-from calib.fitting.ensemble import Ensemble, ensemble_of
+from calib.fitting.curves import as_cubic, differences, paper_of, ridge, tyre_forces
+from calib.fitting.ensemble import Ensemble, Shown, ensemble_of
 from calib.fitting.pads import calibration_of
 from calib.model.settings import SETTINGS
 from calib.table.budget import budget_of
@@ -200,7 +200,7 @@ def own_share_of_tyre(table: Table, slip: Array) -> Array:
     return _share(table, slip, lambda e: tyre_forces(e, slip))
 
 
-def _ridge(table: Table, e: Ensemble) -> Ridge:
+def _ridge(table: Table, e: Ensemble) -> Shown:
     z = np.linspace(0.0, table.paper.decelerations[1], SETTINGS.rows)
     return ridge(table.vehicle, e, z)
 
