@@ -26,9 +26,9 @@ def budget(e: Estimate) -> tuple[Parts, Parts] | None:
 
 
 def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
-    step, draws, valid = e.best.step, e.table.draws, np.flatnonzero(e.valid)
-    order = np.argsort((pads.upper / pads.lower)[valid], kind="stable")
-    i = valid[order[(order.size - 1) // 2]]  # the earlier one of an even number
+    step, draws = e.best.step, e.table.draws
+    order = np.argsort(np.where(e.valid, pads.upper / pads.lower, np.inf), kind="stable")
+    i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the earlier one of an even number
     share = front_share(e.table.vehicle, float(step.ratio[0, i]))
     lever = (1.0 - share, share)[axle] ** 2
     ramp = 0.0 if draws is None else lever * np.var(draws.log_pad_ratio)

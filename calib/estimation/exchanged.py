@@ -25,6 +25,7 @@ from calib.run.blocks import braked_alone
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
 from calib.run.wheels import WheelParts, crossed_diagonal
+from calib.table.maps import interpolation
 from calib.table.table import Table
 
 SURE = 5.0
@@ -68,7 +69,7 @@ def axles_exchanged(table: Table, e: Estimate) -> float | None:
     z, shift, error = _curve(e)
     if table.draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
         return None
-    shown = _shown(table) @ np.stack([np.interp(z, _Z, hat) for hat in np.eye(_Z.size)])
+    shown = _shown(table) @ interpolation(z, _Z).T
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     whiten = np.linalg.cholesky(np.linalg.inv(np.diag(error**2) + zero**2))
     given, other = (

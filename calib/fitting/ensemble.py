@@ -16,7 +16,7 @@ from calib.car.forces import axle_loads, speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
 from calib.model.settings import SETTINGS
-from calib.table.maps import DEPARTS, FORMS, Draws
+from calib.table.maps import WIDE, Draws, interpolation
 from calib.table.table import Calibration
 
 ROWS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
@@ -79,40 +79,27 @@ class Ensemble:
         return Ensemble(*(getattr(self, f.name)[which] for f in fields(Ensemble)))
 
 
-_COLUMNS = {one.name: (one.name,) for one in fields(Ensemble)} | {
-    "forms": FORMS,
-    "depart_eta": DEPARTS["eta"],
-    "depart_slip": DEPARTS["slip"],
-}
-"""Columns of a table's draws by name here; `_LENGTHS` are in m there, and over the file's here."""
-
 _LENGTHS = ("cg_to_front_axle", "cg_height")
+"""Columns in m in the draws of a table, and over the vehicle file's here."""
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
     """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives."""
     kept, scale = e.take(np.linspace(0, e.size - 1, KEPT).astype(np.int64)), pads.pad_scale
     x = np.random.default_rng(42).standard_normal(KEPT)
-    columns = {
-        column: values
-        for name, own in _COLUMNS.items()
-        for column, values in zip(own, np.atleast_2d(getattr(kept, name).T), strict=True)
-    }
-    return Draws(
-        **columns | {name: columns[name] * getattr(car, name) for name in _LENGTHS},
-        log_pad_level=np.log(scale.value) + scale.sigma / scale.value * x,
-        weight=np.full(KEPT, car.weight),
-    )
+    columns = vars(kept) | {name: getattr(kept, name) * getattr(car, name) for name in _LENGTHS}
+    for name, own in WIDE.items():
+        columns |= zip(own, columns.pop(name).T, strict=True)
+    level = np.log(scale.value) + scale.sigma / scale.value * x
+    return Draws(**columns, log_pad_level=level, weight=np.full(KEPT, car.weight))
 
 
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
     """The ensemble of which a table of ``car`` kept these draws."""
-    columns = vars(draws)
-    kept = {
-        name: columns.get(name, np.stack([columns[one] for one in own], axis=1))
-        for name, own in _COLUMNS.items()
-    }
-    return Ensemble(**kept | {name: kept[name] / getattr(car, name) for name in _LENGTHS})
+    columns = vars(draws) | {name: getattr(draws, name) / getattr(car, name) for name in _LENGTHS}
+    for name, own in WIDE.items():
+        columns[name] = np.stack([columns[one] for one in own], axis=1)
+    return Ensemble(**{one.name: columns[one.name] for one in fields(Ensemble)})
 
 
 class UnitSlips(NamedTuple):
@@ -195,7 +182,7 @@ def shown(
     unit = unit_slips(car, e, slowed, tyres, peak)
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
     turning = 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
-    between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
+    between = interpolation(z, DEPART_AT).T
     return Shown(
         z=z,
         shift=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
