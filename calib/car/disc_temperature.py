@@ -39,23 +39,11 @@ def heated(time: Array, energy: Array, disc: Disc, start: float = START) -> Arra
     """Temperature of one disc [degC], (n,), that is at ``start`` [degC] at the first sample.
 
     ``time`` [s]; ``energy`` dissipated in this brake since the first sample [J], (n,), taken as
-    linear between samples. The same equation and limits as `disc_temperature`, solved for the
-    energy: what has not yet been lost to the air is E less its own lag.
+    linear between samples: what has not yet been lost to the air is E less its own lag. Source:
+    Limpert, Brake Design and Safety, ch. 3, for the lumped disc.
+    The pads take no heat, all of the disc has one temperature and the air cools at any speed alike:
+    not valid for the surface of the disc within a hard stop, nor over minutes of changing speed.
     """
     kept = energy - first_order(time, energy, disc.cooling_time)
     own = np.exp(-(time - time[0]) / disc.cooling_time)
     return np.asarray(AIR + (start - AIR) * own + kept / disc.heat_capacity)
-
-
-def disc_temperature(time: Array, power: Array, disc: Disc, start: float, air: float) -> Array:
-    """Temperature of one disc [degC], (n,), with ``start`` [degC] at the first sample.
-
-    ``time`` [s] and ``power`` P dissipated in this brake [W], (n,); ``air`` T_air [degC]. Exact for
-    a power that is linear between samples. Source: Limpert, Brake Design and Safety, ch. 3, for the
-    lumped disc.
-    The pads take no heat, all of the disc has one temperature and the air cools at any speed alike:
-    not valid for the surface of the disc within a hard stop, nor over minutes of changing speed.
-    """
-    still = air + power * disc.cooling_time / disc.heat_capacity  # where T would come to rest
-    own = np.exp(-(time - time[0]) / disc.cooling_time)
-    return np.asarray(first_order(time, still, disc.cooling_time) + (start - still[0]) * own)

@@ -1,14 +1,7 @@
 """Other ways to the pad friction, shown beside the estimate: the paper's, and what it argues with.
 
-    nominal               the pads of the file
-    mean_gain             one factor for both axles by recursive least squares, the paper's [16]
-    temperature           nominal pads that fade with a computed disc temperature, its [17]
-    gradient_as_written   the paper's law (23)-(25) on f1(eta), f2(eta), as it is written
-    gradient_paper        on the same curves with a gain for each axle, known resistance taken out
-    gradient_map          the same with f1, f2 read from the map
-
-The curves hold on the road of the ramp: what they cost on another one is the difference of the last
-two. A method that cannot be used on a run is left out, with a note; none stops an estimate.
+The curves f1(eta), f2(eta) hold on the road of the ramp: what they cost on another one is the
+difference of the last two `METHODS`. One that cannot be used on a run says NaN.
 
     y = J d omega/dt - F_bar R F_z + mu_n C P = -zeta C P        (23)
     y = theta u,   theta = zeta,   u = -C P                      (24)
@@ -23,16 +16,14 @@ from collections.abc import Callable
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.errors import InputError
-from calib.base.names import AXLES
 from calib.car.balance import ForceBalance, force_balance
 from calib.car.bias import front_share
-from calib.car.disc_temperature import AIR, DISCS, START, disc_temperature
+from calib.car.disc_temperature import DISCS, START, heated
 from calib.car.effects import pads
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.forces import brake_torque
 from calib.car.history import constant_speed
+from calib.car.lag import integral
 from calib.car.vehicle import Axle
 from calib.estimation.constants import Reader
 from calib.estimation.estimator import Estimate
@@ -43,18 +34,6 @@ RATE, PRESSURE = 8.0, 20e5
 braking; it grows with its square."""
 _MEMORY = 0.5  # of the mean gain [s]: short against a stop, long against road noise (0.1 s)
 _FADE = {p.name: p.typical for p in pads.FADE.card.parameters}
-
-
-def other_methods(e: Estimate) -> tuple[dict[str, Pair], tuple[str, ...]]:
-    """Pad friction (front, rear) [1] (n,) by method, and notes on those that are left out."""
-    found: dict[str, Pair] = {}
-    notes: dict[str, list[str]] = {}
-    for name, method in METHODS.items():
-        try:
-            found[name] = method(e)
-        except InputError as error:
-            notes.setdefault(error.what, []).append(name)
-    return found, tuple(f"{', '.join(names)} left out: {why}" for why, names in notes.items())
 
 
 def nominal(e: Estimate, front: Array | float = 1.0, rear: Array | float = 1.0) -> Pair:
@@ -86,20 +65,18 @@ def temperature(e: Estimate) -> Pair:
     Of [17] the paper only says that all heat is absorbed and dissipated by the disc. The law of the
     pads is not told; here it is `pad_thermal_fade` at the typical values of its card: no change up
     to 150 degC, then 0.1 % less friction per kelvin. Heat is that of nominal pads; a logged
-    `T_disc` gives the first value only. On wet pads it says what nominal pads would do. Raises
-    InputError if thermal fade is a known effect, which is taken out already.
+    `T_disc` gives the first value only. On wet pads it says what nominal pads would do. NaN
+    where thermal fade is a known effect, which is taken out already.
     """
-    name = pads.FADE.card.name
-    if name in e.car.effects:
-        raise InputError(f"{name} of the car is already taken out of the log")
+    if pads.FADE.card.name in e.car.effects:
+        return nominal(e, np.nan, np.nan)
     s, heat = e.read, {}
-    of_f, of_r = (e.car.front, s.p_f, s.omega_f), (e.car.rear, s.p_r, s.omega_r)
-    for side, (axle, pressure, omega) in zip(AXLES, (of_f, of_r), strict=True):
-        power = np.abs(brake_torque(axle, axle.pad_friction, pressure) * omega)
-        logged = e.ran.log.channels.get(f"T_disc_{side}", (START,))
-        heat[side] = disc_temperature(s.time, power, DISCS[side], float(logged[0]), AIR)
-    history = constant_speed(s.time, s.p_f, 0.0, heat)
-    return nominal(e, *pads.faded(_FADE, history, s.p_f, s.p_r))
+    front = e.car.front.rolling_radius * e.forces.nominal_f * s.omega_f
+    rear = e.car.rear.rolling_radius * e.forces.nominal_r * s.omega_r
+    for side, power in (("f", 0.5 * front), ("r", 0.5 * rear)):
+        start = e.ran.log.channels.get(f"T_disc_{side}", (START,))[0]
+        heat[side] = heated(s.time, integral(s.time, np.abs(power)), DISCS[side], float(start))
+    return nominal(e, *pads.faded(_FADE, constant_speed(s.time, s.p_f, 0.0, heat), s.p_f, s.p_r))
 
 
 # The paper's law ---------------------------------------------------------------------------------
@@ -118,60 +95,52 @@ def as_written(e: Estimate) -> Pair:
     car, s = e.car, e.read
     spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
     b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
-    gamma = gain(car.front)
-    return _adapted(e, b, by_curves(e.table, e.eta, s.z), (gamma, gamma), acts=True)
+    return _adapted(e, by_curves(e.table, e.eta, b), gain(car.front), acts=True)
 
 
-def _plainly(e: Estimate, forces: Pair) -> Pair:
+def _plainly(e: Estimate, share: Callable[[Table, Array, ForceBalance], Pair]) -> Pair:
     """The law with a gain for each axle, known resistance taken out, frozen where no pads bite."""
-    gammas = gain(e.car.front), gain(e.car.rear)
-    return _adapted(e, e.forces.balance, forces, gammas, e.forces.active)
+    return _adapted(e, share(e.table, e.eta, e.forces.balance), None, e.forces.active)
 
 
-def _adapted(
-    e: Estimate, b: ForceBalance, forces: Pair, gammas: tuple[float, float], acts: Mask | bool
-) -> Pair:
-    """Pad friction mu_n + zeta of the axles by the law on their normalised ``forces`` [1].
+def _adapted(e: Estimate, brakes: Pair, gamma: float | None, acts: Mask | bool) -> Pair:
+    """Pad friction mu_n + zeta by the law on brake forces [N]; frozen where not ``acts``.
 
-    Loads and moments are those of ``b``; frozen where not ``acts``. Raises InputError if the law is
-    unstable: too high a pressure for the rate of the log.
+    ``gamma`` of both axles; None for that of each.
     """
 
-    def of(axle: Axle, p: Array, F: Array, load: Array, moment: Array, gamma: float) -> Array:
-        torque, road = axle.torque_gain * p, F * load - moment  # (13), (14)
-        y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * road  # (23)
+    def of(axle: Axle, p: Array, brake: Array) -> Array:
+        torque = axle.torque_gain * p
+        y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
         u = np.where(acts, -torque, 0.0)  # (24)
-        return axle.pad_friction + gradient(y, u, gamma, e.read.sample_time)
+        return axle.pad_friction + gradient(y, u, gamma or gain(axle), e.read.sample_time)
 
-    return (
-        of(e.car.front, e.read.p_f, forces[0], b.load_f, b.moment_f, gammas[0]),
-        of(e.car.rear, e.read.p_r, forces[1], b.load_r, b.moment_r, gammas[1]),
-    )
+    return of(e.car.front, e.read.p_f, brakes[0]), of(e.car.rear, e.read.p_r, brakes[1])
 
 
-def by_curves(table: Table, eta: Array, level: Array) -> Pair:
-    """F_f = level + f1(eta), F_r = level + f2(eta) [1], (11), (12), as the table exports them.
+def by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
+    """Brake forces [N] of tyres at z + f1(eta) and z + f2(eta), (11)-(14), as exported.
 
-    ``eta`` zeroed (22), ``level`` z, both (n,). Beyond the ends of the curves their last values.
+    ``eta`` zeroed (22) (n,); z the sum of the tyre forces of ``b`` over the weight. Beyond the ends
+    of the curves their last values.
     """
-    c = table.paper
-    return level + np.interp(eta, c.eta, c.f1), level + np.interp(eta, c.eta, c.f2)
+    c, z = table.paper, b.tyre_sum / table.vehicle.weight
+    F_f, F_r = (z + np.interp(eta, c.eta, f) for f in (c.f1, c.f2))
+    return F_f * b.load_f - b.moment_f, F_r * b.load_r - b.moment_r
 
 
 def by_map(table: Table, eta: Array, b: ForceBalance) -> Pair:
-    """F_f, F_r [1] that share the demanded brake force as the map of the table says, without v.
+    """Brake forces [N] that share the demanded one as the map of the table says, without v.
 
-    With the loads of the live deceleration they are z + f1(z, eta) and z + f2(z, eta): together
-    they are all tyre forces, so (18) holds exactly. ``eta`` zeroed (22) (n,). Beyond the ends of
-    the map its last values.
+    They are those of tyres at z + f1(z, eta) and z + f2(z, eta) under the live loads, and (18)
+    holds exactly. ``eta`` zeroed (22) (n,). Beyond the ends of the map its last values.
     """
     assert table.map is not None
     ratios = Reader(table.map, ("ratio",))
-    braked = np.clip(b.demanded / table.vehicle.weight, *ratios.axes[0][[0, -1]])
-    (ratio,) = ratios(braked, (eta - 1.0) / braked, np.zeros_like(eta))
+    z = np.clip(b.demanded / table.vehicle.weight, *ratios.axes[0][[0, -1]])
+    (ratio,) = ratios(z, (eta - 1.0) / z, np.zeros_like(eta))
     share = front_share(table.vehicle, ratio)
-    F_f = (share * b.demanded + b.moment_f) / b.load_f
-    return F_f, ((1.0 - share) * b.demanded + b.moment_r) / b.load_r
+    return share * b.demanded, (1.0 - share) * b.demanded
 
 
 def gain(axle: Axle) -> float:
@@ -180,26 +149,17 @@ def gain(axle: Axle) -> float:
 
 
 def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
-    """theta after each sample by (25), from 0, (n,). Raises InputError if gamma u^2 dt reaches 2.
+    """theta after each sample by (25), from 0, (n,); NaN where gamma u^2 dt reaches 2: unstable.
 
-    theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system, so LAPACK
-    solves it in one call.
+    theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system.
     """
-    from scipy.linalg.lapack import dtbtrs
+    from scipy.linalg import solve_banded
 
-    step = gamma * dt
-    worst = step * float(np.max(u * u, initial=0.0))
-    if worst >= 2.0:
-        raise InputError(
-            f"the adaptive law is unstable: gamma u^2 dt = {worst:.2f}",
-            expected="below 2",
-            do="lower the gain, or log faster",
-        )
-    band = np.ones((2, u.size), order="F")  # unit diagonal and one below it
-    band[1, :-1] = step * u[1:] * u[1:] - 1.0
-    theta, info = dtbtrs(band, (step * u * y)[:, None], uplo="L", diag="U", overwrite_b=1)
-    assert info == 0
-    return np.asarray(theta[:, 0])  # (25)
+    step = gamma * dt * u
+    if np.max(step * u, initial=0.0) >= 2.0:
+        return np.full_like(y, np.nan)
+    band = np.stack([np.ones_like(u), np.append((step * u)[1:], 2.0) - 1.0])
+    return np.asarray(solve_banded((1, 0), band, step * y))  # (25)
 
 
 METHODS: dict[str, Callable[[Estimate], Pair]] = {
@@ -207,9 +167,7 @@ METHODS: dict[str, Callable[[Estimate], Pair]] = {
     "mean_gain": mean_gain,
     "temperature": temperature,
     "gradient_as_written": as_written,
-    "gradient_paper": lambda e: _plainly(
-        e, by_curves(e.table, e.eta, e.forces.balance.tyre_sum / e.car.weight)
-    ),
-    "gradient_map": lambda e: _plainly(e, by_map(e.table, e.eta, e.forces.balance)),
+    "gradient_paper": lambda e: _plainly(e, by_curves),
+    "gradient_map": lambda e: _plainly(e, by_map),
 }
 """The methods by the names that they have in files."""

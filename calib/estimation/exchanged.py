@@ -43,32 +43,25 @@ _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-i
 
 def exchanged(
     log: str, table: Table, e: Estimate, parts: WheelParts | None
-) -> Iterator[tuple[PlausibilityWarning, str]]:
-    """Warnings of columns of a log that fit better the other way round; ``parts`` of its wheels.
-
-    Each with the reason for which no sample counts, "" where that is not sure.
-    """
-    why = "the wheel speeds fit with {} exchanged"
-    if (odds := axles_exchanged(table, e)) is not None and odds > 0.0:
-        told = warning("axles_exchanged", log, odds, (None, 0.0))
-        yield told, why.format("front and rear") if odds > SURE else ""
-    if parts is None:
-        return
-    expected = float(np.interp(parts.z, table.paper.z, table.paper.eta)) - 1.0
-    if (crossed := crossed_diagonal(parts, expected)) is not None:
-        least = LIMITS.crossed_least * parts.z
-        told = warning("wheels_crossed", log, crossed.part, (-least, least), found=crossed)
-        yield told, why.format(" and ".join(crossed.wheels))
+) -> Iterator[PlausibilityWarning]:
+    """Warnings of columns of a log that fit better the other way round; ``parts`` of its wheels."""
+    if (odds := axles_exchanged(table, e)) > 0.0:
+        yield warning("axles_exchanged", log, odds, (None, 0.0))
+    if parts is not None:
+        expected = float(np.interp(parts.z, table.paper.z, table.paper.eta)) - 1.0
+        if crossed := crossed_diagonal(parts, expected):
+            least = LIMITS.crossed_least * parts.z
+            yield warning("wheels_crossed", log, crossed.part, (-least, least), found=crossed)
 
 
-def axles_exchanged(table: Table, e: Estimate) -> float | None:
+def axles_exchanged(table: Table, e: Estimate) -> float:
     """Logarithm of the likelihood of eta with the axles exchanged over that as given.
 
-    None without draws in the table, where the car never brakes, or brakes with the rear axle alone.
+    0 without draws in the table, where the car never brakes, or brakes with the rear axle alone.
     """
     z, shift, error = _curve(e)
     if table.draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
-        return None
+        return 0.0
     shown = _shown(table) @ interpolation(z, _Z).T
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     whiten = np.linalg.cholesky(np.linalg.inv(np.diag(error**2) + zero**2))

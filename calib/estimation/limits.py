@@ -37,14 +37,16 @@ class Judgement(Limit):
         """`PASSED`, `WARNING`, `FAILED` or `NOT_KNOWN`."""
         if self.value is None:
             return FAILED if self.required else NOT_KNOWN
-        if not _within(self.value, self.low, self.high):
-            return FAILED
-        return PASSED if _within(self.value, self.warn_low, self.warn_high) else WARNING
+        held, quiet = (
+            (low is None or self.value >= low) and (high is None or self.value <= high)
+            for low, high in ((self.low, self.high), (self.warn_low, self.warn_high))
+        )
+        return FAILED if not held else PASSED if quiet else WARNING
 
     @property
     def outcome(self) -> dict[str, bool | None]:
         """`passed`, None where it is not known, and `warned`, as JSON documents have them."""
-        passed = None if self.verdict == NOT_KNOWN else self.verdict != FAILED
+        passed = {FAILED: False, NOT_KNOWN: None}.get(self.verdict, True)
         return {"passed": passed, "warned": self.verdict == WARNING}
 
     def warning(self, log: str) -> PlausibilityWarning:
@@ -70,7 +72,3 @@ user to say: pads that differ from those of the ramp are less well known, and ar
 def judge(limits: tuple[Limit, ...], figures: Mapping[str, float | None]) -> tuple[Judgement, ...]:
     """The limits with the values of the metrics ``figures``, in their order."""
     return tuple(Judgement(**vars(limit), value=figures.get(limit.figure)) for limit in limits)
-
-
-def _within(value: float, low: float | None, high: float | None) -> bool:
-    return (low is None or value >= low) and (high is None or value <= high)

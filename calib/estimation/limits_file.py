@@ -65,8 +65,8 @@ class _LimitSection(Section):
             raise wrong("has both fail and min or max", "one of them: they say the same")
         low, high, *warn = self.ends
         _range([low, high])
-        for end, beyond in zip(warn, (warn[0] < low, warn[1] > high), strict=True):
-            if isfinite(end) and beyond:
+        for end in warn:
+            if isfinite(end) and not low <= end <= high:
                 raise wrong(f"warn {end:g} lies beyond fail {low:g} to {high:g}")
         return self
 

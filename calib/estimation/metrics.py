@@ -11,6 +11,7 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.plain import meanings
 from calib.car.braking import MOVING
+from calib.car.effects.effect import Pair
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
 from calib.logs.log import Log
@@ -20,8 +21,7 @@ METRICS: dict[str, str] = meanings("stop")
 
 Figures = dict[str, float | None]
 
-_FEWEST = 30
-"""Least number of samples of a mean."""
+_FEWEST = 30  # samples of a mean
 
 
 class Truth(NamedTuple):
@@ -86,8 +86,8 @@ def score(log: Log, e: Estimate) -> Figures:
     if valid.any():
         covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
         found["covered_share"] = share(covered, valid)
-    if truth is not None and valid.any():
-        found["truth_in_interval"] = np.mean([found["inside_f"], found["inside_r"]])
+    if "inside_f" in found:
+        found["truth_in_interval"] = 0.5 * (found["inside_f"] + found["inside_r"])
     if e.blocks.v is not None and (both := valid & by_ecu).any():
         found["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, both)
         found["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, both)
@@ -110,8 +110,8 @@ def share(part: Mask, whole: Mask) -> float:
 def _of_answer(of: Readout, truth: Truth | None, valid: Mask, told: Mask) -> dict[str, Array]:
     """Metrics of the `_SIDES` (3,) over the ``valid`` samples; of torques over those ``told``."""
     found: dict[str, Array] = {}
-    whole = np.array([(x.value, x.lower, x.upper) for x in (of.pads_f, of.pads_r, of.level)])
-    x = Bounded(*np.compress(valid, whole.swapaxes(0, 1), axis=2))
+    pads = np.array([of.pads_f, of.pads_r, of.level])  # each with its bounds
+    x = Bounded(*pads[..., valid].swapaxes(0, 1))
     third = x.value.shape[1] // 3
     if 3 * third >= _FEWEST:
         first, last = x.value[:, :third].mean(axis=1), x.value[:, -third:].mean(axis=1)
@@ -121,24 +121,22 @@ def _of_answer(of: Readout, truth: Truth | None, valid: Mask, told: Mask) -> dic
     if truth is None or not valid.any():
         return found
     torque = np.array([of.torque_f.value, of.torque_r.value, of.torque_sum.value])
-    true_torque = np.vstack([truth.torque, 2.0 * (truth.torque[0] + truth.torque[1])])
+    true_torque = np.vstack([truth.torque, 2.0 * truth.torque.sum(axis=0)])
     with np.errstate(divide="ignore", invalid="ignore"):
         level = of.level.value * true_torque[2] / torque[2]
-        pads = np.vstack([truth.pad_friction, level])
-        true = np.compress(valid, pads, axis=1)
-        error, size = (np.compress(told, x, axis=1) for x in (torque - true_torque, true_torque))
+        true_pads = np.vstack([truth.pad_friction, level])
+        true = true_pads[:, valid]
         known = np.isfinite(true) & (true > 0.0)
         rest = np.where(known, x.deviations(true), 0.0)
         count = known.sum(axis=1)
-        found |= {
-            "torque_error": _rms(error) / _rms(size),
+        return found | {
+            "torque_error": _rms((torque - true_torque)[:, told]) / _rms(true_torque[:, told]),
             "pad_friction_bias": np.abs((x.value / true - 1.0).mean(axis=1)),
-            "final_error": np.abs((whole[:, 0] / pads)[:, told][:, -1] - 1.0),
+            "final_error": np.abs(pads[:, 0] / true_pads - 1.0)[:, told][:, -1],
             "inside": ((true >= x.lower) & (true <= x.upper)).mean(axis=1),
             "normalised_error": np.sqrt(np.square(rest).sum(axis=1) / count),
             "truth_pad_friction": np.where(known, true, 0.0).sum(axis=1) / count,
         }
-    return found
 
 
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
@@ -164,12 +162,13 @@ def _rms(x: Array) -> Array:
 
 
 def baseline_errors(
-    log: Log, e: Estimate, others: dict[str, tuple[Array, Array]]
+    log: Log, e: Estimate, others: dict[str, Pair]
 ) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction of each method, front and rear, over valid samples.
 
     ``others`` the pad friction of those beside the estimate (n,), front and rear. Without a truth
-    it is against the best estimate, where that has seen v; else there are none.
+    it is against the best estimate, where that has seen v; else there are none. A method that says
+    NaN is left out.
     """
     truth = truth_of(log, e)
     both = (("estimate", e.best), ("ecu", e.ecu))
@@ -178,5 +177,5 @@ def baseline_errors(
     known = e.valid & np.isfinite(true).all(axis=0)
     if not known.any() or (truth is None and e.blocks.v is None):
         return {}
-    errors = {name: (np.array(pads) / true - 1.0)[:, known] for name, pads in methods.items()}
-    return {name: (float(_rms(front)), float(_rms(rear))) for name, (front, rear) in errors.items()}
+    errors = {name: _rms((np.array(x) / true - 1.0)[:, known]) for name, x in methods.items()}
+    return {name: (float(x[0]), float(x[1])) for name, x in errors.items() if np.isfinite(x).all()}

@@ -13,6 +13,7 @@ from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
 from calib.estimation.agreement import agreement
+from calib.estimation.budget import budget
 from calib.estimation.estimator import COLUMNS, Estimate
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, proof_of
@@ -49,7 +50,7 @@ def to_dict(
 
 
 def _of_log(r: Validation) -> dict[str, object]:
-    notes = [NO_HOLDOUT] * (r.role == CALIBRATION) + [*r.notes]
+    parts = budget(r.estimate)
     return {
         "log": r.log,
         "digest": r.digest,
@@ -70,14 +71,14 @@ def _of_log(r: Validation) -> dict[str, object]:
         ],
         "not_held": [j.figure for j in r.judgements if j.verdict == FAILED],
         "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
-        "budget": r.budget and budget_summary(*r.budget),
+        "budget": parts and budget_summary(*parts),
         "not_valid": r.refused,
         "rms_error_against": r.compared_with,
         "rms_error_by_method": {
             name: {"front": finite(front), "rear": finite(rear)}
             for name, (front, rear) in r.baselines.items()
         },
-        **({"notes": notes} if notes else {}),
+        **({"notes": [NO_HOLDOUT]} if r.role == CALIBRATION else {}),
     }
 
 

@@ -8,17 +8,15 @@ speed can contradict it, but shares the ramp with it; without both it is consist
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
-from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
+from calib.car.effects.effect import Pair
 from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import Vehicle, require_same_car
-from calib.estimation.baselines import other_methods
-from calib.estimation.budget import budget
+from calib.estimation.baselines import METHODS
 from calib.estimation.estimator import Estimate, estimate
-from calib.estimation.exchanged import exchanged
+from calib.estimation.exchanged import SURE, exchanged
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import Figures, baseline_errors, counted_samples, score, share
 from calib.estimation.warnings import warnings_of
@@ -29,7 +27,6 @@ from calib.run.observation import observe
 from calib.run.rules import problems
 from calib.run.warnings import clock_gaps, locked_wheels, saturated
 from calib.store.evidence import CONSISTENT
-from calib.table.budget import Parts
 from calib.table.table import Table
 
 HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
@@ -50,8 +47,8 @@ class Validation:
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it validates
     nothing, so it does not pass. ``others`` pad friction (front, rear) by other methods [1] (n,),
-    ``baselines`` their rms errors [1], ``notes`` those left out. ``mass`` is what the estimate
-    rests on; ``warnings`` what speaks against it.
+    ``baselines`` rms errors of all of them [1]. ``mass`` is what the estimate rests on;
+    ``warnings`` what speaks against it.
     """
 
     log: str
@@ -62,8 +59,7 @@ class Validation:
     judgements: tuple[Judgement, ...]
     baselines: dict[str, tuple[float, float]]
     mass: MassUsed
-    others: dict[str, tuple[Array, Array]] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    others: dict[str, Pair] = field(default_factory=dict)
     warnings: tuple[PlausibilityWarning, ...] = ()
 
     def __repr__(self) -> str:
@@ -107,11 +103,6 @@ class Validation:
     def compared_with(self) -> str:
         """What the errors of the baselines are against: `TRUTH`, `REFERENCE` or `NONE`."""
         return TRUTH if "estimate" in self.baselines else REFERENCE if self.baselines else NONE
-
-    @cached_property
-    def budget(self) -> tuple[Parts, Parts] | None:
-        """What the intervals of front and rear pads are made of; None without a valid sample."""
-        return budget(self.estimate)
 
 
 def validate(
@@ -175,13 +166,15 @@ def validate_one(
         *warnings_of(log, result),
         *locked_wheels(log.name, seen),
         *saturated(log.name, seen),
-        *(warning for warning, _ in columns),
+        *columns,
     )
-    wrong = wrong_speed(warnings)
-    unfit = [why for _, why in columns if why] + ([wrong.what] if wrong else [])
+    sure = (w for w in columns if w.code != "axles_exchanged" or w.measured > SURE)
+    unfit = [w.causes[0] for w in sure]
+    if wrong := wrong_speed(warnings):
+        unfit.append(wrong.what)
     result = replace(result, unfit=tuple(unfit))
     figures = score(log, result)
-    others, notes = other_methods(result) if baselines else ({}, ())
+    others = {name: method(result) for name, method in METHODS.items()} if baselines else {}
     return Validation(
         log=log.name,
         digest=log.digest,
@@ -189,9 +182,8 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        baselines=baseline_errors(log, result, others) if baselines else {},
+        baselines=baseline_errors(log, result, others),
         others=others,
-        notes=notes,
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )

@@ -85,7 +85,6 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 
 def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     """The facts with pads, curves, stops and origin; equal inputs give equal facts."""
-    notes = [f"{r.log}: {text}" for r in found.results for text in r.notes]
     curves = Picture(_CURVES, sheet(found.table, stored.id), ("f1-f2", "difference"))
     stops = [pads_over_time(r) for r in found.results]
     remarks = [*found.table.remarks, *map(str, found.caveats)]
@@ -93,7 +92,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     parts = [
         _pads(found),
         Facts("The table", pictures=[curves]),
-        Facts("The stops", pictures=stops, notes=notes),
+        Facts("The stops", pictures=stops),
         Facts("Remarks", notes=remarks, folded=True),
         origin(PageOrigin(date), stored, found.logs),
     ]

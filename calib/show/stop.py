@@ -97,7 +97,6 @@ def of_validation(
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
     notes = (
         f"Estimator with table {name}, digest {table.digest[:16]}.",
-        *result.notes,
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
         _SHADED,
         *(

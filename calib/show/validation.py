@@ -6,6 +6,7 @@ from dataclasses import replace
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.agreement import agreement
+from calib.estimation.budget import budget
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
@@ -55,7 +56,7 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
             *_limiting(found),
             *_by_curves(found),
         ],
-        notes=advice_lines(of for result in found for of in result.budget or ()),
+        notes=advice_lines(of for result in found for of in budget(result.estimate) or ()),
         warnings=warnings,
     )
 
@@ -142,10 +143,9 @@ def _limiting(results: list[Validation]) -> list[Row]:
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()
         ]
-        rows += [(r.log, text) for text in r.notes]
         rows += [
             (f"{r.log}, {name} pads", words(of))
-            for name, of in zip(AXLE_NAMES.values(), r.budget or (), strict=False)
+            for name, of in zip(AXLE_NAMES.values(), budget(r.estimate) or (), strict=False)
         ]
     together = agreement(results)
     return rows + [

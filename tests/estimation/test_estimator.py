@@ -8,7 +8,7 @@ import pytest
 
 from calib.base.names import WHEELS, G
 from calib.car.balance import brake_forces
-from calib.estimation.baselines import other_methods
+from calib.estimation.baselines import METHODS
 from calib.estimation.constants import Constants
 from calib.estimation.estimator import estimate
 from calib.estimation.known import known_resistance, nominal_car
@@ -50,7 +50,8 @@ def columns(e, until=None):
     stop = None if until is None else int(np.searchsorted(e.time, until))
     out = {"z": e.read.z, "eta": e.eta, "valid": e.valid, "braked": e.braked}
     out |= e.best.columns() | {f"force_{i}": force for i, force in enumerate(e.normalised)}
-    for name, (front, rear) in other_methods(e)[0].items():
+    for name, method in METHODS.items():
+        front, rear = method(e)
         out |= {f"{name}.front": front, f"{name}.rear": rear}
     return {name: np.asarray(x[:stop], float) for name, x in out.items()}
 
@@ -331,7 +332,7 @@ def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(fitted,
         rear=replace(CAR.rear, pad_friction=0.6),
     )
     e = estimate(fitted, wet, wrong)
-    front, rear = other_methods(e)[0]["nominal"]
+    front, rear = METHODS["nominal"](e)
     assert (set(front), set(rear)) == ({0.5}, {0.6})
     # the sum of forces finds the level at once, whatever the file says
     late = e.valid & (e.time > 3.0)

@@ -1,9 +1,10 @@
 """The paper's law against a plain loop, the exponential, its limit; its forces against (18)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from calib.base.errors import InputError
 from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
 from calib.estimation import baselines as law
@@ -58,15 +59,14 @@ def test_constant_u_gives_the_exponential():
     assert theta == pytest.approx(-0.15 * (1.0 - np.exp(-rate * t)), abs=0.15 * rate * dt)
 
 
-def test_stable_just_below_the_limit_and_refused_at_it():
+def test_stable_just_below_the_limit_and_not_known_at_it():
     u = np.full(4000, -700.0)
     below, above = 1.99 / (700.0**2 * DT), 2.0001 / (700.0**2 * DT)
     theta = law.gradient(-0.1 * u, u, below, DT)
     assert np.max(np.abs(theta[-100:] + 0.1)) < 1e-12  # |1 - 1.99|^4000
     grown = plain_loop(-0.1 * u, u, 1.05 * above, DT)
     assert np.abs(grown[-1]) > 1e3
-    with pytest.raises(InputError, match=r"unstable: gamma u\^2 dt = 2\.00.*below 2"):
-        law.gradient(-0.1 * u, u, above, DT)
+    assert np.isnan(law.gradient(-0.1 * u, u, above, DT)).all()
 
 
 def test_lyapunov_rate_is_the_slope_of_the_function():
@@ -84,21 +84,34 @@ def test_lyapunov_rate_is_the_slope_of_the_function():
 # Forces ------------------------------------------------------------------------------------------
 
 
+def forces(brakes, b):
+    """F_x/F_z of the axles that brake so, by the balance of their moments."""
+    return (brakes[0] + b.moment_f) / b.load_f, (brakes[1] + b.moment_r) / b.load_r
+
+
+def balance(z, tyres=None):
+    """At 20 m/s, of a car that the ``tyres`` slow by this share of its weight alone."""
+    b = force_balance(VEHICLE, Effects(), z, 20.0 + 0.0 * z, z, z)
+    return b if tyres is None else replace(b, tyre_sum=VEHICLE.weight * tyres)
+
+
 def test_curves_give_the_straight_tyre_and_the_level():
     """D = C (eta - 1) at z = K (eta - 1); known effects shift the level and not the difference."""
     eta = 1.0 + np.linspace(1e-4, 0.0045, 30)
     z = K * (eta - 1.0)
-    F_f, F_r = law.by_curves(made_table(rows=41), eta, z - 0.02)
+    b = balance(z, z - 0.02)
+    F_f, F_r = forces(law.by_curves(made_table(rows=41), eta, b), b)
     assert F_f - F_r == pytest.approx(C * (eta - 1.0), rel=0.012)
     front = (1.6494 + 0.615 * z) / 2.805
     assert front * F_f + (1.0 - front) * F_r == pytest.approx(z - 0.02, abs=1.5e-6)  # (18)
 
 
 def test_beyond_the_curves_their_ends_hold():
-    flat = np.zeros(4)
-    F_f, F_r = law.by_curves(made_table(), np.array([0.999, 1.0, 1.005, 1.006]), flat)
-    assert (F_f[0], F_f[3]) == (F_f[1], F_f[2])
-    assert (F_r[0], F_r[3]) == (F_r[1], F_r[2])
+    front, rear = law.by_curves(
+        made_table(), np.array([0.999, 1.0, 1.005, 1.006]), balance(np.zeros(4))
+    )
+    assert (front[0], front[3]) == (front[1], front[2])
+    assert (rear[0], rear[3]) == (rear[1], rear[2])
 
 
 NOMINAL = np.log(28.84 * 130.9 / (11.34 * 124.0))
@@ -106,16 +119,16 @@ NOMINAL = np.log(28.84 * 130.9 / (11.34 * 124.0))
 
 
 def read(z, shift):
-    """By the map of `mapped_table`: ln of front over rear brake force, forces and balance."""
-    b = force_balance(VEHICLE, Effects(), z, 20.0 + 0.0 * z, z, z)
-    F_f, F_r = law.by_map(mapped_table(), 1.0 + shift * b.demanded / VEHICLE.weight, b)
-    brakes = (F_f * b.load_f - b.moment_f) / (F_r * b.load_r - b.moment_r)
-    return np.log(brakes), (F_f, F_r), b
+    """By the map of `mapped_table`: ln of front over rear brake force, both, and the balance."""
+    b = balance(z)
+    front, rear = law.by_map(mapped_table(), 1.0 + shift * b.demanded / VEHICLE.weight, b)
+    return np.log(front / rear), (front, rear), b
 
 
 def test_the_map_shares_the_force_and_18_is_exact():
     z, shift = np.linspace(0.12, 0.7, 9), np.linspace(-0.0035, 0.019, 9)
-    ratio, (F_f, F_r), b = read(z, shift)
+    ratio, brakes, b = read(z, shift)
+    F_f, F_r = forces(brakes, b)
     assert F_f * b.load_f + F_r * b.load_r == pytest.approx(VEHICLE.weight * z, rel=1e-12)
     expected = NOMINAL + A + B_Z * b.demanded / VEHICLE.weight + B_SHIFT * shift
     assert ratio == pytest.approx(expected, abs=1e-9)

@@ -47,6 +47,7 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, inn
         "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r),
     }  # fmt: skip
     rest = {"innovation": np.zeros(N) if innovation is None else np.repeat(innovation, N // 100)}
+    rest["ratio"] = np.log(np.broadcast_to(named["ratio"], (3, N)))
     return Readout(
         step=Answer(**dict.fromkeys(Answer._fields, np.zeros(N)) | rest | {"reason": reason}),
         **{k: bounded(x, sigma) for k, x in named.items()},
