@@ -16,7 +16,7 @@ from calib.car.forces import axle_loads, speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
 from calib.model.settings import SETTINGS
-from calib.table.maps import WIDE, Draws, interpolation
+from calib.table.maps import WIDE, Draws
 from calib.table.table import Calibration
 
 ROWS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
@@ -182,7 +182,7 @@ def shown(
     unit = unit_slips(car, e, slowed, tyres, peak)
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
     turning = 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
-    between = interpolation(z, DEPART_AT).T
+    between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return Shown(
         z=z,
         shift=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),

@@ -64,19 +64,31 @@ class Map:
 
     def on(self, axes: Sequence[Array]) -> Self:
         """The map as it is read at every combination of other axes, in the order of `AXES`."""
-        weights = [interpolation(x, own) for x, own in zip(axes, self.axes.values(), strict=True)]
-        return self.of(axes, **{name: _along(self.grid(name), weights) for name in self.names})
+        read = Reader(self, self.names)(*np.meshgrid(*axes, indexing="ij"))
+        return self.of(axes, **dict(zip(self.names, read, strict=True)))
 
 
-def interpolation(x: Array, knots: Array) -> Array:
-    """Share (n, k) of each of the ``knots`` (k,) in what is read at ``x`` (n,), linear between."""
-    return np.stack([np.interp(x, knots, unit) for unit in np.eye(knots.size)], axis=1)
+class Reader:
+    """Columns of a map, read between its cells, linear along each axis, held at its ends."""
 
+    def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
+        from scipy.interpolate import RegularGridInterpolator
 
-def _along(values: Array, weights: Sequence[Array]) -> Array:
-    for i, share in enumerate(weights):
-        values = np.moveaxis(np.tensordot(share, values, (1, i)), 0, i)
-    return values
+        self.axes, names = list(m.axes.values()), np.array(columns)
+        cells = np.stack([m.grid(name) for name in names.flat], axis=-1)
+        self._read, self._shape = RegularGridInterpolator(self.axes, cells), names.shape
+
+    def width(self, axis: int, x: Array) -> Array:
+        """Width of the cell of an axis in which ``x`` lies."""
+        points = self.axes[axis]
+        end = np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1)
+        return points[end] - points[end - 1]
+
+    def __call__(self, *at: Array) -> Array:
+        """All columns, in their shape (c, ...), at points, one array (...) for each axis."""
+        held = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(at, self.axes, strict=True)]
+        read = np.moveaxis(self._read(np.stack(held, axis=-1)), -1, 0)
+        return np.asarray(read.reshape(*self._shape, *read.shape[1:]))
 
 
 @dataclass(frozen=True)
