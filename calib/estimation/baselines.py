@@ -25,8 +25,8 @@ from calib.car.effects.effects import Effects
 from calib.car.history import constant_speed
 from calib.car.lag import integral
 from calib.car.vehicle import Axle
-from calib.estimation.constants import Reader
 from calib.estimation.estimator import Estimate
+from calib.table.maps import Reader
 from calib.table.table import Table
 
 RATE, PRESSURE = 8.0, 20e5

@@ -1,48 +1,17 @@
 """What the step takes from a table: maps that are read, noise of the sensors, tuned numbers."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
 from calib.run.noise import SensorNoise
-from calib.table.maps import Map
+from calib.table.maps import Reader
 from calib.table.table import Table
 
 LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "change_upper")
 SLIP = ("log_slip", "log_slip_sigma")
 """Columns of the maps that the step reads, in the shape in which it has them."""
-
-
-class Reader:
-    """Columns of a map, read between its cells, linear along each axis, held at its ends."""
-
-    def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
-        from scipy.interpolate import RegularGridInterpolator
-
-        self.axes, names = list(m.axes.values()), np.array(columns)
-        cells = np.stack([getattr(m, name) for name in names.flat], axis=-1)
-        shape = *(axis.size for axis in self.axes), *names.shape
-        self._read = RegularGridInterpolator(self.axes, cells.reshape(shape))
-        self._last = -names.ndim
-
-    def holds(self, axis: int, x: Array) -> Mask:
-        """Where ``x`` is within the ends of an axis."""
-        return np.asarray((self.axes[axis][0] <= x) & (x <= self.axes[axis][-1]))
-
-    def width(self, axis: int, x: Array) -> Array:
-        """Width of the cell of an axis in which ``x`` lies."""
-        points = self.axes[axis]
-        end = np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1)
-        return points[end] - points[end - 1]
-
-    def __call__(self, *at: Array) -> Array:
-        """All columns, in their shape (c, ...), at points, one array (...) for each axis."""
-        held = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(at, self.axes, strict=True)]
-        read = self._read(np.stack(held, axis=-1))
-        return np.moveaxis(read, range(self._last, 0), range(-self._last))
 
 
 @dataclass(frozen=True)
@@ -53,10 +22,10 @@ class Constants:
     slip: Reader  # of `SLIP` over the same
     level: Reader  # of `LEVEL` over z
     before: Reader  # of `PADS` before eta is read
-    noise_omega: float  # densities of the sensors' noise, as in `SensorNoise`
-    noise_z: float
+    noise_rim: float  # densities of the sensors' noise: of the wheels' rims [m/s s^0.5]
+    noise_z: float  # as in `SensorNoise`
     noise_v: float
-    radius: float  # rolling radius of the front wheels [m]
+    radii: float  # rolling radius of the front wheels over that of the rear ones [1]
     late: float  # time by which v comes after the wheel speeds [s], and its sigma
     late_sigma: float
     ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
@@ -67,6 +36,9 @@ class Constants:
     settle: float = 0.3  # time of braking before an answer stands [s]
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
+    usual_z: float = 0.1  # at which the maps are read before any braking [1]
+    least_mean_z: float = 0.01  # below it there is none [1]
+    least_share: float = 0.02  # of a level, or of the pressure that acts: below there is none [1]
     least_level: float = 0.05  # of any pads: soaked ones [1]
     most_level: float = 3.0  # the best of racing pads, with a tenth of error [1]
     level_sigma: float = 0.4  # of a level before any braking [1]
@@ -99,18 +71,19 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
     assert table.map is not None
     assert table.level_map is not None
-    draws, ramp = table.draws, table.level_map.ratio[0]
+    assert table.draws is not None
+    radius = table.vehicle.front.rolling_radius
     return Constants(
         pads=Reader(table.map, PADS),
         slip=Reader(table.map, SLIP),
         level=Reader(table.level_map, LEVEL),
         before=Reader(table.level_map, PADS),
-        noise_omega=float(noise.omega),  # Python's numbers are three times as fast
+        noise_rim=float(radius * noise.omega),  # Python's numbers are three times as fast
         noise_z=float(noise.z),
         noise_v=float(noise.v),
-        radius=table.vehicle.front.rolling_radius,
-        late=0.0 if draws is None else float(np.mean(draws.v_late)),
-        late_sigma=0.01 if draws is None else float(np.std(draws.v_late)),
-        ramp_ratio=float(ramp if draws is None else np.mean(draws.log_pad_ratio)),
+        radii=radius / table.vehicle.rear.rolling_radius,
+        late=float(np.mean(table.draws.v_late)),
+        late_sigma=float(np.std(table.draws.v_late)),
+        ramp_ratio=float(np.mean(table.draws.log_pad_ratio)),
         block=block,
     )

@@ -6,7 +6,6 @@ The step is in `calib.estimation.step`; what the paper argues with, `calib.estim
 starts from the same.
 """
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -15,26 +14,24 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import WHEELS
-from calib.car.balance import ForceBalance
 from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.forces import speed_ratio
 from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
 from calib.estimation.constants import Constants
-from calib.estimation.known import known_effects, known_slips, nominal_car
+from calib.estimation.known import known_effects, nominal_car
 from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
 from calib.model.known_effects import CorrectedRun, remove_known_effects
-from calib.run.axle_signals import Signals, eta_of, rolling_radii, signals
-from calib.run.blocks import Blocks, block_balance, blocks
+from calib.run.axle_signals import Signals, eta_of, signals
+from calib.run.blocks import Blocks, blocks
 from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
 from calib.run.lateral import lateral
-from calib.run.noise import SensorNoise, aged, lead_in_noise, worst_noise
+from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
@@ -65,8 +62,8 @@ class Estimate:
     ``table`` with the car as it is driven, ``car`` the same with the nominal pads and all known
     effects; ``ran`` the log, known effects taken out, with what they did to the pad friction, which
     is given without them; ``read`` its signals with their balance of ``forces``, ``blocks`` their
-    means with that of the ``road``; ``noise`` of the sensors; ``best`` what the step makes of all
-    channels, ``ecu`` without a speed; ``unfit`` why no sample of the run counts, if so.
+    means; ``noise`` of the sensors; ``best`` what the step makes of all channels, ``ecu`` without a
+    speed; ``unfit`` why no sample of the run counts, if so.
     """
 
     table: Table
@@ -75,7 +72,6 @@ class Estimate:
     read: Signals
     forces: BrakeBalance
     blocks: Blocks
-    road: ForceBalance
     noise: SensorNoise
     best: Readout
     ecu: Readout
@@ -93,6 +89,11 @@ class Estimate:
         """Clock of the log [s] (n,)."""
         return self.read.time
 
+    @cached_property
+    def bites(self) -> Mask:
+        """Samples (n,) in which the pads bite."""
+        return np.maximum(self.read.p_f, self.read.p_r) > BITE
+
     @property
     def braked(self) -> Mask:
         """Samples (n,) with a pressure at which a pad level means something."""
@@ -106,48 +107,32 @@ class Estimate:
     @property
     def refused(self) -> dict[str, Mask]:
         """Samples in which the pads bite and the model does not hold, (n,) each, by reason."""
-        bites = np.maximum(self.read.p_f, self.read.p_r) > BITE
         reasons = (reason for reason in Reason if reason is not Reason.VALID)
-        shown = {reason.words: bites & (self.best.step.reason == reason) for reason in reasons}
-        return dict.fromkeys(self.unfit, bites) | shown
+        shown = {reason.words: self.bites & (self.best.step.reason == reason) for reason in reasons}
+        return dict.fromkeys(self.unfit, self.bites) | shown
 
-    @cached_property
-    def driven(self) -> Pair:
-        """Slips (k,) of the axles at the blocks by known effects, see `known_slips`."""
-        return known_slips(self.table, self.road)
+    @property
+    def zeros(self) -> tuple[float, float]:
+        """Eta (22) and slip [1] as the step has them before the first bite: the radii of the day.
 
-    @cached_property
-    def eta_zero(self) -> float:
-        """eta - 1 (22) on the lead-in [1], less what known effects do to it: the radii of the day.
-
-        Without a lead-in that of the radii of the car, within one per cent.
+        Known effects are not in them. Without rolling those of the car, within one per cent.
         """
-        b = self.blocks
-        if not b.lead_in.any():
-            return self.car.front.rolling_radius / self.car.rear.rolling_radius - 1.0
-        eta = b.eta / speed_ratio(*self.driven)
-        density = math.sqrt(2.0) * self.noise.omega / np.maximum(b.omega_f, 1.0)
-        # radii walk: the last seconds count most
-        weights = aged(b.end, b.lead_in, density)[b.lead_in] ** -2.0
-        return float(np.average(eta[b.lead_in], weights=weights)) - 1.0
+        step, last = self.best.step, int(np.argmax(self.bites)) - 1  # without a bite the last one
+        return float(step.zero_eta[last]), float(step.zero_slip[last])
 
     @property
     def eta(self) -> Array:
         """Eta (22) with its zero taken out [1] (n,)."""
-        return eta_of(self.read.omega_f, self.read.omega_r) / (1.0 + self.eta_zero)
+        return eta_of(self.read.omega_f, self.read.omega_r) / self.zeros[0]
 
     @property
     def slips(self) -> Pair | None:
-        """Slips (19), (20) of the axles [1] (n,) with the radii of the lead-in; None without v."""
-        s, radii = self.read, rolling_radii(self.read)
-        if s.v is None or radii is None:
+        """Slips (19), (20) of the axles [1] (n,) with the radii of the day; None without v."""
+        if self.read.v is None:
             return None
-        free_f, free_r = (
-            radius * (1.0 - float(np.mean(slip[self.blocks.lead_in])))
-            for radius, slip in zip(radii, self.driven, strict=True)
-        )
-        v = np.maximum(s.v, 0.5)
-        return 1.0 - free_f * s.omega_f / v, 1.0 - free_r * s.omega_r / v
+        free = self.car.front.rolling_radius / (1.0 - self.zeros[1])
+        turned = free * self.read.omega_f / np.maximum(self.read.v, 0.5)
+        return 1.0 - turned, 1.0 - turned * self.eta
 
     @cached_property
     def normalised(self) -> Pair:
@@ -162,16 +147,9 @@ class Estimate:
 
     def columns(self) -> dict[str, Array | Mask | Index]:
         """The samples by the names of `COLUMNS`, (n,) each; those of both wheels are the same."""
-        return {
-            "time": self.time,
-            "z": self.read.z,
-            "eta": self.eta,
-            "normalised_force_f": self.normalised[0],
-            "normalised_force_r": self.normalised[1],
-            **(self.best.columns() | {"valid": self.valid}),
-            **{f"ecu_{name}": x for name, x in self.ecu.columns().items()},
-            "ecu_reason": self.ecu.step.reason,
-        }
+        best, ecu = self.best.columns() | {"valid": self.valid}, self.ecu.columns()
+        told = self.time, self.read.z, self.eta, *self.normalised, *best.values(), *ecu.values()
+        return dict(zip(COLUMNS, (*told, self.ecu.step.reason), strict=True))
 
     def to_frame(self) -> "pd.DataFrame":
         """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``."""
@@ -220,16 +198,20 @@ def estimate(
     require_maps(table)
     known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     car = weighed(replace(table.vehicle, effects=known), mass)
-    ran, read, means, road = seen = _seen(table, car, log)
+    ran, read, means = as_ecu, own, own_means = _seen(car, log)
+    sensors, pressures = replace(car, effects=sensed(car.effects)), {f"p_{w}" for w in WHEELS}
+    if sensors != car or pressures & log.channels.keys():  # an ECU has that of the master cylinder
+        left = {name: x for name, x in log.channels.items() if name not in pressures}
+        as_ecu, own, own_means = _seen(sensors, replace(log, channels=left))
     used = replace(table, vehicle=ran.vehicle)
     nominal = nominal_car(used, vehicle)
     slip = np.interp(read.z, table.tyre.force, table.tyre.slip)
     bend = lateral(ran.log, read, car.track_width, slip=slip, height=car.cg_height)
     disturbed = disturbances(ran.log, read, bend)
-    noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
-    as_ecu, own, of, at = _seen_by_ecu(table, car, log) or seen
+    quiet = SensorNoise(**table.noise)
+    noise = worst_noise([quiet, lead_in_noise(ran.log, read)])
     factors = as_ecu.factor_f / ran.factor_f, as_ecu.factor_r / ran.factor_r
-    handed_out, quiet = replace(exported or table, vehicle=ran.vehicle), SensorNoise(**table.noise)
+    handed_out = replace(exported or table, vehicle=as_ecu.vehicle)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
@@ -237,32 +219,14 @@ def estimate(
         read=read,
         forces=brake_balance(nominal, known_effects(used), read),
         blocks=means,
-        road=road,
         noise=noise,
-        best=read_out(used, noise, read, means, road, disturbed),
-        ecu=read_out(handed_out, quiet, own, of, at, disturbed, factors, with_v=False),
+        best=read_out(used, noise, read, means, disturbed),
+        ecu=read_out(handed_out, quiet, own, own_means, disturbed, factors, with_v=False),
     )
 
 
-_Seen = tuple[CorrectedRun, Signals, Blocks, ForceBalance]
-"""A log, known effects taken out, its signals, their means and the balance of these."""
-
-
-def _seen(table: Table, car: Vehicle, log: Log) -> _Seen:
-    """The log of a ``car`` with known effects."""
+def _seen(car: Vehicle, log: Log) -> tuple[CorrectedRun, Signals, Blocks]:
+    """A log of a ``car`` with known effects, these taken out; its signals, and their means."""
     ran = remove_known_effects(car, log)
     read = signals(ran.log, ran.vehicle)
-    means, effects = blocks(read), known_effects(replace(table, vehicle=ran.vehicle))
-    return ran, read, means, block_balance(ran.vehicle, effects, means)
-
-
-def _seen_by_ecu(table: Table, car: Vehicle, log: Log) -> _Seen | None:
-    """The same by the pressure of the master cylinder alone, and the effects that an ECU knows.
-
-    None where these are all.
-    """
-    wheels, own = {f"p_{w}" for w in WHEELS}, sensed(car.effects)
-    if wheels.isdisjoint(log.channels) and own == car.effects:
-        return None
-    channels = {name: x for name, x in log.channels.items() if name not in wheels}
-    return _seen(table, replace(car, effects=own), replace(log, channels=channels))
+    return ran, read, blocks(read)

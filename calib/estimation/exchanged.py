@@ -16,7 +16,6 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.warning import PlausibilityWarning, warning
 from calib.car.braking import BITE, MOVING
-from calib.car.forces import speed_ratio
 from calib.estimation.estimator import Estimate
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
@@ -56,10 +55,10 @@ def exchanged(
 def axles_exchanged(table: Table, e: Estimate) -> float:
     """Logarithm of the likelihood of eta with the axles exchanged over that as given.
 
-    0 without draws in the table, where the car never brakes, or brakes with the rear axle alone.
+    0 where the car never brakes, or brakes with the rear axle alone.
     """
     z, shift, error = _curve(e)
-    if table.draws is None or not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
+    if not z.size or braked_alone(e.blocks.p_f, e.blocks.p_r) == "r":
         return 0.0
     shown = _shown(table) @ np.stack([np.interp(z, _Z, hat) for hat in np.eye(_Z.size)])
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
@@ -77,7 +76,7 @@ def _shown(table: Table) -> Array:
     assert table.draws is not None
     car = table.vehicle
     stops = scenarios(car, ensemble_of(car, table.draws), _COUNT)
-    return np.stack([seen(car, stops, z).shift for z in _Z.tolist()], axis=1)
+    return seen(car, stops, _Z).shift
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:
@@ -85,9 +84,8 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
 
     Without wheels at their limit, which no scenario has.
     """
-    b = e.blocks
-    demanded = e.road.demanded / e.car.weight
-    shift = b.eta / speed_ratio(*e.driven) / (1.0 + e.eta_zero) - 1.0
+    b, demanded = e.blocks, e.best.given.demand
+    shift = e.best.given.eta / e.zeros[0] - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls

@@ -13,6 +13,7 @@ from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
 from calib.model.resistance import DRAG, ROLLING, Resistance
+from calib.table.pad_levels import pad_levels
 from calib.table.table import Table
 
 
@@ -21,10 +22,8 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
 
     The latter have the ratio of the file, and together brake as the pads did on the ramp.
     """
-    car, pads, scale = table.vehicle, vehicle or table.vehicle, 1.0
-    if vehicle is None:
-        share, half = front_share(car, 0.0), math.exp(0.5 * table.calibration.pad_log_ratio.value)
-        scale = table.calibration.pad_scale.value * float(share * half + (1.0 - share) / half)
+    car, pads = table.vehicle, vehicle or table.vehicle
+    scale = 1.0 if vehicle else math.exp(pad_levels(car, table.calibration).level)
     front = replace(car.front, pad_friction=scale * pads.front.pad_friction)
     rear = replace(car.rear, pad_friction=scale * pads.rear.pad_friction)
     return replace(car, front=front, rear=rear)

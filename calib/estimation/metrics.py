@@ -66,7 +66,7 @@ def score(e: Estimate) -> Figures:
     truth, counted = truth_of(e), counted_samples(e)
     valid, by_ecu = e.valid & counted, e.ecu.valid & counted
     found: dict[str, Any] = {
-        "eta_zero": e.car.radius_mismatch(e.eta_zero),
+        "eta_zero": e.car.radius_mismatch(e.zeros[0] - 1.0),
         "valid_share": share(valid, counted),
         "ecu_valid_share": share(by_ecu, counted),
     }

@@ -14,16 +14,16 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.base.names import AXLES, WHEELS
-from calib.car.balance import ForceBalance, brake_forces
+from calib.car.balance import brake_forces
 from calib.car.bias import front_share
 from calib.car.forces import speed_ratio
 from calib.estimation.constants import constants
-from calib.estimation.known import known_slips
+from calib.estimation.known import known_effects, known_slips
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample
 from calib.estimation.step import Answer, run, widened
 from calib.run.axle_signals import Signals
-from calib.run.blocks import Blocks
+from calib.run.blocks import Blocks, block_balance
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
 
@@ -56,6 +56,7 @@ class Readout:
     Pad frictions are without known effects, torques are those that act.
     """
 
+    given: Sample[Array]  # to the step, of each block
     step: Answer  # of the last whole block
     level: Bounded  # sum of the brake torques over that of the file's pads [1]
     ratio: Bounded  # front pads over rear ones [1]
@@ -100,7 +101,6 @@ def read_out(
     noise: SensorNoise,
     s: Signals,
     b: Blocks,
-    road: ForceBalance,
     disturbed: Index,
     factors: tuple[Array | float, Array | float] = (1.0, 1.0),
     *,
@@ -109,13 +109,14 @@ def read_out(
     """Run the step of a ``table`` over the signals of a log.
 
     The table's vehicle is as driven, with the pads of the file; ``b`` means of the signals over
-    blocks and ``road`` their balance; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of
-    the axles' pad friction by which known effects are taken out of it; ``with_v`` whether the
-    reference speed is used where it is logged.
+    blocks; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of the axles' pad friction by
+    which known effects are taken out of it; ``with_v`` whether the reference speed is used where it
+    is logged.
     """
     car = table.vehicle
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
     front, rear = car.front, car.rear
+    road = block_balance(car, known_effects(table), b)
     driven = known_slips(table, road)
     x = Sample(
         demand=road.demanded / car.weight,
@@ -132,27 +133,23 @@ def read_out(
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
     answers, at = run(c, x), b.last_complete(s.time)
-    share = front_share(car, x.log_odds)
-    then, filed = table.calibration, np.array([front.pad_friction, rear.pad_friction])
-    pads = filed[:, None, None] * _pads(share, answers.level, answers.ratio)
+    share, then = front_share(car, x.log_odds), table.calibration
+    filed = np.array([front.pad_friction, rear.pad_friction])
+    ramp = np.array([then.pad_friction_f.value, then.pad_friction_r.value])
     # over the ramp's pads: the tyres are those of today, and fall out
-    changed = _pads(share, answers.level, answers.change + then.pad_log_ratio.value)
-    level, ratio = np.exp(answers.level), filed[0] / filed[1] * np.exp(answers.ratio)
-    pads, changed, level, ratio = (np.take(x, at, axis=-1) for x in (pads, changed, level, ratio))
-    gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
-    total = 2.0 * (gains[0] * pads[0, 0] + gains[1] * pads[1, 0])
-    return Readout(
-        step=answers.at(at),
-        level=Bounded(*level),
-        ratio=Bounded(*ratio),
-        pads_f=Bounded(*(factors[0] * pads[0])),
-        pads_r=Bounded(*(factors[1] * pads[1])),
-        change_f=Bounded(*(filed[0] / then.pad_friction_f.value * changed[0])),
-        change_r=Bounded(*(filed[1] / then.pad_friction_r.value * changed[1])),
-        torque_f=Bounded(*(gains[0] * pads[0])),
-        torque_r=Bounded(*(gains[1] * pads[1])),
-        torque_sum=Bounded(*(level / level[0] * total)),
+    scaled = (filed, answers.ratio), (filed / ramp, answers.change + then.pad_log_ratio.value)
+    pads, changed = (
+        (by[:, None, None] * _pads(share, answers.level, ratio))[..., at] for by, ratio in scaled
     )
+    level, ratio = np.exp(answers.level)[:, at], np.exp(answers.ratio)[:, at]
+    gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
+    torque_f, torque_r = (gain * of for gain, of in zip(gains, pads, strict=True))
+    total = level / level[0] * 2.0 * (torque_f[0] + torque_r[0])
+    bounded = (
+        level, filed[0] / filed[1] * ratio, factors[0] * pads[0], factors[1] * pads[1], *changed,
+        torque_f, torque_r, total,
+    )  # fmt: skip
+    return Readout(x, answers.at(at), *itertools.starmap(Bounded, bounded))
 
 
 def _pads(share: Array, level: Array, ratio: Array) -> Array:

@@ -65,6 +65,8 @@ class Seen(NamedTuple, Generic[Number]):
     acts: Number  # share of the pressure that acts [1]
     innovation: Number  # of the wheels, in standard deviations; NaN where they do not count
     braked: Number  # time of this stop [s]
+    zero_eta: Number  # as they stand [1]
+    zero_slip: Number
 
 
 @dataclass(slots=True)
@@ -111,8 +113,8 @@ class State:
 
 
 def started(c: Constants) -> State:
-    """The state before the first block: radii within 1 %, pads of any level."""
-    demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, 1.0, 0.0))
+    """The state before the first block: radii of the car within 1 %, pads of any level."""
+    demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, c.radii, 0.0))
     s = State(demand, eta, slip, level=(1.0, c.lag, *(0.0,) * 4, c.lag_sigma**2))
     _forget_stop(c, s)
     return s
@@ -149,6 +151,7 @@ def follow(c: Constants, s: State, x: Sample[float]) -> Seen[float]:
         level, level_variance, blocks, s.mean_z, shift / n, zz / n,
         v, log_slip, scale, ss, se, ee, s.demand.variance, s.eta.variance,
         s.acting / x.nominal if braking else 1.0, innovation, s.braked,
+        s.eta.value, s.slip.value,
     )  # fmt: skip
 
 
@@ -156,7 +159,7 @@ def _roll(c: Constants, s: State, x: Sample[float], counts: bool) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
     if len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
-        wheels = c.noise_omega * c.radius / old.rim
+        wheels = c.noise_rim / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
         s.eta.measured(old.eta, 2.0 * wheels**2 / c.block)
         if old.v > MOVING:  # not where v is missing: NaN is not
@@ -219,11 +222,7 @@ def _brake(c: Constants, s: State, x: Sample[float]) -> None:
     weight, z, shift, zz = s.sums
     weight, z = keep * weight + 1.0, keep * z + y
     s.sums = weight, z, keep * shift + x.eta / s.eta.value - 1.0, keep * zz + y * y
-    s.mean_z = max(z / weight, _LEAST_Z)
-
-
-_LEAST_Z = 0.01
-"""Mean deceleration below which there is none [1]."""
+    s.mean_z = max(z / weight, c.least_mean_z)
 
 
 def _move(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
@@ -265,7 +264,7 @@ def _see_speed(c: Constants, s: State, x: Sample[float], *, braking: bool) -> fl
     dt, (v, log_slip, *_) = c.block, s.speed
     slip = max(x.demand - s.demand.value, 0.0) * math.exp(log_slip) if braking else 0.0
     rest, turned = _rim(s, x) - v * (1.0 - slip), 1.0 - slip
-    variance = (c.noise_omega * c.radius) ** 2 / dt + (c.slip_rough * slip * v) ** 2
+    variance = c.noise_rim**2 / dt + (c.slip_rough * slip * v) ** 2
     s.speed, innovation = measured(s.speed, turned, -v * slip, rest, variance)
     if x.v == x.v:
         v = s.speed[0]

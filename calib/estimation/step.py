@@ -32,6 +32,8 @@ class Answer(NamedTuple):
     zeros: Array  # variance of the ratio by what is read
     slip: Array  # ln(slip/z)
     slip_sigma: Array
+    zero_eta: Array  # what eta reads while nothing brakes, and the slip of all wheels
+    zero_slip: Array
     innovation: Array  # of the wheels, in standard deviations; NaN where they do not count
     reason: Array  # a `Reason`
 
@@ -53,44 +55,40 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
     return _answers(c, s, x, Seen(*np.array([follow(c, s, Sample(*row)) for row in rows]).T))
 
 
-_LEAST, _USUAL_Z = 0.02, 0.1
-"""Level, or share of the pressure that acts, below which there is none [1]; deceleration at which
-the maps are read before any braking [1]."""
-
-
 def _answers(c: Constants, s: State, x: Sample[Array], seen: Seen[Array]) -> Answer:
     """Answer each block (k,), as `follow` left it."""
     new = seen.blocks == 0.0
-    z = np.where(new, _USUAL_Z, seen.z)
+    z = np.where(new, c.usual_z, seen.z)
     shift = seen.shift / z
     # slip: one of what was measured and what the map has; what it was off, the scale of a_x was
     usual, sigma = c.slip(z, shift, 0.0 * z)
     gain, rest = 1.0 / (seen.slip_variance + sigma**2), usual - seen.log_slip
     slip = seen.log_slip + gain * seen.slip_variance * rest
     slip_sigma = np.sqrt(gain * seen.slip_variance) * sigma
-    scaled = np.maximum(1.0 - seen.scale - gain * seen.slip_scale * rest, _LEAST)
+    scaled = np.maximum(1.0 - seen.scale - gain * seen.slip_scale * rest, c.least_share)
     scale_variance = np.maximum(seen.scale_variance - gain * seen.slip_scale**2, 0.0)
     # level: friction as it is now, of the pressure as it is now
-    steady = np.maximum(seen.level, _LEAST)
-    pads = steady * np.clip(seen.acts, _LEAST, 1.0 / _LEAST)
+    steady = np.maximum(seen.level, c.least_share)
+    pads = steady * np.clip(seen.acts, c.least_share, 1.0 / c.least_share)
     noise = np.minimum(np.maximum(seen.level_variance, 0.0) / steady**2, 1.0)
     accelerometer = seen.demand_variance / z**2 + scale_variance
     level = widened(c.level(z), Z95 * np.sqrt(noise + accelerometer)) + np.log(pads * scaled)
 
-    of_map = c.pads.holds(1, shift)
+    of_map = np.clip(shift, *c.pads.axes[1][[0, -1]]) == shift
     told = of_map & ~new & (z >= c.least_z)
     at = z, shift, (slip - usual) / sigma
     now, zeros = _ratio(c, at, (_eta_error(c, seen, z) / z, slip_sigma / sigma), x.log_odds, told)
     best, zeros = _keep(c, s, now, zeros, pads, new)
     return Answer(
         level, best[:, 0], best[:, 1], noise, accelerometer, zeros,
-        slip, slip_sigma, seen.innovation, _reasons(c, x, seen.braked, np.exp(level[0]), of_map),
+        slip, slip_sigma, seen.zero_eta, seen.zero_slip, seen.innovation,
+        _reasons(c, x, seen.braked, np.exp(level[0]), of_map),
     )  # fmt: skip
 
 
 def _eta_error(c: Constants, seen: Seen[Array], z: Array) -> Array:
     """Standard deviation of the mean of eta - 1 (k,) by wheels, zero and a changing z."""
-    wheels = c.noise_omega * c.radius / np.maximum(seen.speed, 1.0)
+    wheels = c.noise_rim / np.maximum(seen.speed, 1.0)
     wheels = wheels / np.sqrt(c.block * np.maximum(seen.blocks, 1.0))
     # a mean over decelerations that differ is not the curve at their mean
     bent = seen.shift * np.maximum(seen.z_squared / z**2 - 1.0, 0.0)
@@ -120,11 +118,6 @@ def widened(x: Array, more: Array) -> Array:
     return np.stack([x[0], x[0] - away[1], x[0] + away[2]])
 
 
-def _width(x: Array) -> Array:
-    """Of the bounds of the ratio (k,)."""
-    return np.asarray(x[2, 0] - x[1, 0])
-
-
 def _ratio(
     c: Constants, at: tuple[Array, ...], errors: tuple[Array, Array], log_odds: Array, told: Mask
 ) -> tuple[Array, Array]:
@@ -142,11 +135,11 @@ def _ratio(
     for low, high, spread in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
-    told = told & (_width(now) < _width(prior))
-    now, zeros = np.where(told, now, prior), np.where(told, zeros, 0.0)
+    unread = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])
+    told = told & (unread < 1.0)
+    now, zeros, unread = (np.where(told, *x) for x in ((now, prior), (zeros, 0.0), (unread, 1.0)))
     # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
-    unread = (_width(now) / _width(prior)) ** 2
-    now[:, 0] += unread * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
+    now[:, 0] += unread**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
     return now, zeros
 
 

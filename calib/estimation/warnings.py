@@ -6,7 +6,6 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning, judged
-from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
 from calib.logs.log import Log
@@ -15,7 +14,8 @@ from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import of_changes
 from calib.plausibility.run import run_warnings
 from calib.run.brake_response import brake_response
-from calib.table.budget import level_of
+from calib.table.budget import budget_of
+from calib.table.pad_levels import pad_levels
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
@@ -37,10 +37,9 @@ def _together(e: Estimate, known: Resistance, i: int) -> tuple[float, float]:
     The mass is not counted in the sigma, since another load is what it would tell.
     """
     best = e.best
-    share = front_share(e.table.vehicle, e.table.calibration.pad_log_ratio.value)
-    level = share * best.change_f.value[i] + (1.0 - share) * best.change_r.value[i]
     resistance = float(known.sigma_z(e.car, e.read.speed[i : i + 1])[0])
     variance = float(best.step.noise[i] + best.step.accelerometer[i])
     variance += (resistance / max(float(e.read.z[i]), 0.02)) ** 2
-    variance += sum(x for part, x in level_of(e.table).items() if part != "mass")
-    return math.log(level), math.sqrt(variance)
+    variance += sum(x for part, x in budget_of(e.table).level.items() if part != "mass")
+    ramp = pad_levels(e.table.vehicle, e.table.calibration).level
+    return math.log(best.level.value[i]) - ramp, math.sqrt(variance)

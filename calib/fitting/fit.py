@@ -98,10 +98,10 @@ def fit(
     warnings = tuple(warnings_of(vehicle, car, ramps, coasts, known))
     if (wrong := wrong_speed(warnings)) is not None:
         raise wrong
-    sources = ", ".join(log.source for log, _, _ in ramps)
-    refused = partial(LogError, where=sources, lines=tuple(map(str, warnings)))
+    where = ", ".join(log.source for log, _, _ in ramps)
+    refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
     before = ratio_by_levels(car, runs, known, said)
-    ensemble, left, valve = explained(car, runs, before, told, refused)
+    ensemble, figures, valve = explained(car, runs, before, told, refused)
     held = list(zip(told, ensemble.held.tolist(), strict=True))
     # curves over eta and the level of both axles' pads are of ramps on which both brake
     both, some = [run for run in runs if run.only is None], ensemble.take(slice(None, None, 4))
@@ -110,8 +110,7 @@ def fit(
     z_end = readable_up_to(of)
     if z_end <= 0.0:
         raise refused(
-            "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
-            "as hard for its load as the front axle, or harder",
+            "eta does not rise under braking: the rear axle brakes as hard for its load, or harder",
             expected=f"a front-biased car; by its file {car.name} is so up to "
             f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
@@ -135,8 +134,8 @@ def fit(
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
-        quality=metrics(car, runs, left, of, min((ratio.sigma / before.sigma) ** 2, 1.0)),
-        remarks=tuple(remarks(driven, used, runs, left, pads, known, coasts, bench, held)),
+        quality=metrics(car, runs, of, min((ratio.sigma / before.sigma) ** 2, 1.0)) | figures,
+        remarks=tuple(remarks(driven, used, runs, held)),
         provenance=_provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
         warnings=(
             *judged(vehicle.name, [Measured(one.code, p) for one, p in held]),

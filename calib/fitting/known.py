@@ -69,8 +69,7 @@ def drawn(x: Array, known: Sequence[Known]) -> tuple[Ensemble, Array, Array]:
 
     Those are normal, too: centre (n, 3) plus root (n, 3, 3) times standard normal ones.
     """
-    y = x[:, :OWN].copy()
-    centre, root = np.empty((len(x), 3)), np.empty((len(x), 3, 3))
+    y, centre, root = (np.empty((len(x), *shape)) for shape in ((OWN,), (3,), (3, 3)))
     which = part_of(x, known)
     for i, one in enumerate((_FIELD, *known)):
         at, own = which == i, np.linalg.cholesky(one.covariance)
@@ -85,8 +84,8 @@ def part_of(x: Array, known: Sequence[Known]) -> Index:
     """What each draw (n,) rests on: 0 the field, then what is known in its order."""
     from scipy.special import ndtr
 
-    above = (2.0 * ndtr(x[:, -1]) - 1.0) * len(known)
-    return np.asarray(np.ceil(np.clip(above, 0.0, len(known))), dtype=np.int64)
+    shares = np.linspace(0.5, 1.0, len(known) + 1)[:-1]
+    return np.asarray(np.searchsorted(shares, ndtr(x[:, -1])), dtype=np.int64)
 
 
 def log_more(stated: Value, log_ratio: Array) -> Array:

@@ -21,7 +21,7 @@ from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.resistance import Resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.settings import SETTINGS
-from calib.table.budget import Parts, axle_budgets
+from calib.table.budget import Variances, axle_parts
 from calib.table.table import Calibration, TableBudget, Value
 
 UNSAID = Value(*PRIORS["log_pad_ratio"])
@@ -80,24 +80,21 @@ def ratio_by_levels(
 ) -> Value:
     """ln of the pads' ratio [1] from what was known ``before`` and the levels of the runs.
 
-    Most probable value and its sigma where levels differ by how pads repeat and by how well a run
-    knows its own; ``before`` itself without a ramp of one axle. Errors that the runs share
-    (resistance, accelerometer) count as if they were independent: rather too wide.
+    ln of a level falls with the ratio by the front axle's share of the force, less a half. Levels
+    differ by how pads repeat and by how well a run knows its own; ``before`` itself without a ramp
+    of one axle. Errors that the runs share (resistance, accelerometer) count as if they were
+    independent: rather too wide.
     """
-    from scipy.optimize import least_squares
-
     if all(run.only is None for run in runs):
         return before
-
-    def off(x: Array) -> Array:
-        levels, sigmas = levels_of(vehicle, runs, known, x[0])
-        spread = np.hypot(SETTINGS.pads_repeat, np.linalg.norm(sigmas, axis=1))
-        # the common level is not known beforehand: their weighted mean
-        apart = np.log(levels) - np.average(np.log(levels), weights=spread**-2.0)
-        return np.append(apart / spread, (x[0] - before.value) / before.sigma)
-
-    found = least_squares(off, before.value)
-    return Value(float(found.x[0]), 1.0 / float(np.linalg.norm(found.jac)))
+    share = {"f": 1.0, "r": 0.0, None: front_share(vehicle, before.value)}
+    levels, sigmas = levels_of(vehicle, runs, known, before.value)
+    weight = 1.0 / (SETTINGS.pads_repeat**2 + np.sum(sigmas**2, axis=1))
+    shares = np.array([share[run.only] for run in runs])
+    # the common level is not known beforehand: their weighted mean
+    off, apart = (x - np.average(x, weights=weight) for x in (np.log(levels), shares))
+    precision = before.sigma**-2.0 + weight @ apart**2
+    return Value(before.value + float(weight * apart @ off / precision), float(precision**-0.5))
 
 
 def level_of(
@@ -119,7 +116,7 @@ def level_of(
 
 
 def calibration_of(
-    vehicle: Vehicle, scale: float, level: Parts, ratio: Value, posterior: Mapping[str, Array]
+    vehicle: Vehicle, scale: float, level: Variances, ratio: Value, posterior: Mapping[str, Array]
 ) -> tuple[Calibration, TableBudget]:
     """The pads, each with its sigma, and what they rest on by cause, see `calib.table.budget`.
 
@@ -143,6 +140,6 @@ def calibration_of(
     )
     at = AT.log_pad_ratio
     of_ratio = {part: float(of[at, at]) for part, of in posterior.items()}
-    front, rear = axle_budgets(vehicle, pads, level, of_ratio)
     shares = {part: tuple(map(tuple, of.tolist())) for part, of in posterior.items()}
-    return pads, TableBudget(front.relative, rear.relative, dict(level), shares)
+    axles = axle_parts(vehicle, ratio.value, level, of_ratio)
+    return pads, TableBudget(*axles, dict(level), shares)

@@ -55,20 +55,13 @@ def parts_of(x: Array, e: Posterior) -> dict[str, Array]:
     """Covariance (k, k) of ``x`` (k, n), a function of the draws, by the cause of the error.
 
     Each cause moves the mean of x by cov(x, pull). That is exact where all is normal and linear;
-    elsewhere the parts are stretched so that they add up to the covariance of the draws.
+    elsewhere the parts are stretched so that they add up to the variances of the draws.
     """
-    sigma = np.std(x, axis=1, keepdims=True)
-    unit = (x - np.mean(x, axis=1, keepdims=True)) / np.where(sigma > 0.0, sigma, 1.0)
-    moved = {part: unit @ (pull - pull.mean(axis=0)) / e.size for part, pull in e.pulls.items()}
-    parts = {part: by @ by.T for part, by in moved.items()}
-    whole = _even_root(unit @ unit.T / e.size)
-    stretch = sigma * (whole @ np.linalg.pinv(_even_root(np.sum(list(parts.values()), axis=0))))
-    return {part: stretch @ of @ stretch.T for part, of in parts.items()}
-
-
-def _even_root(covariance: Array) -> Array:
-    values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
+    off = x - np.mean(x, axis=1, keepdims=True)
+    moved = {part: off @ pull / e.size for part, pull in e.pulls.items()}
+    told = np.linalg.norm(np.hstack([*moved.values()]), axis=1)
+    stretch = np.divide(np.std(x, axis=1), told, out=np.zeros(len(x)), where=told > 0.0)[:, None]
+    return {part: (stretch * by) @ (stretch * by).T for part, by in moved.items()}
 
 
 def posterior(
@@ -86,11 +79,10 @@ def posterior(
     from scipy.special import ndtri
 
     regression, rng = Regression(car, runs), np.random.default_rng(40)
-    said = ratio != UNSAID
 
     def log_evidence(x: Array) -> Array:
         e, *of_linear = drawn(x, known)
-        more = log_more(ratio, e.log_pad_ratio) if said else 0.0
+        more = log_more(ratio, e.log_pad_ratio) if ratio != UNSAID else 0.0
         return regression.solve(e, *of_linear)[0] + more
 
     start = ndtri(spread_evenly(draws, OWN + bool(known)))
@@ -105,7 +97,7 @@ def posterior(
     e = replace(e, compliance_f=front, compliance_r=rear, radius_load=linear[:, 2])
     left = regression.left(e) @ regression.white.T
     before = np.hstack([x[:, :OWN], found])
-    if said:
+    if ratio != UNSAID:
         before[:, _PADS] = (e.log_pad_ratio - ratio.value) / ratio.sigma
     pulls = {part: left @ (regression.white @ x) for part, x in regression.errors.items()}
     for part, columns in _CAUSES.items():
@@ -147,15 +139,10 @@ def _carried(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Ge
 
 def _step(log: Array, most: float) -> float:
     """Power of the evidence after which the share `_LOSS` of the draws counts, at most ``most``."""
-
-    def counting(power: float) -> float:
+    low, high = 0.0, 2.0 * most  # the first that is tried is the most
+    for _ in range(41):
+        power = min(0.5 * (low + high), most)
         weight = np.exp(power * (log - log.max()))
-        return float(weight.sum() ** 2 / (weight @ weight) / log.size)
-
-    if counting(most) >= _LOSS:
-        return most
-    low, high = 0.0, most
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if counting(middle) >= _LOSS else (low, middle)
-    return high
+        counting = weight.sum() ** 2 / (weight @ weight) / log.size
+        low, high = (power, high) if counting >= _LOSS else (low, power)
+    return min(high, most)

@@ -5,7 +5,6 @@ ramp that no draw carries, or that all leave far more of than the sensors err by
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -19,15 +18,14 @@ from calib.car.effects.line import limited
 from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import Ridge, find_peak
-from calib.fitting.ensemble import Ensemble
+from calib.fitting.curves import find_peak
+from calib.fitting.ensemble import Ensemble, Shown
 from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.model.resistance import ROLLING, Resistance
 from calib.model.resistance import identify as identify_resistance
-from calib.model.roller_bench import RollerBench
 from calib.model.sensors import judge_accelerometer
 from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared
@@ -35,7 +33,7 @@ from calib.plausibility.run import of_bend, run_warnings
 from calib.run.axle_signals import signals
 from calib.run.brake_response import brake_balance, brake_response
 from calib.run.filters import runs as runs_of
-from calib.table.table import Calibration, Value
+from calib.table.table import Value
 
 _SOME = 64  # draws whose median is taken: it is known far better than a block
 
@@ -45,12 +43,8 @@ _MOST = 3.0
 
 _KNEES = (15e5, 20e5, 25e5, 30e5, 35e5)  # of usual valves [Pa]
 _SLOPE = 0.4  # of the rear pressure above the knee, of a usual valve [1]
-_REACH = 0.85  # share of the highest pressure of a ramp below which a knee must be to show
 _DOUBT = 1.2  # misfit past which a knee is asked for: 1.0 to 1.3 without a valve, to 2.8 with one
 _DRAWS = 512  # enough for a misfit
-
-Residuals = list[tuple[Array, Array]]
-"""Of eta and of slip of each run, see `residuals`."""
 
 
 def explained(
@@ -59,8 +53,8 @@ def explained(
     ratio: Value,
     known: Sequence[Known],
     refused: Callable[..., LogError],
-) -> tuple[Posterior, Residuals, tuple[PlausibilityWarning, ...]]:
-    """The ensemble of the ramps, ``ratio`` known of the pads before, and its `residuals` of each.
+) -> tuple[Posterior, dict[str, float], tuple[PlausibilityWarning, ...]]:
+    """The ensemble of the ramps, ``ratio`` known of the pads before, and figures of what it leaves.
 
     With a warning where a valve of the rear pressure explains them better; what ``refused`` makes
     of the reason is raised where nothing does.
@@ -73,8 +67,8 @@ def explained(
             expected="no wheel near its limit, and mass, axle loads and radii of this car",
             do="end the ramp before ABS works or a wheel locks; look at it with `brake-cal check`",
         ) from error
-    left = [residuals(car, found, run) for run in runs]
-    worst = max(float(np.sqrt(np.mean(eta**2))) for eta, _ in left if eta.size)
+    left = [residuals(car, found, run) for run in runs if run.only is None]
+    worst = max(_rms(eta) for eta, _ in left)
     valve = judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio))
     if worst > _MOST and not valve:
         raise refused(
@@ -82,24 +76,28 @@ def explained(
             expected=f"up to {_MOST:.0f} times",
             do="look at the wheel speeds with `brake-cal check`: one may be late, or coarse",
         )
-    return found, left, valve
+    eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
+    figures = {
+        "residual_eta_rms_sigma": _rms(eta),
+        "residual_slip_rms_sigma": _rms(slip),
+        "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
+    }
+    return found, figures, valve
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v.
-
-    Of a ramp with one axle only nothing: its forces are another's.
-    """
-    none = np.empty(0)
-    if run.only is not None:
-        return none, none
+    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v."""
     of = Regression(car, [run], most=None)
     sigma = np.linalg.norm(np.hstack([of.errors["noise"], of.errors["tyres"]]), axis=1)
     lasting = np.hstack([of.errors["zeros"], of.errors["accelerometer"]])
     left = of.left(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
     left -= left @ of.white.T @ of.white @ lasting @ lasting.T  # as far as the run tells them
     eta, slip = np.split(np.median(left, axis=0) / sigma, 2)
-    return eta, none if run.slip is None else slip
+    return eta, slip[:0] if run.slip is None else slip
+
+
+def _rms(x: Array) -> float:
+    return float(np.linalg.norm(x) / np.sqrt(max(x.size, 1)))
 
 
 def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) -> Iterator[Measured]:
@@ -111,97 +109,58 @@ def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) ->
     measured = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
     if found.misfit < _DOUBT or measured or "rear_proportioning" in car.effects:
         return
-    highest, left = max(float(np.max(run.blocks.p_r[run.use])) for run in runs), {}
-    for knee in (knee for knee in _KNEES if knee < _REACH * highest):
+
+    def misfit(knee: float) -> float:
         behind = [
             replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, knee, _SLOPE)))
             for run in runs
         ]
-        with suppress(ValueError):  # no tyre carries these forces
-            left[knee] = posterior(car, behind, ratio, _DRAWS).misfit
-    if left:
-        knee = min(left, key=left.__getitem__)
-        words = {"bar": f"{from_si(knee, 'bar', 'Pa'):g}"}
-        yield Measured("rear_pressure_limited", found.misfit**2 - left[knee] ** 2, words=words)
+        try:
+            return posterior(car, behind, ratio, _DRAWS).misfit
+        except ValueError:  # no tyre carries these forces
+            return np.inf
+
+    left, knee = min((misfit(knee), knee) for knee in _KNEES)
+    words = {"bar": f"{from_si(knee, 'bar', 'Pa'):g}"}
+    yield Measured("rear_pressure_limited", found.misfit**2 - left**2, words=words)
 
 
-def metrics(
-    vehicle: Vehicle, runs: list[RampRun], left: Residuals, of: Ridge, nominal: float
-) -> dict[str, float]:
-    """Quality metrics of the fit, each a plain number.
+def metrics(vehicle: Vehicle, runs: list[RampRun], of: Shown, nominal: float) -> dict[str, float]:
+    """Quality metrics of the fit, each a plain number, beside those of what is left of the ramps.
 
-    ``left`` residuals of the ``runs``, ``of`` their draws up to the highest z;
-    ``nominal`` weight of what was known of the pads' ratio before them in what is known now [1].
+    ``of`` draws of the ``runs`` up to the highest z; ``nominal`` weight of what was known of the
+    pads' ratio before them in what is known now [1].
     """
     z_peak, eta_peak, real = find_peak(of)
-    eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
     return {
         "deceleration_max": float(of.z[-1]),
         "front_biased_up_to": min(front_biased_up_to(vehicle), 9.99),
         "eta_peak": eta_peak,
         "eta_peak_deceleration": z_peak,
         "eta_peak_is_real": float(real),
-        "residual_eta_rms_sigma": float(np.sqrt(np.mean(eta**2))),
-        "residual_slip_rms_sigma": float(np.sqrt(np.mean(slip**2))) if slip.size else 0.0,
-        "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
         "pad_ratio_nominal_weight": nominal,
         "runs": float(len(runs)),
     }
 
 
 def remarks(
-    vehicle: Vehicle,
-    mass: MassUsed,
-    runs: list[RampRun],
-    left: Residuals,
-    pads: Calibration,
-    known: Resistance,
-    coasts: Sequence[Prepared],
-    bench: RollerBench | None,
-    held: Sequence[tuple[Known, float]],
+    vehicle: Vehicle, mass: MassUsed, runs: list[RampRun], held: Sequence[tuple[Known, float]]
 ) -> Iterator[str]:
-    """What the user must know of this table beside its numbers, in words.
+    """What was decided that neither the numbers of the table nor its warnings say, in words.
 
-    ``vehicle`` and ``mass`` as in the logs; ``left`` residuals of the ``runs``; ``held`` what was
-    known before, with how likely it holds.
+    ``vehicle`` and ``mass`` as in the logs; ``held`` how likely each thing known before holds.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
     if mass.stated:
         yield f"mass in the logs: {mass}"
-    for run, (of_eta, _) in zip(runs, left, strict=True):
+    for run in runs:
         b = run.blocks
         zero = float(np.mean(b.eta[run.rolling])) - 1.0
         yield f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)"
         for first, after in [] if run.left_out is None else runs_of(run.left_out):
-            yield (
-                f"{run.name}: left out from {b.end[first] - b.length:.2f} to "
-                f"{b.end[after - 1]:.2f} s, where something acts that the pressure does not make: "
-                "a bump, a gear shift, another road"
-            )
-        far = np.flatnonzero(np.abs(of_eta) > SETTINGS.outlier)
-        if far.size:
-            listed = ", ".join(f"{t:.2f}" for t in b.end[run.braked][far[:5]])
-            yield f"{run.name}: {far.size} outlying blocks of eta, at {listed} s"
-    if not known.known and not coasts:
-        yield (
-            "drag and rolling resistance share one lead-in: their sum is measured, their parts "
-            "are usual values; add a coast log, or give them in the vehicle file"
-        )
-    if all(run.blocks.v is None for run in runs):
-        on = "vehicle file" if bench is None else "roller brake tester"
-        yield (
-            "no reference speed: slip stiffness and pad ratio cannot be told apart, the ratio "
-            f"rests on the {on}"
-        )
-    if bench is not None:
-        stated, level = bench.log_pad_ratio(vehicle), bench.log_pad_level(vehicle)
-        apart = np.exp(level.value) / pads.pad_scale.value
-        yield (
-            f"roller brake tester {bench.name}: pads front/rear {np.exp(stated.value):.3f} times "
-            f"nominal, known to {100.0 * stated.sigma:.2g} %, one sigma; their level is "
-            f"{apart:.2f} times that of the ramps, which counts"
-        )
+            start, end = b.end[first] - b.length, b.end[after - 1]
+            yield f"{run.name}: left out from {start:.2f} to {end:.2f} s: a bump, another force"
     for one, p in held:
         yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
 

@@ -90,19 +90,12 @@ class RollerBench:
 
         Sigma from the scatter of the rows and what of the tolerance is each axle's own.
 
-        Raises BenchError, as `log_pad_level`, for rows on no line that rises and for pads that no
-        car has; ModelError for an effect of the vehicle that cannot be used.
+        Raises BenchError for rows on no line that rises and for pads that no car has; ModelError
+        for an effect of the vehicle that cannot be used.
         """
         front, rear = self._log_pads(vehicle)
         own = 2.0 * (1.0 - _COMMON) * self.tolerance**2
         return Value(front.value - rear.value, float(np.sqrt(front.sigma**2 + rear.sigma**2 + own)))
-
-    def log_pad_level(self, vehicle: Vehicle) -> Value:
-        """ln of the geometric mean of both axles' pads over that of the vehicle file [1]."""
-        front, rear = self._log_pads(vehicle)
-        machine = 0.5 * (1.0 + _COMMON) * self.tolerance**2
-        scatter = 0.25 * (front.sigma**2 + rear.sigma**2)
-        return Value(0.5 * (front.value + rear.value), float(np.sqrt(scatter + machine)))
 
     def _log_pads(self, vehicle: Vehicle) -> tuple[Value, Value]:
         """ln of each axle's pads over those of the file [1]; sigma from the rows alone.

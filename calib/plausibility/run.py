@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.intervals import QUARTILE
 from calib.base.mixtures import likelihood_ratio
@@ -23,11 +22,10 @@ from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.accelerometer import Accelerometer
 from calib.run.axle_signals import Signals, held_time, rolling_radii, wheels_held
-from calib.run.blocks import BLOCK
+from calib.run.blocks import blocks
 from calib.run.brake_response import BrakeResponse
 from calib.run.copies import twice
 from calib.run.driving_record import NOMINAL_RADIUS
-from calib.run.filters import block_mean
 from calib.run.lateral import lateral, sides
 from calib.run.warnings import impossible_samples
 
@@ -53,11 +51,7 @@ scatter, or in 0.1 % of the speed, that noise does not have."""
 _UPRIGHT = 0.1
 """Deceleration [1] past which left and right are not compared: the inner wheels of a bend bear less
 and slip more, which looks like a tighter one."""
-_NO_SPEED = {
-    "v_of_wheels": "v is computed from the wheel speeds",
-    "v_scale": "v and a_x differ by a scale that no sensor has",
-}
-"""What is said of a v that says nothing of the car, by the code of its warning."""
+_NO_SPEED = ("v_of_wheels", "v_scale")  # codes of a v that says nothing of the car
 
 
 def run_warnings(
@@ -90,35 +84,32 @@ def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
 def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:
     """Wheels of another size, slip that v does not show, pulses that a wheel loses."""
     radii = rolling_radii(s)
-    if radii is not None and s.v is not None:
+    if radii is not None:
         yield relative("rolling_radius_f", radii[0], vehicle.front.rolling_radius)
         yield relative("rolling_radius_r", radii[1], vehicle.rear.rolling_radius)
-        yield from _slip_of_v(vehicle, s, s.v, radii)
+        yield from _slip_of_v(vehicle, s, radii)
     yield from _lost_pulses(log, s)
 
 
-def _slip_of_v(
-    vehicle: Vehicle, s: Signals, speed: Array, radii: tuple[float, float]
-) -> Iterator[Measured]:
-    """Slip of an axle while it brakes, by ``speed`` v, over the least that any tyre has [1] (rms).
+def _slip_of_v(vehicle: Vehicle, s: Signals, radii: tuple[float, float]) -> Iterator[Measured]:
+    """Slip of an axle while it brakes, by v, over the least that any tyre has [1] (rms).
 
     Of v from one axle that slip is zero, of v from all wheels the mean of both: the least of the
     three. An axle that is not braked for long says nothing.
     """
-    n = max(1, round(BLOCK / s.sample_time))
-    omega, v = block_mean(np.stack([s.omega_f, s.omega_r]), n), block_mean(speed, n)
-    loads = np.stack(axle_loads(vehicle, block_mean(s.z, n)))
-    driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
-    told = (v > MOVING) & ~driven & np.all(loads > 0.0, axis=0)  # else a glitch of a_x
-    slip = (1.0 - omega * np.array(radii)[:, None] / np.maximum(v, MOVING))[:, told]
-    brakes = block_mean(np.stack(brake_forces(vehicle, s.p_f, s.p_r)), n)
-    force = (brakes / np.maximum(loads, 1.0))[:, told]
-    found = []
+    b, found = blocks(s), []
+    loads = axle_loads(vehicle, b.z)
+    told = (b.speed > MOVING) & (b.drive_f == 0.0) & (b.drive_r == 0.0)
+    told &= np.minimum(*loads) > 0.0  # else a glitch of a_x
+    rims = np.stack([radii[0] * b.omega_f, radii[1] * b.omega_r])[:, told]
+    brakes = np.stack(brake_forces(vehicle, b.p_f, b.p_r))[:, told]
+    slips, forces = 1.0 - rims / b.speed[told], brakes / np.stack(loads)[:, told]
     for source, weights in _MADE_OF.items():
-        braked = weights @ force > _BRAKED
-        if np.count_nonzero(braked) * n * s.sample_time >= _TIME:
-            rms = np.sqrt(np.mean((weights @ slip)[braked] ** 2))
-            found.append((float(_STIFFEST * rms / np.mean((weights @ force)[braked])), source))
+        slip, force = weights @ slips, weights @ forces
+        braked = force > _BRAKED
+        if np.count_nonzero(braked) * b.length >= _TIME:
+            rms = np.sqrt(np.mean(slip[braked] ** 2))
+            found.append((float(_STIFFEST * rms / np.mean(force[braked])), source))
     if found:
         share, source = min(found)
         yield Measured("v_of_wheels", share, words={"source": f"the {source} wheels"})
@@ -198,5 +189,5 @@ def wrong_speed(warnings: Iterable[PlausibilityWarning]) -> LogError | None:
     do = "leave v out of the log: rename its column, or map it to no channel"
     for one in warnings:
         if one.code in _NO_SPEED:
-            return LogError(_NO_SPEED[one.code], where=one.log, do=do, lines=(str(one),))
+            return LogError("v is no speed of the car", where=one.log, do=do, lines=(str(one),))
     return None

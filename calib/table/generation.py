@@ -9,7 +9,7 @@ def require_maps(table: Table, where: object = None) -> None:
 
     Such a table is shown, verified and exported as it is.
     """
-    if table.map is not None and table.level_map is not None:
+    if None not in (table.map, table.level_map, table.draws):
         return
     made_of = table.provenance
     parents = [(one.id, one.digest) for one in made_of.parents]

@@ -64,19 +64,31 @@ class Map:
 
     def on(self, axes: Sequence[Array]) -> Self:
         """The map as it is read at every combination of other axes, in the order of `AXES`."""
-        weights = [_weights(x, own) for x, own in zip(axes, self.axes.values(), strict=True)]
-        return self.of(axes, **{name: _along(self.grid(name), weights) for name in self.names})
+        read = Reader(self, self.names)(*np.meshgrid(*axes, indexing="ij"))
+        return self.of(axes, **dict(zip(self.names, read, strict=True)))
 
 
-def _weights(x: Array, knots: Array) -> Array:
-    """Share (n, k) of each of the ``knots`` (k,) in what is read at ``x`` (n,)."""
-    return np.stack([np.interp(x, knots, unit) for unit in np.eye(knots.size)], axis=1)
+class Reader:
+    """Columns of a map, read between its cells, linear along each axis, held at its ends."""
 
+    def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
+        from scipy.interpolate import RegularGridInterpolator
 
-def _along(values: Array, weights: Sequence[Array]) -> Array:
-    for i, share in enumerate(weights):
-        values = np.moveaxis(np.tensordot(share, values, (1, i)), 0, i)
-    return values
+        self.axes, names = list(m.axes.values()), np.array(columns)
+        cells = np.stack([m.grid(name) for name in names.flat], axis=-1)
+        self._read, self._shape = RegularGridInterpolator(self.axes, cells), names.shape
+
+    def width(self, axis: int, x: Array) -> Array:
+        """Width of the cell of an axis in which ``x`` lies."""
+        points = self.axes[axis]
+        end = np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1)
+        return points[end] - points[end - 1]
+
+    def __call__(self, *at: Array) -> Array:
+        """All columns, in their shape (c, ...), at points, one array (...) for each axis."""
+        held = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(at, self.axes, strict=True)]
+        read = np.moveaxis(self._read(np.stack(held, axis=-1)), -1, 0)
+        return np.asarray(read.reshape(*self._shape, *read.shape[1:]))
 
 
 @dataclass(frozen=True)
@@ -128,11 +140,11 @@ class LevelMap(Map):
     change_upper: Array
 
 
-FORMS = tuple(f"form_{i}" for i in range(1, 6))
-"""Columns of `Draws` that hold the weights of the tyre forms; they add up to 1."""
-
-DEPARTS = {of: tuple(f"depart_{of}_{i}" for i in range(1, 11)) for of in ("eta", "slip")}
-"""Columns of `Draws` that hold what a tyre departs from its form by, at ten decelerations."""
+WIDE = {"forms": tuple(f"form_{i}" for i in range(1, 6))} | {
+    name: tuple(f"{name}_{i}" for i in range(1, 11)) for name in ("depart_eta", "depart_slip")
+}
+"""Columns of `Draws` that are one thing: weights of the tyre forms, which add up to 1, and what a
+tyre departs from its form by, at ten decelerations."""
 
 
 @dataclass(frozen=True)
@@ -141,10 +153,10 @@ class Draws:
 
     ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
     ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
-    ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the `FORMS`; ``radius_load``
+    ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the forms; ``radius_load``
     fall of the rolling radius per load [1]; ``v_late`` by which the speed comes after the wheels
-    [s]; ``weight`` M g of the vehicle [N]; lengths in m; ``depart_eta_1`` and so on the `DEPARTS`
-    of eta - 1 and of the slip, relative [1].
+    [s]; ``weight`` M g of the vehicle [N]; lengths in m; ``depart_eta_1`` and so on the
+    departures of eta - 1 and of the slip, relative [1], see `WIDE`.
     """
 
     log_pad_ratio: Array

@@ -253,13 +253,18 @@ class TableBudget:
     """What the pads and the tyre of a table rest on, by part, see `calib.table.budget`.
 
     ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]; ``level``
-    variance of that of the pad level; ``posterior`` shares (k, k) that add up to its covariance.
+    variance of that of the pad level; ``posterior`` shares (k, k) that add up to its variances.
     """
 
     front: dict[str, float]
     rear: dict[str, float]
     level: dict[str, float]
     posterior: dict[str, tuple[tuple[float, ...], ...]]
+
+    @property
+    def axles(self) -> tuple[dict[str, float], dict[str, float]]:
+        """The parts of front and rear pads."""
+        return self.front, self.rear
 
 
 @dataclass(frozen=True)

@@ -173,7 +173,7 @@ def test_normalised_forces_are_those_of_the_plant(fitted, wet, result):
 def test_eta_is_zeroed_on_the_lead_in(fitted):
     larger = replace(WET, radius_scale=(1.0, 1.004))
     e = estimate(fitted, stop(larger))
-    assert e.eta_zero == pytest.approx(1.0 / 1.004 - 1.0, abs=2e-5)
+    assert e.zeros[0] == pytest.approx(1.0 / 1.004, abs=2e-5)
     free = e.time < 1.4
     assert e.eta[free] == pytest.approx(1.0, abs=2e-5)
 
@@ -416,11 +416,15 @@ def test_slips_are_counted_from_free_rolling(fitted):
 
 
 def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(fitted):
-    shifted = replace(
-        fitted.calibration,
-        pad_scale=replace(fitted.calibration.pad_scale, value=0.9),
-        pad_log_ratio=replace(fitted.calibration.pad_log_ratio, value=0.3),
+    then = fitted.calibration
+    pads_f, pads_r = (
+        replace(of, value=0.9 * math.exp(half) * axle.pad_friction)
+        for of, half, axle in (
+            (then.pad_friction_f, 0.15, CAR.front),
+            (then.pad_friction_r, -0.15, CAR.rear),
+        )
     )
+    shifted = replace(then, pad_friction_f=pads_f, pad_friction_r=pads_r)
     car = nominal_car(replace(fitted, calibration=shifted))
     assert car.front.pad_friction / car.rear.pad_friction == pytest.approx(1.0)
     one = np.ones(())

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from calib.base.intervals import Z95
-from calib.car.effects.effects import Effects
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import METRICS, departure, score, truth_of
 from calib.estimation.readout import Bounded, Readout
@@ -15,7 +14,7 @@ from calib.estimation.reasons import Reason
 from calib.estimation.step import Answer
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
-from calib.run.blocks import Blocks, block_balance
+from calib.run.blocks import Blocks
 from calib.run.noise import SensorNoise
 from tests.support.reference_car import CAR
 from tests.support.tables import mapped_table
@@ -47,8 +46,11 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, inn
         "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r),
     }  # fmt: skip
     rest = {"innovation": np.zeros(N) if innovation is None else np.repeat(innovation, N // 100)}
+    rest["ratio"] = np.log(np.broadcast_to(named["ratio"], (3, N)))
+    rest |= {"zero_eta": np.ones(N), "reason": reason}
     return Readout(
-        step=Answer(**dict.fromkeys(Answer._fields, np.zeros(N)) | rest | {"reason": reason}),
+        given=None,
+        step=Answer(**dict.fromkeys(Answer._fields, np.zeros(N)) | rest),
         **{k: bounded(x, sigma) for k, x in named.items()},
     )
 
@@ -91,7 +93,6 @@ def made_estimate(
         "best": best,
         "ecu": readout(mu_f, mu_r, pressure=pressure),
         "blocks": means,
-        "road": block_balance(CAR, Effects(), means),
         "noise": SensorNoise(4e-4, 1e-4, 3e-4, 1e-3),
     }  # fmt: skip
     return Estimate(**(values | changed))

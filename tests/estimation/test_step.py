@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from calib.base.names import G
-from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, Reader
+from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample, measured, started
 from calib.estimation.step import run as run_all
 from calib.estimation.step import step
-from calib.table.maps import LevelMap
+from calib.table.maps import LevelMap, Reader
 from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map
 
 DT = 0.05
@@ -33,10 +33,10 @@ def constants(**changed):
             "slip": Reader(made_map(), SLIP),
             "level": Reader(before_eta(), LEVEL),
             "before": Reader(before_eta(), PADS),
-            "noise_omega": 1e-3,
+            "noise_rim": 3e-4,
             "noise_z": 1e-4,
             "noise_v": 1e-3,
-            "radius": 0.322,
+            "radii": 1.0,
             "late": 0.0,
             "late_sigma": 1e-3,
             "ramp_ratio": 0.0,
@@ -209,6 +209,14 @@ def test_without_a_lead_in_all_is_finite_and_wide():
     assert short[-1].level[0] == pytest.approx(math.log(0.8), abs=0.1)
 
 
+def test_unlike_wheels_of_the_car_are_no_slip_although_nothing_rolled():
+    one, other = (
+        run(stop(rolling=0.0, wheels=radii), constants(radii=radii))[0][-1] for radii in (1.0, 1.03)
+    )
+    assert other.zero_eta == pytest.approx(1.03 * one.zero_eta)
+    assert other.ratio == pytest.approx(one.ratio)
+
+
 def test_reasons():
     blocks = stop()
     answers, s = run(blocks)
@@ -237,7 +245,7 @@ def test_an_eta_that_no_stop_shows_is_not_read():
 
 def test_in_the_limit_of_no_noise_the_forces_are_exact():
     quiet = constants(
-        noise_omega=1e-9, noise_z=1e-9, noise_v=1e-9, late_sigma=0.0, scale=0.0, scale_sigma=1e-9
+        noise_rim=1e-9, noise_z=1e-9, noise_v=1e-9, late_sigma=0.0, scale=0.0, scale_sigma=1e-9
     )
     answers, _ = run(stop(lag=quiet.lag), quiet)
     assert answers[-1].level[0] == pytest.approx(math.log(0.8), abs=2e-4)
