@@ -15,3 +15,10 @@ def test_every_package_of_the_checkout_is_installed():
         for init in (ROOT / top).rglob("__init__.py")
     }
     assert {name for name in listed if name != "calib.help.sample_logs"} == there
+
+
+def test_every_table_of_data_is_installed():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        data = tomllib.load(file)["tool"]["setuptools"]["package-data"]["calib"]
+    installed = {path for pattern in data for path in (ROOT / "calib").glob(pattern)}
+    assert set((ROOT / "calib").rglob("*.csv")) <= installed

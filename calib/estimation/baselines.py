@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array
 from calib.car.balance import ForceBalance, force_balance
 from calib.car.bias import front_share
 from calib.car.disc_temperature import DISCS, START, heated
@@ -95,19 +95,15 @@ def as_written(e: Estimate) -> Pair:
     car, s = e.car, e.read
     spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
     b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
-    return _adapted(e, by_curves(e.table, e.eta, b), gain(car.front), acts=True)
+    return adapted(e, by_curves(e.table, e.eta, b), gain(car.front))
 
 
-def _plainly(e: Estimate, share: Callable[[Table, Array, ForceBalance], Pair]) -> Pair:
-    """The law with a gain for each axle, known resistance taken out, frozen where no pads bite."""
-    return _adapted(e, share(e.table, e.eta, e.forces.balance), None, e.forces.active)
+def adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
+    """Pad friction mu_n + zeta of the axles (n,) by the law on their brake forces [N] (n,).
 
-
-def _adapted(e: Estimate, brakes: Pair, gamma: float | None, acts: Mask | bool) -> Pair:
-    """Pad friction mu_n + zeta by the law on brake forces [N]; frozen where not ``acts``.
-
-    ``gamma`` of both axles; None for that of each.
+    Each axle has its own gain and is frozen where no pads bite; with one ``gamma`` it never is.
     """
+    acts = e.forces.active if gamma is None else True
 
     def of(axle: Axle, p: Array, brake: Array) -> Array:
         torque = axle.torque_gain * p
@@ -167,7 +163,7 @@ METHODS: dict[str, Callable[[Estimate], Pair]] = {
     "mean_gain": mean_gain,
     "temperature": temperature,
     "gradient_as_written": as_written,
-    "gradient_paper": lambda e: _plainly(e, by_curves),
-    "gradient_map": lambda e: _plainly(e, by_map),
+    "gradient_paper": lambda e: adapted(e, by_curves(e.table, e.eta, e.forces.balance)),
+    "gradient_map": lambda e: adapted(e, by_map(e.table, e.eta, e.forces.balance)),
 }
 """The methods by the names that they have in files."""

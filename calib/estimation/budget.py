@@ -6,17 +6,15 @@ Of the level: mass (and resistance), accelerometer, noise. Of the ratio: what is
 the ramp left open of tyres and pads, and the rest, which a stop may bring.
 """
 
-import math
-
 import numpy as np
 
 from calib.car.bias import front_share
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded
-from calib.table.budget import AxleBudget
+from calib.table.budget import Parts, deviations
 
 
-def budget(e: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
+def budget(e: Estimate) -> tuple[Parts, Parts] | None:
     """Budgets of the front and the rear pads; None without a valid sample.
 
     Of each axle the valid sample whose interval is the median one. The parts add up to the variance
@@ -27,12 +25,11 @@ def budget(e: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
     return _of_axle(e, e.best.pads_f, 0), _of_axle(e, e.best.pads_r, 1)
 
 
-def _of_axle(e: Estimate, pads: Bounded, axle: int) -> AxleBudget:
-    step, draws, car, valid = e.best.step, e.table.draws, e.table.vehicle, np.flatnonzero(e.valid)
-    order = np.argsort((pads.upper / pads.lower)[valid], kind="stable")
-    i = valid[order[(order.size - 1) // 2]]  # the earlier one of an even number
-    filed = car.front.pad_friction / car.rear.pad_friction
-    share = front_share(car, math.log(e.best.ratio.value[i] / filed))
+def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
+    step, draws = e.best.step, e.table.draws
+    order = np.argsort(np.where(e.valid, pads.upper / pads.lower, np.inf), kind="stable")
+    i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the earlier one of an even number
+    share = front_share(e.table.vehicle, float(step.ratio[0, i]))
     lever = (1.0 - share, share)[axle] ** 2
     ramp = 0.0 if draws is None else lever * np.var(draws.log_pad_ratio)
     whole, level = (x.sigma[i] ** 2 for x in (pads, e.best.level))
@@ -44,4 +41,4 @@ def _of_axle(e: Estimate, pads: Bounded, axle: int) -> AxleBudget:
         for part, known in causes:  # as far as it goes; the last one is the rest
             parts[part] = min(float(known), left)
             left -= parts[part]
-    return AxleBudget(float(pads.value[i]), {part: x for part, x in parts.items() if x > 0.0})
+    return deviations(parts)

@@ -76,7 +76,7 @@ def _shown(table: Table) -> Array:
     assert table.draws is not None
     car = table.vehicle
     stops = scenarios(car, ensemble_of(car, table.draws), _COUNT)
-    return np.stack([seen(car, stops, z).shift for z in _Z.tolist()], axis=1)
+    return seen(car, stops, _Z).shift
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:

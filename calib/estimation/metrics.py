@@ -9,12 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.plain import meanings
+from calib.base.plain import finite, meanings
 from calib.car.braking import MOVING
-from calib.car.effects.effect import Pair
+from calib.estimation.baselines import METHODS
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
-from calib.logs.log import Log
 
 METRICS: dict[str, str] = meanings("stop")
 """Every metric of a validation, with its meaning."""
@@ -34,12 +33,12 @@ class Truth(NamedTuple):
     torque: Array
 
 
-def truth_of(log: Log, e: Estimate) -> Truth | None:
-    """Truth of both axles where the log has wheel torques; None otherwise.
+def truth_of(e: Estimate) -> Truth | None:
+    """Truth of both axles where its log has wheel torques; None otherwise.
 
     Without a truth channel for the pads it follows from (2) with the vehicle's geometry.
     """
-    of, car = log.truth, e.car
+    of, car = e.ran.log.truth, e.car
     if "true_Tb_fl" not in of or "true_Tb_rl" not in of:
         return None
     torque = np.array([0.5 * (of[f"true_Tb_{axle}l"] + of[f"true_Tb_{axle}r"]) for axle in "fr"])
@@ -62,9 +61,9 @@ _NAMES = {
 """Parts of names that are not those of the metric and the side: truth is of the ECU's samples."""
 
 
-def score(log: Log, e: Estimate) -> Figures:
-    """All `METRICS` of one log; None where the log cannot give one."""
-    truth, counted = truth_of(log, e), counted_samples(e)
+def score(e: Estimate) -> Figures:
+    """All `METRICS` of one log; None where it cannot give one."""
+    truth, counted = truth_of(e), counted_samples(e)
     valid, by_ecu = e.valid & counted, e.ecu.valid & counted
     found: dict[str, Any] = {
         "eta_zero": e.car.radius_mismatch(e.zeros[0] - 1.0),
@@ -93,8 +92,7 @@ def score(log: Log, e: Estimate) -> Figures:
         found["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, both)
     for name, told_as in _NAMES.items():
         found = {key.replace(name, told_as): x for key, x in found.items()}
-    known = {key: float(x) for key, x in found.items() if np.isfinite(x)}
-    return {key: known.get(key) for key in METRICS}
+    return {key: finite(found.get(key)) for key in METRICS}
 
 
 def counted_samples(e: Estimate) -> Mask:
@@ -161,21 +159,19 @@ def _rms(x: Array) -> Array:
     return np.asarray(np.sqrt(np.mean(np.square(x), axis=-1)))
 
 
-def baseline_errors(
-    log: Log, e: Estimate, others: dict[str, Pair]
-) -> dict[str, tuple[float, float]]:
-    """Rms relative error of the pad friction of each method, front and rear, over valid samples.
+def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
+    """Rms relative error of the pad friction by each method, front and rear, over valid samples.
 
-    ``others`` the pad friction of those beside the estimate (n,), front and rear. Without a truth
-    it is against the best estimate, where that has seen v; else there are none. A method that says
-    NaN is left out.
+    Without a truth it is against the best estimate, where that has seen v; else there are none. A
+    method that says NaN is left out.
     """
-    truth = truth_of(log, e)
-    both = (("estimate", e.best), ("ecu", e.ecu))
-    methods = {name: (of.pads_f.value, of.pads_r.value) for name, of in both} | others
-    true = np.array(methods.pop("estimate")) if truth is None else truth.pad_friction
+    truth = truth_of(e)
+    best, ecu = ((of.pads_f.value, of.pads_r.value) for of in (e.best, e.ecu))
+    true = np.array(best) if truth is None else truth.pad_friction
     known = e.valid & np.isfinite(true).all(axis=0)
     if not known.any() or (truth is None and e.blocks.v is None):
         return {}
+    methods = {"ecu": ecu} if truth is None else {"estimate": best, "ecu": ecu}
+    methods |= {name: method(e) for name, method in METHODS.items()}
     errors = {name: _rms((np.array(x) / true - 1.0)[:, known]) for name, x in methods.items()}
     return {name: (float(x[0]), float(x[1])) for name, x in errors.items() if np.isfinite(x).all()}

@@ -59,14 +59,8 @@ def _of_log(r: Validation) -> dict[str, object]:
         "proof": r.proof,
         "figures": {key: finite(value) for key, value in r.figures.items()},
         "limits": [
-            {
-                "figure": j.figure,
-                "value": finite(j.value),
-                "min": j.low,
-                "max": j.high,
-                "warn": [j.warn_low, j.warn_high],
-                **j.outcome,
-            }
+            {"figure": j.figure, "value": finite(j.value), "min": j.low, "max": j.high}
+            | {"warn": [j.warn_low, j.warn_high], **j.outcome}
             for j in r.judgements
         ],
         "not_held": [j.figure for j in r.judgements if j.verdict == FAILED],
@@ -75,8 +69,7 @@ def _of_log(r: Validation) -> dict[str, object]:
         "not_valid": r.refused,
         "rms_error_against": r.compared_with,
         "rms_error_by_method": {
-            name: {"front": finite(front), "rear": finite(rear)}
-            for name, (front, rear) in r.baselines.items()
+            name: {"front": front, "rear": rear} for name, (front, rear) in r.baselines.items()
         },
         **({"notes": [NO_HOLDOUT]} if r.role == CALIBRATION else {}),
     }

@@ -7,14 +7,13 @@ speed can contradict it, but shares the ramp with it; without both it is consist
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
-from calib.car.effects.effect import Pair
 from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import Vehicle, require_same_car
-from calib.estimation.baselines import METHODS
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.exchanged import SURE, exchanged
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
@@ -46,9 +45,8 @@ class Validation:
     """One log: its estimate, its metrics, its judgements, and what stands beside them.
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it validates
-    nothing, so it does not pass. ``others`` pad friction (front, rear) by other methods [1] (n,),
-    ``baselines`` rms errors of all of them [1]. ``mass`` is what the estimate rests on;
-    ``warnings`` what speaks against it.
+    nothing, so it does not pass. ``mass`` is what the estimate rests on; ``warnings`` what speaks
+    against it.
     """
 
     log: str
@@ -57,9 +55,7 @@ class Validation:
     estimate: Estimate
     figures: Figures
     judgements: tuple[Judgement, ...]
-    baselines: dict[str, tuple[float, float]]
     mass: MassUsed
-    others: dict[str, Pair] = field(default_factory=dict)
     warnings: tuple[PlausibilityWarning, ...] = ()
 
     def __repr__(self) -> str:
@@ -98,6 +94,11 @@ class Validation:
         counted = counted_samples(self.estimate)
         shares = ((share(x, counted), why) for why, x in self.estimate.refused.items())
         return {why: x for x, why in sorted(shares, reverse=True) if x > _NAMED}
+
+    @cached_property
+    def baselines(self) -> dict[str, tuple[float, float]]:
+        """Rms errors of the pads by all methods, which a batch need not wait for."""
+        return baseline_errors(self.estimate)
 
     @property
     def compared_with(self) -> str:
@@ -148,10 +149,9 @@ def validate_one(
     limits: tuple[Limit, ...],
     *,
     mass: float | None = None,
-    baselines: bool = True,
     exported: Table | None = None,
 ) -> Validation:
-    """Run, score and judge one log; without ``baselines`` the other methods are left out."""
+    """Run, score and judge one log."""
     seen = observe(log, full=False)
     if reasons := problems(seen, "validate"):
         what = "this run cannot be used for a validation: " + "; ".join(reasons)
@@ -168,13 +168,11 @@ def validate_one(
         *saturated(log.name, seen),
         *columns,
     )
-    sure = (w for w in columns if w.code != "axles_exchanged" or w.measured > SURE)
-    unfit = [w.causes[0] for w in sure]
+    unfit = [w.causes[0] for w in columns if w.code != "axles_exchanged" or w.measured > SURE]
     if wrong := wrong_speed(warnings):
         unfit.append(wrong.what)
     result = replace(result, unfit=tuple(unfit))
-    figures = score(log, result)
-    others = {name: method(result) for name, method in METHODS.items()} if baselines else {}
+    figures = score(result)
     return Validation(
         log=log.name,
         digest=log.digest,
@@ -182,8 +180,6 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        baselines=baseline_errors(log, result, others),
-        others=others,
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )

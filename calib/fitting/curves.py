@@ -14,16 +14,14 @@ Every draw has its D at an eta; the table has their median and the middle 95 %. 
 without drag, one master-cylinder pressure for both axles.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.balance import turning_shares
-from calib.car.forces import axle_loads, paper_curves
+from calib.car.forces import paper_curves
 from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, shown
+from calib.fitting.ensemble import Ensemble, Shown, shown
 from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun
 from calib.model.settings import SETTINGS
@@ -40,41 +38,21 @@ _BAND = (0.5, 0.025, 0.975)
 _SURE = 0.00135  # share of the draws in which eta must go on rising to doubt its peak: 3 sigma
 
 
-@dataclass(frozen=True)
-class Ridge:
-    """The ramps as draws have them, over ``z`` (k,), all [1].
-
-    ``eta`` (n, k); of the axles (2, n, k): normalised ``forces``, ``slips`` of the tyres.
-    """
-
-    z: Array
-    eta: Array
-    forces: Array
-    slips: Array
-
-    @property
-    def middle(self) -> Array:
-        """Median of eta, (k,)."""
-        return np.asarray(np.median(self.eta, axis=0))
+def ridge(car: Vehicle, e: Ensemble, z: Array) -> Shown:
+    """What the draws show on a ramp over ``z`` (k,) [1]."""
+    return shown(car, e, e.log_pad_ratio[:, None], z * (1.0 + sum(turning_shares(car))), z)
 
 
-def ridge(car: Vehicle, e: Ensemble, z: Array) -> Ridge:
-    """The draws over ``z`` (k,) [1]. Forces are over the loads that the vehicle file gives."""
-    of = shown(car, e, e.log_pad_ratio, z * (1.0 + sum(turning_shares(car))), z)
-    loads = np.stack(axle_loads(car, z))[:, None] / car.weight
-    return Ridge(z, 1.0 + of.shift, of.forces / loads, of.slips)
-
-
-def find_peak(of: Ridge) -> tuple[float, float, bool]:
+def find_peak(of: Shown) -> tuple[float, float, bool]:
     """z and eta [1] where eta turns on a ridge, and whether it surely falls after that."""
-    top = int(np.argmax(of.middle))
-    falls = np.quantile(of.eta[:, top] - of.eta[:, -1], _SURE) > 0.0
-    return float(of.z[top]), float(of.middle[top]), bool(falls)
+    top = int(np.argmax(of.eta))
+    falls = np.quantile(of.shift[:, top] - of.shift[:, -1], _SURE) > 0.0
+    return float(of.z[top]), float(of.eta[top]), bool(falls)
 
 
-def readable_up_to(of: Ridge) -> float:
+def readable_up_to(of: Shown) -> float:
     """Greatest z [1] up to which eta rises steeply enough that f1 and f2 can be read from it."""
-    slope = np.diff(of.middle)
+    slope = np.diff(of.eta)
     flat = np.flatnonzero(slope < SETTINGS.flat * slope[0])
     return float(of.z[flat[0]] if flat.size else of.z[-1])
 
@@ -84,10 +62,10 @@ def difference_curves(
 ) -> tuple[DifferenceCurve, PaperCurves]:
     """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it."""
     of = ridge(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
-    eta = np.linspace(1.0, float(of.middle[-1]), SETTINGS.rows)
+    eta = np.linspace(1.0, float(of.eta[-1]), SETTINGS.rows)
     seen = [1.0 + run.since_rolling(run.blocks.eta)[run.braked] for run in runs]
     d = DifferenceCurve(*_columns(eta, differences(of, eta), seen))
-    return d, paper_of(car, d, np.interp(eta, of.middle, of.z))
+    return d, paper_of(car, d, np.interp(eta, of.eta, of.z))
 
 
 def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
@@ -98,7 +76,7 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
     return PaperCurves(d.eta, z, f1, f1_lower, f1_upper, f2, f2_lower, f2_upper, d.count, d.flag)
 
 
-def tyre_curve(e: Ensemble, of: Ridge, runs: list[RampRun]) -> TyreCurve:
+def tyre_curve(e: Ensemble, of: Shown, runs: list[RampRun]) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle, up to the greatest measured.
 
     Draws have no more force than `NEAR_PEAK` of their peak.
@@ -111,9 +89,9 @@ def tyre_curve(e: Ensemble, of: Ridge, runs: list[RampRun]) -> TyreCurve:
     return TyreCurve(*_columns(grid, tyre_forces(e, grid), seen))
 
 
-def differences(of: Ridge, eta: Array) -> Array:
+def differences(of: Shown, eta: Array) -> Array:
     """D of the draws of a ridge at ``eta`` (k,) of its rising branch, (n, k) [1]."""
-    rows = zip(np.maximum.accumulate(of.eta, axis=1), np.subtract(*of.forces), strict=True)
+    rows = zip(np.maximum.accumulate(1.0 + of.shift, axis=1), np.subtract(*of.forces), strict=True)
     return np.array([np.interp(eta, x, D) for x, D in rows])
 
 

@@ -10,13 +10,13 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import rows
-from calib.car.balance import braked_tyres
+from calib.car.balance import braked_tyres, turning_shares
 from calib.car.bias import front_share
-from calib.car.forces import speed_ratio
+from calib.car.forces import axle_loads, speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
 from calib.model.settings import SETTINGS
-from calib.table.maps import DEPARTS, FORMS, Draws
+from calib.table.maps import WIDE, Draws
 from calib.table.table import Calibration
 
 ROWS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
@@ -79,40 +79,27 @@ class Ensemble:
         return Ensemble(*(getattr(self, f.name)[which] for f in fields(Ensemble)))
 
 
-_COLUMNS = {one.name: (one.name,) for one in fields(Ensemble)} | {
-    "forms": FORMS,
-    "depart_eta": DEPARTS["eta"],
-    "depart_slip": DEPARTS["slip"],
-}
-"""Columns of a table's draws by name here; `_LENGTHS` are in m there, and over the file's here."""
-
 _LENGTHS = ("cg_to_front_axle", "cg_height")
+"""Columns in m in the draws of a table, and over the vehicle file's here."""
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
     """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives."""
     kept, scale = e.take(np.linspace(0, e.size - 1, KEPT).astype(np.int64)), pads.pad_scale
     x = np.random.default_rng(42).standard_normal(KEPT)
-    columns = {
-        column: values
-        for name, own in _COLUMNS.items()
-        for column, values in zip(own, np.atleast_2d(getattr(kept, name).T), strict=True)
-    }
-    return Draws(
-        **columns | {name: columns[name] * getattr(car, name) for name in _LENGTHS},
-        log_pad_level=np.log(scale.value) + scale.sigma / scale.value * x,
-        weight=np.full(KEPT, car.weight),
-    )
+    columns = vars(kept) | {name: getattr(kept, name) * getattr(car, name) for name in _LENGTHS}
+    for name, own in WIDE.items():
+        columns |= zip(own, columns.pop(name).T, strict=True)
+    level = np.log(scale.value) + scale.sigma / scale.value * x
+    return Draws(**columns, log_pad_level=level, weight=np.full(KEPT, car.weight))
 
 
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
     """The ensemble of which a table of ``car`` kept these draws."""
-    columns = vars(draws)
-    kept = {
-        name: columns.get(name, np.stack([columns[one] for one in own], axis=1))
-        for name, own in _COLUMNS.items()
-    }
-    return Ensemble(**kept | {name: kept[name] / getattr(car, name) for name in _LENGTHS})
+    columns = vars(draws) | {name: getattr(draws, name) / getattr(car, name) for name in _LENGTHS}
+    for name, own in WIDE.items():
+        columns[name] = np.stack([columns[one] for one in own], axis=1)
+    return Ensemble(**{one.name: columns[one.name] for one in fields(Ensemble)})
 
 
 class UnitSlips(NamedTuple):
@@ -131,7 +118,7 @@ class UnitSlips(NamedTuple):
 def unit_slips(
     car: Vehicle, e: Ensemble, z: Array, forces: Array, peak: Array | float = 1.0
 ) -> UnitSlips:
-    """Slips per compliance of every draw at the deceleration ``z`` (k,) [1], (6), (7), (15), (16).
+    """Slips per compliance of every draw at decelerations ``z`` (n, k) [1], (6), (7), (15), (16).
 
     ``forces`` of the tyres of front and rear axle over the weight (2, n, k); ``peak`` of the road
     over that of the ramp (n,).
@@ -154,18 +141,24 @@ def unit_slips(
 
 
 class Shown(NamedTuple):
-    """What wheels show of a braking, (n, k) [1].
+    """What wheels show of a braking that demands the decelerations ``z`` (k,), (n, k) [1].
 
     ``shift`` eta - 1 by (22) and the mean ``slip`` by load, over the lead-in, both with the
-    departures of the draws; of the tyres of the axles (2, n, k) ``forces`` over the weight and
-    ``slips``; ``rolls`` as of `UnitSlips`, where no tyre is seen to slide.
+    departures of the draws; of the tyres of the axles (2, n, k) ``forces`` over the loads that the
+    vehicle file gives, and ``slips``; ``rolls`` as of `UnitSlips`, where no tyre is seen to slide.
     """
 
+    z: Array
     shift: Array
     slip: Array
     forces: Array
     slips: Array
     rolls: Mask
+
+    @property
+    def eta(self) -> Array:
+        """Median of the draws, (k,)."""
+        return np.asarray(1.0 + np.median(self.shift, axis=0))
 
 
 def shown(
@@ -175,26 +168,26 @@ def shown(
     brake: Array,
     z: Array,
     *,
-    at: Array | None = None,
     peak: Array | float = 1.0,
     softer: Array | float = 1.0,
 ) -> Shown:
     """What the draws show where the ``brake`` force of both axles over the weight alone slows the
-    car, by ``z``, (k,) or (n, 1) each [1].
+    car, and it seems to slow by ``z`` (k,) [1], at which departures are read.
 
-    ``log_ratio`` (n,) as of `front_share`; ``at`` (k,) where departures are read, if not at ``z``;
-    ``peak`` as of `unit_slips`; ``softer`` compliances of the axles over the ramp's, (2, n, 1).
+    ``brake`` and ``log_ratio``, as of `front_share`, (n, k) or what broadcasts to it; ``peak`` as
+    of `unit_slips`; ``softer`` compliances of the axles over the ramp's, (2, n, 1).
     """
-    forces = np.stack(braked_tyres(car, front_share(car, log_ratio)[:, None], brake, z))
-    unit = unit_slips(car, e, z, forces, peak)
+    slowed = brake / (1.0 + sum(turning_shares(car)))
+    tyres = np.stack(braked_tyres(car, front_share(car, log_ratio), brake, slowed))
+    unit = unit_slips(car, e, slowed, tyres, peak)
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
     turning = 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
-    where = z if at is None else at
-    between = np.stack([np.interp(where, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
+    between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return Shown(
+        z=z,
         shift=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
         slip=np.sum(unit.load * turning, axis=0) * (1.0 + e.depart_slip @ between),
-        forces=forces,
+        forces=tyres / np.stack(axle_loads(car, np.atleast_2d(slowed))) * car.weight,
         slips=slips,
         rolls=unit.rolls & np.all(slips < _STICKS, axis=0),
     )

@@ -9,9 +9,9 @@ a softer road or weak rear pads, has bounds that hold both.
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, Shown
+from calib.fitting.ensemble import Ensemble
 from calib.fitting.stops import scenarios, seen
 from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap
@@ -61,15 +61,14 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
     them.
     """
     s = scenarios(car, e)
-    each = list(zip(_Z.tolist(), np.broadcast_to(odds, _Z.shape).tolist(), strict=True))
-    shown = [seen(car, s, z, more) for z, more in each]
-    at_z = (np.arcsinh(at.shift[at.rolls] / z / _DENSE) for z, at in zip(_Z, shown, strict=True))
-    ends = [np.quantile(x, _SEEN) for x in at_z]
+    at = seen(car, s, _Z, odds)
+    each = list(zip(_Z, at.shift.T, at.slip.T, at.rolls.T, strict=True))
+    ends = [np.quantile(np.arcsinh(x[rolls] / z / _DENSE), _SEEN) for z, x, _, rolls in each]
     axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), _SHIFTS))
     found = []
-    for (z, more), at in zip(each, shown, strict=True):
-        cells, own = _cells(z, at, axis, np.stack([s.log_pad_ratio + more, s.change]))
-        found.append((cells, own | _bounded("level", np.quantile(s.level(z), _QUANTILES))))
+    for one, more in zip(each, np.broadcast_to(odds, _Z.shape), strict=True):
+        cells, own = _cells(*one, axis, np.stack([s.log_pad_ratio + more, s.change]))
+        found.append((cells, own | _bounded("level", np.quantile(s.level(one[0]), _QUANTILES))))
     pads, before = (
         {name: np.array([row[name] for row in rows]) for name in rows[0]}
         for rows in zip(*found, strict=True)
@@ -78,25 +77,26 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
 
 
 def _cells(
-    z: float, at: Shown, axis: Array, asked: Array
+    z: float, shift: Array, slip: Array, rolls: Mask, axis: Array, asked: Array
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Columns of the maps at ``z``, of cells over the ``axis`` and `_SLIP` and without a reading.
 
-    ``asked`` ratio and change of the pads in the scenarios (2, n).
+    ``shift``, ``slip``, ``rolls`` as of `Shown`, and ``asked`` ratio and change of the pads (2, n),
+    of the scenarios.
     """
-    rolls = at.rolls[:, None].astype(float)
-    error = np.sqrt((_FORM * at.shift) ** 2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
-    near = np.exp(-0.5 * ((at.shift[:, None] - axis * z) / error) ** 2) / error * rolls
+    some = rolls[:, None].astype(float)
+    least = _EMPTY / rolls.size * some
+    error = np.sqrt((_FORM * shift) ** 2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
+    near = np.exp(-0.5 * ((shift[:, None] - axis * z) / error) ** 2) / error * some
     share = near.sum(axis=0) * np.gradient(axis)
-    some = _EMPTY / near.shape[0] * rolls
-    near += some * np.max(near)
-    log_slip = np.log(np.maximum(at.slip, 1e-4) / z)
+    near += least * np.max(near)
+    log_slip = np.log(np.maximum(slip, 1e-4) / z)
     middle, spread = _moments(near, log_slip[None])
     mean, sigma = middle[:, 0], np.maximum(np.sqrt(spread[:, 0, 0]), 0.02)
     apart = (log_slip[:, None] - mean) / sigma
     both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - _SLIP) / _NEAR) ** 2)
-    both += (some * np.max(near))[..., None]
-    weights = np.hstack([rolls, both.reshape(log_slip.size, -1)])
+    both += (least * np.max(near))[..., None]
+    weights = np.hstack([some, both.reshape(log_slip.size, -1)])
     flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
     cells = {name: np.repeat(x[:, None], _SLIP.size, axis=1) for name, x in flat.items()}
     # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing

@@ -21,7 +21,7 @@ from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.resistance import Resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.settings import SETTINGS
-from calib.table.budget import Parts, axle_budgets
+from calib.table.budget import Variances, axle_parts
 from calib.table.table import Calibration, TableBudget, Value
 
 UNSAID = Value(*PRIORS["log_pad_ratio"])
@@ -116,7 +116,7 @@ def level_of(
 
 
 def calibration_of(
-    vehicle: Vehicle, scale: float, level: Parts, ratio: Value, posterior: Mapping[str, Array]
+    vehicle: Vehicle, scale: float, level: Variances, ratio: Value, posterior: Mapping[str, Array]
 ) -> tuple[Calibration, TableBudget]:
     """The pads, each with its sigma, and what they rest on by cause, see `calib.table.budget`.
 
@@ -140,6 +140,6 @@ def calibration_of(
     )
     at = AT.log_pad_ratio
     of_ratio = {part: float(of[at, at]) for part, of in posterior.items()}
-    front, rear = axle_budgets(vehicle, pads, level, of_ratio)
     shares = {part: tuple(map(tuple, of.tolist())) for part, of in posterior.items()}
-    return pads, TableBudget(front.relative, rear.relative, dict(level), shares)
+    axles = axle_parts(vehicle, ratio.value, level, of_ratio)
+    return pads, TableBudget(*axles, dict(level), shares)

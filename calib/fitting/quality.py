@@ -18,8 +18,8 @@ from calib.car.effects.line import limited
 from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import Ridge, find_peak
-from calib.fitting.ensemble import Ensemble
+from calib.fitting.curves import find_peak
+from calib.fitting.ensemble import Ensemble, Shown
 from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
@@ -125,7 +125,7 @@ def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) ->
     yield Measured("rear_pressure_limited", found.misfit**2 - left**2, words=words)
 
 
-def metrics(vehicle: Vehicle, runs: list[RampRun], of: Ridge, nominal: float) -> dict[str, float]:
+def metrics(vehicle: Vehicle, runs: list[RampRun], of: Shown, nominal: float) -> dict[str, float]:
     """Quality metrics of the fit, each a plain number, beside those of what is left of the ramps.
 
     ``of`` draws of the ``runs`` up to the highest z; ``nominal`` weight of what was known of the

@@ -48,14 +48,13 @@ def _carried_on(
     t, gone, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
     v = u * (1.0 + PRIORS["compliance"][0] * z)
     wheel, rolled = noise.omega * R, lead.size * b.length
-    sooner, later = np.minimum(t[:, None], t), np.maximum(t[:, None], t)
-    walk = _GRADE**2 * (sooner**3 / 3.0 + sooner**2 * (later - sooner) / 2.0)
-    covariance = G**2 * (noise.z**2 * sooner + walk) / np.outer(v, v)
-    covariance += np.diag((wheel / v) ** 2 / length)
+    sooner = np.minimum.outer(t, t)
+    walk = (_GRADE * sooner) ** 2 * (np.maximum.outer(t, t) / 2.0 - sooner / 6.0)
+    off = G**2 * (noise.z**2 * sooner + walk) + np.diag(wheel**2 / length)
     slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
     scale, sigma = PRIORS["a_x_scale"]
     return (v_0 - (1.0 - scale) * gone - u) / v, {
-        "noise": np.linalg.cholesky(covariance),
+        "noise": np.linalg.cholesky(off / np.outer(v, v)),
         "zeros": np.stack([-G * t * slope_sigma / v, 2.0 * wheel / np.sqrt(rolled) / v], axis=1),
         "accelerometer": (-gone * sigma / v)[:, None],
     }

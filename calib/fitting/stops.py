@@ -9,7 +9,6 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.plain import rows
-from calib.car.balance import turning_shares
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
@@ -83,21 +82,17 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     )
 
 
-def seen(car: Vehicle, s: Scenarios, z: float, odds: float = 0.0) -> Shown:
-    """What is seen, (n,) each, where the zeroed deceleration demands the brake force ``z`` [1].
+def seen(car: Vehicle, s: Scenarios, z: Array, odds: Array | float = 0.0) -> Shown:
+    """What is seen where the zeroed deceleration demands the brake force ``z`` (k,) [1].
 
-    ``z`` over the weight; ``odds`` ln of the front pressure over the rear one. By (22), (19), (20).
+    ``z`` over the weight; ``odds`` (k,) ln of the front pressure over the rear one.
     """
-    brake = ((z - s.offset) * (1.0 - s.scale))[:, None]
-    of_one = shown(
+    return shown(
         car,
         s.of,
-        s.log_pad_ratio + odds,
-        brake,
-        brake / (1.0 + sum(turning_shares(car))),
-        at=np.array([z]),
+        s.log_pad_ratio[:, None] + odds,
+        (z - s.offset[:, None]) * (1.0 - s.scale[:, None]),
+        z,
         peak=s.peak,
         softer=np.exp(-s.stiff)[..., None],
     )
-    shift, slip, forces, slips = (x[..., 0] for x in of_one[:-1])
-    return Shown(shift, slip, forces, slips, of_one.rolls[:, 0])

@@ -19,13 +19,13 @@ from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.written.document import to_dict as document_of
 from calib.estimation.agreement import Agreement, agreement
+from calib.estimation.baselines import METHODS
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import truth_of
 from calib.estimation.results import to_dict, write_results
 from calib.estimation.validate import Validation, validate
 from calib.fitting.fit import fit
 from calib.help.samples import sample_logs
-from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.run.check import check
 from calib.show.diagnosis import facts as diagnosis
@@ -73,7 +73,6 @@ _BEFORE = {"sedan": "ramp_wet_asphalt.csv"}
 class _Outcome:
     stored: Stored
     results: list[Validation]
-    logs: list[Log]
 
 
 def run(out: Path, say: _Say) -> tuple[dict[str, Any], Facts]:
@@ -121,7 +120,7 @@ def _run(name: str, study: _Study, source: Path, out: Path, say: _Say) -> _Outco
     ramps = tuple(log for log in fitted if "coast" not in log.name)
     _draw(sheets(PlotInput(tables=(stored,), logs=ramps)), out)
     _draw(sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)), out)
-    return _Outcome(stored, results, held)
+    return _Outcome(stored, results)
 
 
 def _draw(pages: "Iterable[Sheet]", out: Path) -> None:
@@ -139,13 +138,12 @@ def _section_four(outcome: _Outcome) -> list[_Row]:
     """The stop of Section IV by method: its final pad frictions, and the rms torque error [N m]
     over both axles from the first bite on.
     """
-    result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
-    e = result.estimate
-    truth = truth_of(log, e)
+    e, car = outcome.results[0].estimate, outcome.stored.table.vehicle
+    truth = truth_of(e)
     assert truth is not None
     braked = e.braked & (e.read.speed > 3.0) & np.isfinite(e.best.pads_f.value)
     last = int(np.flatnonzero(braked)[-1])
-    pads = {name: result.others[name] for name in _METHODS if name in result.others}
+    pads = {name: METHODS[name](e) for name in _METHODS}
     pads["estimate"] = (e.best.pads_f.value, e.best.pads_r.value)
     rows = []
     for name, (front, rear) in pads.items():
@@ -183,7 +181,7 @@ def _stop(result: Validation, car: Vehicle) -> _Row:
         "width_f": front * wide_f,
         "pads_r": rear,
         "width_r": rear * wide_r,
-        "sum_nominal": share(*result.others["nominal"]),
+        "sum_nominal": share(*METHODS["nominal"](e)),
         "sum_compensated": share(e.best.pads_f.value, e.best.pads_r.value),
     }
 

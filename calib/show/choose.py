@@ -75,5 +75,5 @@ def _of_log(found: Log) -> Sheet:
 
 def _of_stop(stored: Stored, found: Log, given: PlotInput) -> Sheet:
     used, car = stored.table, given.vehicle
-    result = validate_one(used, found, car, given.limits, baselines=given.compare)
-    return stop.of_validation(used, stored.id, found, result, car)
+    result = validate_one(used, found, car, given.limits)
+    return stop.of_validation(used, stored.id, found, result, car, compare=given.compare)

@@ -15,7 +15,7 @@ from calib.show.table import sheet
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, pads_budget
+from calib.table.budget import advice_lines, budget_of, words
 from calib.table.budget import summary as budget_summary
 
 _CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
@@ -24,7 +24,7 @@ _CURVES = "The curves that the estimator looks up, with their 95 % bands, and th
 def facts(stored: Stored, mass: MassUsed) -> Facts:
     """A version of a table that was fitted on a car of ``mass``."""
     table, said, cal = stored.table, answer(stored), stored.table.calibration
-    budgets, count = pads_budget(table), len(table.warnings)
+    budgets, count = budget_of(table).axles, len(table.warnings)
     pads = {"front pads": cal.pad_friction_f, "rear pads": cal.pad_friction_r}
     return Facts(
         title=f"Table {stored.id}",
@@ -40,7 +40,7 @@ def facts(stored: Stored, mass: MassUsed) -> Facts:
             ("state", stored.state.words),
             ("range", said.limit),
             ("mass", str(mass)),
-            *((f"{w} pads", of.words) for w, of in zip(AXLE_NAMES.values(), budgets, strict=True)),
+            *((f"{w} pads", words(of)) for w, of in zip(AXLE_NAMES.values(), budgets, strict=True)),
         ],
         tables=[_figures(stored)],
         notes=[*advice_lines(budgets), *table.remarks],
@@ -84,7 +84,7 @@ def document(stored: Stored, mass: MassUsed) -> dict[str, object]:
         "new": not stored.existed,
         "answer": answer(stored),
         "calibration": table.calibration,
-        "budget": budget_summary(*pads_budget(table)),
+        "budget": budget_summary(*budget_of(table).axles),
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,

@@ -35,7 +35,7 @@ from calib.show.table import sheet
 from calib.store.evidence import read_quality
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, pads_budget
+from calib.table.budget import advice_lines, budget_of, words
 
 _CURVES = "The curves that the estimator looks up, with their 95 % bands."
 
@@ -101,7 +101,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 
 def _pads(found: StationOutcome) -> Facts:
     """Pad friction from the ramp and by stop, and what its interval is made of."""
-    cal, budgets = found.table.calibration, pads_budget(found.table)
+    cal, budgets = found.table.calibration, budget_of(found.table).axles
     of_ramp = [
         plus_minus(pad.value, pad.ci95[1] - pad.value)
         for pad in (cal.pad_friction_f, cal.pad_friction_r)
@@ -115,7 +115,7 @@ def _pads(found: StationOutcome) -> Facts:
         "Pads",
         tables=[Cells(("run", "front", "rear"), rows, "Pad friction, with 95 % intervals.")],
         rows=[
-            (f"{axle} pads of the ramp", of.words)
+            (f"{axle} pads of the ramp", words(of))
             for axle, of in zip(AXLE_NAMES.values(), budgets, strict=True)
         ],
         notes=advice_lines(budgets),

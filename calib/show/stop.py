@@ -8,8 +8,11 @@ import numpy as np
 
 from calib.base.names import WHEELS
 from calib.base.plain import plain, plus_minus
+from calib.car.effects.effect import Pair
 from calib.car.forces import brake_torque
 from calib.car.vehicle import Vehicle
+from calib.estimation.baselines import METHODS
+from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import truth_of
 from calib.estimation.validate import Validation
 from calib.logs.log import Log
@@ -77,13 +80,23 @@ def of_result(result: StoredResult) -> Sheet:
 
 
 def of_validation(
-    table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
+    table: Table,
+    name: str,
+    log: Log,
+    result: Validation,
+    vehicle: Vehicle | None = None,
+    *,
+    compare: bool = True,
 ) -> Sheet:
-    """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``."""
+    """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``.
+
+    With ``compare`` the `BASELINES` are drawn, too.
+    """
     e, car = result.estimate, result.estimate.car
     means = _means(result)
     over = _over(e.time, e.valid)
-    more = _beside(result, log, "of the table" if vehicle is None else "of the vehicle file")
+    others = {key: METHODS[key](e) for key in BASELINES} if compare else {}
+    more = _beside(e, others, "of the table" if vehicle is None else "of the vehicle file")
     wheels = [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
     if "v" in log:  # first, so that it is drawn below the wheels
         wheels.insert(0, Line(e.time, log["v"] / car.rear.rolling_radius, BODY, "$V/R$"))
@@ -91,7 +104,7 @@ def of_validation(
         over("wheel-speeds", "Wheel speeds", y="wheel speed [rad/s]", lines=wheels, columns=5),
         *_panels(e.columns(), e.valid, means, over, more),
     )
-    kind = "stop" if truth_of(log, e) is None else "simulation"
+    kind = "stop" if truth_of(e) is None else "simulation"
     lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
     refused = {why: lasts for why, lasts in lost.items() if lasts >= 0.05}
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
@@ -217,20 +230,20 @@ def _bounded(
     return [*more, estimate], reach(lower, upper, *wide)
 
 
-def _beside(result: Validation, log: Log, whose: str) -> dict[str, list[Line]]:
+def _beside(e: Estimate, others: Mapping[str, Pair], whose: str) -> dict[str, list[Line]]:
     """What a log has beside the estimate, by panel: slips, other methods, nominal pads, truth."""
-    e, found = result.estimate, dict[str, list[Line]](slip=[], **{"axle-torques": []})
+    found = dict[str, list[Line]](slip=[], **{"axle-torques": []})
     car = e.car
-    truth, time, slips = truth_of(log, e), e.time, e.slips
+    truth, time, slips = truth_of(e), e.time, e.slips
     for i, (_, name, stroke) in enumerate(_AXLES):
         axle, pressure = (car.front, car.rear)[i], np.maximum((e.read.p_f, e.read.p_r)[i], 0.0)
         if slips is not None:
             label = f"{name} slip"
             found["slip"].append(Line(time, 100.0 * slips[i], stroke, label, mean=_SLIP_MEAN))
         held = [
-            Line(time, np.where(e.valid, result.others[key][i], np.nan), look, label)
+            Line(time, np.where(e.valid, others[key][i], np.nan), look, label)
             for key, (label, look) in BASELINES.items()
-            if key in result.others
+            if key in others
         ]
         nominal = np.full(time.size, axle.pad_friction)
         held.append(Line(time, nominal, NOMINAL, rf"$\mu_{{p,n}}$ {whose}"))

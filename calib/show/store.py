@@ -16,7 +16,7 @@ from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
-from calib.table.budget import pads_budget
+from calib.table.budget import budget_of, words
 from calib.table.compare import Difference
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
@@ -78,7 +78,7 @@ def shown(stored: Stored) -> Facts:
         ("pad scale", _interval(pads.pad_scale)),
         ("pad friction front", _interval(pads.pad_friction_f)),
         ("pad friction rear", _interval(pads.pad_friction_r)),
-        *zip(("front pads", "rear pads"), (x.words for x in pads_budget(table)), strict=True),
+        *zip(("front pads", "rear pads"), map(words, budget_of(table).axles), strict=True),
         *((name, _map(part)) for name in MAPS if (part := getattr(table, name)) is not None),
         ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
         *((metric, f"{number:.4g}") for metric, number in table.quality.items()),

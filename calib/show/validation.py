@@ -24,7 +24,7 @@ from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
-from calib.table.budget import advice_lines
+from calib.table.budget import advice_lines, words
 from calib.table.exported import Precision
 
 _BY_STOP = "What an ECU makes of the table, beside the best estimate; 95 % intervals."
@@ -144,7 +144,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
             for why, share in r.refused.items()
         ]
         rows += [
-            (f"{r.log}, {name} pads", of.words)
+            (f"{r.log}, {name} pads", words(of))
             for name, of in zip(AXLE_NAMES.values(), budget(r.estimate) or (), strict=False)
         ]
     together = agreement(results)

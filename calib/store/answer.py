@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
-from calib.table.budget import pads_budget
+from calib.table.budget import budget_of, largest
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,10 @@ def verdict(stored: Stored) -> str:
         f"{100.0 * (pads.ci95[1] / pads.value - 1.0):.0f} %"
         for pads in (cal.pad_friction_f, cal.pad_friction_r)
     )
-    parts = dict.fromkeys(of.largest.replace("_", " ") for of in pads_budget(stored.table))
+    parts = [largest(of).replace("_", " ") for of in budget_of(stored.table).axles]
     return (
         f"usable {_USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
-        f"{front} front and {rear} rear, limited by {' and '.join(parts)}"
+        f"{front} front and {rear} rear, limited by {' and '.join(dict.fromkeys(parts))}"
     )
 
 

@@ -25,11 +25,11 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.random_effects import RandomEffects, quantile95, random_effects
-from calib.fitting.curves import Ridge, as_cubic, differences, paper_of, ridge, tyre_forces
-from calib.fitting.ensemble import Ensemble, ensemble_of
+from calib.fitting.curves import as_cubic, differences, paper_of, ridge, tyre_forces
+from calib.fitting.ensemble import Ensemble, Shown, ensemble_of
 from calib.fitting.pads import calibration_of
 from calib.model.settings import SETTINGS
-from calib.table.budget import level_of
+from calib.table.budget import budget_of
 from calib.table.pad_levels import PadLevels, pad_levels, pad_scale
 from calib.table.table import (
     Array,
@@ -119,7 +119,7 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], 
     vehicle, names = tables[0].vehicle, tables[0].posterior.names
     scatter = _scatter(tables, weights)
     of_cars = inflated(scatter) ** 2
-    shared = _shared([level_of(t) for t in tables], weights)
+    shared = _shared([budget_of(t).level for t in tables], weights)
     level = {part: float(x) for part, x in shared.items()} | {_CARS: float(of_cars[0])}
     mean, parts = _posterior(tables, weights)
     at = names.index(RATIO)
@@ -152,9 +152,7 @@ def _posterior(tables: Sequence[Table], weights: Array) -> tuple[Array, dict[str
     together = np.einsum("i,ij,ik->jk", weights, apart, apart) + np.tensordot(weights, own, 1)
     sigma = np.sqrt(np.diag(together))
     per = np.divide(inflated(found), sigma, out=np.zeros_like(sigma), where=sigma > 0.0)
-    wholes = [
-        {"ramp": t.posterior.covariance} if t.budget is None else t.budget.posterior for t in tables
-    ]
+    wholes = [budget_of(t).posterior for t in tables]
     # as large as each parameter's own scatter says, correlated as the cars are
     return found.mean, _shared(wholes, weights) | {_CARS: together * np.outer(per, per)}
 
@@ -177,7 +175,7 @@ def stiffness(table: Table) -> float:
 def own_covariance(table: Table) -> Array:
     """Covariance of the posterior (k, k) by the errors of the table's own run."""
     n = len(table.posterior.names)
-    parts = {} if table.budget is None else table.budget.posterior
+    parts = budget_of(table).posterior
     return sum((np.asarray(parts[p]) for p in _OWN if p in parts), np.zeros((n, n)))
 
 
@@ -189,8 +187,7 @@ def own_variance(table: Table, name: str) -> float:
 
 def own_level(table: Table) -> float:
     """Variance of the logarithm of the pad level [1] by the errors of the table's own run."""
-    level = {} if table.budget is None else table.budget.level
-    return sum(level.get(part, 0.0) for part in _OWN)
+    return sum(budget_of(table).level.get(part, 0.0) for part in _OWN)
 
 
 def own_share(table: Table, eta: Array) -> Array:
@@ -203,7 +200,7 @@ def own_share_of_tyre(table: Table, slip: Array) -> Array:
     return _share(table, slip, lambda e: tyre_forces(e, slip))
 
 
-def _ridge(table: Table, e: Ensemble) -> Ridge:
+def _ridge(table: Table, e: Ensemble) -> Shown:
     z = np.linspace(0.0, table.paper.decelerations[1], SETTINGS.rows)
     return ridge(table.vehicle, e, z)
 

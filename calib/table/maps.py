@@ -140,11 +140,11 @@ class LevelMap(Map):
     change_upper: Array
 
 
-FORMS = tuple(f"form_{i}" for i in range(1, 6))
-"""Columns of `Draws` that hold the weights of the tyre forms; they add up to 1."""
-
-DEPARTS = {of: tuple(f"depart_{of}_{i}" for i in range(1, 11)) for of in ("eta", "slip")}
-"""Columns of `Draws` that hold what a tyre departs from its form by, at ten decelerations."""
+WIDE = {"forms": tuple(f"form_{i}" for i in range(1, 6))} | {
+    name: tuple(f"{name}_{i}" for i in range(1, 11)) for name in ("depart_eta", "depart_slip")
+}
+"""Columns of `Draws` that are one thing: weights of the tyre forms, which add up to 1, and what a
+tyre departs from its form by, at ten decelerations."""
 
 
 @dataclass(frozen=True)
@@ -153,10 +153,10 @@ class Draws:
 
     ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
     ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
-    ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the `FORMS`; ``radius_load``
+    ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the forms; ``radius_load``
     fall of the rolling radius per load [1]; ``v_late`` by which the speed comes after the wheels
-    [s]; ``weight`` M g of the vehicle [N]; lengths in m; ``depart_eta_1`` and so on the `DEPARTS`
-    of eta - 1 and of the slip, relative [1].
+    [s]; ``weight`` M g of the vehicle [N]; lengths in m; ``depart_eta_1`` and so on the
+    departures of eta - 1 and of the slip, relative [1], see `WIDE`.
     """
 
     log_pad_ratio: Array

@@ -261,6 +261,11 @@ class TableBudget:
     level: dict[str, float]
     posterior: dict[str, tuple[tuple[float, ...], ...]]
 
+    @property
+    def axles(self) -> tuple[dict[str, float], dict[str, float]]:
+        """The parts of front and rear pads."""
+        return self.front, self.rear
+
 
 @dataclass(frozen=True)
 class Scatter:

@@ -9,7 +9,7 @@ import pytest
 from calib.help.samples import sample_logs
 from calib.logs.write import write_csv
 from calib.store.store import Store
-from calib.table.budget import pads_budget, summary
+from calib.table.budget import budget_of, summary
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
 from tests.support.tyre_files import written
 
@@ -44,7 +44,7 @@ def test_json_is_one_document(brake_cal, log, store):
     assert set(document["effects"]) == {"aerodynamic_drag", "rolling_resistance"}
     assert document["quality"]["runs"] == 1.0
     assert document["answer"]["usable"] is False  # a draft
-    assert document["budget"] == summary(*pads_budget(stored.table))
+    assert document["budget"] == summary(*budget_of(stored.table).axles)
     assert document["remarks"] == list(stored.table.remarks)
 
 

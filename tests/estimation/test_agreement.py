@@ -28,7 +28,7 @@ def stops(*stiffness, sigma=0.04, pads=(0.4, 0.36), level=1.0):
     figures |= dict(zip(("pad_friction_f", "pad_friction_r"), pads, strict=True))
     return [
         Validation(
-            f"{value:g}", "", HOLDOUT, on_road(made_estimate(), value, sigma), figures, (), {},
+            f"{value:g}", "", HOLDOUT, on_road(made_estimate(), value, sigma), figures, (),
             MassUsed(1744.0, 0.03, False)
         )
         for value in stiffness

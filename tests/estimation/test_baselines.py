@@ -9,8 +9,7 @@ import pytest
 from calib.car.effects.effects import Effects
 from calib.estimation.baselines import METHODS, as_written, gain, mean_gain, temperature
 from calib.estimation.estimator import estimate
-from calib.estimation.limits import DEFAULTS
-from calib.estimation.validate import validate, validate_one
+from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.run.axle_signals import Signals, signals
 from calib.run.brake_response import brake_balance
@@ -31,17 +30,17 @@ def test_a_law_that_is_unstable_has_no_error(fitted):
     log = stop(with_pads(REAL, 0.2, 0.2), 70e5, duration=6.0, rate=40.0)
     (found,) = validate(fitted, [noisy(log, 2)])
     assert {*METHODS} - {*found.baselines} == UNSTABLE
-    for name in UNSTABLE:
-        assert np.isnan(found.others[name][0]).all()
     e = found.estimate
+    for name in UNSTABLE:
+        assert np.isnan(METHODS[name](e)[0]).all()
     assert np.mean(e.valid[e.braked & (e.read.speed > 5.0)]) > 0.5
 
 
 def test_unless_asked_for_they_are_left_out(fitted):
     """A batch does not ask, and must not pay for it."""
-    found = validate_one(fitted, noisy(stop(), 3), None, DEFAULTS, baselines=False)
-    assert found.others == {}
-    assert set(found.baselines) == {"estimate", "ecu"}
+    (found,) = validate(fitted, [noisy(stop(), 3)])
+    assert "baselines" not in vars(found)
+    assert "mean_gain" in found.baselines
 
 
 def test_errors_are_against_truth_or_the_speed(fitted):
@@ -54,7 +53,7 @@ def test_errors_are_against_truth_or_the_speed(fitted):
     told = [found.compared_with for found in (by_truth, by_speed, by_nothing)]
     assert told == ["truth", "reference", "none"]
     e = by_speed.estimate
-    off = (by_speed.others["nominal"][1] / e.best.pads_r.value - 1.0)[e.valid]
+    off = (METHODS["nominal"](e)[1] / e.best.pads_r.value - 1.0)[e.valid]
     assert by_speed.baselines["nominal"][1] == pytest.approx(np.sqrt(np.mean(off**2)))
 
 

@@ -46,6 +46,7 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, inn
         "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r),
     }  # fmt: skip
     rest = {"innovation": np.zeros(N) if innovation is None else np.repeat(innovation, N // 100)}
+    rest["ratio"] = np.log(np.broadcast_to(named["ratio"], (3, N)))
     rest |= {"zero_eta": np.ones(N), "reason": reason}
     return Readout(
         given=None,
@@ -79,7 +80,7 @@ def made_estimate(
     values = {
         "table": mapped_table(),
         "car": CAR,
-        "ran": SimpleNamespace(factor_f=1.0, factor_r=1.0),
+        "ran": SimpleNamespace(factor_f=1.0, factor_r=1.0, log=BLIND),
         "read": Signals(
             time=TIME, p_f=pressure * flat, p_r=pressure * flat, drive_f=0.0 * flat,
             drive_r=0.0 * flat, z=0.3 * flat, omega_f=flat, omega_r=flat, v=None,
@@ -108,8 +109,13 @@ def truth_log(mu_f=0.40, mu_r=0.36, *, pressure=20e5, pads=True):
     return Log("made", "made.csv", "0" * 64, {"time": TIME}, truth=truth)
 
 
+def read_from(estimate, log):
+    """The estimate as if it came of this log."""
+    return replace(estimate, ran=SimpleNamespace(factor_f=1.0, factor_r=1.0, log=log))
+
+
 def scored(estimate, log=None):
-    return score(truth_log() if log is None else log, estimate)
+    return score(read_from(estimate, truth_log() if log is None else log))
 
 
 BLIND = replace(truth_log(), truth={})
@@ -187,18 +193,18 @@ def test_a_log_without_truth_has_no_error():
 
 def test_true_pads_follow_from_torque_and_pressure():
     log = truth_log(0.33, 0.29, pads=False)
-    front, rear = truth_of(log, made_estimate()).pad_friction
+    front, rear = truth_of(read_from(made_estimate(), log)).pad_friction
     assert front == pytest.approx(np.full(N, 0.33))
     assert rear == pytest.approx(np.full(N, 0.29))
     # below a bar there is nothing to divide by
-    low = truth_of(log, made_estimate(pressure=0.5e5))
+    low = truth_of(read_from(made_estimate(pressure=0.5e5), log))
     assert np.all(np.isnan(low.pad_friction[0]))
 
 
 def test_true_torque_is_the_mean_of_the_sides():
     log = truth_log()
     log = replace(log, truth={**log.truth, "true_Tb_fl": 1.2 * log.truth["true_Tb_fr"]})
-    front, _ = truth_of(log, made_estimate()).torque
+    front, _ = truth_of(read_from(made_estimate(), log)).torque
     assert front == pytest.approx(1.1 * log.truth["true_Tb_fr"])
 
 

@@ -63,7 +63,7 @@ MASS = MassUsed(1744.0, 0.03, False)
 def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), **figures):
     estimate = on_road(made_estimate(), 0.0)
     values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
-    return Validation(name, "ab" * 32, "hold-out", estimate, values, tuple(judgements), {}, MASS)
+    return Validation(name, "ab" * 32, "hold-out", estimate, values, tuple(judgements), MASS)
 
 
 def refused(fitted, log, vehicle=None):
@@ -254,11 +254,9 @@ def test_summary_holds_everything_and_is_json(wet, passed, blind):
 def test_what_is_not_finite_becomes_null():
     bad = Judgement("x", None, 1.0, value=math.nan)
     odd = made("a", interval_f=math.inf, judgements=[bad])
-    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)})
     log = as_json("t@1", [odd])["logs"][0]
     assert log["figures"]["interval_f"] is None
     assert log["limits"][0]["value"] is None
-    assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
 
 
 def test_pads_that_no_brake_has_are_not_valid(fitted):

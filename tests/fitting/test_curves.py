@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.names import G
-from calib.fitting.curves import Ridge, find_peak, readable_up_to, ridge
-from calib.fitting.ensemble import Ensemble
+from calib.fitting.curves import find_peak, readable_up_to, ridge
+from calib.fitting.ensemble import Ensemble, Shown
 from calib.fitting.fit import fit
 from calib.table.invariants import violations
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
@@ -145,7 +145,8 @@ def test_peak_is_found_where_the_plant_has_it(clean, tables, name):
 def turning(z, peak):
     """A ridge whose draws have eta as a parabola with these peaks (n,) [1]."""
     eta = 1.0 + 0.005 * (1.0 - (z / peak[:, None] - 1.0) ** 2)
-    return Ridge(z, eta, np.stack([eta, eta]), np.stack([eta, eta]))
+    both = np.stack([eta, eta])
+    return Shown(z, eta - 1.0, eta - 1.0, both, both, eta > 0.0)
 
 
 def test_a_fall_that_some_draws_do_not_have_is_no_peak():
@@ -224,7 +225,7 @@ def test_forces_along_the_ridge_balance(z, compliance, log_ratio, tau, r):
     ):
         assert slip == pytest.approx(compliance * np.exp(half * tau) * F, rel=2e-3)
         turning.append((1.0 - slip) * np.exp(r * (load / rest - 1.0)))
-    assert p.eta[0, 0] == pytest.approx(turning[1] / turning[0])
+    assert 1.0 + p.shift[0, 0] == pytest.approx(turning[1] / turning[0])
 
 
 def test_flags_follow_the_counts(all_tables, gentle):

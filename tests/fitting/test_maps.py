@@ -9,6 +9,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from calib.fitting import maps as module
 from calib.fitting import stops
+from calib.fitting.ensemble import Shown
 from calib.fitting.maps import maps
 from calib.fitting.posterior import posterior
 from calib.table.table import Value
@@ -39,11 +40,9 @@ class Toy:
         self.log_slip = -3.0 + follows * self.log_pad_ratio + SCATTER * x[3]
 
     def seen(self, z):
-        return SimpleNamespace(
-            shift=z * (self.shift + (self.jump if z > 0.5 else 0.0)),
-            slip=z * np.exp(self.log_slip),
-            rolls=np.ones(self.change.size, dtype=bool),
-        )
+        shift = z * (self.shift[:, None] + np.where(z > 0.5, self.jump, 0.0))
+        slip = z * np.exp(self.log_slip[:, None])
+        return Shown(z, shift, slip, forces=slip, slips=slip, rolls=slip > 0.0)
 
     def level(self, z):
         return np.full(self.change.size, 0.01)
@@ -184,7 +183,7 @@ def shares(true, found, of, keep):
 def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
     """The reading has no noise here; a map has at least its own, so bounds are a little wide."""
     _, pad_map, _ = table
-    at = stops.seen(CAR, fresh, z)
+    at = Shown(*(x[..., 0] for x in stops.seen(CAR, fresh, np.array([z]))))
     true = fresh.log_pad_ratio if of == "ratio" else fresh.change
     where, shift = np.full(true.size, z), at.shift / z
     if sees:
@@ -214,7 +213,7 @@ def test_ranks_of_the_level_are_uniform(table, fresh):
 def test_before_eta_is_read_bounds_hold_their_share(table, fresh):
     _, _, before = table
     i = int(np.argmin(np.abs(before.z - 0.3)))
-    rolls = stops.seen(CAR, fresh, float(before.z[i])).rolls
+    rolls = stops.seen(CAR, fresh, before.z).rolls[:, i]
     for of, true in (("ratio", fresh.log_pad_ratio), ("change", fresh.change)):
         ranks = [np.mean(true[rolls] <= getattr(before, of + end)[i]) for end in BOUNDS]
         assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.02)

@@ -157,7 +157,7 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
     front, rear = (
         (1.0 - s) * math.exp(0.002 * g) for s, g in ((slip_f, grown_f), (slip_r, grown_r))
     )
-    at = seen(CAR, still(), z)
+    at = seen(CAR, still(), np.array([z]))
     assert at.shift == pytest.approx(rear / front - 1.0, rel=1e-4)
     assert at.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
     assert still().level(z) == pytest.approx(0.0)
@@ -165,11 +165,11 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
 
 
 def test_better_front_pads_and_softer_roads_raise_eta():
-    usual = seen(CAR, still(), 0.3).shift
-    assert seen(CAR, still(change=0.1), 0.3).shift > usual
-    assert seen(CAR, still(stiff=SOFTER), 0.3).shift > usual
-    assert seen(CAR, still(stiff=SOFTER), 0.3).slip == pytest.approx(
-        math.exp(0.2) * seen(CAR, still(), 0.3).slip, rel=0.15
+    usual = seen(CAR, still(), np.array([0.3])).shift
+    assert seen(CAR, still(change=0.1), np.array([0.3])).shift > usual
+    assert seen(CAR, still(stiff=SOFTER), np.array([0.3])).shift > usual
+    assert seen(CAR, still(stiff=SOFTER), np.array([0.3])).slip == pytest.approx(
+        math.exp(0.2) * seen(CAR, still(), np.array([0.3])).slip, rel=0.15
     )
 
 
@@ -186,10 +186,10 @@ def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
         of=replace(usual.of, depart_eta=0.1 * DEPART_AT[None], depart_slip=-0.2 * DEPART_AT[None]),
     )
     for z in (0.1, 0.33, 0.6):
-        plain, at = seen(CAR, usual, z), seen(CAR, along, z)
+        plain, at = seen(CAR, usual, np.array([z])), seen(CAR, along, np.array([z]))
         assert at.shift / plain.shift == pytest.approx(1.0 + 0.1 * z)
         assert at.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)
 
 
 def test_a_road_that_cannot_carry_the_force_is_told():
-    assert not seen(CAR, still(peak=0.3), 0.5).rolls.any()
+    assert not seen(CAR, still(peak=0.3), np.array([0.5])).rolls.any()

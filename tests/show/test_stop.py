@@ -4,6 +4,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from calib.estimation.baselines import METHODS
 from calib.estimation.results import write_result
 from calib.show import stop
 from calib.show.result import read_result
@@ -42,7 +43,7 @@ def test_pad_friction_with_interval_nominal_and_rivals(drawn, stopped):
     assert torque == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * nominal * p)
     for name, (label, _) in stop.BASELINES.items():
         rival = line(pads, label)[1]
-        assert np.array_equal(rival[e.valid], stopped.others[name][0][e.valid])
+        assert np.array_equal(rival[e.valid], METHODS[name](e)[0][e.valid])
         assert np.isnan(rival[~e.valid]).all()
     low, high = pads.ylim
     assert low < e.best.pads_f.lower[e.valid].min()

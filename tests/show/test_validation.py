@@ -1,7 +1,5 @@
 """What is told of a validation: the ECU beside the best estimate and the truth, and by what."""
 
-from dataclasses import replace
-
 import pytest
 
 from calib.estimation.limits import Judgement
@@ -79,10 +77,9 @@ def test_a_table_that_was_rounded_is_told(how):
 def test_what_the_curves_alone_cost_is_told_of_the_worst_stop():
     methods = {"estimate": (0.01, 0.02), "ecu": (0.012, 0.034), "gradient_paper": (0.071, 0.283)}
     better = {**methods, "gradient_paper": (0.011, 0.021)}
-    rows = told(
-        replace(made("dry", **ECU), baselines=better),
-        replace(made("tile", **ECU), baselines=methods),
-    ).rows
+    dry, tile = made("dry", **ECU), made("tile", **ECU)
+    vars(dry)["baselines"], vars(tile)["baselines"] = better, methods
+    rows = told(dry, tile).rows
     (row,) = [text for _, text in rows if "tile" in text]
     assert all(x in row for x in ("7.1 %", "28.3 %", "1.2 %", "3.4 %"))
     assert not [text for _, text in rows if "dry" in text]

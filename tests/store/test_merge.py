@@ -15,7 +15,7 @@ from calib.model.parameters import RampParameters, tyres_of
 from calib.store.merge import merge
 from calib.store.state import OUTSIDE, VersionState
 from calib.store.store import Store
-from calib.table.budget import pads_budget
+from calib.table.budget import budget_of
 from calib.table.invariants import violations
 from calib.table.pad_levels import pad_levels
 from calib.table.table import SetByHand
@@ -140,8 +140,9 @@ def test_the_parts_of_the_budget_add_up_to_what_the_mean_leaves_open(copies):
     parts = np.sum([np.asarray(part) for part in mean.budget.posterior.values()], axis=0)
     np.testing.assert_allclose(parts, np.asarray(mean.posterior.covariance), rtol=1e-9, atol=1e-18)
     cal = mean.calibration
-    for axle, pad in zip(pads_budget(mean), (cal.pad_friction_f, cal.pad_friction_r), strict=True):
-        assert axle.sigma == pytest.approx(pad.sigma / pad.value)
+    pads = (cal.pad_friction_f, cal.pad_friction_r)
+    for axle, pad in zip(budget_of(mean).axles, pads, strict=True):
+        assert math.hypot(*axle.values()) == pytest.approx(pad.sigma / pad.value)
     assert {"noise", "zeros"} & set(mean.budget.posterior) == set()
 
 

@@ -78,7 +78,7 @@ def tried(job: tuple[str, int, int, bool]) -> list[Row]:
 def row(cause: str, with_v: bool, car: int, table: Table, log: Log) -> Row:
     """One stop against the plant."""
     try:
-        result = validate_one(table, log, None, DEFAULTS, baselines=False)
+        result = validate_one(table, log, None, DEFAULTS)
     except BrakeCalError as error:
         return Row(cause, with_v, refused=f"validate: {error}")
     e = result.estimate

@@ -132,7 +132,7 @@ def stops_of(of: Case, mode: str, warned: bool, rollers: RollerBench | None) -> 
 
 def codes(table: Table, log: Log) -> list[str]:
     """Codes of the warnings on a stop and on the ramp of its table."""
-    found = validate_one(table, log, None, DEFAULTS, baselines=False).warnings
+    found = validate_one(table, log, None, DEFAULTS).warnings
     return sorted({one.code for one in (*table.warnings, *found) if one.log != "coast"})
 
 

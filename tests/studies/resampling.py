@@ -241,7 +241,7 @@ def answer(subject: Subject, log: Log) -> Answer:
             half = np.exp(0.5 * table.calibration.pad_log_ratio.value)
             pads = scale * car.front.pad_friction * half, scale * car.rear.pad_friction / half
             return Answer("fitted", _names(table.warnings), None, pads)
-        result = validate_one(table_of(subject.source), log, None, DEFAULTS, baselines=False)
+        result = validate_one(table_of(subject.source), log, None, DEFAULTS)
     except BrakeCalError as error:
         return Answer(f"refused ({type(error).__name__})", (), None, None)
     front, rear = (result.figures[f"pad_friction_{axle}"] for axle in "fr")

@@ -17,7 +17,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle, Vehicle
 from calib.store.record_file import Record, table_of
 from calib.store.version import Stored
-from calib.table.maps import DEPARTS, FORMS, Draws, LevelMap, PadMap
+from calib.table.maps import WIDE, Draws, LevelMap, PadMap
 from calib.table.table import (
     EXTRAPOLATED,
     INTERPOLATED,
@@ -140,8 +140,8 @@ def made_map(z=Z, shift=SHIFT, slip=SLIP):
 def made_draws(n=40):
     """Draws in equal steps about the middle of each prior, the forms alike."""
     u = np.linspace(-1.0, 1.0, n)
-    columns = dict.fromkeys(FORMS, np.full(n, 0.2))
-    columns |= dict.fromkeys(DEPARTS["eta"], 0.01 * u) | dict.fromkeys(DEPARTS["slip"], -0.003 * u)
+    wide = {"forms": np.full(n, 0.2), "depart_eta": 0.01 * u, "depart_slip": -0.003 * u}
+    columns = {column: x for name, x in wide.items() for column in WIDE[name]}
     return Draws(
         log_pad_ratio=0.03 * u,
         log_pad_level=0.01 * u[::-1],

@@ -161,7 +161,7 @@ def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
 
     assert job.table is not None
     log = _log(job, item, files)
-    found = validate_one(job.table, log, job.vehicle, job.limits, baselines=False)
+    found = validate_one(job.table, log, job.vehicle, job.limits)
     broken = ", ".join(j.figure for j in found.judgements if j.verdict == FAILED)
     metrics = (finite(found.figures[name]) for name in METRICS)
     cells = (*metrics, broken or None, _codes(found.warnings))
