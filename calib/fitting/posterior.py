@@ -55,13 +55,19 @@ def parts_of(x: Array, e: Posterior) -> dict[str, Array]:
     """Covariance (k, k) of ``x`` (k, n), a function of the draws, by the cause of the error.
 
     Each cause moves the mean of x by cov(x, pull). That is exact where all is normal and linear;
-    elsewhere the parts are stretched so that they add up to the variances of the draws.
+    elsewhere the parts are stretched so that they add up to the covariance of the draws.
     """
-    off = x - np.mean(x, axis=1, keepdims=True)
-    moved = {part: off @ pull / e.size for part, pull in e.pulls.items()}
-    told = np.linalg.norm(np.hstack([*moved.values()]), axis=1)
-    stretch = np.divide(np.std(x, axis=1), told, out=np.zeros(len(x)), where=told > 0.0)[:, None]
-    return {part: (stretch * by) @ (stretch * by).T for part, by in moved.items()}
+    sigma = np.std(x, axis=1, keepdims=True)
+    unit = (x - np.mean(x, axis=1, keepdims=True)) / np.where(sigma > 0.0, sigma, 1.0)
+    moved = {part: unit @ pull / e.size for part, pull in e.pulls.items()}
+    together, whole = np.hstack([*moved.values()]), unit @ unit.T / e.size
+    stretch = sigma * (_even_root(whole) @ np.linalg.pinv(_even_root(together @ together.T)))
+    return {part: (stretch @ by) @ (stretch @ by).T for part, by in moved.items()}
+
+
+def _even_root(covariance: Array) -> Array:
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
 
 
 def posterior(

@@ -253,7 +253,7 @@ class TableBudget:
     """What the pads and the tyre of a table rest on, by part, see `calib.table.budget`.
 
     ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]; ``level``
-    variance of that of the pad level; ``posterior`` shares (k, k) that add up to its variances.
+    variance of that of the pad level; ``posterior`` shares (k, k) that add up to its covariance.
     """
 
     front: dict[str, float]
