@@ -90,6 +90,9 @@ def stoppable(said: str) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
+        # CPython ends by the signal, and not with the exit code, where an interrupt met code made
+        # from text, as that of a dataclass is; to run other such code takes that back
+        exec("")
         say(said)
         raise
     finally:
