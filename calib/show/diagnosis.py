@@ -3,12 +3,10 @@
 What is not told here, `diagnosis.json` has.
 """
 
-from dataclasses import asdict
-
 from calib.base.names import AXLE_NAMES
 from calib.car.own_effects.own_effect import definition
-from calib.diagnosis.diagnose import Diagnosis, Named
-from calib.diagnosis.gates import GATES
+from calib.diagnosis.diagnosis import Diagnosis, Named
+from calib.diagnosis.explanation.own import UNITS as OWN_UNITS
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
@@ -36,6 +34,10 @@ _DRIVERS = {
     SLIP: "the slip, as brake control does",
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
+_WITHIN = 1.0
+"""Gap, in units of the sensors' noise, up to which replays are within the noise."""
+_SIDES_TOLD = 3e-4
+"""Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
 _STATES = "States of logs and tyres, which are no effects of the car, and were taken out."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
@@ -119,7 +121,7 @@ def _not_excluded(found: Diagnosis) -> str:
     )
     fade = "No disc temperature is logged: pads that fade are not excluded."
     known = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
-    return quick * (found.gap.before < GATES.within) + fade * (not known)
+    return quick * (found.gap.before < _WITHIN) + fade * (not known)
 
 
 def _effect(effect: Named, found: Diagnosis) -> Facts:
@@ -163,14 +165,8 @@ def _something_else(found: Diagnosis) -> str:
 
 def _withdrawn(found: Diagnosis) -> str:
     """What fits the calibration logs and not the hold-outs; empty if there is nothing."""
-    told = []
-    for one in found.withdrawn:
-        text = "the hold-outs cannot be replayed"
-        if one.closed is not None:
-            what = "closed" if one.closed >= 0.0 else "more"
-            text = f"{100.0 * abs(one.closed):.0f} % {what} of their lasting errors"
-        told.append(f"{listed(one.names)}: fits the calibration logs, not the hold-outs ({text})")
-    return "; ".join(told)
+    told = "fits the calibration logs, and makes the hold-outs less probable"
+    return "; ".join(f"{listed(names)}: {told}" for names in found.withdrawn)
 
 
 def unexplained(found: Diagnosis) -> str:
@@ -195,29 +191,21 @@ def unexplained(found: Diagnosis) -> str:
         told.append(
             f"above {held / 1e5:.0f} bar the brake torque hardly rises: brake control or a valve"
         )
-    if left.on_hold_outs:
-        told.append("the calibration logs do not show it: it was placed with the hold-outs")
     return "; ".join(told)
 
 
 def _states(found: Diagnosis) -> Table:
-    """What is of a log or of its tyres: groups and pads against the first, heat, slope or zero."""
-    grounds = [(listed(group.logs), group.ground) for group in found.groups[1:]]
+    """What is of a log or of its tyres: pads, road, slope, zero of a_x, first heat; even sides."""
     rows = [
-        (f"{spaced(name)} [%]", log, f"{100.0 * (x - 1.0):+.1f}")
-        for log, ground in (*grounds, *found.own_pads.items())
-        for name, x in asdict(ground).items()
+        (spaced(name), log, f"{x:+.3g} {OWN_UNITS[name]}".removesuffix(" 1"))
+        for log, states in found.own.items()
+        for name, x in states.items()
+        if x != 0.0
     ]
-    for log, heats in found.start_heats.items():
-        for axle, heat in zip(AXLE_NAMES.values(), heats, strict=True):
-            rows.append((f"{axle} discs at first [degC]", log, f"{heat:.0f}"))
-    if (of := found.offsets) is not None:
-        head = f"{spaced(of.effect)} [{of.unit}]"
-        rows += [(head, log, f"{x:+.3f}") for log, x in of.values.items()]
     rows += [
         ("left wheel slower than right [%]", f"{AXLE_NAMES[axle]} axle", f"{100.0 * off:+.2f}")
         for axle, off in found.sides.items()
-        if abs(off) > GATES.sides_told
+        if abs(off) > _SIDES_TOLD
     ]
     return Table(("state", "of", "value"), rows, _STATES)
 

@@ -14,9 +14,9 @@ import numpy as np
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
 from calib.car.effects.empirical import DRIVERS
-from calib.diagnosis.diagnose import Diagnosis
+from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.proof.gap import UNITS
-from calib.diagnosis.proof.unexplained import UnexplainedTerm
+from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes
 from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome
@@ -53,15 +53,16 @@ def report(found: Diagnosis, title: str) -> Facts:
 def _search(found: Diagnosis) -> Facts:
     """What each step added, what that brought, and what it left."""
     first = found.steps[0]
-    rows = [("nothing", f"{first.innovation:.3f}", "", f"{first.left:.2f}", "")]
+    rows = [("nothing", f"{first.innovation:.3f}", "", "", "")]
     for change in changes(found.steps):
         what = [listed(change.added)] if change.added else []
         what += [f"without {listed(change.removed)}"] if change.removed else []
         now, name = change.step, ", ".join(what) or "the same, fitted anew"
-        gain, fall = f"{0.0 - change.gain:+.3f}", f"{0.0 - change.fall:+.2f}"
-        rows.append((name, f"{now.innovation:.3f}", gain, f"{now.left:.2f}", fall))
-    heads = ("added", "unexplained error", "change", "left in replays", "change")
-    caption = f"The search: {ERROR}, and lasting errors of the replays over the noise."
+        gain = f"{0.0 - change.gain:+.3f}"
+        odds = (f"{now.calibration:.0f}", f"{now.holdout:.0f}")
+        rows.append((name, f"{now.innovation:.3f}", gain, *odds))
+    heads = ("added", "unexplained error", "change", "log odds, searched", "log odds, hold-outs")
+    caption = f"The search: {ERROR}, and ln of the odds that each step gains."
     return Facts(
         "Effects that were tried",
         headline="Every effect of the catalogue, with pads and tyres fitted again each time.",
@@ -93,7 +94,7 @@ def _confusion(found: Confusion) -> Facts:
     )
 
 
-def _unexplained(found: UnexplainedTerm) -> Facts:
+def _unexplained(found: Unexplained) -> Facts:
     """The empirical term point by point, and other terms that explain a part of the gap."""
     term, unit = found.term, DRIVERS[found.term.driver]
     on = "brake torque" if term.on_brakes else "force over weight"

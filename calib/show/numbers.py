@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from calib.diagnosis.diagnose import ParameterEstimate
+from calib.diagnosis.diagnosis import ParameterEstimate
 
 _SHOWN = {
     "Pa": ("bar", 1e-5),

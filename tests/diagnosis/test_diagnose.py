@@ -9,7 +9,8 @@ import pytest
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.search.decide import decide
 from calib.diagnosis.written.document import to_dict
 from tests.support.explained import based, diagnosed

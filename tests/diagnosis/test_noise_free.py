@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.channels import CHANNELS, FLOOR, noise_of
 from calib.diagnosis.written.document import to_dict
 from calib.logs.log import Log

@@ -25,7 +25,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
 from tests.studies.score import FAINT, MOST_LEFT, Replays, Score, score
 from tests.studies.study import arguments, carried_out, share
 from tests.support.hidden.cases import KINDS, HiddenCase, draw

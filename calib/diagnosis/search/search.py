@@ -1,185 +1,292 @@
-"""Which effect would help: all effects are ranked, the best ones fitted.
+"""The search: promises of a linear model, fits of the best, and hold-outs that judge.
 
-All are those of the catalogue and the own ones of the vehicle.
-
-Ranking takes one linear step: add the effect at its usual size, compute the change of the
-innovations, project out the changes that base parameters can make, and project the present
-innovations on the rest. That is cheap. The best ones are then fitted in full, since lag and
-hysteresis are not linear.
+fit without effects --> rank --> fit the best few --> drop, exchange --> more probable, and so
+on the hold-outs? --> rank beside it, until nothing more is
 """
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import every_effect
-from calib.diagnosis.explanation.candidate import Candidate, free
-from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.problem import joined
-from calib.diagnosis.gates import GATES
-from calib.diagnosis.search.changes import (
-    EffectChange,
-    changes_by,
-    further_changes,
-    further_effects,
+from calib.diagnosis.explanation.explanation import (
+    Columns,
+    Explanation,
+    Hypothesis,
+    State,
+    columns_by_form,
+    columns_by_heat,
+    columns_by_x,
+    fit,
+    of_all,
+    start_of,
 )
+from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
 
-Array = NDArray[np.float64]
+_SURE = 10.0
+"""ln of the odds, of calibration logs and hold-outs together, from which more is believed."""
+
+_LIKE = 5.0
+"""The same up to which two explanations are as likely."""
+
+_NEAR = 0.1
+"""Share of what a hypothesis gains by which a linear model is wrong about it."""
 
 
 @dataclass(frozen=True)
-class _Hint:
-    """Result of one step: the expected ``gain`` in chi-square, the vector ``start`` of a fit."""
+class SearchStep:
+    """One step: the effects present, the mean squared innovation [1], ln of the odds it gained.
 
-    name: str
-    gain: float
-    start: Array
-
-
-def _along(rest: Array, change: EffectChange) -> tuple[float, float]:
-    """Gain in chi-square along a change of innovations, and the best factor on it.
-
-    ``rest`` (n,) are innovations without what base and present effects can do.
+    ``calibration`` by the logs that are searched, ``holdout`` by those held out.
     """
-    length = float(change.own @ change.own)
-    if length == 0.0:
-        return 0.0, 0.0
-    amount = -float(rest @ change.own) / length
-    return amount * amount * length, amount
+
+    names: tuple[str, ...]
+    innovation: float
+    calibration: float
+    holdout: float
 
 
-@lru_cache(maxsize=4)
-def hints(at: Candidate) -> list[_Hint]:
-    """One-step gains of every effect not yet in ``at``, best first."""
-    found = [_hint(at, name, changes) for name, changes in further_changes(at).items()]
-    return sorted(found, key=lambda hint: -hint.gain)
+@dataclass
+class Search:
+    """The course of a search; ``fitted`` all explanations by what they say."""
 
+    problem: Problem
+    held: Problem
+    base: Explanation = field(init=False)
+    best: Explanation = field(init=False)
+    further: Further = field(init=False)
+    fitted: dict[object, Explanation] = field(default_factory=dict)
+    densities: dict[object, float] = field(default_factory=dict)
+    gone: dict[object, Explanation] = field(default_factory=dict)
+    steps: list[SearchStep] = field(default_factory=list)
+    withdrawn: list[tuple[str, ...]] = field(default_factory=list)
 
-def _hint(at: Candidate, name: str, changes: Sequence[EffectChange]) -> _Hint:
-    """The best step along one effect."""
-    parameters = at.problem.parameters_of(name)
-    best = _Hint(name, 0.0, np.concatenate([at.x, np.zeros(parameters)]))
-    for change in changes:
-        gain, amount = _along(at.rest, change)
-        if amount > 0.0 and gain > best.gain:
-            best = _Hint(name, gain, np.concatenate([at.x, begun(change.trial, amount)]))
-    return best
+    def run(self) -> None:
+        """Find the best explanation."""
+        self.problem.tell("fitting the model without effects", 0, 1)
+        self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
+        self.fitted[self.base.hypothesis.key] = self.base
+        self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
+        self.further = first = further_columns(self.base)
+        self.forward()
+        if left_over(self.best):
+            self.together(first)
+        if left_over(self.best):
+            self.forward(other=True)
+        if left_over(self.best) and self.best.names:
+            found, self.best, self.further = self.best, self.base, first
+            self.forward(other=True)
+            self.accept(self.most_probable([found]))
 
-
-def begun(trial: Array, amount: float) -> Array:
-    """Where a fit begins: a point of `trials`, its strength times ``amount`` within sense."""
-    begin = trial.copy()
-    begin[0] *= min(max(amount, 0.3), 4.0)
-    return begin
-
-
-def unresolved(at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:
-    """Effects of usual size that these runs could not have shown.
-
-    The gain in chi-square that such an effect would have, beyond that of base and present effects,
-    is below ``least`` of it. Effects that the vehicle file has are known, and not among them.
-    """
-    faint, effects = [], every_effect(at.problem.vehicle.effects)
-    for name in further_effects(at):
-        if name in at.effects:
-            continue
-        usual = Effects({name: effects[name].card.usual})
-        change = at.problem.flat(at.base, at.effects.with_(usual)) - joined(at.whitened)
-        own = free(change, at.directions)
-        if float(own @ own) < least[name]:
-            faint.append(name)
-    return tuple(faint)
-
-
-def refine(
-    at: Candidate, count: int = GATES.refined, below: float = math.inf, but: str = ""
-) -> list[Candidate]:
-    """Fit the most promising effects on top of ``at``, best first; all ``but`` one.
-
-    Those alone that may come ``below`` a chi-square, or leave no more than noise. All are fitted
-    roughly, then those to their end that may still do so and be the best.
-    """
-    noise = GATES.floor * at.count
-    hopeful = [hint for hint in hints(at)[:count] if hint.gain > 0.0 and hint.name != but]
-    tried = [hint for hint in hopeful if _in_reach(at.chi2 - hint.gain, max(below, noise))]
-    _side_by_side(at, _roughly, [hint for hint in tried if hint.name not in at.further])
-    least = min((at.further[hint.name].chi2 for hint in tried), default=0.0)
-    best = max(noise, min(least, below))
-    _side_by_side(at, _to_its_end, [hint for hint in tried if _is_open(at, hint, best)])
-    return sorted((at.further[hint.name] for hint in tried), key=lambda found: found.chi2)
-
-
-def _in_reach(promised: float, least: float) -> bool:
-    """Whether an explanation to which this chi-square is ``promised`` may come below another one.
-
-    The promise is that of one linear step.
-    """
-    return GATES.promise * promised < least
-
-
-def added(at: Candidate, name: str) -> Candidate:
-    """The explanation with one further effect, fitted."""
-    hint = _hint(at, name, changes_by(at, name, at.directions))
-    return _to_its_end(at, at.jacobian, (hint, _roughly(at, at.jacobian, (hint, None))))
-
-
-_Item = tuple[_Hint, Candidate | None]
-"""A hint, and the fit that was begun with it."""
-
-
-def _side_by_side(
-    at: Candidate, fitted: Callable[[Candidate, Array, _Item], Candidate], tried: Sequence[_Hint]
-) -> None:
-    """Fit what is ``tried``, and keep it as ``further`` of the explanation."""
-    problem = at.problem
-    alone = replace(at, problem=problem.alone)
-    begun = (at.further.get(hint.name) for hint in tried)
-    items = [
-        (hint, found and replace(found, problem=alone.problem))
-        for hint, found in zip(tried, begun, strict=True)
-    ]
-    results = problem.mapped(partial(fitted, alone, at.jacobian), items)
-    for i, hint in enumerate(tried):
-        problem.tell(f"fitting the best, effect {i + 1} of {len(tried)}", i, len(tried))
-        at.further[hint.name] = replace(next(results), problem=problem)
-
-
-def _roughly(at: Candidate, jacobian: Array, item: _Item) -> Candidate:
-    """Fit an effect in a few steps; ``jacobian`` (n, k) is that before it."""
-    hint, _ = item
-    return fit(at.problem, (*at.names, hint.name), hint.start, jacobian=jacobian, rough=True)
-
-
-def _is_open(at: Candidate, hint: _Hint, best: float) -> bool:
-    """Whether more than a rough fit could matter beside the ``best`` chi-square of all."""
-    found = at.further[hint.name]
-    if _in_reach(found.promised, best) and not found.converged:
+    def accept(self, new: Explanation | None) -> bool:
+        """Go on from a better explanation, if there is one."""
+        if new is None:
+            return False
+        more = new.log_evidence - self.best.log_evidence
+        held = self.density(new) - self.density(self.best)
+        self.best = new
+        self.steps.append(SearchStep(new.names, new.reduced, more, held))
+        self.further = further_columns(new)
         return True
-    return _in_reach(at.chi2 - hint.gain, best) and _short(at, hint, found)
+
+    def forward(self, other: bool = False) -> None:
+        """One effect after the other, each ranked beside those before.
+
+        With ``other`` logs may differ in further kinds besides.
+        """
+        for _ in range(_MOST):
+            tops = _best(promises(self.best, self.further, 1, other), self.best)
+            self.side_by_side(tops, self.best)
+            news = [self.pruned(self.fitted[p.hypothesis.key]) for p in tops]
+            if not self.accept(self.most_probable(news)) and not (
+                self.best.names and self.accept(self.exchanged())
+            ):
+                return
+
+    def together(self, further: Further) -> None:
+        """Several effects at once, where those that are found one after the other leave something:
+        the first may have stood for others.
+        """
+        found = [p for p in promises(self.base, further) if len(p.hypothesis.names) > 1]
+        tops: list[Promise] = []
+        for size in (2, 3):
+            tops += [p for p in found if len(p.hypothesis.names) == size][:2]
+        self.side_by_side(tops, self.base)
+        if self.accept(
+            self.most_probable(self.pruned(self.fitted[p.hypothesis.key]) for p in tops)
+        ):
+            self.forward()
+
+    def most_probable(self, news: Iterable[Explanation]) -> Explanation | None:
+        """The first by evidence that is surely more probable than the best, None if none is."""
+        ranked = sorted({e.hypothesis.key: e for e in news}.values(), key=lambda e: -e.log_evidence)
+        for e in ranked[:3]:
+            more = e.log_evidence - self.best.log_evidence
+            if more <= 0.0:
+                break
+            if e.hypothesis.key == self.best.hypothesis.key:
+                if more > 2.0:
+                    return e
+                continue
+            held = self.density(e) - self.density(self.best)
+            if held > 0.0 and more + held > _SURE:
+                return e
+            if more > _SURE and e.names not in self.withdrawn:
+                self.withdrawn.append(e.names)
+        return None
+
+    def exchanged(self) -> Explanation | None:
+        """Another effect in the place of one of the best explanation, if that is more probable."""
+        news = []
+        for name in self.best.names:
+            fewer = self.without(self.best, name)
+            own = self.best.log_evidence - fewer.log_evidence
+            tops = [
+                p
+                for p in promises(fewer, self.further, 1)
+                if p.log_evidence > self.best.log_evidence - _SURE - _NEAR * own
+            ][:2]
+            self.side_by_side(tops, fewer)
+            news += [self.fitted[p.hypothesis.key] for p in tops]
+        return self.most_probable(news)
+
+    def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
+        """Fit what is promised."""
+        new = [p for p in tops if self.known(p) < p.log_evidence - 3.0]
+        job = partial(_fitted, self.problem.alone, near.columns)
+        for p, one in zip(new, self.problem.mapped(job, new), strict=True):
+            if one.log_evidence > self.known(p):
+                self.fitted[p.hypothesis.key] = replace(one, problem=self.problem)
+                self.densities.pop(p.hypothesis.key, None)
+
+    def known(self, p: Promise) -> float:
+        """ln of the evidence of what is promised as it was fitted before."""
+        found = self.fitted.get(p.hypothesis.key)
+        return -np.inf if found is None else found.log_evidence
+
+    def pruned(self, at: Explanation) -> Explanation:
+        """Without effects and kinds that are not worth their price."""
+        while True:
+            fewer = [self.without(at, name) for name in self.spare(at)]
+            fewer += [self.without_kind(at, kind) for kind in at.hypothesis.kinds]
+            better = max(fewer, key=lambda e: e.log_evidence, default=at)
+            if better.log_evidence <= at.log_evidence:
+                return at
+            at = better
+
+    def spare(self, at: Explanation) -> list[str]:
+        """Effects of which a linear step does not say that they are worth their price."""
+        places, C = at.problem.places(at.names), at.covariance
+        x, worth = at.state.x, 30.0 + _NEAR * (at.log_evidence - self.base.log_evidence)
+        firsts = {name: own.start for name, own in places.items()}
+        return [n for n, i in firsts.items() if x[i] ** 2 < 2.0 * worth * C[i, i]]
+
+    def without(self, at: Explanation, name: str) -> Explanation:
+        """An explanation fitted anew without one of its effects, from where it is."""
+        names = tuple(n for n in at.names if n != name)
+        keep = np.ones(at.state.x.size, bool)
+        keep[at.problem.places(at.names)[name]] = False
+        near = at.columns.kept(keep)
+        kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
+        state = replace(at.state, x=at.state.x[keep])
+        return self.refitted(at, Hypothesis(names, kinds), state, near)
+
+    def without_kind(self, at: Explanation, kind: str) -> Explanation:
+        """The same without one kind in which logs differ."""
+        state = replace(at.state, own=np.zeros_like(at.state.own))
+        hypothesis = Hypothesis(at.names, at.hypothesis.kinds - {kind})
+        return self.refitted(at, hypothesis, state, at.columns)
+
+    def refitted(
+        self, at: Explanation, hypothesis: Hypothesis, state: State, near: Columns
+    ) -> Explanation:
+        """The better one of what is known of a hypothesis, and what a fit from ``at`` finds.
+
+        Each place is gone from once.
+        """
+        key = hypothesis.key
+        if (key, id(at)) not in self.gone:
+            self.gone[key, id(at)] = at
+            found = fit(self.problem, hypothesis, state, near)
+            if key not in self.fitted or found.log_evidence > self.fitted[key].log_evidence:
+                self.fitted[key] = found
+                self.densities.pop(key, None)
+        return self.fitted[key]
+
+    def rivals(self) -> tuple[Explanation, ...]:
+        """Explanations of no more parameters that no log, searched or held out, rules out."""
+        best, out = self.best, []
+        most = best.log_evidence + self.density(best)
+        for e in self.fitted.values():
+            simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
+            if e is best or not simple or e.log_evidence < best.log_evidence - 2.0 * _SURE:
+                continue
+            if set(e.names) != set(best.names) and e.log_evidence + self.density(e) > most - _LIKE:
+                out.append(e)
+        return tuple(sorted(out, key=lambda e: -e.log_evidence))
+
+    def others(self) -> tuple[Explanation, ...]:
+        """All that was fitted but the best, by evidence."""
+        found = [e for e in self.fitted.values() if e is not self.best]
+        return tuple(sorted(found, key=lambda e: -e.log_evidence))
+
+    def density(self, at: Explanation) -> float:
+        """ln of the density of the hold-outs given the calibration logs."""
+        key = at.hypothesis.key
+        if key not in self.densities:
+            self.densities[key] = density(at, self.held)
+        return self.densities[key]
 
 
-def _short(at: Candidate, hint: _Hint, found: Candidate) -> bool:
-    """Whether a fit gains clearly less than its hint promised."""
-    return at.chi2 - found.chi2 <= 0.5 * hint.gain
+def density(at: Explanation, held: Problem) -> float:
+    """ln of the density of other logs given those of an explanation, by one linear model of both.
 
-
-def _to_its_end(at: Candidate, jacobian: Array, item: _Item) -> Candidate:
-    """Go on from a rough fit; once more from a full spread if it gains too little.
-
-    A hysteresis loop narrower than the noise of the pressure brings no gain, so a fit that starts
-    there does not leave it.
+    But for a constant of the rows.
     """
-    hint, begun = item
-    assert begun is not None
-    first = begun if begun.converged else fit(at.problem, begun.names, begun.x)
-    if not _short(at, hint, first):
-        return first
-    further = hint.start.copy()
-    further[at.x.size] = np.copysign(1.0, further[at.x.size])
-    other = fit(at.problem, begun.names, further, jacobian=jacobian)
-    return min(first, other, key=lambda candidate: candidate.chi2)
+    own = np.zeros((len(held.runs), at.state.own.shape[1]))
+    state = replace(at.state, own=own)
+    r = of_all(held, at.hypothesis, state)
+    J = columns_by_x(held, at.hypothesis, state, r, 0)
+    F = columns_by_form(held, at.hypothesis, state)
+    T = columns_by_heat(held, at.hypothesis, state, r)
+    known = at.columns
+    together = Explanation(
+        replace(at.problem, runs=(*at.problem.runs, *held.runs)),
+        at.hypothesis,
+        replace(state, own=np.vstack([at.state.own, own])),
+        [*at.innovations, *r],
+        Columns([*known.x, *J], [*known.form, *F], [*known.heat, *T]),
+    )
+    return together.marginal().evidence() - at.marginal().evidence()
+
+
+def _fitted(problem: Problem, near: Columns, promise: Promise) -> Explanation:
+    return fit(problem, promise.hypothesis, promise.state, near)
+
+
+def _best(found: list[Promise], at: Explanation) -> list[Promise]:
+    """What may be better than ``at``, and the best of its kind: for all that a linear model can be
+    wrong, at most three without and one with logs that differ in more kinds.
+    """
+    out = []
+    for kinds in (False, True):
+        those = [p for p in found if (p.hypothesis.kinds > at.hypothesis.kinds) == kinds]
+        if not those:
+            continue
+        best = max(p.log_evidence for p in those)
+        least = max(at.log_evidence - 5.0, best - 5.0 - _NEAR * (best - at.log_evidence))
+        out += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
+    return out
+
+
+def left_over(at: Explanation) -> bool:
+    """Whether more than noise is left in the innovations."""
+    return at.reduced > 1.01 + 3.0 * np.sqrt(
+        2.0 / at.count + 2.0 / (6.0 * at.problem.noise.freedom)
+    )
+
+
+_MOST = 6
+FADE = "pad_thermal_fade"

@@ -1,0 +1,37 @@
+"""What a log may have of its own: pads, tyres on its road, a slope, a zero of a_x, heat of discs.
+
+No effect of the car, but a state of one log. Each is a normal distribution about what all logs
+share; its standard deviation is the usual one of `own.csv`, or where its kind is asked for, the
+other one.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.plain import rows
+
+_ROWS = rows("own.csv", "calib.diagnosis.explanation")
+
+OWN = tuple(row["name"] for row in _ROWS)
+"""Names of the states of a log, in their order."""
+
+USUAL, OTHER = (np.array([float(row[key]) for row in _ROWS]) for key in ("usual", "other"))
+"""Standard deviations (8,) of the states, logarithms of factors but where the unit says else."""
+
+UNITS = {row["name"]: row["unit"] for row in _ROWS}
+
+KINDS = tuple(dict.fromkeys(row["kind"] for row in _ROWS))
+
+FRONT_PADS, REAR_PADS, STIFFNESS, PEAK, SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = range(len(OWN))
+
+GRADE, ZERO_OF_A_X = "road_grade", "accelerometer_bias"
+"""Effects of a car that a log may have of its own."""
+
+_OF_KIND = np.array([row["kind"] for row in _ROWS])
+
+
+def sizes(kinds: Iterable[str]) -> Array:
+    """Standard deviations (8,) of the states where logs differ in these ``kinds``."""
+    return np.where(np.isin(_OF_KIND, list(kinds)), OTHER, USUAL)
