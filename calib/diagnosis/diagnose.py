@@ -214,9 +214,9 @@ def _with_term(found: Verdict, at: Explanation) -> Replayed:
     return last if helped else found.after
 
 
-def _own(found: Verdict) -> dict[str, Mapping[str, float]]:
+def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
     """By log what it has of its own, of the kinds in which logs differ."""
-    best, own = found.best, {}
+    best, own = found.best, dict[str, Mapping[str, float]]()
     if not best.hypothesis.kinds:
         return own
     states = np.vstack([best.state.own, found.after.own])

@@ -6,6 +6,7 @@ A few rounds of Gauss and Newton find the state; J follows by Broyden's secant u
 costs one prediction of every log. The evidence is Laplace's about it.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,7 +19,7 @@ from calib.car.braking import BITE
 from calib.car.disc_temperature import START
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.diagnosis.explanation.base import FORM_AT, Base, Ground, form_covariance
-from calib.diagnosis.explanation.channels import of_wheels, residuals, whiten
+from calib.diagnosis.explanation.channels import CHANNELS, of_wheels, residuals, whiten
 from calib.diagnosis.explanation.gaussian import Marginal, Products
 from calib.diagnosis.explanation.own import FRONT_HEAT, OWN, REAR_HEAT, SLOPE, ZERO, sizes
 from calib.diagnosis.explanation.predict import ObservedRun, predict
@@ -145,6 +146,15 @@ class Explanation:
     def reduced(self) -> float:
         """Mean squared innovation [1]."""
         return sum(float(r @ r) for r in self.innovations) / self.count
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of `reduced` where nothing is left [1].
+
+        That of so many squares, and of the noise that they are held against.
+        """
+        freedom = len(CHANNELS) * self.problem.noise.freedom
+        return math.sqrt(2.0 / self.count + 2.0 / freedom)
 
     @property
     def base(self) -> Base:

@@ -108,7 +108,8 @@ class Marginal:
         H, g = self.information, self.gradient
         fall = float(g @ np.linalg.solve(H, g))
         prior = np.linalg.slogdet(self.precision)[1]
-        return 0.5 * (float(prior) - np.linalg.slogdet(H)[1] - self.spent - self.squares + fall)
+        spread = float(prior) - float(np.linalg.slogdet(H)[1]) - self.spent
+        return 0.5 * (spread - self.squares + fall)
 
     def beyond(self) -> tuple[Array, Array]:
         """What the columns behind the prior do that the others cannot: products (c, c), and along r

@@ -114,8 +114,7 @@ def seen_by(held: Problem, at: Explanation, own: Array) -> Explanation:
 
 def strange(at: Explanation) -> bool:
     """Whether far more than noise is left in the innovations."""
-    scatter = np.sqrt(2.0 / at.count + 2.0 / (6.0 * at.problem.noise.freedom))
-    return bool(at.reduced > 1.01 + _STRANGE * scatter)
+    return at.reduced > 1.01 + _STRANGE * at.scatter
 
 
 def replayed(held: HoldOuts, at: Explanation) -> Replayed:

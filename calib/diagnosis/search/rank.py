@@ -5,12 +5,14 @@ of any of them, of pairs, of triples, with logs that differ in any kinds, then i
 some ten rows.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
@@ -48,6 +50,8 @@ class Tried:
     trial: Array
 
 
+Names = NDArray[np.str_]
+
 Further = tuple[list[Tried], list[Array]]
 
 
@@ -64,11 +68,11 @@ def promises(
         log = alone.evidence() - Hypothesis(at.names, kinds).price
         if kinds != at.hypothesis.kinds:
             _put(found, Promise(Hypothesis(at.names, kinds), log, at.state))
-        for gain, which, amounts in _ranked(*model.beyond(), [t.name for t in tried], most):
-            names = (*at.names, *(tried[k].name for k in which))
-            begun = [_begun(tried[k].trial, a) for k, a in zip(which, amounts, strict=True)]
+        for one in _ranked(*model.beyond(), [t.name for t in tried], most):
+            names = (*at.names, *(tried[k].name for k in one.columns))
+            begun = map(_begun, (tried[k].trial for k in one.columns), one.amounts)
             state = replace(at.state, x=np.concatenate([at.state.x, *begun]))
-            _put(found, Promise(Hypothesis(names, kinds), log + gain, state))
+            _put(found, Promise(Hypothesis(names, kinds), log + one.log_gain, state))
     return sorted(found.values(), key=lambda p: -p.log_evidence)
 
 
@@ -145,70 +149,85 @@ def _changes(at: Explanation, name: str) -> list[list[Array]]:
     return out
 
 
-_Ranked = tuple[float, tuple[int, ...], tuple[float, ...]]
 _WIDE = 40
+"""Pairs to which a third effect is added."""
 
 
-def _ranked(E: Array, g: Array, names: list[str], most: int) -> list[_Ranked]:
-    """Gain of evidence, columns and their amounts, of single columns, pairs and triples.
+@dataclass(frozen=True)
+class _Subset:
+    """Some ``columns``, their ``amounts`` and what ln of the evidence gains with them."""
 
-    Amounts are positive: other signs are other columns.
+    columns: tuple[int, ...]
+    amounts: tuple[float, ...]
+    log_gain: float
+
+
+def _ranked(E: Array, g: Array, names: list[str], most: int) -> list[_Subset]:
+    """Single columns, pairs and triples of other effects, the best of each names.
+
+    ``E`` (c, c) and ``g`` (c,) as of `Marginal.beyond`. Amounts are positive: other signs are other
+    columns.
     """
-    names_ = np.array(names)
-    A = E + np.eye(g.size) / STRENGTH**2
-    d, s = np.diag(A), 2.0 * np.log(STRENGTH)
-    found: list[_Ranked] = []
-    a = g / d
-    gain = np.where(a > 0.0, 0.5 * (g * a - np.log(d) - s) - PRICE, -np.inf)
-    singles = _best(gain[:, None], [names_], names_.size)
-    found += [(float(gain[i]), (i,), (float(a[i]),)) for (i,) in singles]
-    if most < 2:
-        return found
-    i, j = np.triu_indices(g.size, 1)
-    apart = names_[i] != names_[j]
-    i, j = i[apart], j[apart]
-    det = np.maximum(d[i] * d[j] - A[i, j] ** 2, 1e-12 * d[i] * d[j])
-    a_i, a_j = (g[i] * d[j] - g[j] * A[i, j]) / det, (g[j] * d[i] - g[i] * A[i, j]) / det
-    value = 0.5 * (g[i] * a_i + g[j] * a_j - np.log(det) - 2.0 * s) - 2.0 * PRICE
-    value = np.where((a_i > 0.0) & (a_j > 0.0), value, -np.inf)
-    order = np.argsort(-value)
-    pairs, seen = [], set()
-    for k in order:
-        if not np.isfinite(value[k]) or len(pairs) == _WIDE:
-            break
-        key = frozenset((names[i[k]], names[j[k]]))
-        if key not in seen:
-            seen.add(key)
-            pairs.append(k)
-    found += [
-        (float(value[k]), (int(i[k]), int(j[k])), (float(a_i[k]), float(a_j[k]))) for k in pairs
-    ]
-    if most < 3:
-        return found
-    for k in pairs:
-        pair = [int(i[k]), int(j[k])]
-        inside = A[np.ix_(pair, pair)]
-        K = np.linalg.solve(inside, A[pair])  # (2, c)
-        left = d - np.sum(A[pair] * K, axis=0)
-        own = g - g[pair] @ K
-        use = (left > 1e-9 * d) & ~np.isin(names_, names_[pair])
-        left = np.where(use, left, 1.0)
-        a_3 = own / left
-        two = np.linalg.solve(inside, g[pair])[:, None] - K * a_3
-        more = 0.5 * (own * a_3 - np.log(left) - s) - PRICE
-        good = use & (a_3 > 0.0) & np.all(two > 0.0, axis=0)
-        more = np.where(good, more, -np.inf)
-        best = int(np.argmax(more))
-        if np.isfinite(more[best]):
-            amounts = (*two[:, best].tolist(), float(a_3[best]))
-            found.append((float(value[k] + more[best]), (*pair, best), amounts))
+    A, of = E + np.eye(g.size) / STRENGTH**2, np.array(names)
+    found = _singles(A, g, of)
+    if most > 1:
+        pairs = _pairs(A, g, of)
+        found += pairs
+        if most > 2:
+            found += [triple for pair in pairs[:_WIDE] for triple in _triples(A, g, of, pair)]
     return found
 
 
-def _best(gain: Array, names: list[Array], count: int) -> list[tuple[int, ...]]:
-    """The best column of each name."""
+def _gain(fall: Array, determinant: Array, count: int) -> Array:
+    """ln of the evidence of ``count`` amounts, by g'A^-1 g and the determinant of A."""
+    spent = count * (math.log(STRENGTH) + PRICE)
+    return np.asarray(0.5 * (fall - np.log(determinant)) - spent)
+
+
+def _singles(A: Array, g: Array, of: Names) -> list[_Subset]:
+    d = np.diag(A)
+    a = g / d
+    gain = np.where(a > 0.0, _gain(g * a, d, 1), -np.inf)
+    return [_Subset((k,), (float(a[k]),), float(gain[k])) for k in _firsts(gain, of)]
+
+
+def _pairs(A: Array, g: Array, of: Names) -> list[_Subset]:
+    d, (i, j) = np.diag(A), np.triu_indices(g.size, 1)
+    apart = of[i] != of[j]
+    i, j = i[apart], j[apart]
+    det = np.maximum(d[i] * d[j] - A[i, j] ** 2, 1e-12 * d[i] * d[j])
+    a = np.stack([g[i] * d[j] - g[j] * A[i, j], g[j] * d[i] - g[i] * A[i, j]]) / det
+    gain = np.where(np.all(a > 0.0, axis=0), _gain(g[i] * a[0] + g[j] * a[1], det, 2), -np.inf)
+    names = np.array([f"{x} {y}" for x, y in np.sort(np.stack([of[i], of[j]]), axis=0).T])
+    return [
+        _Subset((int(i[k]), int(j[k])), tuple(a[:, k].tolist()), float(gain[k]))
+        for k in _firsts(gain, names)
+    ]
+
+
+def _triples(A: Array, g: Array, of: Names, pair: _Subset) -> list[_Subset]:
+    """The best third column beside a pair, by what the pair cannot do."""
+    two = list(pair.columns)
+    inside, across = A[np.ix_(two, two)], A[two]
+    K = np.linalg.solve(inside, across)
+    d = np.diag(A)
+    left = d - np.sum(across * K, axis=0)
+    use = (left > 1e-9 * d) & ~np.isin(of, of[two])
+    own, left = g - g[two] @ K, np.where(use, left, 1.0)
+    third = own / left
+    first = np.linalg.solve(inside, g[two])[:, None] - K * third
+    good = use & (third > 0.0) & np.all(first > 0.0, axis=0)
+    gain = np.where(good, pair.log_gain + _gain(own * third, left, 1), -np.inf)
+    return [
+        _Subset((*two, k), (*first[:, k].tolist(), float(third[k])), float(gain[k]))
+        for k in _firsts(gain, of)[:1]
+    ]
+
+
+def _firsts(gain: Array, names: Names) -> list[int]:
+    """The best place of each name, the best first, of those with a finite gain."""
     own: dict[str, int] = {}
-    for k in np.argsort(-gain[:, 0]):
-        if np.isfinite(gain[k, 0]):
-            own.setdefault(str(names[0][k]), int(k))
-    return [(k,) for k in own.values()][:count]
+    for k in np.argsort(-gain).tolist():
+        if np.isfinite(gain[k]):
+            own.setdefault(str(names[k]), k)
+    return list(own.values())

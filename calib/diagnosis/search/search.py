@@ -283,9 +283,7 @@ def _best(found: list[Promise], at: Explanation) -> list[Promise]:
 
 def left_over(at: Explanation) -> bool:
     """Whether more than noise is left in the innovations."""
-    return at.reduced > 1.01 + 3.0 * np.sqrt(
-        2.0 / at.count + 2.0 / (6.0 * at.problem.noise.freedom)
-    )
+    return at.reduced > 1.01 + 3.0 * at.scatter
 
 
 _MOST = 6

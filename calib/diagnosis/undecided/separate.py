@@ -44,8 +44,9 @@ def best_drives(at: Explanation, others: Sequence[Other]) -> list[tuple[str, flo
         products = [*logs, driven.products_of(0, _changes(driven, others, 0))]
         E, _ = marginal(driven, products, at.hypothesis.kinds).beyond()
         shown[name] = np.sqrt(np.maximum(np.diag(E), 0.0))
-    best = [max(shown, key=lambda name, k=k: float(shown[name][k])) for k in range(len(others))]
-    return [(name, float(shown[name][k])) for k, name in enumerate(best)]
+    names, sizes = list(shown), np.stack([*shown.values()])
+    best = np.argmax(sizes, axis=0).tolist()
+    return [(names[i], float(sizes[i, k])) for k, i in enumerate(best)]
 
 
 def _driven(at: Explanation, run: ObservedRun) -> Explanation:
