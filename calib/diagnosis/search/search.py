@@ -86,9 +86,10 @@ class Search:
             return False
         more = new.log_evidence - self.best.log_evidence
         held = self.density(new) - self.density(self.best)
-        self.best = new
-        self.steps.append(SearchStep(new.names, new.reduced, more, held))
-        self.further = further_columns(new)
+        same, self.best = new.hypothesis == self.best.hypothesis, new
+        if not same:
+            self.steps.append(SearchStep(new.names, new.reduced, float(more), float(held)))
+            self.further = further_columns(new)
         return True
 
     def forward(self, other: bool = False) -> None:
