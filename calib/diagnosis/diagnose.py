@@ -113,7 +113,7 @@ def diagnose(
         measured=found.held.logs,
         reduced_before=found.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
-        left=found.after.left,
+        left=found.left,
         withdrawn=tuple(search.withdrawn),
         steps=tuple(search.steps),
         noise=search.problem.noise,

@@ -1,9 +1,10 @@
 """What the diagnosis makes of a case of the hidden plant: its problem, its base, its answer."""
 
-from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.fit import fit
+
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
 from tests.support.hidden.cases import HiddenCase

@@ -4,17 +4,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.proof.prove import SearchStep
 
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.magic_formula import MagicFormula
 from calib.car.model import Model
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
-from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, Gap
 from calib.diagnosis.proof.oscillation import Oscillation
-from calib.diagnosis.proof.prove import SearchStep
 from calib.diagnosis.proof.remainder import Remainder
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
 from calib.logs.read import read_log

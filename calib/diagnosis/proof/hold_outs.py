@@ -12,12 +12,11 @@ from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import Base
-from calib.diagnosis.explanation.explanation import Explanation, runs_of
+from calib.diagnosis.explanation.explanation import Explanation, based, bounds_of, runs_of
 from calib.diagnosis.explanation.own import GRADE, ZERO_OF_A_X
 from calib.diagnosis.explanation.predict import ObservedRun, wheel_angles
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import bounds, unpack
-from calib.diagnosis.proof.remainder import Remainder, apart_from_parameters, remainder_of
+from calib.diagnosis.proof.remainder import Remainder, remainder_of
 from calib.logs.log import Log
 from calib.model.replay import replay
 
@@ -29,52 +28,37 @@ class HoldOuts:
     logs: tuple[Log, ...]
     problem: Problem
 
-    def replayed(self, at: Explanation, own: Array) -> tuple[Log, ...]:
+    def replays(self, base: Base, effects: Effects, own: Array) -> tuple[Log, ...]:
         """Every log replayed open loop with what it has of its ``own`` (runs, 8).
 
         Ripples follow the measured angle of the wheels. Raises ModelError if it cannot be computed.
         """
-        self.problem.tell("proving on the hold-outs", 0, 1)
-        return self.replays(at.base, at.effects, own)
-
-    def replays(self, base: Base, effects: Effects, own: Array) -> tuple[Log, ...]:
-        """The same with base and effects that need not be of an explanation."""
         out = []
-        for log, run in zip(self.logs, self.runs(own), strict=True):
+        for log, run in zip(self.logs, runs_of(self.problem, own), strict=True):
             acts = effects.with_(_of_log(run))
             model = model_of(self.problem.vehicle, run.ground.applied(base), acts)
             angles = _angles_of(log, run)
             out.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
         return tuple(out)
 
-    def runs(self, own: Array) -> list[ObservedRun]:
-        """The runs with what each has of its own."""
-        return runs_of(self.problem, own)
-
     def left(self, at: Explanation, own: Array, replayed: Sequence[Log]) -> Remainder:
         """What remains with an explanation, beyond noise and the errors of its parameters."""
         return remainder_of(replayed, self.logs, lambda: self._moved(at, own))
-
-    def left_at_best(self, at: Explanation, own: Array, replayed: Sequence[Log]) -> Remainder:
-        """What remains with the parameters that their errors allow and the replays like best."""
-        return apart_from_parameters(replayed, self.logs, lambda: self._moved(at, own))
 
     def _moved(self, at: Explanation, own: Array) -> list[tuple[Log, ...]]:
         """Replays with the parameters moved by one standard deviation along each direction."""
         values, vectors = np.linalg.eigh(at.covariance)
         scaled = vectors * np.sqrt(np.maximum(values, 0.0) * max(at.reduced, 1.0))
-        low, high = bounds(self.problem, at.names)
+        low, high = bounds_of(self.problem, at.hypothesis)
         points = [np.clip(at.state.x + direction, low, high) for direction in scaled.T]
-        moved = partial(_replays_at, replace(self, problem=self.problem.alone), at.names, own)
+        moved = partial(_replays_at, replace(self, problem=self.problem.alone), at, own)
         return [replays for replays in self.problem.mapped(moved, points) if replays is not None]
 
 
-def _replays_at(
-    held: HoldOuts, names: tuple[str, ...], own: Array, x: Array
-) -> tuple[Log, ...] | None:
+def _replays_at(held: HoldOuts, at: Explanation, own: Array, x: Array) -> tuple[Log, ...] | None:
     """Replays at a vector of parameters; None where they cannot be computed."""
     try:
-        return held.replays(*unpack(held.problem, names, x), own)
+        return held.replays(*based(held.problem, at.hypothesis, at.with_x(x)), own)
     except ModelError:
         return None
 

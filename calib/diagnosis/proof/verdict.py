@@ -50,7 +50,6 @@ class Replayed:
     at: Explanation
     own: Array
     logs: tuple[Log, ...]
-    left: Remainder
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,8 @@ class Verdict:
 
     ``rivals`` as likely, ``tried`` all others, the best first; ``seen`` is ``best`` as the
     hold-outs see it; ``terms`` explanations with the best empirical terms beside ``best``,
-    where something is left, best first.
+    where something is left, best first; ``left`` in the replays
+    with ``best``.
     """
 
     word: str
@@ -71,6 +71,7 @@ class Verdict:
     seen: Explanation
     before: Replayed
     after: Replayed
+    left: Remainder
     terms: tuple[Explanation, ...]
 
     @property
@@ -90,18 +91,20 @@ def verdict_of(search: Search, logs: Sequence[Log]) -> Verdict:
             after = replayed(held, best)
         except ModelError:
             best = base
-    rest = after.left.significant or strange(best)
+    left = held.left(after.at, after.own, after.logs)
+    rest = left.significant or strange(best)
     beside = tuple(with_terms(best)) if rest else ()
     if rest and best.names:
         alone = tuple(with_terms(base))
         if alone[0].log_evidence > best.log_evidence:
             best, after, beside = base, before, alone
+            left = held.left(before.at, before.own, before.logs)
     rivals = search.rivals() if best.names else ()
     named = AMBIGUOUS if rivals else NAMED
     word = named if best.names else UNKNOWN if rest else NO_GAP
     return Verdict(
         word, held, base, best, rivals, search.others(), seen_by(held.problem, best, after.own),
-        before, after, beside,
+        before, after, left, beside,
     )  # fmt: skip
 
 
@@ -121,8 +124,7 @@ def replayed(held: HoldOuts, at: Explanation) -> Replayed:
     """Fit an explanation as a model has it, and replay the hold-outs. Raises ModelError."""
     plain = without_form(at)
     own = placed(held.problem, plain)
-    logs = held.replayed(plain, own)
-    return Replayed(plain, own, logs, held.left(plain, own, logs))
+    return Replayed(plain, own, held.replays(plain.base, plain.effects, own))
 
 
 def without_form(at: Explanation) -> Explanation:
