@@ -25,7 +25,7 @@ from calib.diagnosis.explanation.explanation import (
     own_columns,
     start_of,
 )
-from calib.diagnosis.explanation.own import KINDS, OTHER, OWN, USUAL, sizes
+from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.vector import bounds, unpack
 from calib.diagnosis.proof.verdict import without_form
@@ -98,12 +98,14 @@ def test_columns_of_the_form_are_differences_of_predictions(fading):
     assert min(reached) >= 6  # knots of both axles up to half a g
 
 
-def test_sizes_are_other_ones_in_the_kinds_that_are_asked_for():
-    assert np.array_equal(sizes(()), USUAL)
-    assert np.array_equal(sizes(KINDS), OTHER)
-    pads = np.array([name.endswith("_pads") for name in OWN])
-    assert np.array_equal(sizes({"pads"}), np.where(pads, OTHER, USUAL))
-    assert np.all(OTHER > USUAL)
+def test_sizes_grow_from_logs_that_are_alike_to_other_ones_in_the_kinds_of_each():
+    for kind in KINDS:
+        of_kind = sizes({kind}, ()) != sizes(())
+        assert of_kind.any()
+        assert np.all(sizes({kind})[of_kind] > sizes(())[of_kind])
+        assert np.array_equal(sizes((), {kind})[~of_kind], sizes(())[~of_kind])
+        assert np.all(sizes((), {kind}) <= sizes(()))
+    assert np.all(sizes(KINDS) > sizes(()))
 
 
 def hard(vehicle: Vehicle, plant: Plant) -> Problem:

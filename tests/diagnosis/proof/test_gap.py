@@ -8,6 +8,8 @@ import pytest
 from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, gap_of, noises_of
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
+from calib.run.copies import without_holds
+from tests.support.measuring_chain import Message, chained
 
 NOISE = 0.02
 OFF = {"near": (0.5, 0.1), "far": (2.0, 3.0)}
@@ -66,6 +68,19 @@ def test_a_ripple_is_no_noise():
     noise = np.random.default_rng(2).normal(0.0, NOISE, time.size)
     log = Log("ripple", "", "", {"time": time} | dict.fromkeys(CHANNELS, smooth + noise))
     assert np.all(noises_of([log]) < 1.5 * NOISE)
+
+
+def test_the_noise_of_a_channel_is_that_of_its_values_however_seldom_they_are_sent():
+    time = np.arange(0.0, 40.0, 0.005)
+    smooth = {c: np.sin(0.5 * time) for c in CHANNELS}
+    rng = np.random.default_rng(1)
+    noisy = {c: x + rng.normal(0.0, NOISE, time.size) for c, x in smooth.items()}
+    log = Log("bus", "", "", {"time": time} | noisy)
+    sent = without_holds(chained(log, {"v": Message(20.0)}, rng))
+    # between two values noise is averaged: to two thirds of its variance, on the mean
+    found = dict(zip(CHANNELS, noises_of([sent]), strict=True))
+    assert found["v"] == pytest.approx(np.sqrt(2.0 / 3.0) * NOISE, rel=0.2)
+    assert found["a_x"] == pytest.approx(NOISE, rel=0.1)
 
 
 def test_a_gap_of_nothing_has_no_share():

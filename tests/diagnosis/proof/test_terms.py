@@ -18,7 +18,11 @@ from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, fitted
 
 TIME = np.arange(0.0, 9.0, 0.005)
-RUNS = {"ramp": (1.5, 4e5, 30e5, 35.0), "stop": (1.5, 60e5, 22e5, 33.0), "light": (2.5, 4e6, 9e5, 28.0)}
+RUNS = {
+    "ramp": (1.5, 4e5, 30e5, 35.0),
+    "stop": (1.5, 60e5, 22e5, 33.0),
+    "light": (2.5, 4e6, 9e5, 28.0),
+}
 """Begin [s], rise [Pa/s], top [Pa] of the pressure, and speed [m/s]."""
 
 
