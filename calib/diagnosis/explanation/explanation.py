@@ -87,13 +87,14 @@ class Hypothesis:
     """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.own`.
 
     And those in which they are ``alike``; with a ``walk`` over a driver, where something is left
-    that no effect explains.
+    that no effect explains; ``departs`` whether tyres may depart from their form.
     """
 
     names: tuple[str, ...] = ()
     kinds: frozenset[str] = frozenset()
     alike: frozenset[str] = frozenset()
     walk: Walk | None = None
+    departs: bool = True
 
     @property
     def key(self) -> tuple[frozenset[str], frozenset[str]]:
@@ -334,7 +335,7 @@ def columns_by_form(problem: Problem, hypothesis: Hypothesis, state: State) -> l
                 omega = np.zeros_like(at.omega)
                 omega[wheels] = at.lost[wheels] * np.interp(at.use[wheels], FORM_AT, hat)
                 columns.append(np.concatenate(whiten(of_wheels(run, omega), problem.noise)))
-        found.append(np.stack(columns))
+        found.append(float(hypothesis.departs) * np.stack(columns))
     return found
 
 
