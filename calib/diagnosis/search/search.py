@@ -33,8 +33,9 @@ _SURE = 10.0
 _LIKE = 5.0
 """The same up to which two explanations are as likely."""
 
-_NEAR = 0.1
-"""Share of what a hypothesis gains by which a linear model is wrong about it."""
+_NEAR, _WRONG = 0.1, 0.5
+"""Share of what a hypothesis gains by which a linear model is wrong about it: usually, and at most,
+of an effect with many parameters such as a motor."""
 
 
 @dataclass(frozen=True)
@@ -294,7 +295,7 @@ def _best(found: list[Promise], at: Explanation) -> list[Promise]:
         if not those:
             continue
         best = max(p.log_evidence for p in those)
-        least = max(at.log_evidence - 5.0, best - 5.0 - _NEAR * (best - at.log_evidence))
+        least = max(at.log_evidence - 5.0, best - 5.0 - _WRONG * (best - at.log_evidence))
         out += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
     return out
 
