@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from calib.diagnosis.explanation.explanation import (
+    ROUGHLY,
     Columns,
     Explanation,
     Hypothesis,
@@ -90,6 +91,9 @@ class Search:
         """Go on from a better explanation, if there is one."""
         if new is None:
             return False
+        new = fit(self.problem, new.hypothesis, new.state, new.columns)
+        self.fitted[new.hypothesis.key] = new
+        self.densities.pop(new.hypothesis.key, None)
         more = new.log_evidence - self.best.log_evidence
         held = self.density(new) - self.density(self.best)
         same, self.best = new.hypothesis == self.best.hypothesis, new
@@ -216,7 +220,7 @@ class Search:
         key = hypothesis.key
         if (key, id(at)) not in self.gone:
             self.gone[key, id(at)] = at
-            found = fit(self.problem, hypothesis, state, near)
+            found = fit(self.problem, hypothesis, state, near, ROUGHLY)
             if key not in self.fitted or found.log_evidence > self.fitted[key].log_evidence:
                 self.fitted[key] = found
                 self.densities.pop(key, None)
@@ -282,7 +286,7 @@ def density(at: Explanation, held: Problem) -> float:
 
 
 def _fitted(problem: Problem, near: Columns, promise: Promise) -> Explanation:
-    return fit(problem, promise.hypothesis, promise.state, near)
+    return fit(problem, promise.hypothesis, promise.state, near, ROUGHLY)
 
 
 def _best(found: list[Promise], at: Explanation) -> list[Promise]:
