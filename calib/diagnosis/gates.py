@@ -25,7 +25,7 @@ class _DiagnosisGates:
     remainder_block: float = 0.5
     """Span of a mean [s]: several times the correlation time of a road's noise, a part of a
     stop."""
-    remainder_least: float = 2.0
+    remainder_least: float = 3.0
     """Rms of the lasting errors over the noise of the sensors from which something is left [1].
     With nothing hidden, on a plant with other forms of tyre than here, up to 1.3 is left; see
     tests/studies/naming.py."""
