@@ -7,7 +7,6 @@ import pytest
 
 import calib
 from calib.base.processes import side_by_side
-from calib.car.disc_temperature import DISCS, heated
 from calib.car.effects.effects import Effects
 from calib.diagnosis.search.rank import further_columns, promises
 from calib.diagnosis.search.search import Search
@@ -66,6 +65,20 @@ def test_radii_that_the_file_has_wrong_are_no_effect(factor):
     assert found.best.base.radius == pytest.approx(1.0 / factor, abs=1e-4)
 
 
+@pytest.mark.parametrize(("share", "names"), [(1.0, ()), (0.5, ("aerodynamic_drag",))])
+def test_a_known_effect_is_named_only_where_its_size_is_wrong(share, names):
+    """Beside radii that are 0.3 % off."""
+    case = draw("single", 12, ("aerodynamic_drag",), severity=1, only=(*FEW, "ramp"))
+    area = case.hidden.drag_area
+    known = Effects({"aerodynamic_drag": {"drag_area": share * area}})
+    car = replace(case.vehicle.with_radii(1.003), effects=known)
+    found = search_of(replace(case, vehicle=car)).best
+    assert found.names == names
+    told = found.effects.parameters["aerodynamic_drag"]["drag_area"]
+    assert told == pytest.approx(area, rel=0.03)
+    assert found.base.radius == pytest.approx(1.0 / 1.003, abs=2e-4)
+
+
 def test_discs_that_begin_unlike_are_found_with_the_fade_where_no_temperature_is_logged():
     """Heats and onset count from each other alone, so what is above the onset is compared."""
     fade = {"fade_slope": 0.0012, "fade_onset": 150.0}
@@ -84,12 +97,6 @@ def test_discs_that_begin_unlike_are_found_with_the_fade_where_no_temperature_is
     assert told["fade_slope"] == pytest.approx(0.0012, rel=0.05)
     above = np.array([run.start_heat for run in found.runs]) - told["fade_onset"]
     assert above[1:] == pytest.approx(np.array(list(heats))[1:] - 150.0, abs=25.0)
-
-
-def test_a_disc_that_nothing_heats_cools_from_its_start():
-    time = np.array([0.0, DISCS["f"].cooling_time])
-    cooled = heated(time, np.zeros(2), DISCS["f"], 320.0)
-    assert cooled == pytest.approx([320.0, 20.0 + 300.0 / np.e])
 
 
 def test_two_processes_find_what_one_does(pair):
