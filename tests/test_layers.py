@@ -30,7 +30,8 @@ ROOMS = """
 
 INSIDE = {
     "diagnosis": [
-        *("gates", "runs", "explanation", "search", "proof", "undecided", "diagnose", "written"),
+        *("explanation", "runs", "search", "proof", "undecided"),
+        *("diagnosis", "named", "diagnose", "written"),
     ],
 }
 """The order inside a room whose folders stand on each other; a file of the room is a name, too."""
