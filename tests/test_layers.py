@@ -30,7 +30,7 @@ ROOMS = """
 
 INSIDE = {
     "diagnosis": [
-        *("explanation", "runs", "search", "proof", "undecided"),
+        *("explanation", "search", "runs", "proof", "undecided"),
         *("diagnosis", "named", "diagnose", "written"),
     ],
 }
