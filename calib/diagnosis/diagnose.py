@@ -185,6 +185,7 @@ def _searched(
     quieter = _without_its_noise(search.best)
     if quieter is not None:
         search = _search(quieter, holdout)
+    tell("replaying the hold-outs", 0, 1)
     return search, verdict_of(search, holdout)
 
 

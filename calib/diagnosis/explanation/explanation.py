@@ -7,7 +7,7 @@ costs one prediction of every log. The evidence is Laplace's about it.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -86,17 +86,24 @@ class Walk:
 class Hypothesis:
     """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.own`.
 
-    With a term over a driver, where something is left that no effect explains.
+    And those in which they are ``alike``; with a ``walk`` over a driver, where something is left
+    that no effect explains.
     """
 
     names: tuple[str, ...] = ()
     kinds: frozenset[str] = frozenset()
+    alike: frozenset[str] = frozenset()
     walk: Walk | None = None
 
     @property
     def key(self) -> tuple[frozenset[str], frozenset[str]]:
         """What it says, whatever its order."""
         return frozenset(self.names), self.kinds
+
+    @property
+    def sizes(self) -> Array:
+        """Standard deviations (8,) of what each log has of its own."""
+        return sizes(self.kinds, self.alike)
 
     @property
     def price(self) -> float:
@@ -190,7 +197,7 @@ class Explanation:
 
     def marginal(self) -> Marginal:
         """The linear model of all logs."""
-        return marginal(self, self.products, self.hypothesis.kinds)
+        return marginal(self, self.products, self.hypothesis.sizes)
 
     @cached_property
     def covariance(self) -> Array:
@@ -200,12 +207,15 @@ class Explanation:
 
 
 def marginal(
-    at: Explanation, products: list[Products], kinds: Iterable[str], damping: float = 0.0
+    at: Explanation, products: list[Products], own: Array, damping: float = 0.0
 ) -> Marginal:
-    """The linear model of all logs, shared and further columns as in ``products``."""
+    """The linear model of all logs, shared and further columns as in ``products``.
+
+    ``own`` (8,) standard deviations of what each log has of its own.
+    """
     x, form = at.state.x, at.state.form
     precision = block_diag(prior_precision(at.problem, at.hypothesis), _PRECISION)
-    return Marginal.of(products, sizes(kinds), precision, np.concatenate([x, form]), damping)
+    return Marginal.of(products, own, precision, np.concatenate([x, form]), damping)
 
 
 def prior_precision(problem: Problem, hypothesis: Hypothesis) -> Array:
@@ -367,7 +377,7 @@ def _settled(at: Explanation) -> Explanation:
     """
     problem, hypothesis = at.problem, at.hypothesis
     low, high = bounds_of(problem, hypothesis)
-    S, fresh, left, damping = sizes(hypothesis.kinds), False, _REFRESHED, 0.0
+    S, fresh, left, damping = hypothesis.sizes, False, _REFRESHED, 0.0
     square = objective(at, S)
     for _ in range(_ROUNDS):
         model = _Local(at, low, high)
@@ -403,7 +413,7 @@ class _Local:
 
     def __init__(self, at: Explanation, low: Array, high: Array) -> None:
         self.at, self.low, self.high = at, low, high
-        self.sizes, self.m = sizes(at.hypothesis.kinds), at.state.x.size
+        self.sizes, self.m = at.hypothesis.sizes, at.state.x.size
         most = np.full(self.m + at.state.form.size, 0.3)
         effects = bounds(at.problem, at.names)[0].size
         most[at.problem.base_size : effects] = 1.5
@@ -412,7 +422,7 @@ class _Local:
     def step(self, damping: float) -> "_Step":
         """Damped; what would leave its bounds ends there."""
         at, m = self.at, self.m
-        whole = marginal(at, at.products, at.hypothesis.kinds, damping)
+        whole = marginal(at, at.products, self.sizes, damping)
         H, g = whole.information, whole.gradient
         H = H + damping * np.diag(np.diag(H))
         free, step = np.ones(g.size, bool), np.zeros(g.size)

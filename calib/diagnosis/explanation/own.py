@@ -1,8 +1,9 @@
 """What a log may have of its own: pads, tyres on its road, a slope, a zero of a_x, heat of discs.
 
 No effect of the car, but a state of one log. Each is a normal distribution about what all logs
-share; its standard deviation is the usual one of `own.csv`, or where its kind is asked for, the
-other one.
+share; its standard deviation is one of three of `own.csv`. A search takes the usual one, and the
+other one where a kind is asked for. What it has found is told with logs that are alike, where that
+is more probable.
 """
 
 from collections.abc import Iterable
@@ -17,7 +18,9 @@ _ROWS = rows("own.csv", "calib.diagnosis.explanation")
 OWN = tuple(row["name"] for row in _ROWS)
 """Names of the states of a log, in their order."""
 
-USUAL, OTHER = (np.array([float(row[key]) for row in _ROWS]) for key in ("usual", "other"))
+_ALIKE, _USUAL, _OTHER = (
+    np.array([float(row[key]) for row in _ROWS]) for key in ("alike", "usual", "other")
+)
 """Standard deviations (8,) of the states, in their units; logarithms of `FACTORS`."""
 
 UNITS = {row["name"]: row["unit"] for row in _ROWS}
@@ -35,6 +38,14 @@ GRADE, ZERO_OF_A_X = "road_grade", "accelerometer_bias"
 _OF_KIND = np.array([row["kind"] for row in _ROWS])
 
 
-def sizes(kinds: Iterable[str]) -> Array:
-    """Standard deviations (8,) of the states where logs differ in these ``kinds``."""
-    return np.where(np.isin(_OF_KIND, list(kinds)), OTHER, USUAL)
+SCATTERED = ("pads", "road")
+"""Kinds in which logs usually differ a little."""
+
+
+def sizes(kinds: Iterable[str], alike: Iterable[str] = ()) -> Array:
+    """Standard deviations (8,) of the states where logs differ in some ``kinds``.
+
+    And are ``alike`` in others.
+    """
+    usual = np.where(np.isin(_OF_KIND, list(alike)), _ALIKE, _USUAL)
+    return np.where(np.isin(_OF_KIND, list(kinds)), _OTHER, usual)

@@ -104,7 +104,7 @@ def _ranked(at: Explanation, spot: tuple[str, str]) -> _Ranked:
     """The best size of a random walk on a place over a driver."""
     knots = _knots(at, *spot)
     products = [at.products_of(i, of) for i, of in enumerate(_columns(at, *spot, knots))]
-    E, g = marginal(at, products, at.hypothesis.kinds).beyond()
+    E, g = marginal(at, products, at.hypothesis.sizes).beyond()
     found = []
     for size in _WALKS[spot[0].endswith("brakes")]:
         walk = Walk(*spot, tuple(knots.tolist()), size)

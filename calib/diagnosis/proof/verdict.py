@@ -99,7 +99,7 @@ def verdict_of(search: Search, logs: Sequence[Log]) -> Verdict:
         if alone[0].log_evidence > best.log_evidence:
             best, after, beside = base, before, alone
             left = held.left(before.at, before.own, before.logs)
-    rivals = search.rivals() if best.names else ()
+    rivals = search.rivals if best.names else ()
     named = AMBIGUOUS if rivals else NAMED
     word = named if best.names else UNKNOWN if rest else NO_GAP
     return Verdict(

@@ -28,7 +28,7 @@ from calib.diagnosis.explanation.explanation import (
     innovations,
     marginal,
 )
-from calib.diagnosis.explanation.own import KINDS
+from calib.diagnosis.explanation.own import KINDS, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.vector import origins, unpack
 
@@ -63,8 +63,9 @@ def promises(
     products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
     found: dict[object, Promise] = {}
     for kinds in _subsets(at) if other else [at.hypothesis.kinds]:
-        model = marginal(at, products, kinds)
-        alone = marginal(at, [p.first(model.off.size) for p in products], kinds)
+        own = sizes(kinds)
+        model = marginal(at, products, own)
+        alone = marginal(at, [p.first(model.off.size) for p in products], own)
         log = alone.evidence() - Hypothesis(at.names, kinds).price
         if kinds != at.hypothesis.kinds:
             _put(found, Promise(Hypothesis(at.names, kinds), log, at.state))
@@ -101,7 +102,9 @@ def further_columns(at: Explanation) -> Further:
     names = [n for n in every_effect(problem.vehicle.effects) if n not in at.names]
     alone = replace(at, problem=problem.alone)
     tried, rows = [], []
-    for name, changes in zip(names, problem.mapped(partial(_changes, alone), names), strict=True):
+    found = problem.mapped(partial(_changes, alone), names)
+    for done, (name, changes) in enumerate(zip(names, found, strict=True)):
+        problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(names))
         for trial, change in zip(_trials(at, name), changes, strict=True):
             tried.append(Tried(name, trial))
             rows.append(change)

@@ -19,9 +19,11 @@ from calib.diagnosis.explanation.explanation import (
     columns_by_heat,
     columns_by_x,
     fit,
+    marginal,
     of_all,
     start_of,
 )
+from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
 
@@ -57,6 +59,7 @@ class Search:
     base: Explanation = field(init=False)
     best: Explanation = field(init=False)
     further: Further = field(init=False)
+    rivals: tuple[Explanation, ...] = ()
     fitted: dict[object, Explanation] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)
     gone: dict[object, Explanation] = field(default_factory=dict)
@@ -79,6 +82,8 @@ class Search:
             found, self.best, self.further = self.best, self.base, first
             self.forward(other=True)
             self.accept(self.most_probable([found]))
+        self.rivals = self._rivals()
+        self.base, self.best = (with_alike(one) for one in (self.base, self.best))
 
     def accept(self, new: Explanation | None) -> bool:
         """Go on from a better explanation, if there is one."""
@@ -216,7 +221,7 @@ class Search:
                 self.densities.pop(key, None)
         return self.fitted[key]
 
-    def rivals(self) -> tuple[Explanation, ...]:
+    def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
         best, out = self.best, []
         most = best.log_evidence + self.density(best)
@@ -239,6 +244,18 @@ class Search:
         if key not in self.densities:
             self.densities[key] = density(at, self.held)
         return self.densities[key]
+
+
+def with_alike(at: Explanation) -> Explanation:
+    """The explanation with logs that are alike in what they usually differ in, where that is more
+    probable.
+    """
+    some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
+    options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
+    best = max(options, key=lambda one: marginal(at, at.products, one.sizes).evidence())
+    if best == at.hypothesis:
+        return at
+    return fit(at.problem, best, at.state, at.columns)
 
 
 def density(at: Explanation, held: Problem) -> float:

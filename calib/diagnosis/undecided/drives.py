@@ -46,7 +46,7 @@ def unresolved(at: Explanation, further: Further) -> tuple[str, ...]:
     """
     tried, columns = further
     products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
-    E, _ = marginal(at, products, at.hypothesis.kinds).beyond()
+    E, _ = marginal(at, products, at.hypothesis.sizes).beyond()
     known, size = at.problem.vehicle.effects, dict[str, float]()
     for one, square in zip(tried, E.diagonal().tolist(), strict=True):
         card = every_effect(known)[one.name].card

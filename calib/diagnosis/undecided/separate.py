@@ -42,7 +42,7 @@ def best_drives(at: Explanation, others: Sequence[Other]) -> list[tuple[str, flo
     for name, run in manoeuvres(at):
         driven = _driven(at, run)
         products = [*logs, driven.products_of(0, _changes(driven, others, 0))]
-        E, _ = marginal(driven, products, at.hypothesis.kinds).beyond()
+        E, _ = marginal(driven, products, at.hypothesis.sizes).beyond()
         shown[name] = np.sqrt(np.maximum(np.diag(E), 0.0))
     names, sizes = list(shown), np.stack([*shown.values()])
     best = np.argmax(sizes, axis=0).tolist()
