@@ -35,10 +35,13 @@ spreads of its card."""
 PRICE = 5.0
 """ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
 
+SETTLED, ROUGHLY = 2.0, 20.0
+"""Falls of the sum of squares from which a fit goes on, and one that only tells what to try."""
+
 _PRECISION = np.linalg.inv(form_covariance())
 _STEP = 1e-3
 _FIRST = 5.0
-_ROUNDS, _REFRESHED, _SETTLED, _DAMPING = 20, 3, 2.0, 1e-3
+_ROUNDS, _REFRESHED, _DAMPING = 20, 3, 1e-3
 _HEAT = 10.0
 """Step of a start heat [K]."""
 
@@ -87,13 +90,14 @@ class Hypothesis:
     """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.own`.
 
     And those in which they are ``alike``; with a ``walk`` over a driver, where something is left
-    that no effect explains.
+    that no effect explains; ``departs`` whether tyres may depart from their form.
     """
 
     names: tuple[str, ...] = ()
     kinds: frozenset[str] = frozenset()
     alike: frozenset[str] = frozenset()
     walk: Walk | None = None
+    departs: bool = True
 
     @property
     def key(self) -> tuple[frozenset[str], frozenset[str]]:
@@ -334,7 +338,7 @@ def columns_by_form(problem: Problem, hypothesis: Hypothesis, state: State) -> l
                 omega = np.zeros_like(at.omega)
                 omega[wheels] = at.lost[wheels] * np.interp(at.use[wheels], FORM_AT, hat)
                 columns.append(np.concatenate(whiten(of_wheels(run, omega), problem.noise)))
-        found.append(np.stack(columns))
+        found.append(float(hypothesis.departs) * np.stack(columns))
     return found
 
 
@@ -343,8 +347,13 @@ def fit(
     hypothesis: Hypothesis,
     state: State,
     near: Columns | None = None,
+    settled: float = SETTLED,
 ) -> Explanation:
-    """Fit a hypothesis from a state. ``near`` are columns nearby, by the first elements of x."""
+    """Fit a hypothesis from a state. ``near`` are columns nearby, by the first elements of x.
+
+    It has ``settled`` where the sum of squares promises to fall by no more. The evidence is that of
+    the linear model, thus hardly less right where more is promised.
+    """
     low, high = bounds_of(problem, hypothesis)
     state = replace(state, x=np.clip(state.x, low + 1e-6, high - 1e-6))
     r = of_all(problem, hypothesis, state)
@@ -354,9 +363,9 @@ def fit(
     form = near.form if near else columns_by_form(problem, hypothesis, state)
     heat = columns_by_heat(problem, hypothesis, state, r)
     at = Explanation(problem, hypothesis, state, r, Columns(J, form, heat))
-    at = _settled(at)
+    at = _settled(at, settled)
     if near is not None and (hypothesis.names or hypothesis.walk):
-        at = _settled(_refreshed(at, problem.base_size))
+        at = _settled(_refreshed(at, problem.base_size), settled)
     return replace(at, log_evidence=at.marginal().evidence() - hypothesis.price)
 
 
@@ -369,7 +378,7 @@ def _refreshed(at: Explanation, first: int = 0) -> Explanation:
     return replace(at, columns=Columns(J, form, heat))
 
 
-def _settled(at: Explanation) -> Explanation:
+def _settled(at: Explanation, least: float) -> Explanation:
     """Damped steps of Gauss and Newton until they promise nothing more (Levenberg 1944).
 
     Secant updates between them; columns are computed anew where a step brings less than a quarter
@@ -381,7 +390,7 @@ def _settled(at: Explanation) -> Explanation:
     square = objective(at, S)
     for _ in range(_ROUNDS):
         model = _Local(at, low, high)
-        if model.step(0.0).promised < _SETTLED:
+        if model.step(0.0).promised < least:
             return at
         for _ in range(6):
             step = model.step(damping)
@@ -399,7 +408,7 @@ def _settled(at: Explanation) -> Explanation:
         poor = fall < 0.25 * step.promised
         if value < square:
             at, square, fresh, damping = other, value, False, 0.1 * damping
-            if fall < 0.5 * _SETTLED:
+            if fall < 0.5 * least:
                 return at
         if poor:
             if fresh or left == 0:

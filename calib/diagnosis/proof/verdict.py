@@ -131,7 +131,8 @@ def without_form(at: Explanation) -> Explanation:
     """The same hypothesis, with tyres that do not depart from their form."""
     none = [np.zeros_like(F) for F in at.columns.form]
     state = replace(at.state, form=np.zeros_like(at.state.form))
-    return fit(at.problem, at.hypothesis, state, replace(at.columns, form=none))
+    hypothesis = replace(at.hypothesis, departs=False)
+    return fit(at.problem, hypothesis, state, replace(at.columns, form=none))
 
 
 def placed(held: Problem, at: Explanation) -> Array:

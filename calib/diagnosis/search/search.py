@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from calib.diagnosis.explanation.explanation import (
+    ROUGHLY,
     Columns,
     Explanation,
     Hypothesis,
@@ -33,8 +34,9 @@ _SURE = 10.0
 _LIKE = 5.0
 """The same up to which two explanations are as likely."""
 
-_NEAR = 0.1
-"""Share of what a hypothesis gains by which a linear model is wrong about it."""
+_NEAR, _WRONG = 0.1, 0.5
+"""Share of what a hypothesis gains by which a linear model is wrong about it: usually, and at most,
+of an effect with many parameters such as a motor."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,9 @@ class Search:
         """Go on from a better explanation, if there is one."""
         if new is None:
             return False
+        new = fit(self.problem, new.hypothesis, new.state, new.columns)
+        self.fitted[new.hypothesis.key] = new
+        self.densities.pop(new.hypothesis.key, None)
         more = new.log_evidence - self.best.log_evidence
         held = self.density(new) - self.density(self.best)
         same, self.best = new.hypothesis == self.best.hypothesis, new
@@ -215,7 +220,7 @@ class Search:
         key = hypothesis.key
         if (key, id(at)) not in self.gone:
             self.gone[key, id(at)] = at
-            found = fit(self.problem, hypothesis, state, near)
+            found = fit(self.problem, hypothesis, state, near, ROUGHLY)
             if key not in self.fitted or found.log_evidence > self.fitted[key].log_evidence:
                 self.fitted[key] = found
                 self.densities.pop(key, None)
@@ -281,7 +286,7 @@ def density(at: Explanation, held: Problem) -> float:
 
 
 def _fitted(problem: Problem, near: Columns, promise: Promise) -> Explanation:
-    return fit(problem, promise.hypothesis, promise.state, near)
+    return fit(problem, promise.hypothesis, promise.state, near, ROUGHLY)
 
 
 def _best(found: list[Promise], at: Explanation) -> list[Promise]:
@@ -294,7 +299,7 @@ def _best(found: list[Promise], at: Explanation) -> list[Promise]:
         if not those:
             continue
         best = max(p.log_evidence for p in those)
-        least = max(at.log_evidence - 5.0, best - 5.0 - _NEAR * (best - at.log_evidence))
+        least = max(at.log_evidence - 5.0, best - 5.0 - _WRONG * (best - at.log_evidence))
         out += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
     return out
 
