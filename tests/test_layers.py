@@ -54,7 +54,7 @@ def room(module: str) -> str:
 
 
 def folder(module: str) -> str:
-    """`search` of calib.diagnosis.search.decide, `diagnose` of calib.diagnosis.diagnose."""
+    """`search` of calib.diagnosis.search.rank, `diagnose` of calib.diagnosis.diagnose."""
     return module.split(".")[2]
 
 

@@ -141,9 +141,9 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     if at.temperature is not None:
         seen.append(f"discs of {span(at.temperature, 'degC')}")
     parameters = [(spaced(name), *estimate(value)) for name, value in effect.parameters.items()]
-    without = found.reduced_after + effect.gain if len(found.effects) > 1 else found.reduced_before
-    evidence = f"with it the {ERROR} is {found.reduced_after:.3f}, without it {without:.3f}"
-    evidence += f"; on the hold-outs it falls by {effect.gain_holdout:.2f}"
+    without = found.reduced_after + effect.gain
+    evidence = f"the {ERROR} is {found.reduced_after:.3f}, and without it, all else the same, "
+    evidence += f"{without:.3f}; on the hold-outs it rises by {effect.gain_holdout:.2f} then"
     if effect.runner_up is not None:
         name, gained = effect.runner_up
         evidence += f"; runner-up: {spaced(name)}, which leaves {found.reduced_before - gained:.3f}"
@@ -174,9 +174,12 @@ def _something_else(found: Diagnosis) -> str:
 
 
 def _withdrawn(found: Diagnosis) -> str:
-    """What fits the calibration logs and not the hold-outs; empty if there is nothing."""
-    told = "fits the calibration logs, and makes the hold-outs less probable"
-    return "; ".join(f"{listed(names)}: {told}" for names in found.withdrawn)
+    """What fits some logs, and is not the answer; empty if there is nothing."""
+    worse = "fits the calibration logs, and makes the hold-outs less probable"
+    told = [f"{listed(names)}: {worse}" for names in found.withdrawn]
+    if found.verdict == UNKNOWN and (last := found.steps[-1].names):
+        told.append(f"{listed(last)}: explains less than an empirical term alone")
+    return "; ".join(told)
 
 
 def unexplained(found: Diagnosis) -> str:

@@ -127,18 +127,18 @@ def _unexplained(found: Unexplained) -> Facts:
 
 def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    rows = []
-    for log, ends in found.gap.by_log.items():
-        rows.append((log, *(f"{end:.2f}" for end in ends), ""))
-        for name, x in found.gap.cells[log].items():
-            ends = (x.before / x.noise, x.after / x.noise)
-            unit = f"{x.noise:.4f} {UNITS[name]}"
-            rows.append((f"{log}, {name}", *(f"{end:.2f}" for end in ends), unit))
-    caption = "Gap by log and channel, noise taken out, in units of the sensor's noise."
+    rows: list[tuple[str, ...]] = []
+    for log, (before, after) in found.gap.by_log.items():
+        cells = found.gap.cells[log].values()
+        ends = [(before, after), *((x.before / x.noise, x.after / x.noise) for x in cells)]
+        rows.append((log, *(f"{a:.2f} to {b:.2f}" for a, b in ends)))
+    noises = (f"{x.noise:.4f} {UNITS[name]}" for name, x in found.gap.by_channel.items())
+    rows.append(("noise of the sensor", "1", *noises))
+    caption = "Gap by log and channel before and after, in units of the noise, which is taken out."
     name = found.measured[_worst(found)].name
     return Facts(
         "The gap on the hold-outs",
-        tables=[Table(("log, channel", "before", "after", "noise"), rows, caption)],
+        tables=[Table(("log", "all", *found.gap.by_channel), rows, caption)],
         pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
     )
 

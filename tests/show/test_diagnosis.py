@@ -76,9 +76,10 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
     assert effect.title == "Aerodynamic drag"
     assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     gap = tables(named)
-    assert gap["Gap by"][0] == (MARKUP, "8.25", "1.50", "")
-    assert gap["Gap by"][1][1:] == ("0.50", "0.50", "0.0625 m/s^2")
-    assert gap["Gap by"][6][1:] == ("4.00", "8.00", "0.0625 m/s")
+    log, noise = gap["Gap by"]
+    assert log[:3] == (MARKUP, "8.25 to 1.50", "0.50 to 0.50")
+    assert log[-1] == "4.00 to 8.00"
+    assert (noise[2], noise[-1]) == ("0.0625 m/s^2", "0.0625 m/s")
     assert gap["Base parameters"][1][3] == ""  # a vehicle file says nothing of the tyres
 
 

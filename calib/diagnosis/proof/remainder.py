@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 BLOCK = 0.5
 """Span of a mean [s]: several times the correlation time of a road's noise, a part of a stop."""
 
-LEAST = 2.0
+LEAST = 3.0
 """Rms of the lasting errors over the noise of the sensors from which something is left [1]. With
 nothing hidden, on a plant with other forms of tyre than here, up to 1.3 is left; see
 tests/studies/naming.py."""
