@@ -133,7 +133,7 @@ def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
         ends = [(before, after), *((x.before / x.noise, x.after / x.noise) for x in cells)]
         rows.append((log, *(f"{a:.2f} to {b:.2f}" for a, b in ends)))
     noises = (f"{x.noise:.4f} {UNITS[name]}" for name, x in found.gap.by_channel.items())
-    rows.append(("noise of the sensor", "1", *noises))
+    rows.append(("noise", "1", *noises))
     caption = "Gap by log and channel before and after, in units of the noise, which is taken out."
     name = found.measured[_worst(found)].name
     return Facts(
