@@ -80,10 +80,6 @@ class Search:
             self.together(first)
         if left_over(self.best):
             self.forward(other=True)
-        if left_over(self.best) and self.best.names:
-            found, self.best, self.further = self.best, self.base, first
-            self.forward(other=True)
-            self.accept(self.most_probable([found]))
         self.rivals = self._rivals()
         self.base, self.best = (with_alike(one) for one in (self.base, self.best))
 
@@ -117,17 +113,22 @@ class Search:
                 return
 
     def together(self, further: Further) -> None:
-        """Several effects at once, where those that are found one after the other leave something:
-        the first may have stood for others.
+        """Several effects at once, and logs that differ in any kinds, from the very start.
+
+        Where what is found one after the other leaves something: the first may have stood for
+        others. Those alone that promise what the best has, as far as a linear model can tell.
         """
-        found = [p for p in promises(self.base, further) if len(p.hypothesis.names) > 1]
-        tops: list[Promise] = []
-        for size in (2, 3):
-            tops += [p for p in found if len(p.hypothesis.names) == size][:2]
+        gained = self.best.log_evidence - self.base.log_evidence
+        found = [*promises(self.base, further), *promises(self.base, further, 1, True)]
+        best: dict[tuple[int, bool], Promise] = {}
+        for p in found:
+            size = len(p.hypothesis.names), bool(p.hypothesis.kinds)
+            if size > (1, False) and p.log_evidence > self.best.log_evidence - _NEAR * gained:
+                best.setdefault(size, p)
+        tops = list(best.values())
         self.side_by_side(tops, self.base)
-        if self.accept(
-            self.most_probable(self.pruned(self.fitted[p.hypothesis.key]) for p in tops)
-        ):
+        news = [self.pruned(self.fitted[p.hypothesis.key]) for p in tops]
+        if self.accept(self.most_probable(news)):
             self.forward()
 
     def most_probable(self, news: Iterable[Explanation]) -> Explanation | None:
