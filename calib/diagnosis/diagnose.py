@@ -114,7 +114,7 @@ def diagnose(
         reduced_before=found.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
         left=found.left,
-        withdrawn=tuple(search.withdrawn),
+        withdrawn=_withdrawn(search),
         steps=tuple(search.steps),
         noise=search.problem.noise,
         own=_own(found),
@@ -185,6 +185,7 @@ def _searched(
     quieter = _without_its_noise(search.best)
     if quieter is not None:
         search = _search(quieter, holdout)
+    tell("replaying the hold-outs", 0, 1)
     return search, verdict_of(search, holdout)
 
 
@@ -212,6 +213,12 @@ def _with_term(found: Verdict, at: Explanation) -> Replayed:
         return found.after
     helped = gap_of(found.after.logs, last.logs, found.held.logs).closed > 0.0
     return last if helped else found.after
+
+
+def _withdrawn(search: Search) -> tuple[tuple[str, ...], ...]:
+    """What the hold-outs spoke against once, and never asked for."""
+    asked_for = {frozenset(step.names) for step in search.steps}
+    return tuple(names for names in search.withdrawn if frozenset(names) not in asked_for)
 
 
 def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:

@@ -3,16 +3,20 @@
 What is not told here, `diagnosis.json` has.
 """
 
+import math
+
 from calib.base.names import AXLE_NAMES
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
+from calib.diagnosis.explanation.own import FACTORS, OWN
 from calib.diagnosis.explanation.own import UNITS as OWN_UNITS
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
 
 NO_GAP, NAMED, REST, _WORSE = "no_gap", "named", "rest", "worse"
-_AMBIGUOUS, _AMBIGUOUS_REST, UNKNOWN = "ambiguous", "ambiguous_rest", "unknown"
+_AMBIGUOUS, _AMBIGUOUS_REST = "ambiguous", "ambiguous_rest"
+UNKNOWN, _WITHIN_NOISE = "unknown", "within_noise"
 KINDS = {
     NO_GAP: ("No gap", PASSED),
     NAMED: ("Named", PASSED),
@@ -21,6 +25,7 @@ KINDS = {
     _AMBIGUOUS: ("Ambiguous", WARNING),
     _AMBIGUOUS_REST: ("Ambiguous and something else", WARNING),
     UNKNOWN: ("Unknown cause", FAILED),
+    _WITHIN_NOISE: ("Within the noise", PASSED),
 }
 """The outcomes, each in a few words and with its colour."""
 
@@ -35,10 +40,10 @@ _DRIVERS = {
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
 _WITHIN = 1.0
-"""Gap, in units of the sensors' noise, up to which replays are within the noise."""
+"""Gap, in units of the sensors' noise, up to which an unknown cause is within the noise."""
 _SIDES_TOLD = 3e-4
 """Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
-_STATES = "States of logs and tyres, which are no effects of the car, and were taken out."
+_STATES = "States of single logs, which are no effects of the car, against what all logs share."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
@@ -58,6 +63,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
         ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
+        ("Taken out", _uneven(found)),
         *(
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
             for name, one in found.model_after.effects.own.items()
@@ -80,8 +86,11 @@ def facts(found: Diagnosis, title: str) -> Facts:
 def outcome(found: Diagnosis) -> str:
     """The verdict as the hold-outs judge it, a key of `KINDS`.
 
-    "named" only if the gap of the hold-outs is smaller than before and nothing significant is left.
+    "named" only if the gap of the hold-outs is smaller than before and nothing significant is left;
+    "unknown" only if they have a gap.
     """
+    if found.verdict == UNKNOWN and found.gap.before < _WITHIN:
+        return _WITHIN_NOISE
     if found.verdict not in (NAMED, _AMBIGUOUS):
         return found.verdict
     if found.gap.closed <= 0.0:
@@ -108,20 +117,21 @@ def _verdict_of(found: Diagnosis) -> str:
         others = {n for effect in found.effects for n in effect.indistinguishable_from}
         rivals = listed(sorted(others - set(names)), "or")
         return f"{'. '.join(told)}, or else {rivals}; these logs cannot tell which{more}."
+    if outcome(found) == _WITHIN_NOISE:
+        return (
+            "The hold-outs show no gap. What is left from step to step is quick, and not in the "
+            "catalogue: look at the sensors first, one that filters, such as a_x, or channels that "
+            "are not simultaneous."
+        )
     return "The model lacks something that is not in the catalogue."
 
 
 def _not_excluded(found: Diagnosis) -> str:
     """What an unknown cause may be although no explanation with it holds; else empty."""
-    if found.verdict != UNKNOWN:
-        return ""
-    quick = (
-        "That is within the noise: it is quick, and small over a whole run. Look at the sensors "
-        "first: one that filters, such as a_x, or channels that are not simultaneous. "
-    )
-    fade = "No disc temperature is logged: pads that fade are not excluded."
     known = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
-    return quick * (found.gap.before < _WITHIN) + fade * (not known)
+    if outcome(found) != UNKNOWN or known:
+        return ""
+    return "The discs' temperature is not in every log: pads that fade are not excluded."
 
 
 def _effect(effect: Named, found: Diagnosis) -> Facts:
@@ -131,9 +141,9 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     if at.temperature is not None:
         seen.append(f"discs of {span(at.temperature, 'degC')}")
     parameters = [(spaced(name), *estimate(value)) for name, value in effect.parameters.items()]
-    without = found.reduced_after + effect.gain if len(found.effects) > 1 else found.reduced_before
-    evidence = f"with it the {ERROR} is {found.reduced_after:.3f}, without it {without:.3f}"
-    evidence += f"; on the hold-outs it falls by {effect.gain_holdout:.2f}"
+    without = found.reduced_after + effect.gain
+    evidence = f"the {ERROR} is {found.reduced_after:.3f}, and without it, all else the same, "
+    evidence += f"{without:.3f}; on the hold-outs it rises by {effect.gain_holdout:.2f} then"
     if effect.runner_up is not None:
         name, gained = effect.runner_up
         evidence += f"; runner-up: {spaced(name)}, which leaves {found.reduced_before - gained:.3f}"
@@ -164,9 +174,12 @@ def _something_else(found: Diagnosis) -> str:
 
 
 def _withdrawn(found: Diagnosis) -> str:
-    """What fits the calibration logs and not the hold-outs; empty if there is nothing."""
-    told = "fits the calibration logs, and makes the hold-outs less probable"
-    return "; ".join(f"{listed(names)}: {told}" for names in found.withdrawn)
+    """What fits some logs, and is not the answer; empty if there is nothing."""
+    worse = "fits the calibration logs, and makes the hold-outs less probable"
+    told = [f"{listed(names)}: {worse}" for names in found.withdrawn]
+    if found.verdict == UNKNOWN and (last := found.steps[-1].names):
+        told.append(f"{listed(last)}: explains less than an empirical term alone")
+    return "; ".join(told)
 
 
 def unexplained(found: Diagnosis) -> str:
@@ -195,19 +208,28 @@ def unexplained(found: Diagnosis) -> str:
 
 
 def _states(found: Diagnosis) -> Table:
-    """What is of a log or of its tyres: pads, road, slope, zero of a_x, first heat; even sides."""
-    rows = [
-        (spaced(name), log, f"{x:+.3g} {OWN_UNITS[name]}".removesuffix(" 1"))
-        for log, states in found.own.items()
-        for name, x in states.items()
-        if x != 0.0
-    ]
-    rows += [
-        ("left wheel slower than right [%]", f"{AXLE_NAMES[axle]} axle", f"{100.0 * off:+.2f}")
+    """What each log has of its own: pads, road, slope, zero of a_x, heat at its start."""
+    names = [n for n in OWN if any(states[n] != 0.0 for states in found.own.values())]
+    heads = ("log", *(f"{spaced(n)} [{OWN_UNITS[n].replace('1', '%')}]" for n in names))
+    rows = [(log, *(_state(n, states[n]) for n in names)) for log, states in found.own.items()]
+    return Table(heads, rows, _STATES)
+
+
+def _state(name: str, value: float) -> str:
+    """A state of a log in the unit of its head: factors and slopes in per cent."""
+    if OWN_UNITS[name] != "1":
+        return f"{value:+.3g}"
+    return f"{100.0 * (math.expm1(value) if name in FACTORS else value):+z.1f}"
+
+
+def _uneven(found: Diagnosis) -> str:
+    """How much faster the right wheel of an axle rolled than the left one; empty if hardly."""
+    told = [
+        f"{100.0 * off:+.2f} % of right over left wheel speed of the {AXLE_NAMES[axle]} axle"
         for axle, off in found.sides.items()
         if abs(off) > _SIDES_TOLD
     ]
-    return Table(("state", "of", "value"), rows, _STATES)
+    return "; ".join(told)
 
 
 def _unseen(found: Diagnosis) -> Table:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from calib.base.arrays import Array
 from calib.car.braking import BITE
@@ -218,12 +217,16 @@ def marginal(
     ``own`` (8,) standard deviations of what each log has of its own.
     """
     x, form = at.state.x, at.state.form
+    from scipy.linalg import block_diag
+
     precision = block_diag(prior_precision(at.problem, at.hypothesis), _PRECISION)
     return Marginal.of(products, own, precision, np.concatenate([x, form]), damping)
 
 
 def prior_precision(problem: Problem, hypothesis: Hypothesis) -> Array:
     """Precision (m, m) of the prior on x."""
+    from scipy.linalg import block_diag
+
     own = [[STRENGTH] + [FURTHER] * (problem.parameters_of(n) - 1) for n in hypothesis.names]
     sigma = np.concatenate([problem.base_sigma, *own])
     walk = [] if hypothesis.walk is None else [hypothesis.walk.precision]

@@ -21,9 +21,12 @@ OWN = tuple(row["name"] for row in _ROWS)
 _ALIKE, _USUAL, _OTHER = (
     np.array([float(row[key]) for row in _ROWS]) for key in ("alike", "usual", "other")
 )
-"""Standard deviations (8,) of the states, logarithms of factors but where the unit says else."""
+"""Standard deviations (8,) of the states, in their units; logarithms of `FACTORS`."""
 
 UNITS = {row["name"]: row["unit"] for row in _ROWS}
+
+FACTORS = frozenset(row["name"] for row in _ROWS if row["kind"] in ("pads", "road"))
+"""States that are logarithms of factors."""
 
 KINDS = tuple(dict.fromkeys(row["kind"] for row in _ROWS))
 

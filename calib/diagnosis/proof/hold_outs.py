@@ -12,7 +12,14 @@ from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import Base
-from calib.diagnosis.explanation.explanation import Explanation, based, bounds_of, runs_of
+from calib.diagnosis.explanation.explanation import (
+    Explanation,
+    Hypothesis,
+    State,
+    based,
+    bounds_of,
+    runs_of,
+)
 from calib.diagnosis.explanation.own import GRADE, ZERO_OF_A_X
 from calib.diagnosis.explanation.predict import ObservedRun, wheel_angles
 from calib.diagnosis.explanation.problem import Problem
@@ -50,15 +57,18 @@ class HoldOuts:
         values, vectors = np.linalg.eigh(at.covariance)
         scaled = vectors * np.sqrt(np.maximum(values, 0.0) * max(at.reduced, 1.0))
         low, high = bounds_of(self.problem, at.hypothesis)
-        points = [np.clip(at.state.x + direction, low, high) for direction in scaled.T]
-        moved = partial(_replays_at, replace(self, problem=self.problem.alone), at, own)
+        points = [at.with_x(np.clip(at.state.x + direction, low, high)) for direction in scaled.T]
+        alone = replace(self, problem=self.problem.alone)
+        moved = partial(_replays_at, alone, at.hypothesis, own)
         return [replays for replays in self.problem.mapped(moved, points) if replays is not None]
 
 
-def _replays_at(held: HoldOuts, at: Explanation, own: Array, x: Array) -> tuple[Log, ...] | None:
-    """Replays at a vector of parameters; None where they cannot be computed."""
+def _replays_at(
+    held: HoldOuts, hypothesis: Hypothesis, own: Array, state: State
+) -> tuple[Log, ...] | None:
+    """Replays of a hypothesis at a state; None where they cannot be computed."""
     try:
-        return held.replays(*based(held.problem, at.hypothesis, at.with_x(x)), own)
+        return held.replays(*based(held.problem, hypothesis, state), own)
     except ModelError:
         return None
 

@@ -19,12 +19,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.intervals import QUARTILE
-from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.gap import CHANNELS, noises_of
 from calib.logs.log import Log
 from calib.run.filters import block_mean
 
 Array = NDArray[np.float64]
+
+BLOCK = 0.5
+"""Span of a mean [s]: several times the correlation time of a road's noise, a part of a stop."""
+
+LEAST = 3.0
+"""Rms of the lasting errors over the noise of the sensors from which something is left [1]. With
+nothing hidden, on a plant with other forms of tyre than here, up to 1.3 is left; see
+tests/studies/naming.py."""
+
+_SURE = 5.0
+"""Least distance of the sum of squares from that of noise, in its standard deviations."""
+
+_FARTHEST = 2.0
+"""Largest move along a direction of the parameters' covariance, in standard deviations: 95 %."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +62,7 @@ class Remainder:
     @property
     def significant(self) -> bool:
         """Whether it is more than noise, parameters and the usual form of a tyre can do."""
-        return self.size > GATES.remainder_least and self.sigma > GATES.remainder_sure
+        return self.size > LEAST and self.sigma > _SURE
 
 
 _Moved = Callable[[], Sequence[Sequence[Log]]]
@@ -96,7 +109,7 @@ def lasting(simulated: Log, measured: Log) -> Array:
 
 def _block_of(log: Log) -> int:
     """Samples in a block."""
-    return max(1, round(GATES.remainder_block / log.sample_time))
+    return max(1, round(BLOCK / log.sample_time))
 
 
 def _samples_of(logs: Sequence[Log]) -> float:
@@ -114,12 +127,12 @@ def _noise_of_means(errors: Sequence[Array]) -> Array:
 
 
 def without(errors: list[Array], directions: list[list[Array]], spread: Array) -> list[Array]:
-    """Errors less what moves of at most `remainder_farthest` along the directions explain."""
+    """Errors less what moves of at most `_FARTHEST` along the directions explain."""
     from scipy.optimize import lsq_linear
 
     y = _flat(errors, errors, spread)
     A = np.stack([_flat(one, errors, spread) for one in directions], axis=1)
-    moves = lsq_linear(A, y, bounds=(-GATES.remainder_farthest, GATES.remainder_farthest)).x
+    moves = lsq_linear(A, y, bounds=(-_FARTHEST, _FARTHEST)).x
     out = []
     for i, own in enumerate(errors):
         m = min([own.shape[1], *(one[i].shape[1] for one in directions)])

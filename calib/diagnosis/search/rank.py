@@ -102,7 +102,9 @@ def further_columns(at: Explanation) -> Further:
     names = [n for n in every_effect(problem.vehicle.effects) if n not in at.names]
     alone = replace(at, problem=problem.alone)
     tried, rows = [], []
-    for name, changes in zip(names, problem.mapped(partial(_changes, alone), names), strict=True):
+    found = problem.mapped(partial(_changes, alone), names)
+    for done, (name, changes) in enumerate(zip(names, found, strict=True)):
+        problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(names))
         for trial, change in zip(_trials(at, name), changes, strict=True):
             tried.append(Tried(name, trial))
             rows.append(change)

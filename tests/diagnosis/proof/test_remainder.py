@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.gates import GATES
-from calib.diagnosis.proof.remainder import remainder_of
+from calib.diagnosis.proof.remainder import BLOCK, LEAST, remainder_of
 from calib.logs.log import Log
 from tests.support.made_runs import changed, made_run
 
@@ -59,7 +58,7 @@ def test_what_the_error_of_a_parameter_can_do_is_not_left():
     clean, log = runs(6)
     drift = 0.05 * clean.time
     off, step = changed(clean, v=clean["v"] + drift), changed(clean, v=clean["v"] + 1.5 * drift)
-    assert remainder_of([off], [log], stay).size > GATES.remainder_least
+    assert remainder_of([off], [log], stay).size > LEAST
     assert not remainder_of([off], [log], lambda: [[step]]).significant  # two steps back
     far = changed(clean, v=clean["v"] + 1.05 * drift)  # twenty steps back: too many
     assert remainder_of([off], [log], lambda: [[far]]).significant
@@ -67,7 +66,7 @@ def test_what_the_error_of_a_parameter_can_do_is_not_left():
 
 def test_a_ripple_that_turns_several_times_in_a_block_is_not_lasting():
     clean, log = runs(5)
-    ripple = 0.5 * np.sin(2.0 * np.pi * 5.0 / GATES.remainder_block * clean.time)
+    ripple = 0.5 * np.sin(2.0 * np.pi * 5.0 / BLOCK * clean.time)
     assert not remainder_of([changed(clean, a_x=clean["a_x"] + ripple)], [log], stay).significant
 
 
