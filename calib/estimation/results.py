@@ -13,7 +13,6 @@ from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
 from calib.estimation.agreement import agreement
-from calib.estimation.budget import budget
 from calib.estimation.estimator import COLUMNS, Estimate
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, proof_of
@@ -50,7 +49,6 @@ def to_dict(
 
 
 def _of_log(r: Validation) -> dict[str, object]:
-    parts = budget(r.estimate)
     return {
         "log": r.log,
         "digest": r.digest,
@@ -65,7 +63,7 @@ def _of_log(r: Validation) -> dict[str, object]:
         ],
         "not_held": [j.figure for j in r.judgements if j.verdict == FAILED],
         "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
-        "budget": parts and budget_summary(*parts),
+        "budget": r.budget and budget_summary(*r.budget),
         "not_valid": r.refused,
         "rms_error_against": r.compared_with,
         "rms_error_by_method": {

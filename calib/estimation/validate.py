@@ -14,6 +14,7 @@ from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import Vehicle, require_same_car
+from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.exchanged import SURE, exchanged
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
@@ -26,6 +27,7 @@ from calib.run.observation import observe
 from calib.run.rules import problems
 from calib.run.warnings import clock_gaps, locked_wheels, saturated
 from calib.store.evidence import CONSISTENT
+from calib.table.budget import Parts
 from calib.table.table import Table
 
 HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
@@ -99,6 +101,11 @@ class Validation:
     def baselines(self) -> dict[str, tuple[float, float]]:
         """Rms errors of the pads by all methods, which a batch need not wait for."""
         return baseline_errors(self.estimate)
+
+    @cached_property
+    def budget(self) -> tuple[Parts, Parts] | None:
+        """What the intervals of front and rear pads are made of; None without a valid sample."""
+        return budget(self.estimate)
 
     @property
     def compared_with(self) -> str:

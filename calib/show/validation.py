@@ -6,7 +6,6 @@ from dataclasses import replace
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.agreement import agreement
-from calib.estimation.budget import budget
 from calib.estimation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
@@ -56,7 +55,7 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
             *_limiting(found),
             *_by_curves(found),
         ],
-        notes=advice_lines(of for result in found for of in budget(result.estimate) or ()),
+        notes=advice_lines(of for result in found for of in result.budget or ()),
         warnings=warnings,
     )
 
@@ -145,7 +144,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
         ]
         rows += [
             (f"{r.log}, {name} pads", words(of))
-            for name, of in zip(AXLE_NAMES.values(), budget(r.estimate) or (), strict=False)
+            for name, of in zip(AXLE_NAMES.values(), r.budget or (), strict=False)
         ]
     together = agreement(results)
     return rows + [
