@@ -23,10 +23,11 @@ from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of, turned, unbraked_noise
 from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.named import base_estimates, named
-from calib.diagnosis.proof.gap import gap_of
-from calib.diagnosis.proof.hold_outs import model_of
+from calib.diagnosis.replays.gap import gap_of
+from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
 from calib.diagnosis.proof.unexplained import unexplained_of
-from calib.diagnosis.proof.verdict import Replayed, Verdict, replayed, verdict_of
+from calib.diagnosis.proof.verdict import Verdict, verdict_of
+from calib.diagnosis.replays.replayed import Replayed, replayed
 from calib.diagnosis.runs.axles import require_axles
 from calib.diagnosis.runs.gates import (
     require_enough,
@@ -186,12 +187,12 @@ def _searched(
     if quieter is not None:
         search = _search(quieter, holdout)
     tell("replaying the hold-outs", 0, 1)
-    return search, verdict_of(search, holdout)
+    return search, verdict_of(search)
 
 
 def _search(problem: Problem, holdout: list[Log]) -> Search:
     runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
-    search = Search(problem, replace(problem, runs=runs))
+    search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
     search.run()
     return search
 

@@ -33,6 +33,7 @@ _DRIVERS = {
     "temperature": "the temperature of the disc",
     "time": "the time since the brake bit",
     "elapsed": "the time since the run began",
+    "distance": "the distance since the run began",
     "constant": "nothing: it is always there",
     WHEEL_ANGLE: "the angle of the wheels, turn by turn",
     FREQUENCY: "nothing but time: it swings",

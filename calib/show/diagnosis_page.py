@@ -15,7 +15,7 @@ from calib.base.intervals import Z95
 from calib.base.names import WHEELS
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.proof.gap import UNITS
+from calib.diagnosis.replays.gap import UNITS
 from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes

@@ -13,6 +13,7 @@ from calib.car.braking import BITE
 from calib.car.effects.effect import Card, Effect, Pair, Parameters
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.history import Motion, RunHistory
+from calib.car.lag import integral
 from calib.car.vehicle import Vehicle
 
 PLACES = {
@@ -32,10 +33,11 @@ DRIVERS = {
     "time": "s",
     "deceleration": "1",
     "elapsed": "s",
+    "distance": "m",
     "constant": "1",
 }
 """Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` from
-the start of the run, and `constant` has one knot at zero. The temperature is that of the discs of
+the start of the run, `distance` is that since then, and `constant` has one knot at zero. The temperature is that of the discs of
 the axle on which the term acts."""
 
 DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
@@ -118,6 +120,7 @@ _ALONG: dict[str, Callable[[RunHistory], Array]] = {
     "time": _since_free,
     "deceleration": lambda history: history.z,
     "elapsed": lambda history: np.asarray(history.time - history.time[0]),
+    "distance": lambda history: integral(history.time, history.v),
     "constant": lambda history: np.zeros_like(history.v),
 }
 

@@ -41,6 +41,8 @@ _PRECISION = np.linalg.inv(form_covariance())
 _STEP = 1e-3
 _FIRST = 5.0
 _ROUNDS, _REFRESHED, _DAMPING = 20, 3, 1e-3
+_HIGH, PEAK_AT = 0.25, 3
+"""Logarithm of the peak from which a fit begins, over the usual one; its place in x."""
 _HEAT = 10.0
 """Step of a start heat [K]."""
 
@@ -165,6 +167,13 @@ class Explanation:
         """
         freedom = len(CHANNELS) * self.problem.noise.freedom
         return math.sqrt(2.0 / self.count + 2.0 / freedom)
+
+    @property
+    def strain(self) -> float:
+        """Distance of the own states' squares from what their priors expect, in its scatter [1]."""
+        S = self.hypothesis.sizes
+        own = self.state.own[:, S > 0.0] / S[S > 0.0]
+        return float(np.sum(own**2) - own.size) / math.sqrt(2.0 * max(own.size, 1))
 
     @property
     def base(self) -> Base:
@@ -501,9 +510,9 @@ def _secant(at: Explanation, other: Explanation) -> Columns:
 
 
 def start_of(problem: Problem) -> State:
-    """Where a fit without effects begins."""
+    """Where a fit without effects begins: with a high peak, as forces past it tell nothing of it."""
     return State(
-        np.zeros(problem.base_size),
+        _HIGH * np.eye(problem.base_size)[PEAK_AT],
         np.zeros(2 * FORM_AT.size),
         np.zeros((len(problem.runs), len(OWN))),
     )

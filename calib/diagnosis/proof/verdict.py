@@ -9,9 +9,7 @@ probable than all that is named.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import dataclass
 
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
@@ -19,37 +17,19 @@ from calib.diagnosis.explanation.explanation import (
     Columns,
     Explanation,
     State,
-    columns_by_heat,
-    columns_by_x,
-    fit,
     of_all,
-    own_columns,
 )
-from calib.diagnosis.explanation.gaussian import Products
-from calib.diagnosis.explanation.own import OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.proof.hold_outs import HoldOuts
-from calib.diagnosis.proof.remainder import Remainder
-from calib.diagnosis.proof.terms import with_terms
-from calib.diagnosis.search.search import Search
-from calib.logs.log import Log
+from calib.diagnosis.replays.hold_outs import HoldOuts
+from calib.diagnosis.replays.remainder import Remainder
+from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.search.search import SURE, Search
+from calib.diagnosis.search.terms import Ranked, ranked_terms, with_terms
 
 NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
 
 _STRANGE = 8.0
 """Scatter of the mean squared innovation from which a cause is present, whatever replays show."""
-
-
-@dataclass(frozen=True)
-class Replayed:
-    """An explanation without a departure of its tyre, as a model has it, and what it leaves.
-
-    ``own`` (runs, 8) of the hold-outs, ``logs`` their replays.
-    """
-
-    at: Explanation
-    own: Array
-    logs: tuple[Log, ...]
 
 
 @dataclass(frozen=True)
@@ -80,26 +60,22 @@ class Verdict:
         return self.word in (NAMED, AMBIGUOUS)
 
 
-def verdict_of(search: Search, logs: Sequence[Log]) -> Verdict:
-    """The verdict on the ``best`` of a search, by the hold-outs ``logs``."""
-    held = HoldOuts(tuple(logs), search.held)
-    base, best = search.base, search.best
-    before = replayed(held, base)
-    after = before
-    if best.names:
-        try:
-            after = replayed(held, best)
-        except ModelError:
-            best = base
+def verdict_of(search: Search) -> Verdict:
+    """The verdict on the ``best`` of a search, by its hold-outs."""
+    held, base = search.held, search.base
+    best, after, terms = _standing(search)
+    before = after if best is base else replayed(held, base)
     left = held.left(after.at, after.own, after.logs)
-    rest = left.significant or strange(best)
-    beside = tuple(with_terms(best)) if rest else ()
+    rest = left.significant or something_left(best, terms)
+    beside = tuple(with_terms(best, terms)) if rest else ()
     if rest and best.names:
-        alone = tuple(with_terms(base))
-        if alone[0].log_evidence > best.log_evidence:
+        promised = base.log_evidence + search.terms[0].log_gain
+        alone = tuple(with_terms(base, search.terms)) if promised > search.hopeless else ()
+        if alone and alone[0].log_evidence > best.log_evidence:
             best, after, beside = base, before, alone
             left = held.left(before.at, before.own, before.logs)
-    rivals = search.rivals if best.names else ()
+    print("TERM", best.names, set(best.hypothesis.kinds), round(terms[0].log_gain), terms[0].walk.place, terms[0].walk.driver, "left %.2f sig %s red %.3f scatter %.3f" % (left.size, left.significant, best.reduced, best.scatter), flush=True)
+    rivals = search.rivals if best is search.best else ()
     named = AMBIGUOUS if rivals else NAMED
     word = named if best.names else UNKNOWN if rest else NO_GAP
     return Verdict(
@@ -108,47 +84,35 @@ def verdict_of(search: Search, logs: Sequence[Log]) -> Verdict:
     )  # fmt: skip
 
 
+def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
+    """The last explanation of a search that closes the gap of the replays, and terms beside it.
+
+    By half where something is left with it; else it must not widen the gap by as much.
+    """
+    after = _last(search)
+    for one in (after, *search.accepted[-2::-1]):
+        best, terms = one.of, ranked_terms(one.of)
+        closed = search.closed(one)
+        print("STANDING", best.names, "closed %.2f" % closed, "red %.3f %.3f" % (best.reduced, one.at.reduced), round(terms[0].log_gain))
+        if not best.names or closed > (0.5 if something_left(best, terms) else -0.5):
+            return best, one, terms
+    return search.base, replayed(search.held, search.base), search.terms
+
+
+def _last(search: Search) -> Replayed:
+    try:
+        return replayed(search.held, search.best)
+    except ModelError:
+        return search.accepted[-1]
+
+
+def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:
+    """Whether a term beside an explanation is surely more probable, or far more than noise left."""
+    return terms[0].log_gain > SURE or at.reduced > 1.01 + _STRANGE * at.scatter
+
+
 def seen_by(held: Problem, at: Explanation, own: Array) -> Explanation:
     """An explanation as other logs see it, its parameters as they are."""
     state = State(at.state.x, at.state.form, own)
     r = of_all(held, at.hypothesis, state)
     return Explanation(held, at.hypothesis, state, r, Columns([], [], []))
-
-
-def strange(at: Explanation) -> bool:
-    """Whether far more than noise is left in the innovations."""
-    return at.reduced > 1.01 + _STRANGE * at.scatter
-
-
-def replayed(held: HoldOuts, at: Explanation) -> Replayed:
-    """Fit an explanation as a model has it, and replay the hold-outs. Raises ModelError."""
-    plain = without_form(at)
-    own = placed(held.problem, plain)
-    return Replayed(plain, own, held.replays(plain.base, plain.effects, own))
-
-
-def without_form(at: Explanation) -> Explanation:
-    """The same hypothesis, with tyres that do not depart from their form."""
-    none = [np.zeros_like(F) for F in at.columns.form]
-    state = replace(at.state, form=np.zeros_like(at.state.form))
-    hypothesis = replace(at.hypothesis, departs=False)
-    return fit(at.problem, hypothesis, state, replace(at.columns, form=none))
-
-
-def placed(held: Problem, at: Explanation) -> Array:
-    """What each hold-out has of its own, (runs, 8), of the kinds in which the logs differ."""
-    own = np.zeros((len(held.runs), len(OWN)))
-    if not at.hypothesis.kinds:
-        return own
-    S = np.where(sizes(at.hypothesis.kinds) != sizes(()), sizes(at.hypothesis.kinds), 0.0)
-    for _ in range(3):
-        state = State(at.state.x, at.state.form, own)
-        r = of_all(held, at.hypothesis, state)
-        J = columns_by_x(held, at.hypothesis, state, r, 0)
-        heat = columns_by_heat(held, at.hypothesis, state, r)
-        seen = Explanation(held, at.hypothesis, state, r, Columns(J, [], heat))
-        for i, one in enumerate(r):
-            none = np.zeros((0, one.size))
-            products = Products.of(none, own_columns(seen, i), one, own[i])
-            own[i] -= products.reduced(S)[1][:, -1]
-    return own

@@ -4,12 +4,13 @@ fit without effects --> rank --> fit the best few --> drop, exchange --> more pr
 on the hold-outs? --> rank beside it, until nothing more is
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
+from calib.base.errors import ModelError
 from calib.diagnosis.explanation.explanation import (
     ROUGHLY,
     Columns,
@@ -26,13 +27,26 @@ from calib.diagnosis.explanation.explanation import (
 )
 from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.replays.gap import gap_of
+from calib.diagnosis.replays.hold_outs import HoldOuts
+from calib.diagnosis.replays.replayed import Replayed, replayed
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
+from calib.diagnosis.search.terms import Ranked, ranked_terms
 
-_SURE = 10.0
+SURE = 10.0
 """ln of the odds, of calibration logs and hold-outs together, from which more is believed."""
+
+_SHARE = 0.05
+
+_WIDER = 1.0
+"""Share by which an explanation may widen the gap of the replays on the way to a better one."""
 
 _LIKE = 5.0
 """The same up to which two explanations are as likely."""
+
+_PRUNED = 20.0
+"""What ln of the evidence of a hypothesis can gain where its effects that are not worth their price
+are taken out."""
 
 _NEAR, _WRONG = 0.1, 0.5
 """Share of what a hypothesis gains by which a linear model is wrong about it: usually, and at most,
@@ -54,18 +68,23 @@ class SearchStep:
 
 @dataclass
 class Search:
-    """The course of a search; ``fitted`` all explanations by what they say."""
+    """The course of a search; ``fitted`` all explanations by what they say; ``first`` and
+    ``further`` effects at the base and at the best one.
+    """
 
     problem: Problem
-    held: Problem
+    held: HoldOuts
     base: Explanation = field(init=False)
     best: Explanation = field(init=False)
+    first: Further = field(init=False)
     further: Further = field(init=False)
     rivals: tuple[Explanation, ...] = ()
     fitted: dict[object, Explanation] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)
     gone: dict[object, Explanation] = field(default_factory=dict)
     steps: list[SearchStep] = field(default_factory=list)
+    accepted: list[Replayed] = field(default_factory=list)
+    refused: set[object] = field(default_factory=set)
     withdrawn: list[tuple[str, ...]] = field(default_factory=list)
 
     def run(self) -> None:
@@ -74,29 +93,49 @@ class Search:
         self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
         self.fitted[self.base.hypothesis.key] = self.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
-        self.further = first = further_columns(self.base)
+        self.further = self.first = further_columns(self.base)
         self.forward()
-        if left_over(self.best):
-            self.together(first)
-        if left_over(self.best):
+        if left_over(self.best) and not self.no_effect():
+            self.together(self.first)
+        if left_over(self.best) and not self.no_effect():
             self.forward(other=True)
         self.rivals = self._rivals()
         self.base, self.best = (with_alike(one) for one in (self.base, self.best))
 
-    def accept(self, new: Explanation | None) -> bool:
-        """Go on from a better explanation, if there is one."""
-        if new is None:
-            return False
+    @cached_property
+    def before(self) -> Replayed:
+        """The hold-outs without effects."""
+        return replayed(self.held, self.base)
+
+    def closed(self, after: Replayed) -> float:
+        """Share of the gap on the hold-outs that is closed [1]."""
+        return gap_of(self.before.logs, after.logs, self.held.logs).closed
+
+    def accept(self, new: Explanation) -> bool:
+        """Go on from a better explanation, unless it widens the gap of the replays far."""
         new = fit(self.problem, new.hypothesis, new.state, new.columns)
         self.fitted[new.hypothesis.key] = new
         self.densities.pop(new.hypothesis.key, None)
+        try:
+            after = replayed(self.held, new)
+        except ModelError:
+            after = None
+        if after is None or self.closed(after) < -_WIDER:
+            self.refused.add(new.hypothesis.key)
+            self._withdraw(new)
+            return False
         more = new.log_evidence - self.best.log_evidence
         held = self.density(new) - self.density(self.best)
         same, self.best = new.hypothesis == self.best.hypothesis, new
+        self.accepted.append(after)
         if not same:
             self.steps.append(SearchStep(new.names, new.reduced, float(more), float(held)))
             self.further = further_columns(new)
         return True
+
+    def accepts(self, news: Iterable[Explanation]) -> bool:
+        """Whether it went on from the first of these that is surely more probable."""
+        return any(map(self.accept, self.more_probable(news)))
 
     def forward(self, other: bool = False) -> None:
         """One effect after the other, each ranked beside those before.
@@ -106,10 +145,11 @@ class Search:
         for _ in range(_MOST):
             tops = _best(promises(self.best, self.further, 1, other), self.best)
             self.side_by_side(tops, self.best)
-            news = [self.pruned(self.fitted[p.hypothesis.key]) for p in tops]
-            if not self.accept(self.most_probable(news)) and not (
-                self.best.names and self.accept(self.exchanged())
+            if not self.accepts(self.pruned_best(tops)) and not (
+                self.best.names and self.accepts(self.exchanged())
             ):
+                return
+            if self.no_effect():
                 return
 
     def together(self, further: Further) -> None:
@@ -127,30 +167,44 @@ class Search:
                 best.setdefault(size, p)
         tops = list(best.values())
         self.side_by_side(tops, self.base)
-        news = [self.pruned(self.fitted[p.hypothesis.key]) for p in tops]
-        if self.accept(self.most_probable(news)):
+        if self.accepts(self.pruned_best(tops)):
             self.forward()
 
-    def most_probable(self, news: Iterable[Explanation]) -> Explanation | None:
-        """The first by evidence that is surely more probable than the best, None if none is."""
+    def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
+        """Those that are surely more probable than the best, by evidence."""
+        best = self.best
         ranked = sorted({e.hypothesis.key: e for e in news}.values(), key=lambda e: -e.log_evidence)
         for e in ranked[:3]:
-            more = e.log_evidence - self.best.log_evidence
+            more = e.log_evidence - best.log_evidence
             if more <= 0.0:
                 break
-            if e.hypothesis.key == self.best.hypothesis.key:
+            if e.hypothesis.key == best.hypothesis.key:
                 if more > 2.0:
-                    return e
+                    yield e
                 continue
-            held = self.density(e) - self.density(self.best)
-            if held > 0.0 and more + held > _SURE:
-                return e
-            if more > _SURE and e.names not in self.withdrawn:
-                self.withdrawn.append(e.names)
-        return None
+            if e.hypothesis.key in self.refused:
+                continue
+            held = self.density(e) - self.density(best)
+            if held > 0.0 and more + held > self.worth:
+                yield e
+            elif more > SURE:
+                self._withdraw(e)
 
-    def exchanged(self) -> Explanation | None:
-        """Another effect in the place of one of the best explanation, if that is more probable."""
+    def _withdraw(self, e: Explanation) -> None:
+        if e.names not in self.withdrawn:
+            self.withdrawn.append(e.names)
+
+    @property
+    def worth(self) -> float:
+        """ln of the odds that a better explanation must gain, of all logs together.
+
+        What takes a twentieth of all that is left or less is no cause of it.
+        """
+        left = self.best.reduced - 1.0 - 3.0 * self.best.scatter
+        return max(SURE, _SHARE * 0.5 * left * self.best.count)
+
+    def exchanged(self) -> list[Explanation]:
+        """Another effect in the place of one of the best explanation."""
         news = []
         for name in self.best.names:
             fewer = self.without(self.best, name)
@@ -158,11 +212,11 @@ class Search:
             tops = [
                 p
                 for p in promises(fewer, self.further, 1)
-                if p.log_evidence > self.best.log_evidence - _SURE - _NEAR * own
+                if p.log_evidence > self.best.log_evidence - SURE - _NEAR * own
             ][:2]
             self.side_by_side(tops, fewer)
             news += [self.fitted[p.hypothesis.key] for p in tops]
-        return self.most_probable(news)
+        return news
 
     def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
         """Fit what is promised."""
@@ -178,6 +232,15 @@ class Search:
         found = self.fitted.get(p.hypothesis.key)
         return -np.inf if found is None else found.log_evidence
 
+    def pruned_best(self, tops: Sequence[Promise]) -> list[Explanation]:
+        """What was fitted of some promises, best first; pruned if that can make it the best."""
+        news = sorted(
+            (self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence
+        )
+        return [
+            self.pruned(e) if e.log_evidence > news[0].log_evidence - _PRUNED else e for e in news
+        ]
+
     def pruned(self, at: Explanation) -> Explanation:
         """Without effects and kinds that are not worth their price."""
         while True:
@@ -191,7 +254,7 @@ class Search:
     def spare(self, at: Explanation) -> list[str]:
         """Effects of which a linear step does not say that they are worth their price."""
         places, C = at.problem.places(at.names), at.covariance
-        x, worth = at.state.x, 30.0 + _NEAR * (at.log_evidence - self.base.log_evidence)
+        x, worth = at.state.x, 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
         firsts = {name: own.start for name, own in places.items()}
         return [n for n, i in firsts.items() if x[i] ** 2 < 2.0 * worth * C[i, i]]
 
@@ -227,13 +290,42 @@ class Search:
                 self.densities.pop(key, None)
         return self.fitted[key]
 
+    @cached_property
+    def terms(self) -> list[Ranked]:
+        """Empirical terms in the place of any effect."""
+        return ranked_terms(self.base)
+
+    def no_effect(self) -> bool:
+        """Whether a term alone promises more than the best explanation, and what may follow it.
+
+        With any further effects, and logs that differ in any kinds.
+        """
+        if not (self.best.names and left_over(self.best)):
+            return False
+        promised = self.base.log_evidence + self.terms[0].log_gain
+        if promised < self.best.log_evidence + SURE:
+            return False
+        found = [
+            *promises(self.best, self.further),
+            *promises(self.base, self.first),
+            *promises(self.best, self.further, 1, True),
+        ]
+        most = max(p.log_evidence for p in found)
+        return promised > most + SURE + _NEAR * (most - self.base.log_evidence)
+
+    @property
+    def hopeless(self) -> float:
+        """ln of the evidence that is too little for a promise to be fitted."""
+        gained = self.best.log_evidence - self.base.log_evidence
+        return self.best.log_evidence - 10.0 - _NEAR * gained
+
     def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
         best, out = self.best, []
         most = best.log_evidence + self.density(best)
         for e in self.fitted.values():
             simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
-            if e is best or not simple or e.log_evidence < best.log_evidence - 2.0 * _SURE:
+            if e is best or not simple or e.log_evidence < best.log_evidence - 2.0 * SURE:
                 continue
             if set(e.names) != set(best.names) and e.log_evidence + self.density(e) > most - _LIKE:
                 out.append(e)
@@ -248,7 +340,7 @@ class Search:
         """ln of the density of the hold-outs given the calibration logs."""
         key = at.hypothesis.key
         if key not in self.densities:
-            self.densities[key] = density(at, self.held)
+            self.densities[key] = density(at, self.held.problem)
         return self.densities[key]
 
 
@@ -306,8 +398,8 @@ def _best(found: list[Promise], at: Explanation) -> list[Promise]:
 
 
 def left_over(at: Explanation) -> bool:
-    """Whether more than noise is left in the innovations."""
-    return at.reduced > 1.01 + 3.0 * at.scatter
+    """Whether more than noise is left in the innovations, or in what logs have of their own."""
+    return at.reduced > 1.01 + 3.0 * at.scatter or at.strain > 5.0
 
 
 _MOST = 6

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, gap_of, noises_of
+from calib.diagnosis.replays.gap import CHANNELS, ChannelGap, gap_of, noises_of
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from calib.run.copies import without_holds

@@ -9,7 +9,7 @@ import calib
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.proof.hold_outs import HoldOuts
+from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.proof.verdict import NO_GAP, UNKNOWN, placed, replayed, verdict_of
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN

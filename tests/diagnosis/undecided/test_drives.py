@@ -11,7 +11,7 @@ import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
-from calib.diagnosis.proof.hold_outs import model_of
+from calib.diagnosis.replays.hold_outs import model_of
 from calib.diagnosis.search.rank import further_columns
 from calib.diagnosis.undecided.drives import drives, unresolved
 from calib.diagnosis.undecided.separate import manoeuvres

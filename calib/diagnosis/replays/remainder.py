@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.intervals import QUARTILE
-from calib.diagnosis.proof.gap import CHANNELS, noises_of
+from calib.diagnosis.replays.gap import CHANNELS, noises_of
 from calib.logs.log import Log
 from calib.run.filters import block_mean
 

@@ -23,7 +23,7 @@ from calib.diagnosis.explanation.explanation import (
 from calib.diagnosis.explanation.own import GRADE, ZERO_OF_A_X
 from calib.diagnosis.explanation.predict import ObservedRun, wheel_angles
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.proof.remainder import Remainder, remainder_of
+from calib.diagnosis.replays.remainder import Remainder, remainder_of
 from calib.logs.log import Log
 from calib.model.replay import replay
 
