@@ -30,8 +30,15 @@ the shape factor, on the load exponent, the bend, the relaxation length and the 
 peak: the spread of passenger tyres; on that of the rolling radii over those of the file: tyres wear
 by 2 % of their radius, and heat, load and pressure change it by 0.5 %."""
 
-BASE = BASE_SIGMA.size
-"""Number of base parameters, the first ones of every vector."""
+CLOCK = 0.25
+"""Standard deviation of the pressure's clock against that of all other channels, in samples: a
+logger reads one channel after the other."""
+
+CLOCK_UNIT = 0.01
+"""Unit of the clock in a vector [s]."""
+
+BASE = BASE_SIGMA.size + 1
+"""Number of base parameters, the first ones of every vector; the clock is the last."""
 
 FORM_AT = np.linspace(0.05, 1.0, 8)
 """Normalised forces at which a departure of a tyre from its form is given [1]."""
@@ -54,7 +61,8 @@ class Base:
 
     ``stiffness``, ``peak``, ``shape``, ``load_exponent``, ``bend``, ``peak_exponent`` [1] and
     ``relaxation`` [m] as in `MagicFormula`; ``radius`` the factor on the rolling radii of the
-    vehicle file, common to both axles; ``form`` (2, k) the share by which the slip of front and
+    vehicle file, common to both axles; ``clock`` [s] by which the pressure is logged early;
+    ``form`` (2, k) the share by which the slip of front and
     rear tyres departs from all that at `FORM_AT`, None where it does not.
     """
 
@@ -68,6 +76,7 @@ class Base:
     relaxation: float = MagicFormula.relaxation
     peak_exponent: float = MagicFormula.peak_exponent
     radius: float = 1.0
+    clock: float = 0.0
     form: Array | None = field(default=None, compare=False)
 
     @property
@@ -97,6 +106,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
         relaxation=max(RELAXATION + float(x[7]), 0.0),
         peak_exponent=PEAK_EXPONENT + float(x[8]),
         radius=float(np.exp(x[9])),
+        clock=CLOCK_UNIT * float(x[10]),
     )
 
 

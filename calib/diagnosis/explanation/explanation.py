@@ -34,13 +34,14 @@ spreads of its card."""
 PRICE = 5.0
 """ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
 
-SETTLED, ROUGHLY = 2.0, 20.0
-"""Falls of the sum of squares from which a fit goes on, and one that only tells what to try."""
+ALMOST, SETTLED, ROUGHLY = 0.1, 2.0, 20.0
+"""Falls of the sum of squares from which a fit goes on: the last one, one that is compared, and one
+that only tells what to try."""
 
 _PRECISION = np.linalg.inv(form_covariance())
 _STEP = 1e-3
 _FIRST = 5.0
-_ROUNDS, _REFRESHED, _DAMPING = 20, 3, 1e-3
+_ROUNDS, _REFRESHED, _DAMPING, _MOST_DAMPED = 20, 3, 1e-3, 1e4
 _HIGH, PEAK_AT = 0.25, 3
 """Logarithm of the peak from which a fit begins, over the usual one; its place in x."""
 _HEAT = 10.0
@@ -375,10 +376,13 @@ def fit(
     form = near.form if near else columns_by_form(problem, hypothesis, state)
     heat = columns_by_heat(problem, hypothesis, state, r)
     at = Explanation(problem, hypothesis, state, r, Columns(J, form, heat))
-    at = _settled(at, settled)
-    if near is not None and (hypothesis.names or hypothesis.walk):
-        at = _settled(_refreshed(at, problem.base_size), settled)
-    return replace(at, log_evidence=at.marginal().evidence() - hypothesis.price)
+    at = _settled(at, settled, fresh=near is None)
+    if settled > SETTLED:
+        if near is not None and (hypothesis.names or hypothesis.walk):
+            at = _settled(_refreshed(at, problem.base_size), settled)
+    else:
+        at = _proved(at, settled)
+    return replace(at, log_evidence=at.marginal().evidence(settled) - hypothesis.price)
 
 
 def _refreshed(at: Explanation, first: int = 0) -> Explanation:
@@ -390,7 +394,17 @@ def _refreshed(at: Explanation, first: int = 0) -> Explanation:
     return replace(at, columns=Columns(J, form, heat))
 
 
-def _settled(at: Explanation, least: float) -> Explanation:
+def _proved(at: Explanation, least: float) -> Explanation:
+    """Settled with columns of its own place: secant ones may promise too little."""
+    for _ in range(_REFRESHED):
+        before = at.state
+        at = _settled(_refreshed(at), least, fresh=True)
+        if at.state is before:
+            break
+    return at
+
+
+def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanation:
     """Damped steps of Gauss and Newton until they promise nothing more (Levenberg 1944).
 
     Secant updates between them; columns are computed anew where a step brings less than a quarter
@@ -398,24 +412,21 @@ def _settled(at: Explanation, least: float) -> Explanation:
     """
     problem, hypothesis = at.problem, at.hypothesis
     low, high = bounds_of(problem, hypothesis)
-    S, fresh, left, damping = hypothesis.sizes, False, _REFRESHED, 0.0
+    S, left, damping = hypothesis.sizes, _REFRESHED, 0.0
     square = objective(at, S)
     for _ in range(_ROUNDS):
         model = _Local(at, low, high)
         if model.step(0.0).promised < least:
             return at
-        for _ in range(6):
+        while damping < _MOST_DAMPED:
             step = model.step(damping)
-            if model.wide(step):
-                damping = max(4.0 * damping, _DAMPING)
-                continue
             other = model.moved(step)
             value = objective(other, S)
             if value < square:
                 break
             damping = max(10.0 * damping, _DAMPING)
         else:
-            other, value = at, square
+            other, value, damping = at, square, _DAMPING
         fall = square - value
         poor = fall < 0.25 * step.promised
         if value < square:
@@ -430,39 +441,37 @@ def _settled(at: Explanation, least: float) -> Explanation:
 
 
 class _Local:
-    """The linear model of all logs at a state, and steps of it inside the bounds of x."""
+    """The linear model of all logs at a state, and steps of it inside the bounds of x.
+
+    No step is longer than a linear model holds.
+    """
 
     def __init__(self, at: Explanation, low: Array, high: Array) -> None:
         self.at, self.low, self.high = at, low, high
         self.sizes, self.m = at.hypothesis.sizes, at.state.x.size
         most = np.full(self.m + at.state.form.size, 0.3)
-        effects = bounds(at.problem, at.names)[0].size
-        most[at.problem.base_size : effects] = 1.5
-        self.most = most
+        most[at.problem.base_size : bounds(at.problem, at.names)[0].size] = 1.5
+        self.least, self.most = -most, most.copy()
+        self.least[: self.m] = np.maximum(low - at.state.x, -most[: self.m])
+        self.most[: self.m] = np.minimum(high - at.state.x, most[: self.m])
 
     def step(self, damping: float) -> "_Step":
         """Damped; what would leave its bounds ends there."""
-        at, m = self.at, self.m
+        at = self.at
         whole = marginal(at, at.products, self.sizes, damping)
         H, g = whole.information, whole.gradient
         H = H + damping * np.diag(np.diag(H))
         free, step = np.ones(g.size, bool), np.zeros(g.size)
-        for _ in range(m):
+        for _ in range(g.size):
             step[free] = -np.linalg.solve(H[np.ix_(free, free)], (g + H @ (step * ~free))[free])
-            x = at.state.x + step[:m]
-            past = np.zeros(g.size, bool)
-            past[:m] = free[:m] & ((x < self.low) | (x > self.high))
+            past = free & ((step < self.least) | (step > self.most))
             if not past.any():
                 break
-            step[:m] = np.clip(x, self.low, self.high) - at.state.x
+            step = np.clip(step, self.least, self.most)
             free &= ~past
         own = [one.reduced(self.sizes, damping)[1] @ np.append(step, 1.0) for one in at.products]
         fall = -(2.0 * g @ step + step @ H @ step) + objective(at, self.sizes) - whole.squares
         return _Step(step, -np.stack(own), float(fall))
-
-    def wide(self, step: "_Step") -> bool:
-        """Whether a step is longer than a linear model holds."""
-        return bool(np.any(np.abs(step.shared) > self.most))
 
     def moved(self, step: "_Step") -> Explanation:
         """The explanation after a step, with secant columns."""

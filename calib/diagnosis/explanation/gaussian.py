@@ -103,10 +103,13 @@ class Marginal:
         """Sum of squares at the present point, priors included, own states at their best."""
         return float(self.G[-1, -1] + self.off @ self.precision @ self.off)
 
-    def evidence(self) -> float:
-        """ln of the evidence but for a constant of the rows, by Laplace at the linear optimum."""
+    def evidence(self, most: float = np.inf) -> float:
+        """ln of the evidence but for a constant of the rows, by Laplace at the linear optimum.
+
+        ``most`` is the largest fall of the sum of squares to there that is believed.
+        """
         H, g = self.information, self.gradient
-        fall = float(g @ np.linalg.solve(H, g))
+        fall = min(float(g @ np.linalg.solve(H, g)), most)
         prior = np.linalg.slogdet(self.precision)[1]
         spread = float(prior) - float(np.linalg.slogdet(H)[1]) - self.spent
         return 0.5 * (spread - self.squares + fall)

@@ -97,7 +97,7 @@ class ObservedRun:
     zero: float = 0.0
     averaged: int = 1
     lags: Kept[Any, tuple[WheelLag, WheelLag]] = field(
-        init=False, repr=False, compare=False, default_factory=Kept
+        repr=False, compare=False, default_factory=Kept
     )
 
     @property
@@ -180,8 +180,12 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     base = run.ground.applied(base)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
-    arrives = line_pressure(effects, history_of(run))
-    clamps = caliper_pressure(effects, history_of(run), *arrives)
+    pressed = history_of(run)
+    if base.clock != 0.0:
+        on_time = np.interp(run.time - base.clock, run.time, run.p_mc)
+        pressed = replace(pressed, p_mc=on_time)
+    arrives = line_pressure(effects, pressed)
+    clamps = caliper_pressure(effects, pressed, *arrives)
     drive = (run.drive_f, run.drive_r)
     bare, tyre = replace(car, effects=Effects()), base.tyre
     lags = run.lags.of((bare, tyre), lambda: _wheel_lags(bare, tyre, run))

@@ -14,7 +14,7 @@ from calib.car.effects.body import AERODYNAMIC_DRAG
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import BASE, BASE_SIGMA, Base, base_of
+from calib.diagnosis.explanation.base import BASE, BASE_SIGMA, CLOCK, CLOCK_UNIT, Base, base_of
 from calib.diagnosis.explanation.channels import (
     CHANNELS,
     DRIFT,
@@ -71,7 +71,8 @@ class Problem:
     @property
     def base_sigma(self) -> Array:
         """Standard deviations (`base_size`,) of their priors."""
-        return np.array([*BASE_SIGMA, *[SHARE_SIGMA] * self.free_share])
+        slowest = max(run.step / run.averaged for run in self.runs)
+        return np.array([*BASE_SIGMA, CLOCK * slowest / CLOCK_UNIT, *[SHARE_SIGMA] * self.free_share])
 
     @cached_property
     def free_share(self) -> bool:

@@ -15,8 +15,8 @@ _PADS = 0.7
 """Largest logarithm of a pad friction over that of the file: half and double. With rear pads of 2.8
 times the file's, a valve imitated a motor."""
 
-_LOW = (-_PADS, -_PADS, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION, -0.2, -0.05)
-_HIGH = (_PADS, _PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0, 0.2, 0.05)
+_LOW = (-_PADS, -_PADS, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION, -0.2, -0.05, -1.0)
+_HIGH = (_PADS, _PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0, 0.2, 0.05, 1.0)
 """Range of the base parameters."""
 
 

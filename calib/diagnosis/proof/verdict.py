@@ -32,6 +32,11 @@ _STRANGE = 8.0
 """Scatter of the mean squared innovation from which a cause is present, whatever replays show."""
 
 
+_CLOSED = 0.75
+"""Share of the gap, and of what the innovations hold beyond noise, that effects must close which
+leave something."""
+
+
 @dataclass(frozen=True)
 class Verdict:
     """``word`` as in diagnosis.json; ``base`` without effects; ``best`` what is named, or ``base``.
@@ -64,7 +69,7 @@ def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
     held, base = search.held, search.base
     best, after, terms = _standing(search)
-    before = after if best is base else replayed(held, base)
+    before = search.before if best.names else after
     left = held.left(after.at, after.own, after.logs)
     rest = left.significant or something_left(best, terms)
     beside = tuple(with_terms(best, terms)) if rest else ()
@@ -87,16 +92,19 @@ def verdict_of(search: Search) -> Verdict:
 def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
     """The last explanation of a search that closes the gap of the replays, and terms beside it.
 
-    By half where something is left with it; else it must not widen the gap by as much.
+    By half where something is left with it; else it must not widen the gap.
     """
     after = _last(search)
     for one in (after, *search.accepted[-2::-1]):
         best, terms = one.of, ranked_terms(one.of)
-        closed = search.closed(one)
+        taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
+        closed = min(search.gap(one).closed, taken)
         print("STANDING", best.names, "closed %.2f" % closed, "red %.3f %.3f" % (best.reduced, one.at.reduced), round(terms[0].log_gain))
-        if not best.names or closed > (0.5 if something_left(best, terms) else -0.5):
+        if not best.names or not search.widens(one) and (
+            closed > _CLOSED or not something_left(best, terms)
+        ):
             return best, one, terms
-    return search.base, replayed(search.held, search.base), search.terms
+    return search.base, search.before, search.terms
 
 
 def _last(search: Search) -> Replayed:

@@ -6,6 +6,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.diagnosis.explanation.explanation import (
+    SETTLED,
     Columns,
     Explanation,
     State,
@@ -35,19 +36,19 @@ class Replayed:
     logs: tuple[Log, ...]
 
 
-def replayed(held: HoldOuts, at: Explanation) -> Replayed:
+def replayed(held: HoldOuts, at: Explanation, settled: float = SETTLED) -> Replayed:
     """Fit an explanation as a model has it, and replay the hold-outs. Raises ModelError."""
-    plain = without_form(at)
+    plain = without_form(at, settled)
     own = placed(held.problem, plain)
     return Replayed(at, plain, own, held.replays(plain.base, plain.effects, own))
 
 
-def without_form(at: Explanation) -> Explanation:
+def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
     """The same hypothesis, with tyres that do not depart from their form."""
     none = [np.zeros_like(F) for F in at.columns.form]
     state = replace(at.state, form=np.zeros_like(at.state.form))
     hypothesis = replace(at.hypothesis, departs=False)
-    return fit(at.problem, hypothesis, state, replace(at.columns, form=none))
+    return fit(at.problem, hypothesis, state, replace(at.columns, form=none), settled)
 
 
 def placed(held: Problem, at: Explanation) -> Array:

@@ -6,7 +6,7 @@ some ten rows.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, combinations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import definition, every_effect
+from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.explanation import (
     FADE,
     PRICE,
@@ -96,10 +96,10 @@ def _subsets(at: Explanation) -> Iterator[frozenset[str]]:
     return (at.hypothesis.kinds | frozenset(some) for some in every)
 
 
-def further_columns(at: Explanation) -> Further:
-    """Every further effect at its trials, and how each changes the innovations of every log."""
+def further_columns(at: Explanation, names: Iterable[str]) -> Further:
+    """Further effects at their trials, and how each changes the innovations of every log."""
     problem = at.problem
-    names = [n for n in every_effect(problem.vehicle.effects) if n not in at.names]
+    names = [n for n in names if n not in at.names]
     alone = replace(at, problem=problem.alone)
     tried, rows = [], []
     found = problem.mapped(partial(_changes, alone), names)

@@ -11,7 +11,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from calib.base.errors import ModelError
+from calib.car.own_effects.own_effect import every_effect
 from calib.diagnosis.explanation.explanation import (
+    ALMOST,
     ROUGHLY,
     Columns,
     Explanation,
@@ -27,7 +29,7 @@ from calib.diagnosis.explanation.explanation import (
 )
 from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.replays.gap import gap_of
+from calib.diagnosis.replays.gap import Gap, gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.replays.replayed import Replayed, replayed
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
@@ -38,19 +40,23 @@ SURE = 10.0
 
 _SHARE = 0.05
 
-_WIDER = 1.0
-"""Share by which an explanation may widen the gap of the replays on the way to a better one."""
+_WIDER, _WITHIN = 0.25, 0.5
+"""Share by which an explanation may widen the gap of the replays on the way to a better one, and
+what it may at least, in units of the noise."""
 
 _LIKE = 5.0
 """The same up to which two explanations are as likely."""
+
+_FRESH = 8
+"""Further effects that are tried anew beside every explanation; others are as without effects."""
 
 _PRUNED = 20.0
 """What ln of the evidence of a hypothesis can gain where its effects that are not worth their price
 are taken out."""
 
-_NEAR, _WRONG = 0.1, 0.5
-"""Share of what a hypothesis gains by which a linear model is wrong about it: usually, and at most,
-of an effect with many parameters such as a motor."""
+_ALIKE, _NEAR, _WRONG = 0.03, 0.1, 0.5
+"""Share of what a hypothesis gains by which a linear model is wrong about it: in the place of an
+effect that it replaces, usually, and at most, of an effect with many parameters such as a motor."""
 
 
 @dataclass(frozen=True)
@@ -93,23 +99,29 @@ class Search:
         self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
         self.fitted[self.base.hypothesis.key] = self.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
-        self.further = self.first = further_columns(self.base)
+        self.further = self.first = further_columns(self.base, every_effect(self.problem.vehicle.effects))
         self.forward()
         if left_over(self.best) and not self.no_effect():
             self.together(self.first)
         if left_over(self.best) and not self.no_effect():
             self.forward(other=True)
         self.rivals = self._rivals()
-        self.base, self.best = (with_alike(one) for one in (self.base, self.best))
+        found = with_alike(self.best)
+        self.base, self.best = self.base if found.names else found, found
 
     @cached_property
     def before(self) -> Replayed:
         """The hold-outs without effects."""
-        return replayed(self.held, self.base)
+        return replayed(self.held, self.base, ROUGHLY)
 
-    def closed(self, after: Replayed) -> float:
-        """Share of the gap on the hold-outs that is closed [1]."""
-        return gap_of(self.before.logs, after.logs, self.held.logs).closed
+    def gap(self, after: Replayed) -> Gap:
+        """The gap on the hold-outs without effects and with them."""
+        return gap_of(self.before.logs, after.logs, self.held.logs)
+
+    def widens(self, after: Replayed) -> bool:
+        """Whether effects widen the gap of the replays, beyond what noise does."""
+        gap = self.gap(after)
+        return gap.after > gap.before + max(_WIDER * gap.before, _WITHIN)
 
     def accept(self, new: Explanation) -> bool:
         """Go on from a better explanation, unless it widens the gap of the replays far."""
@@ -117,21 +129,35 @@ class Search:
         self.fitted[new.hypothesis.key] = new
         self.densities.pop(new.hypothesis.key, None)
         try:
-            after = replayed(self.held, new)
+            after = replayed(self.held, new, ROUGHLY)
         except ModelError:
             after = None
-        if after is None or self.closed(after) < -_WIDER:
+        if after is None or self.widens(after):
+            print("  REFUSED", new.names, after and "closed %.3f" % self.gap(after).closed, flush=True)
             self.refused.add(new.hypothesis.key)
             self._withdraw(new)
             return False
         more = new.log_evidence - self.best.log_evidence
         held = self.density(new) - self.density(self.best)
+        print("  ACCEPT", new.names, set(new.hypothesis.kinds), "closed %.3f" % self.gap(after).closed, "more %.0f held %.0f" % (more, held), "plain %.0f" % (after.at.log_evidence - new.log_evidence), "red %.3f" % new.reduced, "worth %.0f" % self.worth, flush=True)
         same, self.best = new.hypothesis == self.best.hypothesis, new
         self.accepted.append(after)
         if not same:
             self.steps.append(SearchStep(new.names, new.reduced, float(more), float(held)))
-            self.further = further_columns(new)
+            self.further = self._renewed()
         return True
+
+    def _renewed(self) -> Further:
+        """Further columns beside the best: fresh ones of what promises most, else the first."""
+        mostly = promises(self.best, self.first, 1)
+        names = dict.fromkeys(name for p in mostly for name in p.hypothesis.names)
+        tops = [name for name in names if name not in self.best.names][:_FRESH]
+        tried, columns = self.first
+        keep = [k for k, one in enumerate(tried) if one.name not in (*self.best.names, *tops)]
+        fresh, new = further_columns(self.best, tops)
+        kept = [tried[k] for k in keep]
+        both = zip(columns, new, strict=True)
+        return [*fresh, *kept], [np.vstack([b, a[keep]]) for a, b in both]
 
     def accepts(self, news: Iterable[Explanation]) -> bool:
         """Whether it went on from the first of these that is surely more probable."""
@@ -212,7 +238,7 @@ class Search:
             tops = [
                 p
                 for p in promises(fewer, self.further, 1)
-                if p.log_evidence > self.best.log_evidence - SURE - _NEAR * own
+                if p.log_evidence > self.best.log_evidence - SURE - _ALIKE * own
             ][:2]
             self.side_by_side(tops, fewer)
             news += [self.fitted[p.hypothesis.key] for p in tops]
@@ -311,7 +337,7 @@ class Search:
             *promises(self.best, self.further, 1, True),
         ]
         most = max(p.log_evidence for p in found)
-        return promised > most + SURE + _NEAR * (most - self.base.log_evidence)
+        return promised > most + SURE
 
     @property
     def hopeless(self) -> float:
@@ -323,12 +349,17 @@ class Search:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
         best, out = self.best, []
         most = best.log_evidence + self.density(best)
-        for e in self.fitted.values():
+        for e in list(self.fitted.values()):
             simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
-            if e is best or not simple or e.log_evidence < best.log_evidence - 2.0 * SURE:
+            if set(e.names) == set(best.names) or not simple:
                 continue
-            if set(e.names) != set(best.names) and e.log_evidence + self.density(e) > most - _LIKE:
-                out.append(e)
+            if e.log_evidence < best.log_evidence - 2.0 * SURE:
+                continue
+            if e.log_evidence + self.density(e) < most - 2.0 * SURE:
+                continue
+            one = fit(self.problem, e.hypothesis, e.state, e.columns)
+            if one.log_evidence + self.density(one) > most - _LIKE:
+                out.append(one)
         return tuple(sorted(out, key=lambda e: -e.log_evidence))
 
     def others(self) -> tuple[Explanation, ...]:
@@ -351,9 +382,7 @@ def with_alike(at: Explanation) -> Explanation:
     some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
     options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
     best = max(options, key=lambda one: marginal(at, at.products, one.sizes).evidence())
-    if best == at.hypothesis:
-        return at
-    return fit(at.problem, best, at.state, at.columns)
+    return fit(at.problem, best, at.state, at.columns, ALMOST)
 
 
 def density(at: Explanation, held: Problem) -> float:
@@ -392,7 +421,7 @@ def _best(found: list[Promise], at: Explanation) -> list[Promise]:
         if not those:
             continue
         best = max(p.log_evidence for p in those)
-        least = max(at.log_evidence - 5.0, best - 5.0 - _WRONG * (best - at.log_evidence))
+        least = max(at.log_evidence + 5.0, best - 5.0 - _WRONG * (best - at.log_evidence))
         out += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
     return out
 
