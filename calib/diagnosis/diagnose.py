@@ -23,10 +23,10 @@ from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of, turned, unbraked_noise
 from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.named import base_estimates, named
-from calib.diagnosis.replays.gap import gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
 from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of
+from calib.diagnosis.replays.gap import gap_of
+from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
 from calib.diagnosis.replays.replayed import Replayed, replayed
 from calib.diagnosis.runs.axles import require_axles
 from calib.diagnosis.runs.gates import (

@@ -7,9 +7,9 @@ from calib.base.units import behind
 from calib.base.warning import PlausibilityWarning
 from calib.car.model import Model
 from calib.diagnosis.explanation.channels import ChannelNoise
+from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import Gap
 from calib.diagnosis.replays.remainder import Remainder
-from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.undecided.drives import ShowingDrive

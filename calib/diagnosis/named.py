@@ -13,8 +13,8 @@ from calib.diagnosis.explanation.channels import CHANNELS, residuals, thinned, w
 from calib.diagnosis.explanation.explanation import Explanation, based, of_all
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.vector import bounds
-from calib.diagnosis.replays.remainder import range_of
 from calib.diagnosis.proof.verdict import Verdict
+from calib.diagnosis.replays.remainder import range_of
 from calib.diagnosis.undecided.confusion import Confusion
 
 

@@ -15,8 +15,8 @@ from calib.base.intervals import Z95
 from calib.base.names import WHEELS
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.replays.gap import UNITS
 from calib.diagnosis.proof.unexplained import Unexplained
+from calib.diagnosis.replays.gap import UNITS
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes
 from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome

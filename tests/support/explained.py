@@ -11,6 +11,7 @@ from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import Explanation, Hypothesis, State, fit, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of, turned
+from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.search.search import Search
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase
@@ -44,7 +45,7 @@ def searched(vehicle: Vehicle, logs: Sequence[Log], held: Sequence[Log]) -> Sear
     """The search in some logs, judged by others."""
     problem = asked(vehicle, logs)
     runs = turned(vehicle, [run_of(log) for log in held], problem.noise)
-    search = Search(problem, replace(problem, runs=runs))
+    search = Search(problem, HoldOuts(tuple(held), replace(problem, runs=runs)))
     search.run()
     return search
 

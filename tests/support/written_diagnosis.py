@@ -12,10 +12,10 @@ from calib.car.model import Model
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnosis import Diagnosis, Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.channels import ChannelNoise
-from calib.diagnosis.replays.gap import CHANNELS, ChannelGap, Gap
 from calib.diagnosis.proof.oscillation import Oscillation
-from calib.diagnosis.replays.remainder import Remainder
 from calib.diagnosis.proof.unexplained import Unexplained
+from calib.diagnosis.replays.gap import CHANNELS, ChannelGap, Gap
+from calib.diagnosis.replays.remainder import Remainder
 from calib.diagnosis.search.search import SearchStep
 from calib.logs.read import read_log
 

@@ -36,9 +36,9 @@ DRIVERS = {
     "distance": "m",
     "constant": "1",
 }
-"""Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` from
-the start of the run, `distance` is that since then, and `constant` has one knot at zero. The temperature is that of the discs of
-the axle on which the term acts."""
+"""Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` and
+`distance` from the start of the run, and `constant` has one knot at zero. The temperature is that
+of the discs of the axle on which the term acts."""
 
 DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
 """Axles whose disc temperatures a term uses. For the body, which has no disc, those of the front

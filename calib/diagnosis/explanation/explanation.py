@@ -519,7 +519,7 @@ def _secant(at: Explanation, other: Explanation) -> Columns:
 
 
 def start_of(problem: Problem) -> State:
-    """Where a fit without effects begins: with a high peak, as forces past it tell nothing of it."""
+    """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
     return State(
         _HIGH * np.eye(problem.base_size)[PEAK_AT],
         np.zeros(2 * FORM_AT.size),

@@ -72,7 +72,9 @@ class Problem:
     def base_sigma(self) -> Array:
         """Standard deviations (`base_size`,) of their priors."""
         slowest = max(run.step / run.averaged for run in self.runs)
-        return np.array([*BASE_SIGMA, CLOCK * slowest / CLOCK_UNIT, *[SHARE_SIGMA] * self.free_share])
+        return np.array(
+            [*BASE_SIGMA, CLOCK * slowest / CLOCK_UNIT, *[SHARE_SIGMA] * self.free_share]
+        )
 
     @cached_property
     def free_share(self) -> bool:

@@ -79,7 +79,6 @@ def verdict_of(search: Search) -> Verdict:
         if alone and alone[0].log_evidence > best.log_evidence:
             best, after, beside = base, before, alone
             left = held.left(before.at, before.own, before.logs)
-    print("TERM", best.names, set(best.hypothesis.kinds), round(terms[0].log_gain), terms[0].walk.place, terms[0].walk.driver, "left %.2f sig %s red %.3f scatter %.3f" % (left.size, left.significant, best.reduced, best.scatter), flush=True)
     rivals = search.rivals if best is search.best else ()
     named = AMBIGUOUS if rivals else NAMED
     word = named if best.names else UNKNOWN if rest else NO_GAP
@@ -99,15 +98,15 @@ def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
         best, terms = one.of, ranked_terms(one.of)
         taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
         closed = min(search.gap(one).closed, taken)
-        print("STANDING", best.names, "closed %.2f" % closed, "red %.3f %.3f" % (best.reduced, one.at.reduced), round(terms[0].log_gain))
-        if not best.names or not search.widens(one) and (
-            closed > _CLOSED or not something_left(best, terms)
+        if not best.names or (
+            not search.widens(one) and (closed > _CLOSED or not something_left(best, terms))
         ):
             return best, one, terms
     return search.base, search.before, search.terms
 
 
 def _last(search: Search) -> Replayed:
+    """The best explanation; the one that was accepted where it cannot be replayed."""
     try:
         return replayed(search.held, search.best)
     except ModelError:

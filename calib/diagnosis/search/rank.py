@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import definition
+from calib.car.own_effects.own_effect import definition, every_effect
 from calib.diagnosis.explanation.explanation import (
     FADE,
     PRICE,
@@ -96,10 +96,14 @@ def _subsets(at: Explanation) -> Iterator[frozenset[str]]:
     return (at.hypothesis.kinds | frozenset(some) for some in every)
 
 
-def further_columns(at: Explanation, names: Iterable[str]) -> Further:
-    """Further effects at their trials, and how each changes the innovations of every log."""
+def further_columns(at: Explanation, names: Iterable[str] | None = None) -> Further:
+    """Further effects at their trials, and how each changes the innovations of every log.
+
+    Of these ``names``, or every one.
+    """
     problem = at.problem
-    names = [n for n in names if n not in at.names]
+    every = every_effect(problem.vehicle.effects) if names is None else names
+    names = [n for n in every if n not in at.names]
     alone = replace(at, problem=problem.alone)
     tried, rows = [], []
     found = problem.mapped(partial(_changes, alone), names)

@@ -11,7 +11,6 @@ from functools import cached_property, partial
 import numpy as np
 
 from calib.base.errors import ModelError
-from calib.car.own_effects.own_effect import every_effect
 from calib.diagnosis.explanation.explanation import (
     ALMOST,
     ROUGHLY,
@@ -36,16 +35,15 @@ from calib.diagnosis.search.rank import Further, Promise, further_columns, promi
 from calib.diagnosis.search.terms import Ranked, ranked_terms
 
 SURE = 10.0
-"""ln of the odds, of calibration logs and hold-outs together, from which more is believed."""
+"""ln of the odds, of calibration logs and hold-outs together, from which more is believed, and
+something else is ruled out."""
 
 _SHARE = 0.05
+"""Share of all that is left which a cause of it takes at least."""
 
 _WIDER, _WITHIN = 0.25, 0.5
 """Share by which an explanation may widen the gap of the replays on the way to a better one, and
 what it may at least, in units of the noise."""
-
-_LIKE = 5.0
-"""The same up to which two explanations are as likely."""
 
 _FRESH = 8
 """Further effects that are tried anew beside every explanation; others are as without effects."""
@@ -99,7 +97,7 @@ class Search:
         self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
         self.fitted[self.base.hypothesis.key] = self.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
-        self.further = self.first = further_columns(self.base, every_effect(self.problem.vehicle.effects))
+        self.further = self.first = further_columns(self.base)
         self.forward()
         if left_over(self.best) and not self.no_effect():
             self.together(self.first)
@@ -133,13 +131,11 @@ class Search:
         except ModelError:
             after = None
         if after is None or self.widens(after):
-            print("  REFUSED", new.names, after and "closed %.3f" % self.gap(after).closed, flush=True)
             self.refused.add(new.hypothesis.key)
             self._withdraw(new)
             return False
         more = new.log_evidence - self.best.log_evidence
         held = self.density(new) - self.density(self.best)
-        print("  ACCEPT", new.names, set(new.hypothesis.kinds), "closed %.3f" % self.gap(after).closed, "more %.0f held %.0f" % (more, held), "plain %.0f" % (after.at.log_evidence - new.log_evidence), "red %.3f" % new.reduced, "worth %.0f" % self.worth, flush=True)
         same, self.best = new.hypothesis == self.best.hypothesis, new
         self.accepted.append(after)
         if not same:
@@ -247,6 +243,9 @@ class Search:
     def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
         """Fit what is promised."""
         new = [p for p in tops if self.known(p) < p.log_evidence - 3.0]
+        if new:
+            names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
+            self.problem.tell(f"fitting {names}", len(self.steps), _MOST)
         job = partial(_fitted, self.problem.alone, near.columns)
         for p, one in zip(new, self.problem.mapped(job, new), strict=True):
             if one.log_evidence > self.known(p):
@@ -260,9 +259,7 @@ class Search:
 
     def pruned_best(self, tops: Sequence[Promise]) -> list[Explanation]:
         """What was fitted of some promises, best first; pruned if that can make it the best."""
-        news = sorted(
-            (self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence
-        )
+        news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
         return [
             self.pruned(e) if e.log_evidence > news[0].log_evidence - _PRUNED else e for e in news
         ]
@@ -358,7 +355,7 @@ class Search:
             if e.log_evidence + self.density(e) < most - 2.0 * SURE:
                 continue
             one = fit(self.problem, e.hypothesis, e.state, e.columns)
-            if one.log_evidence + self.density(one) > most - _LIKE:
+            if one.log_evidence + self.density(one) > most - SURE:
                 out.append(one)
         return tuple(sorted(out, key=lambda e: -e.log_evidence))
 

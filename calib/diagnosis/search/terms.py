@@ -161,14 +161,14 @@ def _columns(
     found = []
     for i, (run, history) in enumerate(zip(at.runs, histories, strict=True)):
         middles = _middles(run)
-        total = 0.0
+        total = np.zeros((knots.size, at.innovations[i].size))
         for part in parts:
             (axle,) = DISCS[PLACES[part]]
             along = driver_along(history, driver, axle)
             along = np.interp(middles, run.time - run.time[0], along)
             weights = np.stack([np.interp(along, knots, hat) for hat in np.eye(knots.size)])
-            total = total + weights @ pulses[part][i]
-        found.append(np.asarray(total))
+            total += weights @ pulses[part][i]
+        found.append(total)
     return found
 
 

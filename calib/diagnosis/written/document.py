@@ -8,9 +8,9 @@ from typing import Any
 from calib.base.warning import to_dict as warning_dict
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.proof.unexplained import Unexplained, held_from
 from calib.diagnosis.replays.gap import UNITS, ChannelGap, Gap
 from calib.diagnosis.replays.remainder import Remainder
-from calib.diagnosis.proof.unexplained import Unexplained, held_from
 from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.undecided.drives import ShowingDrive

@@ -9,8 +9,9 @@ import calib
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.proof.verdict import NO_GAP, UNKNOWN, verdict_of
 from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.proof.verdict import NO_GAP, UNKNOWN, placed, replayed, verdict_of
+from calib.diagnosis.replays.replayed import placed, replayed
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, fitted, searched
@@ -61,14 +62,14 @@ def drag_in_calibration_alone():
     car = replace(IDEAL, drag_area=0.66)
     logs = [noisy(ramp(car), 1), noisy(stop(car, 15e5), 2), noisy(stop(car, 30e5), 4)]
     held = [noisy(stop(IDEAL, 20e5), 3), noisy(ramp(IDEAL, 4e5), 5)]
-    return searched(CAR, logs, held), held
+    return searched(CAR, logs, held)
 
 
 def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibration_alone):
-    search, held = drag_in_calibration_alone
+    search = drag_in_calibration_alone
     assert ("aerodynamic_drag",) in search.withdrawn
     assert search.best.names == ()
-    found = verdict_of(search, held)
+    found = verdict_of(search)
     assert (found.word, found.stands) == (UNKNOWN, False)
     # what the calibration logs have and no effect may explain is told with its driver
     assert found.terms[0].effects.terms[0].place == "body"
@@ -79,7 +80,7 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibrati
 def test_a_car_that_lacks_nothing_has_no_gap_and_no_term():
     logs = [noisy(ramp(IDEAL), 1), noisy(stop(IDEAL, 15e5), 2), noisy(stop(IDEAL, 30e5), 4)]
     held = [noisy(stop(IDEAL, 20e5), 3)]
-    found = verdict_of(searched(CAR, logs, held), held)
+    found = verdict_of(searched(CAR, logs, held))
     assert (found.word, found.stands, found.terms) == (NO_GAP, False, ())
     assert found.best.names == ()
     assert found.after is found.before

@@ -8,7 +8,7 @@ import pytest
 import calib
 from calib.base.processes import side_by_side
 from calib.car.effects.effects import Effects
-from calib.diagnosis.search.rank import further_columns, promises
+from calib.diagnosis.search.rank import promises
 from calib.diagnosis.search.search import Search
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
@@ -42,9 +42,7 @@ def test_two_effects_are_found_although_a_third_imitates_both(pair):
 
 
 def test_the_true_pair_is_promised_first_and_keeps_its_promise(pair):
-    found = [
-        p for p in promises(pair.base, further_columns(pair.base)) if len(p.hypothesis.names) == 2
-    ]
+    found = [p for p in promises(pair.base, pair.first) if len(p.hypothesis.names) == 2]
     assert set(found[0].hypothesis.names) == set(pair.best.names)
     promised, kept = (at.log_evidence - pair.base.log_evidence for at in (found[0], pair.best))
     assert kept == pytest.approx(promised, rel=0.1)
@@ -101,8 +99,8 @@ def test_discs_that_begin_unlike_are_found_with_the_fade_where_no_temperature_is
 
 def test_two_processes_find_what_one_does(pair):
     with side_by_side(2, "calib.diagnosis.search.search") as mapped:
-        problem = replace(pair.problem, mapped=mapped)
-        together = Search(problem, replace(pair.held, mapped=mapped))
+        problem, held = (replace(p, mapped=mapped) for p in (pair.problem, pair.held.problem))
+        together = Search(problem, replace(pair.held, problem=held))
         together.run()
     assert [step.names for step in together.steps] == [step.names for step in pair.steps]
     assert together.best.state.x == pytest.approx(pair.best.state.x, rel=1e-6, abs=1e-9)

@@ -13,7 +13,7 @@ from calib.diagnosis.explanation.explanation import Explanation, fit, objective
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.diagnosis.replays.hold_outs import model_of
-from calib.diagnosis.proof.verdict import without_form
+from calib.diagnosis.replays.replayed import without_form
 from calib.diagnosis.undecided.confusion import confusion_of
 from calib.diagnosis.undecided.separate import best_drives, manoeuvres, own_of
 from calib.model.simulate import simulate

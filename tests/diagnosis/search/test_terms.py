@@ -12,7 +12,7 @@ import calib
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.explanation import Explanation, Walk
-from calib.diagnosis.proof.terms import with_terms
+from calib.diagnosis.search.terms import ranked_terms, with_terms
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, fitted
@@ -34,7 +34,7 @@ def found(term: EmpiricalTerm) -> Explanation:
         p = np.clip(rise * (TIME - begin), 0.0, top)
         logs.append(add_noise(calib.simulate(model, TIME, p, speed, name=name), len(logs)))
     base = fitted(asked(SEDAN, logs))
-    best, *others = with_terms(base)
+    best, *others = with_terms(base, ranked_terms(base))
     assert all(one.log_evidence <= best.log_evidence for one in others)
     assert best.log_evidence > base.log_evidence
     assert abs(best.reduced - 1.0) < abs(base.reduced - 1.0)
