@@ -8,7 +8,14 @@ import numpy as np
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.explanation.explanation import Explanation, Hypothesis, State, fit, start_of
+from calib.diagnosis.explanation.explanation import (
+    ALMOST,
+    Explanation,
+    Hypothesis,
+    State,
+    fit,
+    start_of,
+)
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of, turned
 from calib.diagnosis.replays.hold_outs import HoldOuts
@@ -33,7 +40,8 @@ def fitted(problem: Problem, names: tuple[str, ...] = (), kinds: Sequence[str] =
     more = np.zeros(sum(problem.parameters_of(name) for name in names))
     for place in problem.places(names).values():
         more[place.start - problem.base_size] = 1.0
-    return fit(problem, hypothesis, State(np.append(start.x, more), start.form, start.own))
+    state = State(np.append(start.x, more), start.form, start.own)
+    return fit(problem, hypothesis, state, settled=ALMOST)
 
 
 def based(case: HiddenCase) -> Explanation:

@@ -44,6 +44,8 @@ _FIRST = 5.0
 _ROUNDS, _REFRESHED, _DAMPING, _MOST_DAMPED = 20, 3, 1e-3, 1e4
 _HIGH, PEAK_AT = 0.25, 3
 """Logarithm of the peak from which a fit begins, over the usual one; its place in x."""
+_BENT = 2.0
+"""Mean square of pads and tyres, in standard deviations, from which they stand for an effect."""
 _HEAT = 10.0
 """Step of a start heat [K]."""
 
@@ -175,6 +177,13 @@ class Explanation:
         S = self.hypothesis.sizes
         own = self.state.own[:, S > 0.0] / S[S > 0.0]
         return float(np.sum(own**2) - own.size) / math.sqrt(2.0 * max(own.size, 1))
+
+    @property
+    def bent(self) -> bool:
+        """Whether pads and tyres are far from usual ones, as if they stood for what is missing."""
+        x = self.state.x[: self.problem.base_size] / self.problem.base_sigma
+        far = float(x @ x + self.state.form @ _PRECISION @ self.state.form)
+        return far > _BENT * (x.size + self.state.form.size)
 
     @property
     def base(self) -> Base:

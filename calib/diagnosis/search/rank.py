@@ -59,7 +59,8 @@ def promises(
     at: Explanation, further: Further, most: int = 3, other: bool = False
 ) -> list[Promise]:
     """Further effects, at ``most`` so many, and kinds beside those of ``at``; best first."""
-    tried, columns = further
+    new = [k for k, one in enumerate(further[0]) if one.name not in at.names]
+    tried, columns = [further[0][k] for k in new], [of_run[new] for of_run in further[1]]
     products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
     found: dict[object, Promise] = {}
     for kinds in _subsets(at) if other else [at.hypothesis.kinds]:

@@ -104,6 +104,9 @@ class Search:
         if left_over(self.best) and not self.no_effect():
             self.forward(other=True)
         self.rivals = self._rivals()
+        if self.rivals and self.value(self.rivals[0]) > self.value(self.best):
+            self.accept(self.rivals[0])
+            self.rivals = self._rivals()
         found = with_alike(self.best)
         self.base, self.best = self.base if found.names else found, found
 
@@ -226,19 +229,46 @@ class Search:
         return max(SURE, _SHARE * 0.5 * left * self.best.count)
 
     def exchanged(self) -> list[Explanation]:
-        """Another effect in the place of one of the best explanation."""
+        """Another effect, or other kinds, in the place of one of the best explanation.
+
+        Beside what is left of it, and beside what was nearly as probable on the way.
+        """
         news = []
-        for name in self.best.names:
-            fewer = self.without(self.best, name)
-            own = self.best.log_evidence - fewer.log_evidence
+        for fewer, further, own in self._starts():
+            other = bool(self.best.hypothesis.kinds)
             tops = [
                 p
-                for p in promises(fewer, self.further, 1)
+                for p in promises(fewer, further, 1, other)
                 if p.log_evidence > self.best.log_evidence - SURE - _ALIKE * own
             ][:2]
             self.side_by_side(tops, fewer)
             news += [self.fitted[p.hypothesis.key] for p in tops]
         return news
+
+    def _starts(self) -> list[tuple[Explanation, Further, float]]:
+        """What is left of the best explanation without a part of it; others with fewer effects.
+
+        With the columns of what may be added, and what ln of the evidence gains by the parts.
+        """
+        best = self.best
+        gained = best.log_evidence - self.base.log_evidence
+        least = best.log_evidence - _NEAR * gained
+        others = [
+            e
+            for e in self.fitted.values()
+            if e.log_evidence > least
+            and len(e.names) == len(best.names) - 1
+            and not set(e.names) < set(best.names)
+        ]
+        fewer = [
+            *(self.without(best, name) for name in best.names),
+            *(self.without_kind(best, kind) for kind in best.hypothesis.kinds),
+        ]
+        others = sorted(others, key=lambda e: -e.log_evidence)[:2]
+        return [
+            *((e, self.further, best.log_evidence - e.log_evidence) for e in fewer),
+            *((e, further_columns(e, best.names), gained) for e in others),
+        ]
 
     def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
         """Fit what is promised."""
@@ -246,7 +276,7 @@ class Search:
         if new:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
             self.problem.tell(f"fitting {names}", len(self.steps), _MOST)
-        job = partial(_fitted, self.problem.alone, near.columns)
+        job = partial(_fitted, self.problem.alone, near.columns, near.bent)
         for p, one in zip(new, self.problem.mapped(job, new), strict=True):
             if one.log_evidence > self.known(p):
                 self.fitted[p.hypothesis.key] = replace(one, problem=self.problem)
@@ -293,8 +323,9 @@ class Search:
 
     def without_kind(self, at: Explanation, kind: str) -> Explanation:
         """The same without one kind in which logs differ."""
-        state = replace(at.state, own=np.zeros_like(at.state.own))
         hypothesis = Hypothesis(at.names, at.hypothesis.kinds - {kind})
+        as_before = hypothesis.sizes == at.hypothesis.sizes
+        state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
         return self.refitted(at, hypothesis, state, at.columns)
 
     def refitted(
@@ -345,24 +376,31 @@ class Search:
     def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
         best, out = self.best, []
-        most = best.log_evidence + self.density(best)
+        most = self.value(best)
         for e in list(self.fitted.values()):
             simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
-            if set(e.names) == set(best.names) or not simple:
+            if set(e.names) <= set(best.names) or not simple:
                 continue
             if e.log_evidence < best.log_evidence - 2.0 * SURE:
                 continue
-            if e.log_evidence + self.density(e) < most - 2.0 * SURE:
+            if self.value(e) < most - 2.0 * SURE:
                 continue
-            one = fit(self.problem, e.hypothesis, e.state, e.columns)
-            if one.log_evidence + self.density(one) > most - SURE:
+            one = self.fitted[e.hypothesis.key] = fit(
+                self.problem, e.hypothesis, e.state, e.columns, ALMOST
+            )
+            self.densities.pop(one.hypothesis.key)
+            if self.value(one) > most - SURE:
                 out.append(one)
-        return tuple(sorted(out, key=lambda e: -e.log_evidence))
+        return tuple(sorted(out, key=lambda e: -self.value(e)))
 
     def others(self) -> tuple[Explanation, ...]:
         """All that was fitted but the best, by evidence."""
         found = [e for e in self.fitted.values() if e is not self.best]
         return tuple(sorted(found, key=lambda e: -e.log_evidence))
+
+    def value(self, at: Explanation) -> float:
+        """ln of the evidence of all logs, searched and held out."""
+        return at.log_evidence + self.density(at)
 
     def density(self, at: Explanation) -> float:
         """ln of the density of the hold-outs given the calibration logs."""
@@ -404,8 +442,13 @@ def density(at: Explanation, held: Problem) -> float:
     return together.marginal().evidence() - at.marginal().evidence()
 
 
-def _fitted(problem: Problem, near: Columns, promise: Promise) -> Explanation:
-    return fit(problem, promise.hypothesis, promise.state, near, ROUGHLY)
+def _fitted(problem: Problem, near: Columns, bent: bool, promise: Promise) -> Explanation:
+    """What is promised, fitted from its state; pads and tyres from usual ones if they were bent."""
+    state = promise.state
+    if bent:
+        usual = start_of(problem)
+        state = replace(usual, x=np.concatenate([usual.x, state.x[problem.base_size :]]))
+    return fit(problem, promise.hypothesis, state, near, ROUGHLY)
 
 
 def _best(found: list[Promise], at: Explanation) -> list[Promise]:

