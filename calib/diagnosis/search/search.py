@@ -395,7 +395,8 @@ class Search:
 
     def others(self) -> tuple[Explanation, ...]:
         """All that was fitted but the best, by evidence."""
-        found = [e for e in self.fitted.values() if e is not self.best]
+        known = self.best.hypothesis.key
+        found = [e for key, e in self.fitted.items() if key != known]
         return tuple(sorted(found, key=lambda e: -e.log_evidence))
 
     def value(self, at: Explanation) -> float:
