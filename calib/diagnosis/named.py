@@ -10,7 +10,8 @@ from calib.car.effects.effect import acts_on_wheels
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.channels import CHANNELS, residuals, thinned, whiten
-from calib.diagnosis.explanation.explanation import Explanation, based, of_all
+from calib.diagnosis.explanation.explanation import Explanation, of_all
+from calib.diagnosis.explanation.hypothesis import based
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.vector import bounds
 from calib.diagnosis.proof.verdict import Verdict

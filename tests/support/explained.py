@@ -8,14 +8,9 @@ import numpy as np
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.explanation.explanation import (
-    ALMOST,
-    Explanation,
-    Hypothesis,
-    State,
-    fit,
-    start_of,
-)
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import ALMOST, fit
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of, turned
 from calib.diagnosis.replays.hold_outs import HoldOuts

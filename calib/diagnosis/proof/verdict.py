@@ -13,12 +13,8 @@ from dataclasses import dataclass
 
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.diagnosis.explanation.explanation import (
-    Columns,
-    Explanation,
-    State,
-    of_all,
-)
+from calib.diagnosis.explanation.explanation import Explanation, of_all
+from calib.diagnosis.explanation.hypothesis import Columns, State
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.replays.remainder import Remainder

@@ -12,14 +12,8 @@ from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import Base
-from calib.diagnosis.explanation.explanation import (
-    Explanation,
-    Hypothesis,
-    State,
-    based,
-    bounds_of,
-    runs_of,
-)
+from calib.diagnosis.explanation.explanation import Explanation, runs_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, bounds_of
 from calib.diagnosis.explanation.own import GRADE, ZERO_OF_A_X
 from calib.diagnosis.explanation.predict import ObservedRun, wheel_angles
 from calib.diagnosis.explanation.problem import Problem

@@ -5,18 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.diagnosis.explanation.explanation import (
-    SETTLED,
-    Columns,
-    Explanation,
-    State,
-    columns_by_heat,
-    columns_by_x,
-    fit,
-    of_all,
-    own_columns,
-)
+from calib.diagnosis.explanation.columns import columns_by_heat, columns_by_x
+from calib.diagnosis.explanation.explanation import Explanation, of_all, own_columns
+from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.gaussian import Products
+from calib.diagnosis.explanation.hypothesis import Columns, State
 from calib.diagnosis.explanation.own import OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.hold_outs import HoldOuts

@@ -13,7 +13,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.explanation import Explanation, Hypothesis, fit, start_of
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.runs.judged import JudgedLog

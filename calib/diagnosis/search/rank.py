@@ -17,17 +17,8 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition, every_effect
-from calib.diagnosis.explanation.explanation import (
-    FADE,
-    PRICE,
-    STRENGTH,
-    Explanation,
-    Hypothesis,
-    State,
-    based,
-    innovations,
-    marginal,
-)
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.hypothesis import FADE, PRICE, STRENGTH, Hypothesis, State, based
 from calib.diagnosis.explanation.own import KINDS, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.vector import origins, unpack

@@ -11,26 +11,14 @@ from functools import cached_property, partial
 import numpy as np
 
 from calib.base.errors import ModelError
-from calib.diagnosis.explanation.explanation import (
-    ALMOST,
-    ROUGHLY,
-    Columns,
-    Explanation,
-    Hypothesis,
-    State,
-    columns_by_form,
-    columns_by_heat,
-    columns_by_x,
-    fit,
-    marginal,
-    of_all,
-    start_of,
-)
-from calib.diagnosis.explanation.own import SCATTERED
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
+from calib.diagnosis.explanation.hypothesis import Columns, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.gap import Gap, gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.search.odds import density, with_alike
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
 from calib.diagnosis.search.terms import Ranked, ranked_terms
 
@@ -409,38 +397,6 @@ class Search:
         if key not in self.densities:
             self.densities[key] = density(at, self.held.problem)
         return self.densities[key]
-
-
-def with_alike(at: Explanation) -> Explanation:
-    """The explanation with logs that are alike in what they usually differ in, where that is more
-    probable.
-    """
-    some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
-    options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
-    best = max(options, key=lambda one: marginal(at, at.products, one.sizes).evidence())
-    return fit(at.problem, best, at.state, at.columns, ALMOST)
-
-
-def density(at: Explanation, held: Problem) -> float:
-    """ln of the density of other logs given those of an explanation, by one linear model of both.
-
-    But for a constant of the rows.
-    """
-    own = np.zeros((len(held.runs), at.state.own.shape[1]))
-    state = replace(at.state, own=own)
-    r = of_all(held, at.hypothesis, state)
-    J = columns_by_x(held, at.hypothesis, state, r, 0)
-    F = columns_by_form(held, at.hypothesis, state)
-    T = columns_by_heat(held, at.hypothesis, state, r)
-    known = at.columns
-    together = Explanation(
-        replace(at.problem, runs=(*at.problem.runs, *held.runs)),
-        at.hypothesis,
-        replace(state, own=np.vstack([at.state.own, own])),
-        [*at.innovations, *r],
-        Columns([*known.x, *J], [*known.form, *F], [*known.heat, *T]),
-    )
-    return together.marginal().evidence() - at.marginal().evidence()
 
 
 def _fitted(problem: Problem, near: Columns, bent: bool, promise: Promise) -> Explanation:

@@ -22,15 +22,9 @@ from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, driver_along, drivers_of
 from calib.car.history import RunHistory
 from calib.diagnosis.explanation.channels import by_channel, thinned
-from calib.diagnosis.explanation.explanation import (
-    PRICE,
-    Explanation,
-    Walk,
-    based,
-    fit,
-    innovations,
-    marginal,
-)
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.hypothesis import PRICE, Walk, based
 from calib.diagnosis.explanation.predict import ObservedRun, history_of, predict
 
 _KNOTS = 20

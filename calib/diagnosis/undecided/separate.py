@@ -14,17 +14,9 @@ from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import Base
-from calib.diagnosis.explanation.explanation import (
-    Columns,
-    Explanation,
-    State,
-    based,
-    columns_by_form,
-    columns_by_x,
-    innovations,
-    marginal,
-    of_all,
-)
+from calib.diagnosis.explanation.columns import columns_by_form, columns_by_x
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal, of_all
+from calib.diagnosis.explanation.hypothesis import Columns, State, based
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun
 

@@ -10,21 +10,15 @@ from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.columns import columns_by_form, columns_by_heat, columns_by_x
 from calib.diagnosis.explanation.explanation import (
-    Columns,
     Explanation,
-    Hypothesis,
-    State,
-    based,
-    columns_by_form,
-    columns_by_heat,
-    columns_by_x,
     driven,
     innovations,
     of_all,
     own_columns,
-    start_of,
 )
+from calib.diagnosis.explanation.hypothesis import Columns, Hypothesis, State, based, start_of
 from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.vector import bounds, unpack

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.diagnosis.explanation.explanation import PRICE, STRENGTH
+from calib.diagnosis.explanation.hypothesis import PRICE, STRENGTH
 from calib.diagnosis.search.rank import _pairs, _ranked, _triples
 
 NAMES = ["a", "a", "b", "b", "b", "c", "d", "d"]

@@ -11,7 +11,8 @@ import pytest
 import calib
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import PLACES
-from calib.diagnosis.explanation.explanation import Explanation, Walk
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.hypothesis import Walk
 from calib.diagnosis.search.terms import ranked_terms, with_terms
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN

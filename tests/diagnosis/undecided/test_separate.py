@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.explanation import Explanation, fit, objective
+from calib.diagnosis.explanation.explanation import Explanation, objective
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.diagnosis.replays.hold_outs import model_of
