@@ -16,7 +16,6 @@ from calib.diagnosis.explanation.problem import Problem
 
 _STEP = 1e-3
 
-
 _HEAT = 10.0
 """Step of a start heat [K]."""
 

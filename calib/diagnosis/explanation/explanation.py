@@ -31,7 +31,6 @@ from calib.diagnosis.explanation.problem import Problem
 
 _PRECISION = np.linalg.inv(form_covariance())
 
-
 _BENT = 2.0
 """Mean square of pads and tyres, in standard deviations, from which they stand for an effect."""
 

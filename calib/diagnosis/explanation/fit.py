@@ -24,7 +24,6 @@ ALMOST, SETTLED, ROUGHLY = 0.1, 2.0, 20.0
 """Falls of the sum of squares from which a fit goes on: the last one, one that is compared, and one
 that only tells what to try."""
 
-
 _ROUNDS, _REFRESHED, _DAMPING, _MOST_DAMPED = 20, 3, 1e-3, 1e4
 
 

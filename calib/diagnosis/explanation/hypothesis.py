@@ -13,18 +13,14 @@ from calib.diagnosis.explanation.vector import bounds, unpack
 
 FADE = "pad_thermal_fade"
 
-
 STRENGTH, FURTHER = 2.0, 1.0
 """Standard deviations of the priors on the strength of an effect and on its further parameters, in
 spreads of its card."""
 
-
 PRICE = 5.0
 """ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
 
-
 _FIRST = 5.0
-
 
 _HIGH, PEAK_AT = 0.25, 3
 """Logarithm of the peak from which a fit begins, over the usual one; its place in x."""

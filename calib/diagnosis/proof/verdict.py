@@ -78,10 +78,8 @@ def verdict_of(search: Search) -> Verdict:
     rivals = search.rivals if best is search.best else ()
     named = AMBIGUOUS if rivals else NAMED
     word = named if best.names else UNKNOWN if rest else NO_GAP
-    return Verdict(
-        word, held, base, best, rivals, search.others(), seen_by(held.problem, best, after.own),
-        before, after, left, beside,
-    )  # fmt: skip
+    seen, tried = seen_by(held.problem, best, after.own), search.fits.others(search.best)
+    return Verdict(word, held, base, best, rivals, tried, seen, before, after, left, beside)
 
 
 def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:

@@ -4,21 +4,22 @@ fit without effects --> rank --> fit the best few --> drop, exchange --> more pr
 on the hold-outs? --> rank beside it, until nothing more is
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from calib.base.errors import ModelError
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
-from calib.diagnosis.explanation.hypothesis import Columns, Hypothesis, State, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.gap import Gap, gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.replays.replayed import Replayed, replayed
-from calib.diagnosis.search.odds import density, with_alike
+from calib.diagnosis.search.fits import Fits
+from calib.diagnosis.search.odds import with_alike
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
 from calib.diagnosis.search.terms import Ranked, ranked_terms
 
@@ -36,9 +37,8 @@ what it may at least, in units of the noise."""
 _FRESH = 8
 """Further effects that are tried anew beside every explanation; others are as without effects."""
 
-_PRUNED = 20.0
-"""What ln of the evidence of a hypothesis can gain where its effects that are not worth their price
-are taken out."""
+_MOST = 6
+"""Effects at most."""
 
 _ALIKE, _NEAR, _WRONG = 0.03, 0.1, 0.5
 """Share of what a hypothesis gains by which a linear model is wrong about it: in the place of an
@@ -60,20 +60,18 @@ class SearchStep:
 
 @dataclass
 class Search:
-    """The course of a search; ``fitted`` all explanations by what they say; ``first`` and
-    ``further`` effects at the base and at the best one.
+    """The course of a search; ``fits`` all that was fitted; ``first`` and ``further`` effects at
+    the base and at the best explanation.
     """
 
     problem: Problem
     held: HoldOuts
     base: Explanation = field(init=False)
     best: Explanation = field(init=False)
+    fits: Fits = field(init=False)
     first: Further = field(init=False)
     further: Further = field(init=False)
     rivals: tuple[Explanation, ...] = ()
-    fitted: dict[object, Explanation] = field(default_factory=dict)
-    densities: dict[object, float] = field(default_factory=dict)
-    gone: dict[object, Explanation] = field(default_factory=dict)
     steps: list[SearchStep] = field(default_factory=list)
     accepted: list[Replayed] = field(default_factory=list)
     refused: set[object] = field(default_factory=set)
@@ -83,7 +81,7 @@ class Search:
         """Find the best explanation."""
         self.problem.tell("fitting the model without effects", 0, 1)
         self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
-        self.fitted[self.base.hypothesis.key] = self.base
+        self.fits = Fits(self.problem, self.held.problem, self.base)
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
         self.further = self.first = further_columns(self.base)
         self.forward()
@@ -92,7 +90,7 @@ class Search:
         if left_over(self.best) and not self.no_effect():
             self.forward(other=True)
         self.rivals = self._rivals()
-        if self.rivals and self.value(self.rivals[0]) > self.value(self.best):
+        if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
             self.accept(self.rivals[0])
             self.rivals = self._rivals()
         found = with_alike(self.best)
@@ -115,8 +113,7 @@ class Search:
     def accept(self, new: Explanation) -> bool:
         """Go on from a better explanation, unless it widens the gap of the replays far."""
         new = fit(self.problem, new.hypothesis, new.state, new.columns)
-        self.fitted[new.hypothesis.key] = new
-        self.densities.pop(new.hypothesis.key, None)
+        self.fits.add(new)
         try:
             after = replayed(self.held, new, ROUGHLY)
         except ModelError:
@@ -126,7 +123,7 @@ class Search:
             self._withdraw(new)
             return False
         more = new.log_evidence - self.best.log_evidence
-        held = self.density(new) - self.density(self.best)
+        held = self.fits.density(new) - self.fits.density(self.best)
         same, self.best = new.hypothesis == self.best.hypothesis, new
         self.accepted.append(after)
         if not same:
@@ -157,8 +154,8 @@ class Search:
         """
         for _ in range(_MOST):
             tops = _best(promises(self.best, self.further, 1, other), self.best)
-            self.side_by_side(tops, self.best)
-            if not self.accepts(self.pruned_best(tops)) and not (
+            self.fits.side_by_side(tops, self.best)
+            if not self.accepts(self.fits.pruned_best(tops)) and not (
                 self.best.names and self.accepts(self.exchanged())
             ):
                 return
@@ -179,8 +176,8 @@ class Search:
             if size > (1, False) and p.log_evidence > self.best.log_evidence - _NEAR * gained:
                 best.setdefault(size, p)
         tops = list(best.values())
-        self.side_by_side(tops, self.base)
-        if self.accepts(self.pruned_best(tops)):
+        self.fits.side_by_side(tops, self.base)
+        if self.accepts(self.fits.pruned_best(tops)):
             self.forward()
 
     def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
@@ -197,7 +194,7 @@ class Search:
                 continue
             if e.hypothesis.key in self.refused:
                 continue
-            held = self.density(e) - self.density(best)
+            held = self.fits.density(e) - self.fits.density(best)
             if held > 0.0 and more + held > self.worth:
                 yield e
             elif more > SURE:
@@ -229,8 +226,8 @@ class Search:
                 for p in promises(fewer, further, 1, other)
                 if p.log_evidence > self.best.log_evidence - SURE - _ALIKE * own
             ][:2]
-            self.side_by_side(tops, fewer)
-            news += [self.fitted[p.hypothesis.key] for p in tops]
+            self.fits.side_by_side(tops, fewer)
+            news += [self.fits.fitted[p.hypothesis.key] for p in tops]
         return news
 
     def _starts(self) -> list[tuple[Explanation, Further, float]]:
@@ -243,94 +240,20 @@ class Search:
         least = best.log_evidence - _NEAR * gained
         others = [
             e
-            for e in self.fitted.values()
+            for e in self.fits.fitted.values()
             if e.log_evidence > least
             and len(e.names) == len(best.names) - 1
             and not set(e.names) < set(best.names)
         ]
         fewer = [
-            *(self.without(best, name) for name in best.names),
-            *(self.without_kind(best, kind) for kind in best.hypothesis.kinds),
+            *(self.fits.without(best, name) for name in best.names),
+            *(self.fits.without_kind(best, kind) for kind in best.hypothesis.kinds),
         ]
         others = sorted(others, key=lambda e: -e.log_evidence)[:2]
         return [
             *((e, self.further, best.log_evidence - e.log_evidence) for e in fewer),
             *((e, further_columns(e, best.names), gained) for e in others),
         ]
-
-    def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
-        """Fit what is promised."""
-        new = [p for p in tops if self.known(p) < p.log_evidence - 3.0]
-        if new:
-            names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
-            self.problem.tell(f"fitting {names}", len(self.steps), _MOST)
-        job = partial(_fitted, self.problem.alone, near.columns, near.bent)
-        for p, one in zip(new, self.problem.mapped(job, new), strict=True):
-            if one.log_evidence > self.known(p):
-                self.fitted[p.hypothesis.key] = replace(one, problem=self.problem)
-                self.densities.pop(p.hypothesis.key, None)
-
-    def known(self, p: Promise) -> float:
-        """ln of the evidence of what is promised as it was fitted before."""
-        found = self.fitted.get(p.hypothesis.key)
-        return -np.inf if found is None else found.log_evidence
-
-    def pruned_best(self, tops: Sequence[Promise]) -> list[Explanation]:
-        """What was fitted of some promises, best first; pruned if that can make it the best."""
-        news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
-        return [
-            self.pruned(e) if e.log_evidence > news[0].log_evidence - _PRUNED else e for e in news
-        ]
-
-    def pruned(self, at: Explanation) -> Explanation:
-        """Without effects and kinds that are not worth their price."""
-        while True:
-            fewer = [self.without(at, name) for name in self.spare(at)]
-            fewer += [self.without_kind(at, kind) for kind in at.hypothesis.kinds]
-            better = max(fewer, key=lambda e: e.log_evidence, default=at)
-            if better.log_evidence <= at.log_evidence:
-                return at
-            at = better
-
-    def spare(self, at: Explanation) -> list[str]:
-        """Effects of which a linear step does not say that they are worth their price."""
-        places, C = at.problem.places(at.names), at.covariance
-        x, worth = at.state.x, 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
-        firsts = {name: own.start for name, own in places.items()}
-        return [n for n, i in firsts.items() if x[i] ** 2 < 2.0 * worth * C[i, i]]
-
-    def without(self, at: Explanation, name: str) -> Explanation:
-        """An explanation fitted anew without one of its effects, from where it is."""
-        names = tuple(n for n in at.names if n != name)
-        keep = np.ones(at.state.x.size, bool)
-        keep[at.problem.places(at.names)[name]] = False
-        near = at.columns.kept(keep)
-        kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
-        state = replace(at.state, x=at.state.x[keep])
-        return self.refitted(at, Hypothesis(names, kinds), state, near)
-
-    def without_kind(self, at: Explanation, kind: str) -> Explanation:
-        """The same without one kind in which logs differ."""
-        hypothesis = Hypothesis(at.names, at.hypothesis.kinds - {kind})
-        as_before = hypothesis.sizes == at.hypothesis.sizes
-        state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
-        return self.refitted(at, hypothesis, state, at.columns)
-
-    def refitted(
-        self, at: Explanation, hypothesis: Hypothesis, state: State, near: Columns
-    ) -> Explanation:
-        """The better one of what is known of a hypothesis, and what a fit from ``at`` finds.
-
-        Each place is gone from once.
-        """
-        key = hypothesis.key
-        if (key, id(at)) not in self.gone:
-            self.gone[key, id(at)] = at
-            found = fit(self.problem, hypothesis, state, near, ROUGHLY)
-            if key not in self.fitted or found.log_evidence > self.fitted[key].log_evidence:
-                self.fitted[key] = found
-                self.densities.pop(key, None)
-        return self.fitted[key]
 
     @cached_property
     def terms(self) -> list[Ranked]:
@@ -364,48 +287,20 @@ class Search:
     def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
         best, out = self.best, []
-        most = self.value(best)
-        for e in list(self.fitted.values()):
+        most = self.fits.value(best)
+        for e in list(self.fits.fitted.values()):
             simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
             if set(e.names) <= set(best.names) or not simple:
                 continue
             if e.log_evidence < best.log_evidence - 2.0 * SURE:
                 continue
-            if self.value(e) < most - 2.0 * SURE:
+            if self.fits.value(e) < most - 2.0 * SURE:
                 continue
-            one = self.fitted[e.hypothesis.key] = fit(
-                self.problem, e.hypothesis, e.state, e.columns, ALMOST
-            )
-            self.densities.pop(one.hypothesis.key)
-            if self.value(one) > most - SURE:
+            one = fit(self.problem, e.hypothesis, e.state, e.columns, ALMOST)
+            self.fits.add(one)
+            if self.fits.value(one) > most - SURE:
                 out.append(one)
-        return tuple(sorted(out, key=lambda e: -self.value(e)))
-
-    def others(self) -> tuple[Explanation, ...]:
-        """All that was fitted but the best, by evidence."""
-        known = self.best.hypothesis.key
-        found = [e for key, e in self.fitted.items() if key != known]
-        return tuple(sorted(found, key=lambda e: -e.log_evidence))
-
-    def value(self, at: Explanation) -> float:
-        """ln of the evidence of all logs, searched and held out."""
-        return at.log_evidence + self.density(at)
-
-    def density(self, at: Explanation) -> float:
-        """ln of the density of the hold-outs given the calibration logs."""
-        key = at.hypothesis.key
-        if key not in self.densities:
-            self.densities[key] = density(at, self.held.problem)
-        return self.densities[key]
-
-
-def _fitted(problem: Problem, near: Columns, bent: bool, promise: Promise) -> Explanation:
-    """What is promised, fitted from its state; pads and tyres from usual ones if they were bent."""
-    state = promise.state
-    if bent:
-        usual = start_of(problem)
-        state = replace(usual, x=np.concatenate([usual.x, state.x[problem.base_size :]]))
-    return fit(problem, promise.hypothesis, state, near, ROUGHLY)
+        return tuple(sorted(out, key=lambda e: -self.fits.value(e)))
 
 
 def _best(found: list[Promise], at: Explanation) -> list[Promise]:
@@ -426,7 +321,3 @@ def _best(found: list[Promise], at: Explanation) -> list[Promise]:
 def left_over(at: Explanation) -> bool:
     """Whether more than noise is left in the innovations, or in what logs have of their own."""
     return at.reduced > 1.01 + 3.0 * at.scatter or at.strain > 5.0
-
-
-_MOST = 6
-FADE = "pad_thermal_fade"

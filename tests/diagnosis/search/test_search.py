@@ -37,7 +37,7 @@ def test_two_effects_are_found_although_a_third_imitates_both(pair):
     assert first.names == ()
     assert all(step.calibration + step.holdout > 0.0 for step in steps)
     assert pair.best.log_evidence > max(
-        e.log_evidence for e in pair.fitted.values() if set(e.names) != set(pair.best.names)
+        e.log_evidence for e in pair.fits.fitted.values() if set(e.names) != set(pair.best.names)
     )
 
 
