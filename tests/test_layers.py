@@ -30,7 +30,7 @@ ROOMS = """
 
 INSIDE = {
     "diagnosis": [
-        *("explanation", "search", "runs", "proof", "undecided"),
+        *("explanation", "replays", "search", "runs", "proof", "undecided"),
         *("diagnosis", "named", "diagnose", "written"),
     ],
 }
