@@ -56,7 +56,6 @@ def diagnose(
     from calib.base.processes import cores, side_by_side
     from calib.car.own_effects.own_effect import with_own
     from calib.diagnosis.diagnose import diagnose as find
-    from calib.diagnosis.gates import GATES
     from calib.diagnosis.written.document import text_of, to_dict
     from calib.diagnosis.written.folder import files_of, write_folder
     from calib.show.diagnosis import facts
@@ -67,7 +66,7 @@ def diagnose(
     check_folder(out, [file.as_posix() for file in files])
     car = with_own(vehicle, effect)
     # a function of one's own acts in one process only
-    count = 1 if car.effects.own else workers or min(cores(), GATES.refined)
+    count = 1 if car.effects.own else workers or min(cores(), 8)
     with stoppable("stopped; nothing was written"):
         with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
             with progress() as step:

@@ -30,7 +30,8 @@ ROOMS = """
 
 INSIDE = {
     "diagnosis": [
-        *("gates", "runs", "explanation", "search", "proof", "undecided", "diagnose", "written"),
+        *("explanation", "replays", "search", "runs", "proof", "undecided"),
+        *("diagnosis", "named", "diagnose", "written"),
     ],
 }
 """The order inside a room whose folders stand on each other; a file of the room is a name, too."""
@@ -53,7 +54,7 @@ def room(module: str) -> str:
 
 
 def folder(module: str) -> str:
-    """`search` of calib.diagnosis.search.decide, `diagnose` of calib.diagnosis.diagnose."""
+    """`search` of calib.diagnosis.search.rank, `diagnose` of calib.diagnosis.diagnose."""
     return module.split(".")[2]
 
 

@@ -1,38 +1,34 @@
 """The diagnosis of a car: find the gap, name its cause, add it, measure the gap on hold-outs.
 
-calibration logs ──> problem ──> decide ───────────> (something left: locate) ──> model
-hold-out logs ────────────────── confirm ──> prove ─────────────────────────────── replays, gap
+calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (something left: a term)
+                                                                   |
+                                                                   +--> model, replays, gap
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.errors import ModelError
 from calib.base.processes import Mapped, one_blas_thread
-from calib.base.units import behind
 from calib.base.warning import PlausibilityWarning
-from calib.car.effects.effect import acts_on_wheels, slows
-from calib.car.effects.effects import Effects
-from calib.car.model import Model
+from calib.car.effects.effect import slows
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.agreement import half_widths
-from calib.diagnosis.explanation.base import BASE, Ground
-from calib.diagnosis.explanation.candidate import Candidate
-from calib.diagnosis.explanation.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
-from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
-from calib.diagnosis.explanation.problem import Problem, problem_of
+from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.own import OWN
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import Problem, problem_of, turned, unbraked_noise
 from calib.diagnosis.explanation.progress import Tell, silent
-from calib.diagnosis.explanation.vector import bounds
-from calib.diagnosis.proof.confirm import confirm
-from calib.diagnosis.proof.gap import Gap, gap_of
-from calib.diagnosis.proof.hold_outs import HoldOuts, hold_outs_of, model_of
-from calib.diagnosis.proof.prove import Proved, SearchStep, Withdrawn, prove
-from calib.diagnosis.proof.remainder import Remainder, range_of
-from calib.diagnosis.proof.unexplained import UnexplainedTerm, place_of_rest
+from calib.diagnosis.named import base_estimates, named
+from calib.diagnosis.proof.unexplained import unexplained_of
+from calib.diagnosis.proof.verdict import Verdict, verdict_of
+from calib.diagnosis.replays.gap import gap_of
+from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
+from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.runs.axles import require_axles
 from calib.diagnosis.runs.gates import (
     require_enough,
     require_own_pressure,
@@ -42,123 +38,16 @@ from calib.diagnosis.runs.gates import (
 from calib.diagnosis.runs.judged import judged_logs
 from calib.diagnosis.runs.sides import LARGEST, with_even_sides
 from calib.diagnosis.runs.warnings import log_warnings, unexplained_warnings
-from calib.diagnosis.search.axles import require_axles
-from calib.diagnosis.search.clocks import with_clocks
-from calib.diagnosis.search.decide import Decision, confusable, explains, gain
-from calib.diagnosis.search.groups import LogGroup, groups_of
-from calib.diagnosis.search.heats import start_heats_of, with_start_heats
-from calib.diagnosis.search.offsets import LogOffsets, decided_with_offsets, offsets_of
-from calib.diagnosis.search.own_pads import follow_a_driver, own_pads_of, with_own_pads
-from calib.diagnosis.search.radii import with_free_radii
-from calib.diagnosis.search.regroup import regrouped
-from calib.diagnosis.search.search import unresolved
-from calib.diagnosis.undecided.confusion import Confusion, confusion_of
-from calib.diagnosis.undecided.doubts import base_half_widths
-from calib.diagnosis.undecided.drives import ShowingDrive, drives
+from calib.diagnosis.search.search import Search
+from calib.diagnosis.undecided.confusion import confusion_of
+from calib.diagnosis.undecided.drives import drives, unresolved
 from calib.logs.log import Log
 from calib.plausibility.run import wrong_speed
 from calib.run.copies import without_holds
 from calib.run.gates import refuse_copies
 
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class ParameterEstimate:
-    """A parameter: value and 95 % interval, cut at what the parameter can be, in ``unit``."""
-
-    value: float
-    unit: str
-    ci95: tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Where:
-    """Where an effect acts: the channel that shows it most, and the ranges of its action, SI."""
-
-    channel: str
-    axle: str
-    pressure: tuple[float, float]
-    speed: tuple[float, float]
-    temperature: tuple[float, float] | None
-
-
-@dataclass(frozen=True)
-class Named:
-    """An effect that was accepted, with its evidence.
-
-    ``gain`` rise of the mean squared innovation of the calibration logs without it, all else
-    unchanged, ``gain_holdout`` of the hold-outs; ``runner_up`` the next best name and its gain;
-    ``indistinguishable_from`` names that fit the data as well; ``separate_by`` the feasible test
-    that would distinguish them.
-    """
-
-    name: str
-    parameters: dict[str, ParameterEstimate]
-    where: Where
-    gain: float
-    gain_holdout: float
-    runner_up: tuple[str, float] | None
-    indistinguishable_from: tuple[str, ...]
-    separate_by: str
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """The whole answer.
-
-    ``before`` and ``after`` are the hold-outs replayed open loop; ``not_resolved`` the effects that
-    the calibration logs could not have shown at their usual size, and ``drives`` for each of them
-    the manoeuvre that shows it most. ``confusion`` is the set of explanations that the logs cannot
-    tell apart, None where there is one alone. ``unexplained`` describes what is left, beside
-    "unknown" or beside effects, None where nothing significant is left; ``left`` is its size in the
-    replays; ``sides`` by how much the right wheel of an axle rolled faster than the left one before
-    that was taken out [1], by axle; ``groups`` the logs by pads and road, the reference first,
-    where one set of parameters does not serve all; ``start_heats`` of the discs [degC] by log,
-    where fade is named and no temperature is logged; ``offsets`` the slope of the road or the zero
-    of a_x that each log has of its own, None where they have none; ``own_pads`` the factors on pads
-    and tyres of each log, empty where those of its group serve; ``withdrawn`` what fits the
-    calibration logs and not the hold-outs; ``steps`` the course of the search; ``noise`` that of
-    the evidence, and its source; ``warnings`` what speaks against the logs and is not explained.
-    """
-
-    verdict: str
-    effects: tuple[Named, ...]
-    unexplained: UnexplainedTerm | None
-    base: dict[str, ParameterEstimate]
-    gap: Gap
-    model_before: Model
-    model_after: Model
-    before: tuple[Log, ...]
-    after: tuple[Log, ...]
-    measured: tuple[Log, ...]
-    reduced_before: float
-    reduced_after: float
-    left: Remainder
-    withdrawn: tuple[Withdrawn, ...]
-    steps: tuple[SearchStep, ...]
-    noise: ChannelNoise
-    groups: tuple[LogGroup, ...]
-    start_heats: Mapping[str, tuple[float, float]]
-    offsets: LogOffsets | None
-    own_pads: Mapping[str, Ground]
-    not_resolved: tuple[str, ...]
-    drives: tuple[ShowingDrive, ...]
-    confusion: Confusion | None
-    sides: Mapping[str, float]
-    warnings: tuple[PlausibilityWarning, ...]
-
-    def __repr__(self) -> str:
-        lines = [f"Diagnosis: {self.verdict}"]
-        for effect in self.effects:
-            for name, p in effect.parameters.items():
-                low, high = p.ci95
-                interval = f"{p.value:.4g}{behind(p.unit)} (95 % {low:.4g} to {high:.4g})"
-                lines.append(f"  {effect.name}: {name} = {interval}")
-        if self.effects and self.unexplained is not None:
-            lines.append(f"  and something else: {self.left.size:.1f} times the noise is left")
-        lines.append(f"  gap on the hold-outs: {100.0 * self.gap.closed:.0f} % closed")
-        return "\n".join(lines)
+_QUIETER = 0.9
+"""Share of a channel's noise below which it counts as quieter with an explanation than without."""
 
 
 @one_blas_thread()
@@ -204,53 +93,38 @@ def diagnose(
     """
     tell("checking the logs", 0, 1)
     warnings = checked(vehicle, calibration, holdout)
-    sides, proved = _proved(vehicle, calibration, holdout, tell, mapped)
-    held, decision = proved.held, proved.decision
-    problem, holdout = decision.base.problem, list(held.logs)
-    stands = decision.verdict in ("named", "ambiguous")
-    left_of = decision.best if stands else decision.base
-    unexplained = proved.placed
-    if unexplained is None and proved.rest:
-        unexplained = place_of_rest(left_of, held)
+    sides, search, found = _judged(vehicle, calibration, holdout, tell, mapped)
+    best, last, rest = found.best, found.after, None
+    if found.terms:
+        rest = unexplained_of(best, found.terms)
+        last = _with_term(found, rest.at)
     tell("asking what these logs could not show", 0, 1)
-    not_resolved = unresolved(decision.best, decision.least_shown)
-    like = confusable(decision.best, decision.rivals) if stands else []
-    confusion = confusion_of(problem, decision.best, like)
-    before = model_of(vehicle, decision.base)
-    after, last = model_of(vehicle, left_of), proved.after
-    at = decision.best
-    if unexplained is not None and not unexplained.on_hold_outs and not stands:
-        after, last = with_term(before, unexplained, proved.before, held)
-        at = unexplained.at
-    groups = groups_of((*problem.runs, *held.problem.runs))
-    own_pads = own_pads_of((problem, held.problem), left_of.base, left_of.effects)
+    unseen = unresolved(best, search.further)
+    confusion = confusion_of(best, found.rivals)
     return Diagnosis(
-        verdict=decision.verdict,
-        effects=named(problem, held.problem, decision, confusion) if stands else (),
-        unexplained=unexplained,
-        base=_base_estimates(left_of, not_resolved),
-        gap=gap_of(proved.before, last, holdout),
-        model_before=before,
-        model_after=after,
-        before=proved.before,
-        after=last,
-        measured=tuple(holdout),
-        reduced_before=decision.base.reduced,
-        groups=groups,
-        start_heats=start_heats_of((*problem.runs, *held.problem.runs)),
-        offsets=offsets_of((problem, held.problem), left_of.base, left_of.effects),
-        own_pads=own_pads,
-        not_resolved=not_resolved,
-        drives=drives(problem, decision.best, not_resolved),
+        verdict=found.word,
+        effects=named(found, confusion) if found.stands else (),
+        unexplained=rest,
+        base=base_estimates(best),
+        gap=gap_of(found.before.logs, last.logs, found.held.logs),
+        model_before=model_of(vehicle, found.before.at.base, found.before.at.effects),
+        model_after=model_of(vehicle, last.at.base, last.at.effects),
+        before=found.before.logs,
+        after=last.logs,
+        measured=found.held.logs,
+        reduced_before=found.base.reduced,
+        reduced_after=last.at.reduced if rest else best.reduced,
+        left=found.left,
+        withdrawn=_withdrawn(search),
+        steps=tuple(search.steps),
+        noise=search.problem.noise,
+        own=_own(found),
+        not_resolved=unseen,
+        drives=drives(best, unseen),
         confusion=confusion,
-        reduced_after=at.reduced,
-        left=proved.left,
-        withdrawn=proved.withdrawn,
-        steps=proved.steps,
-        noise=problem.noise,
         sides=sides,
         warnings=unexplained_warnings(
-            warnings, left=unexplained is not None, grouped=bool(groups) or bool(own_pads)
+            warnings, left=rest is not None, grouped=bool(best.hypothesis.kinds)
         ),
     )
 
@@ -273,214 +147,88 @@ def checked(
     return warnings
 
 
-def _proved(
+def _judged(
     vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell, mapped: Mapped
-) -> tuple[dict[str, float], Proved]:
-    """How the sides of each axle differed [1] before they were made even, and what is proved then.
+) -> tuple[dict[str, float], Search, Verdict]:
+    """How the sides of each axle differed [1] before they were made even; search and verdict then.
 
     A difference that tyres of one age do not make is made even if nothing that slows the car is
     missing then: it is no brake that drags.
     """
     given = [*sorted(calibration, key=lambda log: log.digest), *holdout]
-    logs = [without_holds(log) for log in given]
-
-    def proved(evened: list[Log]) -> Proved:
-        return _searched(
-            vehicle, evened[: len(calibration)], evened[len(calibration) :], tell, mapped
-        )
-
+    logs, n = [without_holds(log) for log in given], len(calibration)
     usual, sides = with_even_sides(logs)
     unlike, all_sides = with_even_sides(logs, LARGEST)
     if sides != all_sides:
-        found = proved(unlike)
+        search, found = _searched(vehicle, unlike[:n], unlike[n:], tell, mapped)
         if _rolls_freely(found):
-            return all_sides, found
-    return sides, proved(usual)
+            return all_sides, search, found
+    return sides, *_searched(vehicle, usual[:n], usual[n:], tell, mapped)
 
 
-def _rolls_freely(found: Proved) -> bool:
+def _rolls_freely(found: Verdict) -> bool:
     """Whether nothing is left, and nothing named slows the car."""
-    best = found.decision.best
-    known = best.problem.vehicle.effects
-    slowed = any(slows(definition(known, name)) for name in best.names)
-    return _whole(found) and not slowed
+    known = found.best.problem.vehicle.effects
+    slowed = any(slows(definition(known, name)) for name in found.best.names)
+    return not found.terms and not slowed
 
 
 def _searched(
     vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell, mapped: Mapped
-) -> Proved:
-    """The explanation of the calibration logs, as far as it holds on the hold-outs."""
-    tell("fitting the model without effects", 0, 1)
+) -> tuple[Search, Verdict]:
+    """A search, once more with the noise that its best explanation leaves, and its verdict.
+
+    An effect that acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
+    """
     known_to_all = map if vehicle.effects.own else mapped
     problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
-    found = _proved_from(problem, holdout)
-    if _whole(found):
-        return found
-    own = with_own_pads(found.decision)
-    other = None if own is None else _proved_from(own, holdout)
-    if other is None or not _whole(other) or follow_a_driver(other.decision.best):
-        return found
-    return other
+    search = _search(problem, holdout)
+    quieter = _without_its_noise(search.best)
+    if quieter is not None:
+        search = _search(quieter, holdout)
+    tell("replaying the hold-outs", 0, 1)
+    return search, verdict_of(search)
 
 
-def _proved_from(problem: Problem, holdout: list[Log]) -> Proved:
-    decision = decided_with_offsets(problem, [run_of(log) for log in holdout])
-    decision = by_log(with_clocks(with_free_radii(decision)))
-    held = hold_outs_of(decision.best, holdout)
-    return prove(held, confirm(decision, held.problem))
+def _search(problem: Problem, holdout: list[Log]) -> Search:
+    runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
+    search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
+    search.run()
+    return search
 
 
-def _whole(found: Proved) -> bool:
-    """Whether nothing is left to explain."""
-    return found.decision.verdict != "unknown" and not found.rest
+def _without_its_noise(best: Explanation) -> Problem | None:
+    """The problem with the noise that is left with an explanation, None if that is no quieter."""
+    problem = best.problem
+    noise = unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
+    if not best.names or np.all(noise.sigma > _QUIETER * problem.noise.sigma):
+        return None
+    return replace(problem, noise=noise)
 
 
-def by_log(decision: Decision) -> Decision:
-    """The decision with what differs from log to log, pads and road or the discs' first heat.
-
-    Only where nothing explains the logs without, a faint second effect neither: the better one of
-    the two.
-    """
-    if decision.faint is not None and explains(decision.faint):
-        return decision
-    found = (regrouped(decision), with_start_heats(decision))
-    return min(found, key=lambda other: (not explains(other), other.best.reduced))
-
-
-def with_term(
-    before: Model, unexplained: UnexplainedTerm, replayed: tuple[Log, ...], held: HoldOuts
-) -> tuple[Model, tuple[Log, ...]]:
-    """The model with an empirical term, and its replays; without it where it does not help."""
-    model = model_of(before.vehicle, unexplained.at)
-    model = replace(model, effects=replace(model.effects, terms=(unexplained.term,)))
+def _with_term(found: Verdict, at: Explanation) -> Replayed:
+    """The replays with an empirical term; without it where it does not help."""
     try:
-        last = held.replays(unexplained.at.base, model.effects)
+        last = replayed(found.held, at)
     except ModelError:  # such a term need not have an equilibrium
-        return before, replayed
-    helped = gap_of(replayed, last, held.logs).closed > 0.0
-    return (model, last) if helped else (before, replayed)
+        return found.after
+    helped = gap_of(found.after.logs, last.logs, found.held.logs).closed > 0.0
+    return last if helped else found.after
 
 
-def named(
-    problem: Problem, held: Problem, decision: Decision, confusion: Confusion | None
-) -> tuple[Named, ...]:
-    """Every effect of the best explanation, with evidence; ``confusion`` with those like it."""
-    best, half = decision.best, half_widths(decision.best)
-    nearest = None if confusion is None else confusion.pair(0, 1)
-    separate = "" if nearest is None else f"{nearest.drive} ({nearest.sigma:.0f} sigma apart)"
-    like = confusable(best, decision.rivals)
-    held_chi2 = held.chi2(best.base, best.effects)
-    out = []
-    for name, own in problem.places(best.names).items():
-        parameters = {}
-        card = definition(problem.vehicle.effects, name).card
-        for p, width in zip(card.parameters, half[own], strict=True):
-            found = best.effects.parameters[name][p.name]
-            value = min(max(found, p.low), p.high)  # bounds of a fit are a trifle wider
-            spread = float(width * p.spread)
-            ends = (max(value - spread, p.low), min(value + spread, p.high))
-            parameters[p.name] = ParameterEstimate(value, p.unit, ends)
-        others = sorted({n for c in like for n in c.names} - set(best.names))
-        runner = next((c for c in decision.rivals if name not in c.names), None)
-        out.append(
-            Named(
-                name=name,
-                parameters=parameters,
-                where=_where_of(problem, best, name),
-                gain=_gain_without(problem, best, name, best.chi2),
-                gain_holdout=_gain_without(held, best, name, held_chi2),
-                runner_up=None
-                if runner is None
-                else (" + ".join(runner.names), gain(decision.base, runner)),
-                indistinguishable_from=tuple(others),
-                separate_by=separate,
-            )
-        )
-    return tuple(out)
+def _withdrawn(search: Search) -> tuple[tuple[str, ...], ...]:
+    """What the hold-outs spoke against once, and never asked for."""
+    asked_for = {frozenset(step.names) for step in search.steps}
+    return tuple(names for names in search.withdrawn if frozenset(names) not in asked_for)
 
 
-def _gain_without(problem: Problem, best: Candidate, name: str, chi2: float) -> float:
-    """Rise of the mean squared innovation of a problem's runs when the effect is removed.
-
-    ``chi2`` sum of the squared innovations with it.
-    """
-    innovations = problem.flat(best.base, best.without(name))
-    return (float(innovations @ innovations) - chi2) / innovations.size
-
-
-def _where_of(problem: Problem, best: Candidate, name: str) -> Where:
-    """The channel and the ranges in which removing the effect changes the innovations most."""
-    rest = best.without(name)
-    power = np.zeros(len(CHANNELS))
-    rows = []
-    for run in problem.runs:
-        change = _change(problem, best, rest, run)
-        power += np.sum(change**2, axis=1)
-        drivers = [run.p_mc, run.v_smooth]
-        drivers.append(np.zeros_like(run.v) if run.temperature_f is None else run.temperature_f)
-        along = [thinned(run, d)[-change.shape[1] :] for d in drivers]
-        rows.append(np.vstack([np.sum(change**2, axis=0), *along]))
-    weight, p, v, heat = np.hstack(rows)
-    warm = all(run.temperature_f is not None for run in problem.runs)
-    strongest = CHANNELS[int(np.argmax(power))]
-    return Where(
-        channel=strongest,
-        axle=_axle(problem, best, name),
-        pressure=range_of(p, weight),
-        speed=range_of(v, weight),
-        temperature=range_of(heat, weight) if warm else None,
-    )
-
-
-def _change(problem: Problem, best: Candidate, rest: Effects, run: ObservedRun) -> Array:
-    """Change of the whitened channels (6, m) of a run when an effect is removed; common length."""
-    parts = [
-        whiten(residuals(run, predict(problem.vehicle, best.base, effects, run)), problem.noise)
-        for effects in (best.effects, rest)
-    ]
-    m = min(c.size for c in parts[0])
-    return np.stack([b[-m:] - a[-m:] for a, b in zip(*parts, strict=True)])
-
-
-def _axle(problem: Problem, best: Candidate, name: str) -> str:
-    """Whose torque or wheels an effect changes: front, rear, both, or body."""
-    if not acts_on_wheels(definition(problem.vehicle.effects, name)):
-        return "body"
-    rest = best.without(name)
-    front = rear = 0.0
-    for run in problem.runs:
-        a, b = (predict(problem.vehicle, best.base, e, run) for e in (best.effects, rest))
-        front += float(np.sum((a.omega[:2] - b.omega[:2]) ** 2))
-        rear += float(np.sum((a.omega[2:] - b.omega[2:]) ** 2))
-    if front + rear < 1e-9:
-        return "body"
-    if min(front, rear) > 0.2 * max(front, rear):
-        return "both"
-    return "front" if front > rear else "rear"
-
-
-def _base_estimates(candidate: Candidate, unseen: Sequence[str]) -> dict[str, ParameterEstimate]:
-    """Base parameters with intervals; ``rolling_radius`` over that of the file where it is free.
-
-    ``unseen`` are the effects that the logs could not have shown. An interval is cut at what the
-    fit allows: pads of half and double the file's, a tyre of a seventh and seven times a usual one.
-    """
-    half = base_half_widths(candidate, unseen)
-    b = candidate.base
-    values = {
-        "pad_friction_f": b.pad_friction_f,
-        "pad_friction_r": b.pad_friction_r,
-        "tyre_stiffness": b.stiffness,
-        "tyre_peak": b.peak,
-    }
-    place = {name: i for i, name in enumerate(values)}
-    if candidate.problem.free_radius:
-        values["rolling_radius"], place["rolling_radius"] = b.radius, BASE
-    low, high = bounds(candidate.problem, candidate.names)
-    out = {}
-    for name, value in values.items():
-        at, i = candidate.x[place[name]], place[name]
-        ends = np.clip((at - half[i], at + half[i]), low[i], high[i])
-        lower, upper = (value * float(np.exp(end - at)) for end in ends)
-        out[name] = ParameterEstimate(value, "1", (lower, upper))
-    return out
+def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
+    """By log what it has of its own, of the kinds in which logs differ."""
+    best, own = found.best, dict[str, Mapping[str, float]]()
+    if not best.hypothesis.kinds:
+        return own
+    states = np.vstack([best.state.own, found.after.own])
+    runs = (*best.problem.runs, *found.held.problem.runs)
+    for run, row in zip(runs, states.tolist(), strict=True):
+        own[run.name] = dict(zip(OWN, row, strict=True))
+    return own

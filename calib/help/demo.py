@@ -34,7 +34,7 @@ from calib.store.store import Store
 from calib.store.version import Stored
 
 if TYPE_CHECKING:
-    from calib.diagnosis.diagnose import Diagnosis
+    from calib.diagnosis.diagnosis import Diagnosis
     from calib.show.sheet import Sheet
 
 _Say = Callable[[str], None]

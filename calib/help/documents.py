@@ -27,6 +27,7 @@ _TYPES = {
     "list of text": "string",
     "list of numbers": "number",
     "list of objects": "object",
+    "list of lists": "array",
 }
 """The type of a value or, after "list of", of each item, by the words of `documents.toml`."""
 

@@ -12,7 +12,8 @@ from typing import Any
 from calib.base.digest import canonical_json
 from calib.base.program import NAME, PROGRAM, VERSION
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
 from calib.estimation.estimator import Estimate
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit

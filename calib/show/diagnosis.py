@@ -3,18 +3,20 @@
 What is not told here, `diagnosis.json` has.
 """
 
-from dataclasses import asdict
+import math
 
 from calib.base.names import AXLE_NAMES
 from calib.car.own_effects.own_effect import definition
-from calib.diagnosis.diagnose import Diagnosis, Named
-from calib.diagnosis.gates import GATES
+from calib.diagnosis.diagnosis import Diagnosis, Named
+from calib.diagnosis.explanation.own import FACTORS, OWN
+from calib.diagnosis.explanation.own import UNITS as OWN_UNITS
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
 
 NO_GAP, NAMED, REST, _WORSE = "no_gap", "named", "rest", "worse"
-_AMBIGUOUS, _AMBIGUOUS_REST, UNKNOWN = "ambiguous", "ambiguous_rest", "unknown"
+_AMBIGUOUS, _AMBIGUOUS_REST = "ambiguous", "ambiguous_rest"
+UNKNOWN, _WITHIN_NOISE = "unknown", "within_noise"
 KINDS = {
     NO_GAP: ("No gap", PASSED),
     NAMED: ("Named", PASSED),
@@ -23,6 +25,7 @@ KINDS = {
     _AMBIGUOUS: ("Ambiguous", WARNING),
     _AMBIGUOUS_REST: ("Ambiguous and something else", WARNING),
     UNKNOWN: ("Unknown cause", FAILED),
+    _WITHIN_NOISE: ("Within the noise", PASSED),
 }
 """The outcomes, each in a few words and with its colour."""
 
@@ -30,13 +33,18 @@ _DRIVERS = {
     "temperature": "the temperature of the disc",
     "time": "the time since the brake bit",
     "elapsed": "the time since the run began",
+    "distance": "the distance since the run began",
     "constant": "nothing: it is always there",
     WHEEL_ANGLE: "the angle of the wheels, turn by turn",
     FREQUENCY: "nothing but time: it swings",
     SLIP: "the slip, as brake control does",
 }
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
-_STATES = "States of logs and tyres, which are no effects of the car, and were taken out."
+_WITHIN = 1.0
+"""Gap, in units of the sensors' noise, up to which an unknown cause is within the noise."""
+_SIDES_TOLD = 3e-4
+"""Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
+_STATES = "States of single logs, which are no effects of the car, against what all logs share."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
 ERROR = "unexplained error (1 = noise)"
 """The mean squared innovation of the calibration logs, in words."""
@@ -56,6 +64,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
         ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
+        ("Taken out", _uneven(found)),
         *(
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
             for name, one in found.model_after.effects.own.items()
@@ -78,8 +87,11 @@ def facts(found: Diagnosis, title: str) -> Facts:
 def outcome(found: Diagnosis) -> str:
     """The verdict as the hold-outs judge it, a key of `KINDS`.
 
-    "named" only if the gap of the hold-outs is smaller than before and nothing significant is left.
+    "named" only if the gap of the hold-outs is smaller than before and nothing significant is left;
+    "unknown" only if they have a gap.
     """
+    if found.verdict == UNKNOWN and found.gap.before < _WITHIN:
+        return _WITHIN_NOISE
     if found.verdict not in (NAMED, _AMBIGUOUS):
         return found.verdict
     if found.gap.closed <= 0.0:
@@ -106,20 +118,21 @@ def _verdict_of(found: Diagnosis) -> str:
         others = {n for effect in found.effects for n in effect.indistinguishable_from}
         rivals = listed(sorted(others - set(names)), "or")
         return f"{'. '.join(told)}, or else {rivals}; these logs cannot tell which{more}."
+    if outcome(found) == _WITHIN_NOISE:
+        return (
+            "The hold-outs show no gap. What is left from step to step is quick, and not in the "
+            "catalogue: look at the sensors first, one that filters, such as a_x, or channels that "
+            "are not simultaneous."
+        )
     return "The model lacks something that is not in the catalogue."
 
 
 def _not_excluded(found: Diagnosis) -> str:
     """What an unknown cause may be although no explanation with it holds; else empty."""
-    if found.verdict != UNKNOWN:
-        return ""
-    quick = (
-        "That is within the noise: it is quick, and small over a whole run. Look at the sensors "
-        "first: one that filters, such as a_x, or channels that are not simultaneous. "
-    )
-    fade = "No disc temperature is logged: pads that fade are not excluded."
     known = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
-    return quick * (found.gap.before < GATES.within) + fade * (not known)
+    if outcome(found) != UNKNOWN or known:
+        return ""
+    return "The discs' temperature is not in every log: pads that fade are not excluded."
 
 
 def _effect(effect: Named, found: Diagnosis) -> Facts:
@@ -129,9 +142,9 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     if at.temperature is not None:
         seen.append(f"discs of {span(at.temperature, 'degC')}")
     parameters = [(spaced(name), *estimate(value)) for name, value in effect.parameters.items()]
-    without = found.reduced_after + effect.gain if len(found.effects) > 1 else found.reduced_before
-    evidence = f"with it the {ERROR} is {found.reduced_after:.3f}, without it {without:.3f}"
-    evidence += f"; on the hold-outs it falls by {effect.gain_holdout:.2f}"
+    without = found.reduced_after + effect.gain
+    evidence = f"the {ERROR} is {found.reduced_after:.3f}, and without it, all else the same, "
+    evidence += f"{without:.3f}; on the hold-outs it rises by {effect.gain_holdout:.2f} then"
     if effect.runner_up is not None:
         name, gained = effect.runner_up
         evidence += f"; runner-up: {spaced(name)}, which leaves {found.reduced_before - gained:.3f}"
@@ -162,14 +175,11 @@ def _something_else(found: Diagnosis) -> str:
 
 
 def _withdrawn(found: Diagnosis) -> str:
-    """What fits the calibration logs and not the hold-outs; empty if there is nothing."""
-    told = []
-    for one in found.withdrawn:
-        text = "the hold-outs cannot be replayed"
-        if one.closed is not None:
-            what = "closed" if one.closed >= 0.0 else "more"
-            text = f"{100.0 * abs(one.closed):.0f} % {what} of their lasting errors"
-        told.append(f"{listed(one.names)}: fits the calibration logs, not the hold-outs ({text})")
+    """What fits some logs, and is not the answer; empty if there is nothing."""
+    worse = "fits the calibration logs, and makes the hold-outs less probable"
+    told = [f"{listed(names)}: {worse}" for names in found.withdrawn]
+    if found.verdict == UNKNOWN and (last := found.steps[-1].names):
+        told.append(f"{listed(last)}: explains less than an empirical term alone")
     return "; ".join(told)
 
 
@@ -195,31 +205,32 @@ def unexplained(found: Diagnosis) -> str:
         told.append(
             f"above {held / 1e5:.0f} bar the brake torque hardly rises: brake control or a valve"
         )
-    if left.on_hold_outs:
-        told.append("the calibration logs do not show it: it was placed with the hold-outs")
     return "; ".join(told)
 
 
 def _states(found: Diagnosis) -> Table:
-    """What is of a log or of its tyres: groups and pads against the first, heat, slope or zero."""
-    grounds = [(listed(group.logs), group.ground) for group in found.groups[1:]]
-    rows = [
-        (f"{spaced(name)} [%]", log, f"{100.0 * (x - 1.0):+.1f}")
-        for log, ground in (*grounds, *found.own_pads.items())
-        for name, x in asdict(ground).items()
-    ]
-    for log, heats in found.start_heats.items():
-        for axle, heat in zip(AXLE_NAMES.values(), heats, strict=True):
-            rows.append((f"{axle} discs at first [degC]", log, f"{heat:.0f}"))
-    if (of := found.offsets) is not None:
-        head = f"{spaced(of.effect)} [{of.unit}]"
-        rows += [(head, log, f"{x:+.3f}") for log, x in of.values.items()]
-    rows += [
-        ("left wheel slower than right [%]", f"{AXLE_NAMES[axle]} axle", f"{100.0 * off:+.2f}")
+    """What each log has of its own: pads, road, slope, zero of a_x, heat at its start."""
+    names = [n for n in OWN if any(states[n] != 0.0 for states in found.own.values())]
+    heads = ("log", *(f"{spaced(n)} [{OWN_UNITS[n].replace('1', '%')}]" for n in names))
+    rows = [(log, *(_state(n, states[n]) for n in names)) for log, states in found.own.items()]
+    return Table(heads, rows, _STATES)
+
+
+def _state(name: str, value: float) -> str:
+    """A state of a log in the unit of its head: factors and slopes in per cent."""
+    if OWN_UNITS[name] != "1":
+        return f"{value:+.3g}"
+    return f"{100.0 * (math.expm1(value) if name in FACTORS else value):+z.1f}"
+
+
+def _uneven(found: Diagnosis) -> str:
+    """How much faster the right wheel of an axle rolled than the left one; empty if hardly."""
+    told = [
+        f"{100.0 * off:+.2f} % of right over left wheel speed of the {AXLE_NAMES[axle]} axle"
         for axle, off in found.sides.items()
-        if abs(off) > GATES.sides_told
+        if abs(off) > _SIDES_TOLD
     ]
-    return Table(("state", "of", "value"), rows, _STATES)
+    return "; ".join(told)
 
 
 def _unseen(found: Diagnosis) -> Table:

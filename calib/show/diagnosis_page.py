@@ -14,9 +14,9 @@ import numpy as np
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
 from calib.car.effects.empirical import DRIVERS
-from calib.diagnosis.diagnose import Diagnosis
-from calib.diagnosis.proof.gap import UNITS
-from calib.diagnosis.proof.unexplained import UnexplainedTerm
+from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.proof.unexplained import Unexplained
+from calib.diagnosis.replays.gap import UNITS
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes
 from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome
@@ -26,7 +26,11 @@ from calib.show.sheet import Line, Panel, Sheet
 from calib.show.style import BODY, FRONT, REAR, Stroke, as_text, reach, smooth
 
 _SPEED = "Speed of the open-loop replays less the measured one."
-_LARGEST = "Replay less measurement of the log with the largest gap; the band is the noise."
+_LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
+_BASE = (
+    "Base parameters as re-identified. How sure the pads are is what it is in a fit: a tyre's own "
+    "form, what a log has of its own and the tolerance of the mass count."
+)
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
 
 _CLOCK = 0.02
@@ -34,6 +38,9 @@ _CLOCK = 0.02
 
 _PAUSE = 0.6
 """Space between two logs on one axis [s]."""
+
+_LETTERS = 30
+"""Letters of a name that the smallest panel has room for."""
 
 
 def report(found: Diagnosis, title: str) -> Facts:
@@ -47,21 +54,23 @@ def report(found: Diagnosis, title: str) -> Facts:
         _gap(found, drawn),
         Facts("Base parameters", tables=[_base(found)]),
     ]
-    return replace(told, pictures=[Picture(_SPEED, drawn, ("speed",))], parts=parts)
+    caption = f"{_SPEED} {_numbered(found)}".rstrip()
+    return replace(told, pictures=[Picture(caption, drawn, ("speed",))], parts=parts)
 
 
 def _search(found: Diagnosis) -> Facts:
     """What each step added, what that brought, and what it left."""
     first = found.steps[0]
-    rows = [("nothing", f"{first.innovation:.3f}", "", f"{first.left:.2f}", "")]
+    rows = [("nothing", f"{first.innovation:.3f}", "", "", "")]
     for change in changes(found.steps):
         what = [listed(change.added)] if change.added else []
         what += [f"without {listed(change.removed)}"] if change.removed else []
         now, name = change.step, ", ".join(what) or "the same, fitted anew"
-        gain, fall = f"{0.0 - change.gain:+.3f}", f"{0.0 - change.fall:+.2f}"
-        rows.append((name, f"{now.innovation:.3f}", gain, f"{now.left:.2f}", fall))
-    heads = ("added", "unexplained error", "change", "left in replays", "change")
-    caption = f"The search: {ERROR}, and lasting errors of the replays over the noise."
+        gain = f"{0.0 - change.gain:+.3f}"
+        odds = (f"{now.calibration:.0f}", f"{now.holdout:.0f}")
+        rows.append((name, f"{now.innovation:.3f}", gain, *odds))
+    heads = ("added", "unexplained error", "change", "log odds, searched", "log odds, hold-outs")
+    caption = f"The search: {ERROR}, and ln of the odds that each step gains."
     return Facts(
         "Effects that were tried",
         headline="Every effect of the catalogue, with pads and tyres fitted again each time.",
@@ -93,7 +102,7 @@ def _confusion(found: Confusion) -> Facts:
     )
 
 
-def _unexplained(found: UnexplainedTerm) -> Facts:
+def _unexplained(found: Unexplained) -> Facts:
     """The empirical term point by point, and other terms that explain a part of the gap."""
     term, unit = found.term, DRIVERS[found.term.driver]
     on = "brake torque" if term.on_brakes else "force over weight"
@@ -118,18 +127,19 @@ def _unexplained(found: UnexplainedTerm) -> Facts:
 
 def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    rows = []
-    for log, ends in found.gap.by_log.items():
-        rows.append((log, *(f"{end:.2f}" for end in ends), ""))
-        for name, x in found.gap.cells[log].items():
-            ends = (x.before / x.noise, x.after / x.noise)
-            unit = f"{x.noise:.4f} {UNITS[name]}"
-            rows.append((f"{log}, {name}", *(f"{end:.2f}" for end in ends), unit))
-    caption = "Gap by log and channel, noise taken out, in units of the sensor's noise."
+    rows: list[tuple[str, ...]] = []
+    for log, (before, after) in found.gap.by_log.items():
+        cells = found.gap.cells[log].values()
+        ends = [(before, after), *((x.before / x.noise, x.after / x.noise) for x in cells)]
+        rows.append((log, *(f"{a:.2f} to {b:.2f}" for a, b in ends)))
+    noises = (f"{x.noise:.4f} {UNITS[name]}" for name, x in found.gap.by_channel.items())
+    rows.append(("noise", "1", *noises))
+    caption = "Gap by log and channel before and after, in units of the noise, which is taken out."
+    name = found.measured[_worst(found)].name
     return Facts(
         "The gap on the hold-outs",
-        tables=[Table(("log, channel", "before", "after", "noise"), rows, caption)],
-        pictures=[Picture(_LARGEST, drawn, ("acceleration", "split"))],
+        tables=[Table(("log", "all", *found.gap.by_channel), rows, caption)],
+        pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
     )
 
 
@@ -142,13 +152,13 @@ def _base(found: Diagnosis) -> Table:
         for name, x in found.base.items()
     ]
     heads = ("parameter", "value", "95 % interval", "vehicle file")
-    return Table(heads, rows, "Base parameters as re-identified.")
+    return Table(heads, rows, _BASE)
 
 
 def sheet(found: Diagnosis, name: str) -> Sheet:
     """Return the sheet of a diagnosis; ``name`` is that of the vehicle."""
     logs = range(len(found.measured))
-    worst = max(logs, key=lambda i: found.gap.by_log[found.measured[i].name][0])
+    worst = _worst(found)
     weights, words = _split_of(found)
     panels = (
         _errors("speed", "Speed", found, logs, {"v": 1.0}, "$v$ [m/s]"),
@@ -164,9 +174,38 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         note=(
             "Replays are open loop: pressure and first speed only. Before: pads and tyre "
             "re-identified, no effect added. After: with all that was added. The band is 95 % of "
-            "the noise of single samples."
-        ),
+            f"the noise of single samples. {as_text(_numbered(found))}"
+        ).rstrip(),
     )
+
+
+def _worst(found: Diagnosis) -> int:
+    """The place of the hold-out with the largest gap."""
+    gaps = [found.gap.by_log[log.name][0] for log in found.measured]
+    return gaps.index(max(gaps))
+
+
+def _labels(found: Diagnosis) -> list[str]:
+    """What each hold-out is called in a picture: its name, or its number where names have no room.
+
+    A text that is longer than its part of the axis covers the next one, and the axes shrink to
+    give it room.
+    """
+    lasts = [float(log.time[-1] - log.time[0]) for log in found.measured]
+    names = [as_text(log.name) for log in found.measured]
+    room = [min(_LETTERS, 2 * _LETTERS * last / sum(lasts)) for last in lasts]
+    if all(len(name) <= most for name, most in zip(names, room, strict=True)):
+        return names
+    return [str(i + 1) for i in range(len(names))]
+
+
+def _numbered(found: Diagnosis) -> str:
+    """The names behind the numbers of the hold-outs, empty where pictures have the names."""
+    labels, names = _labels(found), [log.name for log in found.measured]
+    if labels == [as_text(name) for name in names]:
+        return ""
+    pairs = (f"{label} {name}" for label, name in zip(labels, names, strict=True))
+    return f"Logs: {', '.join(pairs)}."
 
 
 def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
@@ -205,7 +244,7 @@ def _errors(
             every = max(1, round(_CLOCK / measured.sample_time))
             shown = smooth(time, np.asarray(off))[::every]
             lines.append(Line(start + time[::every], shown, stroke, when * first))
-        texts.append((as_text(measured.name), start, -half))
+        texts.append((_labels(found)[i], start, -half))
         start = end + _PAUSE
     height = reach(*(np.asarray(line.y) for line in lines), np.array([-half, half]), margin=0.2)
     x, y = "time, one log after another [s]", f"replay less measured {unit}"

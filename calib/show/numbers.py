@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from calib.diagnosis.diagnose import ParameterEstimate
+from calib.diagnosis.diagnosis import ParameterEstimate
 
 _SHOWN = {
     "Pa": ("bar", 1e-5),
@@ -14,7 +14,6 @@ _SHOWN = {
     "rad": ("deg", 180.0 / math.pi),
     "J": ("kJ", 1e-3),
     "W": ("kW", 1e-3),
-    "s": ("ms", 1e3),
     "1": ("", 1.0),
 }
 """SI unit to the unit that is printed, and the factor; other units are printed unchanged."""

@@ -5,15 +5,19 @@ A handful here; tests/studies/naming.py scores hundreds.
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.search.decide import decide
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.search.search import Search
 from calib.diagnosis.written.document import to_dict
-from tests.support.explained import based, diagnosed
+from calib.logs.log import Log
+from tests.support.explained import diagnosed, searched
 from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.measuring_chain import Message, chained
 
 SEVEN = ("coast", "ramp", "hot", "release", "step_high", "stop_a", "mixed")
 """Runs of a case that is not all driven: five to learn from, two held out."""
@@ -71,7 +75,7 @@ def test_three_effects_at_once_are_named_and_nothing_else():
     assert {effect.name for effect in found.effects} == set(hidden)
     assert found.unexplained is None
     assert len(found.steps[-1].names) == 3
-    assert found.steps[-1].left < 2.0 < found.steps[0].left
+    assert found.steps[-1].innovation < 1.1 < found.steps[0].innovation
 
 
 def test_nothing_hidden_is_no_gap_and_leaves_the_model_alone():
@@ -127,14 +131,72 @@ def test_the_order_of_the_logs_does_not_matter(drag, told):
     assert to_dict(told[0]) == to_dict(other)
 
 
+def test_half_the_sample_rate_finds_the_same_effects(drag):
+    def thinned(parts: tuple[Log, ...]) -> list[Log]:
+        few = (log for log in parts if log.name in ("coast", "hot", "stop_a"))
+        return [replace(log, channels={k: v[::2] for k, v in log.channels.items()}) for log in few]
+
+    search: Search = searched(drag.vehicle, thinned(drag.calibration), thinned(drag.holdout))
+    assert search.best.names == ("aerodynamic_drag",)
+
+
 @pytest.mark.slow
-def test_half_the_sample_rate_gives_the_same_verdict(drag):
-    half = tuple(
-        replace(log, channels={k: v[::2] for k, v in log.channels.items()})
-        for log in drag.calibration
-    )
-    one, other = (decide(based(case)) for case in (drag, replace(drag, calibration=half)))
-    assert (one.verdict, one.best.names) == (other.verdict, other.best.names)
+@pytest.mark.parametrize(
+    ("kind", "seed", "own", "margin"),
+    [
+        ("groups", 731002, ("front_pads", "rear_pads"), 0.015),
+        ("unlike", 3, ("front_pads", "rear_pads"), 0.02),
+        ("offsets", 2, ("slope",), 0.002),
+        ("offsets", 0, ("zero",), 0.02),
+    ],
+)
+def test_what_each_log_has_of_its_own_is_told_and_is_no_effect(kind, seed, own, margin):
+    """Two groups of pads with nothing hidden; pads, slopes or zeros of each log beside a cause."""
+    names = {"unlike": ("pad_speed_dependence",), "offsets": ("pad_pressure_dependence",)}
+    case = draw(kind, seed, names.get(kind, ()), severity=1)
+    found, logs = diagnosed(case), (*case.calibration, *case.holdout)
+    assert tuple(effect.name for effect in found.effects) == names.get(kind, ())
+    assert found.verdict == ("named" if kind in names else "no_gap")
+    assert found.unexplained is None
+    assert found.warnings == ()
+    assert found.gap.after < 2.0
+    assert to_dict(found)["own_states"].keys() == {log.name for log in logs}
+    variety = case.answer["variety"]
+    grounds = [variety["grounds"][i] for i in variety["of_run"]]
+    braked = [i for i, log in enumerate(logs) if log["p_mc"].max() > 5e5]
+    for k, name in enumerate(own):
+        of = {"slope": "grade", "zero": "bias"}.get(name)
+        true = np.array([g[of] if of else np.log(g["pad_scale"][k]) for g in grounds])
+        told = np.array([found.own[log.name][name] for log in logs])
+        off = (told - true)[braked]
+        assert off - off.mean() == pytest.approx(np.zeros(off.size), abs=margin)
+
+
+LATE = {
+    "p_mc": Message(100.0, 0.005),
+    "a_x": Message(50.0, 0.02, corner=15.0),
+    "omega": Message(100.0, 0.01),
+    "v": Message(20.0, 0.06),
+}
+
+
+@pytest.mark.slow
+def test_channels_that_a_bus_sends_late_are_named_as_that_together():
+    case, rng = draw("none", 4402), np.random.default_rng(5)
+    parts = (case.calibration, case.holdout)
+    logs, held = (tuple(chained(log, LATE, rng) for log in part) for part in parts)
+    found = diagnosed(replace(case, calibration=logs, holdout=held))
+    assert found.verdict == "named"
+    late = {effect.name: effect.parameters for effect in found.effects}
+    delays = ("hydraulic_delay", "speed_delay", "wheel_speed_delay", "accelerometer_lag")
+    assert late.keys() <= set(delays)
+    # against the wheels, as all of them are late against p_mc besides
+    apart = late["speed_delay"]["v_delay"].value
+    if "wheel_speed_delay" in late:
+        apart -= late["wheel_speed_delay"]["omega_delay"].value
+    assert apart == pytest.approx(0.05, abs=0.006)
+    # two poles of 15 Hz are a delay of 15 ms, and 20 ms come besides
+    assert late["accelerometer_lag"]["filter_time"].value == pytest.approx(0.03, abs=0.015)
 
 
 def test_logs_that_cannot_give_an_answer_are_refused(drag):

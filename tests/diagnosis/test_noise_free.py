@@ -1,10 +1,10 @@
 """Noise-free 40 Hz logs without an unbraked part are diagnosed too, of a plant of tests/."""
 
-import numpy as np
 import pytest
 
-from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.explanation.channels import CHANNELS, FLOOR, noise_of
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.explanation.channels import CHANNELS
 from calib.diagnosis.written.document import to_dict
 from calib.logs.log import Log
 from calib.run.check import problems_for
@@ -68,17 +68,3 @@ def test_three_effects_of_a_real_car_are_named_with_intervals_that_hold_them():
     assert all(told[name][0] <= true <= told[name][1] for name, true in truth.items())
     assert found.unexplained is None
     assert found.gap.closed > 0.9
-
-
-def test_white_noise_is_found_in_the_differences_beside_a_bite():
-    rng = np.random.default_rng(5)
-    sigma = np.array([0.06, 0.02, 0.02, 0.02, 0.03, 0.03])
-    bite = np.where(np.arange(240) > 12, 5.0, 0.0)
-    whole = bite + sigma[:, None] * rng.normal(size=(6, 240))
-    found = noise_of([whole[:, :4]], [whole])
-    assert found.sigma == pytest.approx(sigma, rel=0.25)
-    assert found.source == "differences between samples"
-    assert found.at_floor == ()
-    silent = noise_of([], [np.zeros((6, 240))])
-    assert silent.sigma == pytest.approx(FLOOR)
-    assert silent.at_floor == CHANNELS

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of, wheel_angles
-from calib.diagnosis.explanation.problem import problem_of
-from calib.diagnosis.proof.gap import gap_of
-from calib.diagnosis.proof.hold_outs import hold_outs_of
+from calib.diagnosis.explanation.problem import problem_of, turned
+from calib.diagnosis.replays.gap import gap_of
+from calib.diagnosis.replays.hold_outs import HoldOuts
+from calib.diagnosis.replays.replayed import replayed
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
+from tests.support.explained import asked, fitted
 from tests.support.hidden.cases import CARS, NOISE, SURFACES
 from tests.support.hidden.hydraulics import STEP, lines
 from tests.support.hidden.plant import Car, Start, drive
@@ -60,21 +60,18 @@ def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
 
 def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     name, logs = runs
-    problem = problem_of(CAR, [run_of(log) for log in logs[:2]])
-    base = fit(problem, (), np.zeros(BASE))
-    held = hold_outs_of(base, logs[2:])
-    best = fit(problem, (name,), np.concatenate([base.x, [1.0, 0.0, 1.0]]))
-    before, after = held.replayed(base), held.replayed(best)
-    gap = gap_of(before, after, held.logs).by_channel
+    problem = asked(CAR, logs[:2])
+    kept = turned(CAR, [run_of(log) for log in logs[2:]], problem.noise)
+    held = HoldOuts(tuple(logs[2:]), replace(problem, runs=kept))
+    before, after = (replayed(held, fitted(problem, names)) for names in ((), (name,)))
+    gap = gap_of(before.logs, after.logs, held.logs).by_channel
     shown = "a_x" if name == "disc_thickness_variation" else "omega_fl"
     assert gap[shown].after < 0.5 * gap[shown].before
-    lost = gap_of(before, _half_a_turn_later(held, best), held.logs).by_channel
-    assert lost[shown].after > 1.5 * lost[shown].before  # a wrong phase doubles the ripple
-
-
-def _half_a_turn_later(held, best):
-    turned = [replace(run, angle_f=run.angle_f + np.pi) for run in held.problem.runs]
-    return replace(held, problem=replace(held.problem, runs=tuple(turned))).replayed(best)
+    runs = tuple(replace(run, angle_f=run.angle_f + np.pi) for run in kept)
+    late = replace(held, problem=replace(problem, runs=runs))
+    lost = late.replays(after.at.base, after.at.effects, after.own)
+    # a wrong phase doubles the ripple
+    assert gap_of(before.logs, lost, held.logs).by_channel[shown].after > 1.5 * gap[shown].before
 
 
 def test_the_measured_angle_is_the_way_over_the_radius():

@@ -1,19 +1,20 @@
 """Facts of a diagnosis, from an answer that is written down in `tests.support`."""
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.catalogue import CATALOGUE
-from calib.diagnosis.explanation.base import Ground
-from calib.diagnosis.proof.prove import SearchStep, Withdrawn
-from calib.diagnosis.search.offsets import LogOffsets
-from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
+from calib.diagnosis.diagnosis import ParameterEstimate
+from calib.diagnosis.explanation.own import OWN
+from calib.diagnosis.search.search import SearchStep
+from calib.diagnosis.undecided.confusion import Alike, Confusion, Pair
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.document import to_dict
 from calib.show.diagnosis import KINDS, facts, outcome
-from calib.show.diagnosis_page import report
+from calib.show.diagnosis_page import report, sheet
 from calib.show.html import page_of
 from tests.support.written_diagnosis import LEFT, MARKUP, QUIET, named_drag, unknown
 
@@ -37,6 +38,10 @@ def tables(found):
     }
 
 
+def within(found):
+    return replace(found, gap=replace(found.gap, before=0.5, after=0.25))
+
+
 def worse(found):
     return replace(found, gap=replace(found.gap, after=found.gap.before, closed=0.0))
 
@@ -52,6 +57,7 @@ def worse(found):
         (lambda found: replace(found, verdict="ambiguous"), "ambiguous"),
         (lambda found: replace(found, verdict="ambiguous", left=LEFT), "ambiguous_rest"),
         (unknown, "unknown"),
+        (lambda found: within(unknown(found)), "within_noise"),
         (lambda found: replace(found, verdict="no_gap", effects=()), "no_gap"),
     ],
 )
@@ -70,9 +76,10 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
     assert effect.title == "Aerodynamic drag"
     assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     gap = tables(named)
-    assert gap["Gap by"][0] == (MARKUP, "8.25", "1.50", "")
-    assert gap["Gap by"][1][1:] == ("0.50", "0.50", "0.0625 m/s^2")
-    assert gap["Gap by"][6][1:] == ("4.00", "8.00", "0.0625 m/s")
+    log, noise = gap["Gap by"]
+    assert log[:3] == (MARKUP, "8.25 to 1.50", "0.50 to 0.50")
+    assert log[-1] == "4.00 to 8.00"
+    assert (noise[2], noise[-1]) == ("0.0625 m/s^2", "0.0625 m/s")
     assert gap["Base parameters"][1][3] == ""  # a vehicle file says nothing of the tyres
 
 
@@ -95,35 +102,83 @@ def test_what_is_left_says_where_the_replays_show_it(named, left, where):
     assert ("10 to 20 bar and 36 to 72 km/h" in dict(facts(rest, "car").rows)["Left over"]) == where
 
 
-def test_slopes_and_pads_of_single_logs_are_told(named):
-    slopes = LogOffsets("road_grade", "grade", "1", {"north": 0.012, "south": -0.012})
-    pads = {"north": Ground(1.02, 0.99, 1.0, 1.0), "south": Ground()}
-    told = replace(named, offsets=slopes, own_pads=pads, sides={"f": 0.003})
-    rows = tables(told)["States of"]
-    assert [value for _, of, value in rows if of == "north"] == [
-        "+2.0", "-1.0", "+0.0", "+0.0", "+0.012"
-    ]  # fmt: skip
-    assert rows[-1] == ("left wheel slower than right [%]", "front axle", "+0.30")
+def test_what_single_logs_have_of_their_own_has_a_column_each(named):
+    none = dict.fromkeys(OWN, 0.0)
+    north = none | {"rear_pads": math.log(0.99), "slope": 0.012, "front_heat": 85.25}
+    own = {"north": north, "south": none | {"slope": -0.012}}
+    told = replace(named, own=own, sides={"f": 0.003, "r": 0.0001})
+    (states,) = (t for t in facts(told, "car").tables if t.heads[0] == "log")
+    assert [head[-3:] for head in states.heads[1:]] == ["[%]", "[%]", "[K]"]
+    assert states.rows == [("north", "-1.0", "+1.2", "+85.2"), ("south", "+0.0", "-1.2", "+0")]
+    taken = dict(facts(told, "car").rows)["Taken out"]
+    assert "+0.30 %" in taken
+    assert "rear" not in taken
+    assert to_dict(told)["own_states"] == own
+
+
+def test_a_parameter_in_seconds_is_told_in_seconds(named):
+    late = replace(
+        named.effects[0],
+        name="hydraulic_delay",
+        parameters={"delay": ParameterEstimate(0.03, "s", (0.0285, 0.0315))},
+    )
+    (part,) = facts(replace(named, effects=(late,)), "car").parts
+    assert list(part.tables[0].rows) == [("delay", "0.0300 s", "0.0285 to 0.0315")]
+
+
+@pytest.mark.parametrize(("count", "length"), [(1, 8), (4, 8), (1, 80), (12, 60)])
+def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, length):
+    """Axes that collapse are a warning of matplotlib, and so an error here."""
+    five = tuple(replace(named.effects[0], name=name) for name in [*CATALOGUE][:5])
+    logs = tuple(replace(named.measured[0], name=f"{i:02}" * (length // 2)) for i in range(count))
+    gap = replace(
+        named.gap,
+        by_log={log.name: (8.25, 1.5) for log in logs},
+        cells={log.name: named.gap.cells[MARKUP] for log in logs},
+    )
+    found = replace(named, effects=five, gap=gap, before=logs, after=logs, measured=logs)
+    drawn = sheet(found, "car")
+    for figure in (drawn.overview(), *(drawn.figure(name) for name in drawn.names)):
+        figure.canvas.draw()
+        whole = figure.get_window_extent()
+        for ax in figure.axes:
+            across = 0.3 if len(figure.axes) > 1 else 0.7
+            assert ax.get_window_extent().width > across * whole.width
+            last = whole.x0
+            for text in ax.texts:
+                box = text.get_window_extent()
+                assert last <= box.x0
+                last = box.x1
+            assert last <= whole.x1
+    known = page_of(report(found, "car"))
+    assert all(log.name in known for log in logs)
 
 
 def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
-    found = replace(unknown(named), withdrawn=(Withdrawn(("rear_proportioning",), -1.39),))
-    assert "139 %" in dict(facts(found, "car").rows)["Not named"]
+    found = replace(unknown(named), withdrawn=(("rear_proportioning", "mass_error"),))
+    told = dict(facts(found, "car").rows)["Not named"]
+    assert "rear proportioning" in told
+    assert "mass error" in told
+    assert to_dict(found)["withdrawn"] == [["rear_proportioning", "mass_error"]]
     last = named.steps[-1].names
-    steps = (*named.steps, SearchStep(("hydraulic_lag",), 1.125, 0.5), SearchStep(last, 0.9, 0.25))
-    steps += (SearchStep(last, 0.875, 0.25),)
-    assert tables(replace(named, steps=steps))["The search:"] == [
-        ("nothing", "3.500", "", "8.00", ""),
-        ("aerodynamic drag", "1.000", "-2.500", "0.25", "-7.75"),
-        ("hydraulic lag, without aerodynamic drag", "1.125", "+0.125", "0.50", "+0.25"),
-        ("aerodynamic drag, without hydraulic lag", "0.900", "-0.225", "0.25", "-0.25"),
-        ("the same, fitted anew", "0.875", "-0.025", "0.25", "+0.00"),
+    lag = SearchStep(("hydraulic_lag",), 1.125, 12.5, -2.0)
+    steps = (*named.steps, lag, SearchStep(last, 0.875, 20.0, 4.0))
+    course = replace(named, steps=steps)
+    assert tables(course)["The search:"] == [
+        ("nothing", "3.500", "", "", ""),
+        ("aerodynamic drag", "1.000", "-2.500", "320", "160"),
+        ("hydraulic lag, without aerodynamic drag", "1.125", "+0.125", "12", "-2"),
+        ("aerodynamic drag, without hydraulic lag", "0.875", "-0.250", "20", "4"),
     ]
+    assert to_dict(course)["steps"][2] == {
+        "names": ("hydraulic_lag",), "innovation": 1.125, "calibration": 12.5, "holdout": -2.0,
+        "added": ("hydraulic_lag",), "removed": ("aerodynamic_drag",), "innovation_gain": -0.125,
+    }  # fmt: skip
 
 
 def test_explanations_that_fit_alike_have_the_drive_for_each_pair(named):
     alike = Confusion(
-        (Explanation(("road_grade",), 1.0), Explanation(("mass_error", "hydraulic_lag"), 1.0025)),
+        (Alike(("road_grade",), 1.0), Alike(("mass_error", "hydraulic_lag"), 1.0025)),
         (Pair(0, 1, 3.0, "coast", 48.0),),
     )
     told = tables(replace(named, verdict="ambiguous", confusion=alike))

@@ -4,9 +4,11 @@
     python tests/studies/naming.py --count 9 --seed 5 --kind outside --rows rows.jsonl
     python tests/studies/naming.py --count 21 --kind single --severity 0
     python tests/studies/naming.py --count 12 --seed 9 --radii 0.2
+    python tests/studies/naming.py --count 12 --seed 9 --unlike-tyres
 
 ``--count`` cases of each kind; successive seeds go round the names. ``--radii`` is the sd of the
-vehicle file's rolling radii [%]; ``--rows`` appends every case to a file, one JSON a line.
+vehicle file's rolling radii [%]; ``--unlike-tyres`` gives each axle one of Burckhardt's, Dugoff's
+or a brush; ``--rows`` appends every case to a file, one JSON a line.
 Limits are Wilson's, 95 %. A case fails on its own: an
 error of the program is an outcome like any other and is counted.
 """
@@ -25,7 +27,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
 from tests.studies.score import FAINT, MOST_LEFT, Replays, Score, score
 from tests.studies.study import arguments, carried_out, share
 from tests.support.hidden.cases import KINDS, HiddenCase, draw
@@ -50,17 +53,18 @@ class Job:
     seed: int
     severity: int | None
     radii: float
+    unlike_tyres: bool
 
 
 def main() -> None:
     """Draw, diagnose, score, print."""
     asked = arguments(
-        __doc__,
+        __doc__, "unlike_tyres",
         count=21, seed=0, severity=-1, radii=0.0, jobs=1, rows="", kind=list(KINDS),
     )  # fmt: skip
     severity = None if asked.severity < 0 else asked.severity
     jobs = [
-        Job(kind, asked.seed + i, severity, asked.radii)
+        Job(kind, asked.seed + i, severity, asked.radii, asked.unlike_tyres)
         for kind in asked.kind
         for i in range(asked.count)
     ]
@@ -76,7 +80,7 @@ def main() -> None:
 
 def carry_out(job: Job) -> Row:
     """Draw one case and diagnose it."""
-    case = draw(job.kind, job.seed, severity=job.severity)
+    case = draw(job.kind, job.seed, severity=job.severity, unlike_tyres=job.unlike_tyres)
     off = 0.01 * job.radii * float(np.random.default_rng(job.seed).normal())
     case = replace(case, vehicle=case.vehicle.with_radii(1.0 + off))
     start = time.perf_counter()

@@ -1,21 +1,56 @@
-"""What the diagnosis makes of a case of the hidden plant: its problem, its base, its answer."""
+"""What the diagnosis makes of a case of the hidden plant: problem, base, search, answer."""
 
-from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.explanation.candidate import Candidate
-from calib.diagnosis.explanation.fit import fit
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from calib.car.vehicle import Vehicle
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import ALMOST, fit
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, start_of
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, problem_of
+from calib.diagnosis.explanation.problem import Problem, problem_of, turned
+from calib.diagnosis.replays.hold_outs import HoldOuts
+from calib.diagnosis.search.search import Search
+from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase
 
 
-def asked(case: HiddenCase) -> Problem:
+def asked(vehicle: Vehicle, logs: Sequence[Log]) -> Problem:
+    """The problem of some logs."""
+    return problem_of(vehicle, [run_of(log) for log in logs])
+
+
+def asked_of(case: HiddenCase) -> Problem:
     """The problem of the calibration logs."""
-    return problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    return asked(case.vehicle, case.calibration)
 
 
-def based(case: HiddenCase) -> Candidate:
+def fitted(problem: Problem, names: tuple[str, ...] = (), kinds: Sequence[str] = ()) -> Explanation:
+    """Effects and kinds fitted from nothing; strengths begin with one spread."""
+    start, hypothesis = start_of(problem), Hypothesis(names, frozenset(kinds))
+    more = np.zeros(sum(problem.parameters_of(name) for name in names))
+    for place in problem.places(names).values():
+        more[place.start - problem.base_size] = 1.0
+    state = State(np.append(start.x, more), start.form, start.own)
+    return fit(problem, hypothesis, state, settled=ALMOST)
+
+
+def based(case: HiddenCase) -> Explanation:
     """The vehicle re-identified on the calibration logs, without effects."""
-    return fit(problem := asked(case), (), problem.start)
+    return fitted(asked_of(case))
+
+
+def searched(vehicle: Vehicle, logs: Sequence[Log], held: Sequence[Log]) -> Search:
+    """The search in some logs, judged by others."""
+    problem = asked(vehicle, logs)
+    runs = turned(vehicle, [run_of(log) for log in held], problem.noise)
+    search = Search(problem, HoldOuts(tuple(held), replace(problem, runs=runs)))
+    search.run()
+    return search
 
 
 def diagnosed(case: HiddenCase) -> Diagnosis:

@@ -65,6 +65,30 @@ def brush(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float = 0.0
     return force
 
 
+def burckhardt(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float = 0.0) -> Tyre:
+    """Burckhardt's formula: an exponential rise, less a straight fall of 0.35 of the peak."""
+
+    def force(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
+        mu = peak * peak_factor
+        k = stiffness * stiffness_factor * load**-load_exponent
+        fall, rise, s = 0.35 * mu, 1.06 * mu, abs(slip)
+        held = rise * (1.0 - math.exp(-(k + fall) / rise * s)) - fall * s
+        return math.copysign(held, slip)
+
+    return force
+
+
+def dugoff(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float = 0.0) -> Tyre:
+    """Dugoff's formula: straight up to half of the peak."""
+
+    def force(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
+        mu = peak * peak_factor
+        x = stiffness * stiffness_factor * load**-load_exponent * abs(slip) / mu
+        return math.copysign(mu * (x if x < 0.5 else 1.0 - 0.25 / x), slip)
+
+    return force
+
+
 @dataclass(frozen=True)
 class Plant:
     """The car as it really is; what ``vehicle`` says is what the program is told."""

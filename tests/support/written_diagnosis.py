@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -9,14 +10,13 @@ from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.magic_formula import MagicFormula
 from calib.car.model import Model
 from calib.car.vehicle_file import read_vehicle
-from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
-from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.diagnosis import Diagnosis, Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.channels import ChannelNoise
-from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, Gap
 from calib.diagnosis.proof.oscillation import Oscillation
-from calib.diagnosis.proof.prove import SearchStep
-from calib.diagnosis.proof.remainder import Remainder
-from calib.diagnosis.proof.unexplained import UnexplainedTerm
+from calib.diagnosis.proof.unexplained import Unexplained
+from calib.diagnosis.replays.gap import CHANNELS, ChannelGap, Gap
+from calib.diagnosis.replays.remainder import Remainder
+from calib.diagnosis.search.search import SearchStep
 from calib.logs.read import read_log
 
 CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"
@@ -45,29 +45,47 @@ def named_drag():
     }
     gap = Gap(8.25, 1.5, 0.875, channels, {MARKUP: (8.25, 1.5)}, {MARKUP: cells})  # fmt: skip
     return Diagnosis(
-        "named", (drag,), None, {"pad_friction_f": estimate(0.375), "tyre_peak": estimate(0.8)},
-        gap, model, model, (log,), (log,), (log,), 3.5, 1.0, QUIET, (),
-        (SearchStep((), 3.5, 8.0), SearchStep(("aerodynamic_drag",), 1.0, 0.25)),
-        ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900), (), {}, None, {}, (), (),
-        None, {}, (),
-    )  # fmt: skip
+        verdict="named",
+        effects=(drag,),
+        unexplained=None,
+        base={"pad_friction_f": estimate(0.375), "tyre_peak": estimate(0.8)},
+        gap=gap,
+        model_before=model,
+        model_after=model,
+        before=(log,),
+        after=(log,),
+        measured=(log,),
+        reduced_before=3.5,
+        reduced_after=1.0,
+        left=QUIET,
+        withdrawn=(),
+        steps=(
+            SearchStep((), 3.5, 0.0, 0.0),
+            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25),
+        ),
+        noise=ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900),
+        own={},
+        not_resolved=(),
+        drives=(),
+        confusion=None,
+        sides={},
+        warnings=(),
+    )
 
 
 def unknown(named):
     """The same logs with a cause that is in no catalogue; something is left in the replays."""
     term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
     model = named.model_after
-    base = Candidate(None, (), None, Effects(), None, 0.0, 0.0, 1, 1.0)
-    rest = UnexplainedTerm(
-        term,
-        "rear",
-        "pressure",
-        0.75,
-        0.0,
-        Oscillation(0.0, 0.0, body=False),
-        None,
-        base,
-        (("body", "speed", 0.5),),
+    rest = Unexplained(
+        at=SimpleNamespace(effects=Effects(terms=(term,))),
+        axle="rear",
+        driver="pressure",
+        explained=0.75,
+        turning=0.0,
+        oscillation=Oscillation(0.0, 0.0, body=False),
+        wheel=None,
+        runners_up=(("body", "speed", 0.5),),
     )
     after = replace(model, effects=replace(model.effects, terms=(term,)))
     return replace(

@@ -50,7 +50,11 @@ def sensed(effects: Effects) -> Effects:
     return replace(effects.without(*left_out), terms=terms)
 
 
-_DRIVERS = {"temperature": "the temperature of the discs", "time": "when the run began"}
+_DRIVERS = {
+    "temperature": "the temperature of the discs",
+    "elapsed": "when the run began",
+    "distance": "where the run began",
+}
 """What an ECU does not know of the drivers of terms."""
 
 

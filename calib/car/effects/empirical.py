@@ -13,6 +13,7 @@ from calib.car.braking import BITE
 from calib.car.effects.effect import Card, Effect, Pair, Parameters
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.history import Motion, RunHistory
+from calib.car.lag import integral
 from calib.car.vehicle import Vehicle
 
 PLACES = {
@@ -32,11 +33,12 @@ DRIVERS = {
     "time": "s",
     "deceleration": "1",
     "elapsed": "s",
+    "distance": "m",
     "constant": "1",
 }
-"""Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` from
-the start of the run, and `constant` has one knot at zero. The temperature is that of the discs of
-the axle on which the term acts."""
+"""Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` and
+`distance` from the start of the run, and `constant` has one knot at zero. The temperature is that
+of the discs of the axle on which the term acts."""
 
 DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
 """Axles whose disc temperatures a term uses. For the body, which has no disc, those of the front
@@ -118,6 +120,7 @@ _ALONG: dict[str, Callable[[RunHistory], Array]] = {
     "time": _since_free,
     "deceleration": lambda history: history.z,
     "elapsed": lambda history: np.asarray(history.time - history.time[0]),
+    "distance": lambda history: integral(history.time, history.v),
     "constant": lambda history: np.zeros_like(history.v),
 }
 

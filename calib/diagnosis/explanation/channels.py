@@ -70,19 +70,20 @@ class ChannelNoise:
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
     """Measured less predicted, (6, m) at the clock of the evidence, as long as the car moves."""
-    w = run.omega - predicted.omega
-    drift = run.v - predicted.gained
-    stacked = np.stack(
-        [
-            run.a_x - predicted.a_x,
-            drift,
-            0.25 * (w[0] + w[1] + w[2] + w[3]),
-            0.5 * (w[0] + w[1] - w[2] - w[3]),
-            w[0] - w[1],
-            w[2] - w[3],
-        ]
-    )
-    return _thin(run, stacked)
+    force = np.stack([run.a_x - predicted.a_x, run.v - predicted.gained])
+    return np.vstack([_thin(run, force), _of_wheels(run, run.omega - predicted.omega)])
+
+
+def of_wheels(run: ObservedRun, omega: Array) -> Array:
+    """Changes of the channels (6, m) by changes of the wheel speeds (4, n) alone [rad/s]."""
+    wheels = _of_wheels(run, omega)
+    return np.vstack([np.zeros((2, wheels.shape[1])), wheels])
+
+
+def _of_wheels(run: ObservedRun, w: Array) -> Array:
+    """The last four channels (4, m) of wheel speeds (4, n)."""
+    rim, apart = 0.25 * (w[0] + w[1] + w[2] + w[3]), 0.5 * (w[0] + w[1] - w[2] - w[3])
+    return _thin(run, np.stack([rim, apart, w[0] - w[1], w[2] - w[3]]))
 
 
 def _thin(run: ObservedRun, x: Array) -> Array:
@@ -190,3 +191,10 @@ def whitened_channel(x: Array, channel: int, noise: ChannelNoise) -> Array:
         return np.asarray(_kept_drift(x) / noise.sigma[channel])
     filtered = np.convolve(x, np.concatenate([[1.0], -noise.coefficients[channel]]), "valid")
     return np.asarray(filtered / noise.sigma[channel])
+
+
+def by_channel(innovations: Array) -> list[Array]:
+    """Innovations (n,) of a run, channel after channel, as one array each."""
+    steps = (innovations.size + (len(CHANNELS) - 1) * ORDER + 1) // len(CHANNELS)
+    sizes = [steps - (1 if c == DRIFT else ORDER) for c in range(len(CHANNELS))]
+    return np.split(innovations, np.cumsum(sizes)[:-1])

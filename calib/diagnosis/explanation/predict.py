@@ -40,7 +40,7 @@ from calib.car.history import Motion, RunHistory
 from calib.car.lag import delayed, integral
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import REFERENCE, Base, Ground
+from calib.diagnosis.explanation.base import FORM_AT, REFERENCE, Base, Ground
 from calib.diagnosis.explanation.kept import Kept
 from calib.diagnosis.explanation.wheel_lag import WheelLag
 from calib.logs.log import Log
@@ -93,9 +93,11 @@ class ObservedRun:
     drive_r: Array
     ground: Ground = REFERENCE
     start_heat: tuple[float, float] = ALIKE
+    slope: float = 0.0
+    zero: float = 0.0
     averaged: int = 1
     lags: Kept[Any, tuple[WheelLag, WheelLag]] = field(
-        init=False, repr=False, compare=False, default_factory=Kept
+        repr=False, compare=False, default_factory=Kept
     )
 
     @property
@@ -106,11 +108,17 @@ class ObservedRun:
 
 @dataclass(frozen=True)
 class Prediction:
-    """``a_x`` [m/s^2], ``gained`` speed since the start [m/s], ``omega`` [rad/s], all as read."""
+    """``a_x`` [m/s^2], ``gained`` speed since the start [m/s], ``omega`` [rad/s], all as read.
+
+    Of the wheels (4, n) ``use`` the force over the load [1], ``lost`` the part of omega that the
+    slip of a tyre without a departure takes [rad/s].
+    """
 
     a_x: Array
     gained: Array
     omega: Array
+    use: Array
+    lost: Array
 
 
 def run_of(log: Log) -> ObservedRun:
@@ -172,8 +180,12 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     base = run.ground.applied(base)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
-    arrives = line_pressure(effects, history_of(run))
-    clamps = caliper_pressure(effects, history_of(run), *arrives)
+    pressed = history_of(run)
+    if base.clock != 0.0:
+        on_time = np.interp(run.time - base.clock, run.time, run.p_mc)
+        pressed = replace(pressed, p_mc=on_time)
+    arrives = line_pressure(effects, pressed)
+    clamps = caliper_pressure(effects, pressed, *arrives)
     drive = (run.drive_f, run.drive_r)
     bare, tyre = replace(car, effects=Effects()), base.tyre
     lags = run.lags.of((bare, tyre), lambda: _wheel_lags(bare, tyre, run))
@@ -186,19 +198,23 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         forces, rates, loads, z = _balance(car, effects, history, torques, drive, lags)
         if turn == 1 and not leans and all(map(np.array_equal, before, torques)):
             break
-    softer = (np.sqrt(base.tyre_ratio), 1.0 / np.sqrt(base.tyre_ratio))
     late = wheel_speed_delay(effects)
     slips: list[Array] = []
+    plain: list[Array] = []
     for i, force in enumerate(forces):
         if i % 2 == 1 and force is forces[i - 1]:  # left and right are equal
             slips.append(slips[-1])
+            plain.append(plain[-1])
             continue
         load = np.maximum(loads[i], 1.0)
-        slip = _slip(car, tyre, (force, rates[i]), load, lags[i // 2]) * softer[i // 2]
+        slip = _slip(car, tyre, (force, rates[i]), load, lags[i // 2])
+        plain.append(slip)
+        if base.form is not None:
+            slip = slip * (1.0 + np.interp(np.abs(force / load), FORM_AT, base.form[i // 2]))
         slips.append(delayed(run.time, slip, late))
     a_true = -G * z
     last = _history(run, z, energy)
-    a_read = as_read(car, effects, last, a_true)
+    a_read = as_read(car, effects, last, a_true) + run.zero
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
     axles = (car.front, car.front, car.rear, car.rear)
     shown = delayed(run.time, gained, speed_delay(effects))  # by v as it is read
@@ -209,7 +225,10 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     moved = Motion(run.v_smooth, 2.0 * loads[0], 2.0 * loads[2], last)
     for w, factor in wheel_speed_factors(car, effects, moved).items():
         omega[WHEELS.index(w)] *= factor
-    return Prediction(a_read, shown, omega)
+    use = np.abs(np.stack(forces) / np.maximum(np.stack(loads), 1.0))
+    radii = np.array([axle.rolling_radius for axle in axles])
+    lost = np.stack(plain) * v / radii[:, None]
+    return Prediction(a_read, shown - G * run.slope * (run.time - run.time[0]), omega, use, lost)
 
 
 def history_of(run: ObservedRun) -> RunHistory:

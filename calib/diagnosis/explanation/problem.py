@@ -1,20 +1,23 @@
 """What is to be explained: all runs of a case, their noise, and what is known of the car."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
+from calib.base.names import G
 from calib.base.processes import Mapped
 from calib.car.effects.body import AERODYNAMIC_DRAG
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import BASE, BASE_SIGMA, RADIUS_SIGMA, Base, Ground, base_of
+from calib.diagnosis.explanation.base import BASE, BASE_SIGMA, CLOCK, CLOCK_UNIT, Base, base_of
 from calib.diagnosis.explanation.channels import (
+    CHANNELS,
+    DRIFT,
     ChannelNoise,
     noise_of,
     residuals,
@@ -22,14 +25,8 @@ from calib.diagnosis.explanation.channels import (
     unbraked_length,
     whiten,
 )
-from calib.diagnosis.explanation.offsets import Course, course_of
-from calib.diagnosis.explanation.own_pads import SIGMA, OwnPads
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.progress import Tell, silent
-from calib.diagnosis.explanation.secant import columns
-from calib.diagnosis.gates import GATES
-
-Array = NDArray[np.float64]
 
 DRAG, SHARE = "aerodynamic_drag", "load_share"
 
@@ -41,28 +38,25 @@ SHARE_RANGE = _SHARE.high - _SHARE.typical
 """Share of a drag that moves load [1]: the middle of its prior, its spread and its range, for a
 drag that is known and one that is found alike."""
 
+_COASTING = 1e5
+"""Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
+a braked disc."""
+
 
 @dataclass(frozen=True)
 class Problem:
     """All runs of a case and their noise; ``tell`` is told of the progress, ``mapped`` carries out
     independent pieces of work.
 
-    The effects of ``vehicle`` are known: they act in every candidate. ``free_radius`` says whether
-    the rolling radii are one of the base parameters, beside those of the file. Another one is how
-    much load a known drag moves, where the file does not say. ``offset`` names an effect of which
-    each log has a size of its own (`calib.diagnosis.explanation.offsets`), empty if there is none.
-    ``own_pads`` is the explanation at which each log may have pads and tyres of its own
-    (`calib.diagnosis.explanation.own_pads`), None where all logs have those of their ground.
+    The effects of ``vehicle`` are known: they act in every hypothesis. How much load a known drag
+    moves is one of the base parameters, where the file does not say.
     """
 
     vehicle: Vehicle
     runs: tuple[ObservedRun, ...]
     noise: ChannelNoise
     tell: Tell = silent
-    free_radius: bool = False
     mapped: Mapped = map
-    offset: str = ""
-    own_pads: tuple[Base, Effects] | None = None
 
     @property
     def alone(self) -> Self:
@@ -72,18 +66,15 @@ class Problem:
     @property
     def base_size(self) -> int:
         """Number of base parameters, the first ones of every vector."""
-        return BASE + self.free_radius + self.free_share
-
-    @property
-    def start(self) -> Array:
-        """Where a fit of the base parameters alone begins, (`base_size`,)."""
-        return np.zeros(self.base_size)
+        return BASE + self.free_share
 
     @property
     def base_sigma(self) -> Array:
         """Standard deviations (`base_size`,) of their priors."""
-        radius, share = [RADIUS_SIGMA] * self.free_radius, [SHARE_SIGMA] * self.free_share
-        return np.array([*BASE_SIGMA, *radius, *share])
+        slowest = max(run.step / run.averaged for run in self.runs)
+        return np.array(
+            [*BASE_SIGMA, CLOCK * slowest / CLOCK_UNIT, *[SHARE_SIGMA] * self.free_share]
+        )
 
     @cached_property
     def free_share(self) -> bool:
@@ -103,82 +94,39 @@ class Problem:
             i = found[name].stop
         return found
 
-    def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
-        """Innovations by run and channel."""
-        found = self._with_common_pads(base, effects)
-        if self.own_pads is None:
-            return found
-        return [pads.whitened(x) for pads, x in zip(self._pads, found, strict=True)]
-
-    def grounds(self, base: Base, effects: Effects) -> list[Ground]:
-        """The ground of each run, with its own pads and tyres where it may have such."""
-        common = [run.ground for run in self.runs]
-        if self.own_pads is None:
-            return common
-        found = self._with_common_pads(base, effects)
-        return [own.ground(x, at) for own, x, at in zip(self._pads, found, common, strict=True)]
-
-    def offsets(self, base: Base, effects: Effects) -> list[float]:
-        """The offset that each run has of its own; none where the logs have no such offsets."""
-        if not self.offset:
-            return []
-        pairs = zip(self.courses, self._residuals(base, effects), strict=True)
-        return [course.offset(x) for course, x in pairs]
-
     @cached_property
-    def courses(self) -> tuple[Course, ...]:
-        """What the offset of each run moves."""
-        return tuple(course_of(self.offset, run, self.noise) for run in self.runs)
-
-    @cached_property
-    def _pads(self) -> tuple[OwnPads, ...]:
-        """What the own pads and tyres of each run can do."""
-        explanation = self.own_pads
-        assert explanation is not None
-        at = self._with_common_pads(*explanation)
-
-        def innovations(own: Array) -> Array:
-            factors = np.append(own, np.zeros(len(fields(Ground)) - own.size))
-            grounds = (Ground.of(run.ground.logarithms + factors) for run in self.runs)
-            runs = (replace(run, ground=g) for run, g in zip(self.runs, grounds, strict=True))
-            return joined(replace(self, runs=tuple(runs), own_pads=None).whitened(*explanation))
-
-        J = columns(innovations, np.zeros(SIGMA.size), joined(at), np.full(SIGMA.size, np.inf))
-        ends = np.cumsum([sum(c.size for c in run) for run in at])[:-1]
-        return tuple(OwnPads.of(of_run) for of_run in np.split(J, ends))
-
-    def _with_common_pads(self, base: Base, effects: Effects) -> list[list[Array]]:
-        found = [whiten(x, self.noise) for x in self._residuals(base, effects)]
-        if not self.offset:
-            return found
-        return [c.removed(x) for c, x in zip(self.courses, found, strict=True)]
-
-    def _residuals(self, base: Base, effects: Effects) -> list[Array]:
-        return [residuals(run, predict(self.vehicle, base, effects, run)) for run in self.runs]
-
-    def flat(self, base: Base, effects: Effects) -> Array:
-        """All innovations as one array (n,)."""
-        return joined(self.whitened(base, effects))
-
-    def chi2(self, base: Base, effects: Effects) -> float:
-        """Sum of squared innovations."""
-        innovations = self.flat(base, effects)
-        return float(innovations @ innovations)
+    def courses(self) -> tuple[Array, ...]:
+        """What a slope [1] and a zero of a_x [m/s^2] of its own do to the innovations, (2, n)."""
+        return tuple(courses_of(run, self.noise) for run in self.runs)
 
 
-def joined(whitened: list[list[Array]]) -> Array:
-    """Innovations by run and channel as one array (n,)."""
-    return np.concatenate([c for run in whitened for c in run])
+def courses_of(run: ObservedRun, noise: ChannelNoise) -> Array:
+    """Changes (2, n) of the innovations of a run by a slope of its road and by a zero of its a_x.
+
+    v falls by g s t more than the forces say, for the slope's sine s, uphill positive, and a_x,
+    which is specific force, does not move (Gillespie, Fundamentals of Vehicle Dynamics, ch. 1).
+    """
+    time = thinned(run, run.time)
+    out = np.zeros((2, len(CHANNELS), time.size))
+    out[0, DRIFT] = G * (time - time[0])
+    out[1, CHANNELS.index("a_x")] = -1.0
+    return np.stack([np.concatenate(whiten(x, noise)) for x in out])
 
 
 def problem_of(
-    vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent, mapped: Mapped = map
+    vehicle: Vehicle, runs: Sequence[ObservedRun], tell: Tell = silent, mapped: Mapped = map
 ) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
+    noise = unbraked_noise(vehicle, base_of(vehicle, np.zeros(BASE)), vehicle.effects, runs)
+    return Problem(vehicle, turned(vehicle, runs, noise), noise, tell, mapped)
+
+
+def turned(
+    vehicle: Vehicle, runs: Sequence[ObservedRun], noise: ChannelNoise
+) -> tuple[ObservedRun, ...]:
+    """The runs with the origin of their wheel angles by the ripple of each, if there is one."""
     nominal = base_of(vehicle, np.zeros(BASE))
-    noise = unbraked_noise(vehicle, nominal, vehicle.effects, runs)
-    turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
-    return Problem(vehicle, turned, noise, tell, mapped=mapped)
+    return tuple(_turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
 
 
 def unbraked_noise(
@@ -190,7 +138,7 @@ def unbraked_noise(
     return noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
 
 
-def turned_to_ripple(
+def _turned_to_ripple(
     vehicle: Vehicle, base: Base, run: ObservedRun, noise: ChannelNoise
 ) -> ObservedRun:
     """Set the origin of a run's wheel angle by the phase of its torque ripple, if it has one.
@@ -203,7 +151,7 @@ def turned_to_ripple(
     """
     white = whiten(residuals(run, predict(vehicle, base, vehicle.effects, run)), noise)
     torque = np.maximum(thinned(run, run.p_mc), 0.0)
-    weights = np.stack([torque, *4 * [torque + GATES.coasting], torque])
+    weights = np.stack([torque, *4 * [torque + _COASTING], torque])
     turn = weights * np.exp(1j * thinned(run, run.angle_f))
     plain = replace(noise, sigma=np.ones_like(noise.sigma))
     parts = zip(whiten(turn.real, plain), whiten(turn.imag, plain), strict=True)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.channels import CHANNELS, STEP
-from calib.diagnosis.gates import GATES
 
 Array = NDArray[np.float64]
 
@@ -23,6 +22,13 @@ SLOWEST = 2
 FASTEST = 20
 """Last line, 5 Hz: a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster.
 What is faster is a wheel, or a channel that is sent seldom."""
+
+_OVER_SLOWER = 2.0
+"""Least power of a peak over that of the slower lines beside which it stands."""
+
+_OVER_SLOWEST = 3.0
+"""Least power of a peak over that of the first line, at 0.25 Hz. What every application leaves, as
+a lag does, is in both; a swing of 0.5 Hz or more has at most a fifth there."""
 
 _OF_BODY = ("a_x", "v")
 """Channels in which the motion of the car as a whole shows."""
@@ -50,7 +56,7 @@ def oscillation_of(whitened: list[list[Array]], excess: float) -> Oscillation:
     power = _power(whitened)
     lines = np.sum(power, axis=0)
     peak = SLOWEST + int(np.argmax(lines[SLOWEST : FASTEST + 1]))
-    slower = GATES.over_slower * np.max(lines[: peak - 1]), GATES.over_slowest * lines[SLOWEST - 1]
+    slower = _OVER_SLOWER * np.max(lines[: peak - 1]), _OVER_SLOWEST * lines[SLOWEST - 1]
     if lines[peak] <= max(slower):
         return Oscillation(0.0, 0.0, body=False)
     near = slice(peak - 1, peak + 2)

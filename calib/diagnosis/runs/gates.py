@@ -12,13 +12,16 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.gates import GATES
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.logs.log import Log
 from calib.run.axle_signals import signals
 from calib.run.gates import require_same_wheels
 from calib.run.observation import observe
 from calib.run.rules import problems
+
+_STRONGER = 2.5
+"""Brakes of a log over those of the others [1], or the inverse, that no pads make: soaked ones
+lose half, and the effects of the catalogue, three at a time, moved a log by 1.6 at most."""
 
 
 def require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
@@ -55,14 +58,13 @@ def require_own_pressure(judged: Sequence[JudgedLog]) -> None:
 
     With fewer than three braked logs nobody knows which one is wrong, and nothing is refused.
     """
-    most = GATES.stronger
     for one in judged:
         level = one.over_others(judged)
-        if level is not None and not 1.0 / most < level < most:
+        if level is not None and not 1.0 / _STRONGER < level < _STRONGER:
             raise LogError(
                 f"its brakes act {level:.2g} times as strongly on p_mc as those of the other logs",
                 where=one.log.source,
-                expected=f"{1.0 / most:g} to {most:g}; pads that are soaked lose half",
+                expected=f"{1.0 / _STRONGER:g} to {_STRONGER:g}; pads that are soaked lose half",
                 do="look for a pressure of another run, or another scale of p_mc or a_x in this "
                 "log",
             )

@@ -16,12 +16,20 @@ import numpy as np
 
 from calib.base.names import AXLES
 from calib.car.braking import BITE
-from calib.diagnosis.gates import GATES
 from calib.logs.log import Log
 
 USUAL, LARGEST = 1e-3, 5e-3
 """Difference of the sides [1] that tyres of one age make, and the largest that tyres make; a seized
 brake makes 0.1 to 0.8 %."""
+
+_SETTLED = 0.3
+"""Time before the first braking that is left out [s]: means over a lead-in end before the bite."""
+
+_SLOW = 10.0
+"""Wheel speed [rad/s], about 3 m/s, below which the sensors are too inexact."""
+
+_LEAST = 0.5
+"""Seconds of rolling, of all logs together, from which the sides are compared."""
 
 
 def with_even_sides(
@@ -30,7 +38,7 @@ def with_even_sides(
     """The logs with left and right wheel speeds of each axle equal on the mean while unbraked.
 
     One ratio for each axle from all logs together, so they must be of one car with one set of
-    tyres. An axle stays as it is where the logs roll for less than `sides_least` without braking,
+    tyres. An axle stays as it is where the logs roll for less than `_LEAST` without braking,
     or its sides differ by more than ``largest`` [1]. Also returns right over left less one [1] by
     axle, zero where it stays.
     """
@@ -47,17 +55,17 @@ def _ratio(logs: Sequence[Log], axle: str, largest: float) -> float:
         left += float(np.sum(log[f"omega_{axle}l"][:n])) * step
         right += float(np.sum(log[f"omega_{axle}r"][:n])) * step
         seconds += n * step
-    if seconds < GATES.sides_least or left <= 0.0 or abs(right / left - 1.0) > largest:
+    if seconds < _LEAST or left <= 0.0 or abs(right / left - 1.0) > largest:
         return 1.0
     return right / left
 
 
 def _rolling(log: Log) -> int:
     """Samples before the first braking, and before the car is slow."""
-    ends = np.flatnonzero((log["p_mc"] > 0.5 * BITE) | (log["omega_fl"] < GATES.sides_slow))
+    ends = np.flatnonzero((log["p_mc"] > 0.5 * BITE) | (log["omega_fl"] < _SLOW))
     if not ends.size:
         return int(log.time.size)
-    return max(int(ends[0]) - round(GATES.sides_settled / log.sample_time), 0)
+    return max(int(ends[0]) - round(_SETTLED / log.sample_time), 0)
 
 
 def _evened(log: Log, ratios: dict[str, float]) -> Log:

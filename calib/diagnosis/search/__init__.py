@@ -1,1 +1,1 @@
-"""The search for the effects, the groups of logs and the radii that explain the logs."""
+"""The search for the effects that explain the logs."""

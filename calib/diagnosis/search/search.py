@@ -1,185 +1,323 @@
-"""Which effect would help: all effects are ranked, the best ones fitted.
+"""The search: promises of a linear model, fits of the best, and hold-outs that judge.
 
-All are those of the catalogue and the own ones of the vehicle.
-
-Ranking takes one linear step: add the effect at its usual size, compute the change of the
-innovations, project out the changes that base parameters can make, and project the present
-innovations on the rest. That is cheap. The best ones are then fitted in full, since lag and
-hysteresis are not linear.
+fit without effects --> rank --> fit the best few --> drop, exchange --> more probable, and so
+on the hold-outs? --> rank beside it, until nothing more is
 """
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import every_effect
-from calib.diagnosis.explanation.candidate import Candidate, free
-from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.problem import joined
-from calib.diagnosis.gates import GATES
-from calib.diagnosis.search.changes import (
-    EffectChange,
-    changes_by,
-    further_changes,
-    further_effects,
-)
+from calib.base.errors import ModelError
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
+from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
+from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.replays.gap import Gap, gap_of
+from calib.diagnosis.replays.hold_outs import HoldOuts
+from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.search.fits import Fits
+from calib.diagnosis.search.odds import with_alike
+from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
+from calib.diagnosis.search.terms import Ranked, ranked_terms
 
-Array = NDArray[np.float64]
+SURE = 10.0
+"""ln of the odds, of calibration logs and hold-outs together, from which more is believed, and
+something else is ruled out."""
+
+_SHARE = 0.05
+"""Share of all that is left which a cause of it takes at least."""
+
+_WIDER, _WITHIN = 0.25, 0.5
+"""Share by which an explanation may widen the gap of the replays on the way to a better one, and
+what it may at least, in units of the noise."""
+
+_FRESH = 8
+"""Further effects that are tried anew beside every explanation; others are as without effects."""
+
+_MOST = 6
+"""Effects at most."""
+
+_ALIKE, _NEAR, _WRONG = 0.03, 0.1, 0.5
+"""Share of what a hypothesis gains by which a linear model is wrong about it: in the place of an
+effect that it replaces, usually, and at most, of an effect with many parameters such as a motor."""
 
 
 @dataclass(frozen=True)
-class _Hint:
-    """Result of one step: the expected ``gain`` in chi-square, the vector ``start`` of a fit."""
+class SearchStep:
+    """One step: the effects present, the mean squared innovation [1], ln of the odds it gained.
 
-    name: str
-    gain: float
-    start: Array
-
-
-def _along(rest: Array, change: EffectChange) -> tuple[float, float]:
-    """Gain in chi-square along a change of innovations, and the best factor on it.
-
-    ``rest`` (n,) are innovations without what base and present effects can do.
+    ``calibration`` by the logs that are searched, ``holdout`` by those held out.
     """
-    length = float(change.own @ change.own)
-    if length == 0.0:
-        return 0.0, 0.0
-    amount = -float(rest @ change.own) / length
-    return amount * amount * length, amount
+
+    names: tuple[str, ...]
+    innovation: float
+    calibration: float
+    holdout: float
 
 
-@lru_cache(maxsize=4)
-def hints(at: Candidate) -> list[_Hint]:
-    """One-step gains of every effect not yet in ``at``, best first."""
-    found = [_hint(at, name, changes) for name, changes in further_changes(at).items()]
-    return sorted(found, key=lambda hint: -hint.gain)
-
-
-def _hint(at: Candidate, name: str, changes: Sequence[EffectChange]) -> _Hint:
-    """The best step along one effect."""
-    parameters = at.problem.parameters_of(name)
-    best = _Hint(name, 0.0, np.concatenate([at.x, np.zeros(parameters)]))
-    for change in changes:
-        gain, amount = _along(at.rest, change)
-        if amount > 0.0 and gain > best.gain:
-            best = _Hint(name, gain, np.concatenate([at.x, begun(change.trial, amount)]))
-    return best
-
-
-def begun(trial: Array, amount: float) -> Array:
-    """Where a fit begins: a point of `trials`, its strength times ``amount`` within sense."""
-    begin = trial.copy()
-    begin[0] *= min(max(amount, 0.3), 4.0)
-    return begin
-
-
-def unresolved(at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:
-    """Effects of usual size that these runs could not have shown.
-
-    The gain in chi-square that such an effect would have, beyond that of base and present effects,
-    is below ``least`` of it. Effects that the vehicle file has are known, and not among them.
+@dataclass
+class Search:
+    """The course of a search; ``fits`` all that was fitted; ``first`` and ``further`` effects at
+    the base and at the best explanation.
     """
-    faint, effects = [], every_effect(at.problem.vehicle.effects)
-    for name in further_effects(at):
-        if name in at.effects:
-            continue
-        usual = Effects({name: effects[name].card.usual})
-        change = at.problem.flat(at.base, at.effects.with_(usual)) - joined(at.whitened)
-        own = free(change, at.directions)
-        if float(own @ own) < least[name]:
-            faint.append(name)
-    return tuple(faint)
 
+    problem: Problem
+    held: HoldOuts
+    base: Explanation = field(init=False)
+    best: Explanation = field(init=False)
+    fits: Fits = field(init=False)
+    first: Further = field(init=False)
+    further: Further = field(init=False)
+    rivals: tuple[Explanation, ...] = ()
+    steps: list[SearchStep] = field(default_factory=list)
+    accepted: list[Replayed] = field(default_factory=list)
+    refused: set[object] = field(default_factory=set)
+    withdrawn: list[tuple[str, ...]] = field(default_factory=list)
 
-def refine(
-    at: Candidate, count: int = GATES.refined, below: float = math.inf, but: str = ""
-) -> list[Candidate]:
-    """Fit the most promising effects on top of ``at``, best first; all ``but`` one.
+    def run(self) -> None:
+        """Find the best explanation."""
+        self.problem.tell("fitting the model without effects", 0, 1)
+        self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
+        self.fits = Fits(self.problem, self.held.problem, self.base)
+        self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
+        self.further = self.first = further_columns(self.base)
+        self.forward()
+        if left_over(self.best) and not self.no_effect():
+            self.together(self.first)
+        if left_over(self.best) and not self.no_effect():
+            self.forward(other=True)
+        self.rivals = self._rivals()
+        if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
+            self.accept(self.rivals[0])
+            self.rivals = self._rivals()
+        found = with_alike(self.best)
+        self.base, self.best = self.base if found.names else found, found
 
-    Those alone that may come ``below`` a chi-square, or leave no more than noise. All are fitted
-    roughly, then those to their end that may still do so and be the best.
-    """
-    noise = GATES.floor * at.count
-    hopeful = [hint for hint in hints(at)[:count] if hint.gain > 0.0 and hint.name != but]
-    tried = [hint for hint in hopeful if _in_reach(at.chi2 - hint.gain, max(below, noise))]
-    _side_by_side(at, _roughly, [hint for hint in tried if hint.name not in at.further])
-    least = min((at.further[hint.name].chi2 for hint in tried), default=0.0)
-    best = max(noise, min(least, below))
-    _side_by_side(at, _to_its_end, [hint for hint in tried if _is_open(at, hint, best)])
-    return sorted((at.further[hint.name] for hint in tried), key=lambda found: found.chi2)
+    @cached_property
+    def before(self) -> Replayed:
+        """The hold-outs without effects."""
+        return replayed(self.held, self.base, ROUGHLY)
 
+    def gap(self, after: Replayed) -> Gap:
+        """The gap on the hold-outs without effects and with them."""
+        return gap_of(self.before.logs, after.logs, self.held.logs)
 
-def _in_reach(promised: float, least: float) -> bool:
-    """Whether an explanation to which this chi-square is ``promised`` may come below another one.
+    def widens(self, after: Replayed) -> bool:
+        """Whether effects widen the gap of the replays, beyond what noise does."""
+        gap = self.gap(after)
+        return gap.after > gap.before + max(_WIDER * gap.before, _WITHIN)
 
-    The promise is that of one linear step.
-    """
-    return GATES.promise * promised < least
-
-
-def added(at: Candidate, name: str) -> Candidate:
-    """The explanation with one further effect, fitted."""
-    hint = _hint(at, name, changes_by(at, name, at.directions))
-    return _to_its_end(at, at.jacobian, (hint, _roughly(at, at.jacobian, (hint, None))))
-
-
-_Item = tuple[_Hint, Candidate | None]
-"""A hint, and the fit that was begun with it."""
-
-
-def _side_by_side(
-    at: Candidate, fitted: Callable[[Candidate, Array, _Item], Candidate], tried: Sequence[_Hint]
-) -> None:
-    """Fit what is ``tried``, and keep it as ``further`` of the explanation."""
-    problem = at.problem
-    alone = replace(at, problem=problem.alone)
-    begun = (at.further.get(hint.name) for hint in tried)
-    items = [
-        (hint, found and replace(found, problem=alone.problem))
-        for hint, found in zip(tried, begun, strict=True)
-    ]
-    results = problem.mapped(partial(fitted, alone, at.jacobian), items)
-    for i, hint in enumerate(tried):
-        problem.tell(f"fitting the best, effect {i + 1} of {len(tried)}", i, len(tried))
-        at.further[hint.name] = replace(next(results), problem=problem)
-
-
-def _roughly(at: Candidate, jacobian: Array, item: _Item) -> Candidate:
-    """Fit an effect in a few steps; ``jacobian`` (n, k) is that before it."""
-    hint, _ = item
-    return fit(at.problem, (*at.names, hint.name), hint.start, jacobian=jacobian, rough=True)
-
-
-def _is_open(at: Candidate, hint: _Hint, best: float) -> bool:
-    """Whether more than a rough fit could matter beside the ``best`` chi-square of all."""
-    found = at.further[hint.name]
-    if _in_reach(found.promised, best) and not found.converged:
+    def accept(self, new: Explanation) -> bool:
+        """Go on from a better explanation, unless it widens the gap of the replays far."""
+        new = fit(self.problem, new.hypothesis, new.state, new.columns)
+        self.fits.add(new)
+        try:
+            after = replayed(self.held, new, ROUGHLY)
+        except ModelError:
+            after = None
+        if after is None or self.widens(after):
+            self.refused.add(new.hypothesis.key)
+            self._withdraw(new)
+            return False
+        more = new.log_evidence - self.best.log_evidence
+        held = self.fits.density(new) - self.fits.density(self.best)
+        same, self.best = new.hypothesis == self.best.hypothesis, new
+        self.accepted.append(after)
+        if not same:
+            self.steps.append(SearchStep(new.names, new.reduced, float(more), float(held)))
+            self.further = self._renewed()
         return True
-    return _in_reach(at.chi2 - hint.gain, best) and _short(at, hint, found)
+
+    def _renewed(self) -> Further:
+        """Further columns beside the best: fresh ones of what promises most, else the first."""
+        mostly = promises(self.best, self.first, 1)
+        names = dict.fromkeys(name for p in mostly for name in p.hypothesis.names)
+        tops = [name for name in names if name not in self.best.names][:_FRESH]
+        tried, columns = self.first
+        keep = [k for k, one in enumerate(tried) if one.name not in (*self.best.names, *tops)]
+        fresh, new = further_columns(self.best, tops)
+        kept = [tried[k] for k in keep]
+        both = zip(columns, new, strict=True)
+        return [*fresh, *kept], [np.vstack([b, a[keep]]) for a, b in both]
+
+    def accepts(self, news: Iterable[Explanation]) -> bool:
+        """Whether it went on from the first of these that is surely more probable."""
+        return any(map(self.accept, self.more_probable(news)))
+
+    def forward(self, other: bool = False) -> None:
+        """One effect after the other, each ranked beside those before.
+
+        With ``other`` logs may differ in further kinds besides.
+        """
+        for _ in range(_MOST):
+            tops = _best(promises(self.best, self.further, 1, other), self.best)
+            self.fits.side_by_side(tops, self.best)
+            if not self.accepts(self.fits.pruned_best(tops)) and not (
+                self.best.names and self.accepts(self.exchanged())
+            ):
+                return
+            if self.no_effect():
+                return
+
+    def together(self, further: Further) -> None:
+        """Several effects at once, and logs that differ in any kinds, from the very start.
+
+        Where what is found one after the other leaves something: the first may have stood for
+        others. Those alone that promise what the best has, as far as a linear model can tell.
+        """
+        gained = self.best.log_evidence - self.base.log_evidence
+        found = [*promises(self.base, further), *promises(self.base, further, 1, True)]
+        best: dict[tuple[int, bool], Promise] = {}
+        for p in found:
+            size = len(p.hypothesis.names), bool(p.hypothesis.kinds)
+            if size > (1, False) and p.log_evidence > self.best.log_evidence - _NEAR * gained:
+                best.setdefault(size, p)
+        tops = list(best.values())
+        self.fits.side_by_side(tops, self.base)
+        if self.accepts(self.fits.pruned_best(tops)):
+            self.forward()
+
+    def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
+        """Those that are surely more probable than the best, by evidence."""
+        best = self.best
+        ranked = sorted({e.hypothesis.key: e for e in news}.values(), key=lambda e: -e.log_evidence)
+        for e in ranked[:3]:
+            more = e.log_evidence - best.log_evidence
+            if more <= 0.0:
+                break
+            if e.hypothesis.key == best.hypothesis.key:
+                if more > 2.0:
+                    yield e
+                continue
+            if e.hypothesis.key in self.refused:
+                continue
+            held = self.fits.density(e) - self.fits.density(best)
+            if held > 0.0 and more + held > self.worth:
+                yield e
+            elif more > SURE:
+                self._withdraw(e)
+
+    def _withdraw(self, e: Explanation) -> None:
+        if e.names not in self.withdrawn:
+            self.withdrawn.append(e.names)
+
+    @property
+    def worth(self) -> float:
+        """ln of the odds that a better explanation must gain, of all logs together.
+
+        What takes a twentieth of all that is left or less is no cause of it.
+        """
+        left = self.best.reduced - 1.0 - 3.0 * self.best.scatter
+        return max(SURE, _SHARE * 0.5 * left * self.best.count)
+
+    def exchanged(self) -> list[Explanation]:
+        """Another effect, or other kinds, in the place of one of the best explanation.
+
+        Beside what is left of it, and beside what was nearly as probable on the way.
+        """
+        news = []
+        for fewer, further, own in self._starts():
+            other = bool(self.best.hypothesis.kinds)
+            tops = [
+                p
+                for p in promises(fewer, further, 1, other)
+                if p.log_evidence > self.best.log_evidence - SURE - _ALIKE * own
+            ][:2]
+            self.fits.side_by_side(tops, fewer)
+            news += [self.fits.fitted[p.hypothesis.key] for p in tops]
+        return news
+
+    def _starts(self) -> list[tuple[Explanation, Further, float]]:
+        """What is left of the best explanation without a part of it; others with fewer effects.
+
+        With the columns of what may be added, and what ln of the evidence gains by the parts.
+        """
+        best = self.best
+        gained = best.log_evidence - self.base.log_evidence
+        least = best.log_evidence - _NEAR * gained
+        others = [
+            e
+            for e in self.fits.fitted.values()
+            if e.log_evidence > least
+            and len(e.names) == len(best.names) - 1
+            and not set(e.names) < set(best.names)
+        ]
+        fewer = [
+            *(self.fits.without(best, name) for name in best.names),
+            *(self.fits.without_kind(best, kind) for kind in best.hypothesis.kinds),
+        ]
+        others = sorted(others, key=lambda e: -e.log_evidence)[:2]
+        return [
+            *((e, self.further, best.log_evidence - e.log_evidence) for e in fewer),
+            *((e, further_columns(e, best.names), gained) for e in others),
+        ]
+
+    @cached_property
+    def terms(self) -> list[Ranked]:
+        """Empirical terms in the place of any effect."""
+        return ranked_terms(self.base)
+
+    def no_effect(self) -> bool:
+        """Whether a term alone promises more than the best explanation, and what may follow it.
+
+        With any further effects, and logs that differ in any kinds.
+        """
+        if not (self.best.names and left_over(self.best)):
+            return False
+        promised = self.base.log_evidence + self.terms[0].log_gain
+        if promised < self.best.log_evidence + SURE:
+            return False
+        found = [
+            *promises(self.best, self.further),
+            *promises(self.base, self.first),
+            *promises(self.best, self.further, 1, True),
+        ]
+        most = max(p.log_evidence for p in found)
+        return promised > most + SURE
+
+    @property
+    def hopeless(self) -> float:
+        """ln of the evidence that is too little for a promise to be fitted."""
+        gained = self.best.log_evidence - self.base.log_evidence
+        return self.best.log_evidence - 10.0 - _NEAR * gained
+
+    def _rivals(self) -> tuple[Explanation, ...]:
+        """Explanations of no more parameters that no log, searched or held out, rules out."""
+        best, out = self.best, []
+        most = self.fits.value(best)
+        for e in list(self.fits.fitted.values()):
+            simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
+            if set(e.names) <= set(best.names) or not simple:
+                continue
+            if e.log_evidence < best.log_evidence - 2.0 * SURE:
+                continue
+            if self.fits.value(e) < most - 2.0 * SURE:
+                continue
+            one = fit(self.problem, e.hypothesis, e.state, e.columns, ALMOST)
+            self.fits.add(one)
+            if self.fits.value(one) > most - SURE:
+                out.append(one)
+        return tuple(sorted(out, key=lambda e: -self.fits.value(e)))
 
 
-def _short(at: Candidate, hint: _Hint, found: Candidate) -> bool:
-    """Whether a fit gains clearly less than its hint promised."""
-    return at.chi2 - found.chi2 <= 0.5 * hint.gain
-
-
-def _to_its_end(at: Candidate, jacobian: Array, item: _Item) -> Candidate:
-    """Go on from a rough fit; once more from a full spread if it gains too little.
-
-    A hysteresis loop narrower than the noise of the pressure brings no gain, so a fit that starts
-    there does not leave it.
+def _best(found: list[Promise], at: Explanation) -> list[Promise]:
+    """What may be better than ``at``, and the best of its kind: for all that a linear model can be
+    wrong, at most three without and one with logs that differ in more kinds.
     """
-    hint, begun = item
-    assert begun is not None
-    first = begun if begun.converged else fit(at.problem, begun.names, begun.x)
-    if not _short(at, hint, first):
-        return first
-    further = hint.start.copy()
-    further[at.x.size] = np.copysign(1.0, further[at.x.size])
-    other = fit(at.problem, begun.names, further, jacobian=jacobian)
-    return min(first, other, key=lambda candidate: candidate.chi2)
+    out = []
+    for kinds in (False, True):
+        those = [p for p in found if (p.hypothesis.kinds > at.hypothesis.kinds) == kinds]
+        if not those:
+            continue
+        best = max(p.log_evidence for p in those)
+        least = max(at.log_evidence + 5.0, best - 5.0 - _WRONG * (best - at.log_evidence))
+        out += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
+    return out
+
+
+def left_over(at: Explanation) -> bool:
+    """Whether more than noise is left in the innovations, or in what logs have of their own."""
+    return at.reduced > 1.01 + 3.0 * at.scatter or at.strain > 5.0

@@ -6,13 +6,12 @@ from itertools import combinations
 
 import numpy as np
 
-from calib.diagnosis.explanation.candidate import Candidate
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.undecided.separate import best_drive
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.undecided.separate import best_drives, own_of
 
 
 @dataclass(frozen=True)
-class Explanation:
+class Alike:
     """An explanation that was fitted: its effects, and the mean squared innovation it leaves."""
 
     names: tuple[str, ...]
@@ -38,7 +37,7 @@ class Pair:
 class Confusion:
     """The set, the best explanation first, with every pair of it."""
 
-    explanations: tuple[Explanation, ...]
+    explanations: tuple[Alike, ...]
     pairs: tuple[Pair, ...]
 
     def pair(self, i: int, j: int) -> Pair:
@@ -46,14 +45,16 @@ class Confusion:
         return {frozenset((p.one, p.other)): p for p in self.pairs}[frozenset((i, j))]
 
 
-def confusion_of(problem: Problem, best: Candidate, like: Sequence[Candidate]) -> Confusion | None:
+def confusion_of(best: Explanation, like: Sequence[Explanation]) -> Confusion | None:
     """The best explanation with those that are ``like`` it; None if there are none."""
     if not like:
         return None
     members = (best, *like)
-    innovations = [problem.flat(c.base, c.effects) for c in members]
     pairs = []
     for i, j in combinations(range(len(members)), 2):
-        apart = float(np.linalg.norm(innovations[i] - innovations[j]))
-        pairs.append(Pair(i, j, apart, *best_drive(problem, members[i], members[j])))
-    return Confusion(tuple(Explanation(c.names, c.reduced) for c in members), tuple(pairs))
+        one, other = members[i], members[j]
+        rows = zip(one.innovations, other.innovations, strict=True)
+        apart = float(np.sqrt(sum(float((a - b) @ (a - b)) for a, b in rows)))
+        ((drive, sigma),) = best_drives(one, [own_of(other)])
+        pairs.append(Pair(i, j, apart, drive, sigma))
+    return Confusion(tuple(Alike(c.names, c.reduced) for c in members), tuple(pairs))

@@ -1,25 +1,20 @@
-"""The drive that would show an effect which the calibration logs could not have shown.
+"""Effects that the logs could not have shown, and for each the drive that would show it most."""
 
-Each manoeuvre is added to the logs in turn. What the effect of usual size then changes, less what
-pads, tyres and the effects that are named can imitate in logs and manoeuvre together, is its size:
-
-    change of all innovations ──> less the directions of the parameters ──> its length, in sigma
-
-One linear step: right for small effects, and the order of magnitude for large ones.
-"""
-
-from dataclasses import dataclass, replace
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from calib.car.effects.effect import Card
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import definition
-from calib.diagnosis.explanation.candidate import Candidate
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.gates import GATES
-from calib.diagnosis.undecided.separate import free_lengths, inner_products, manoeuvres
+from calib.car.own_effects.own_effect import definition, every_effect
+from calib.diagnosis.explanation.explanation import Explanation, marginal
+from calib.diagnosis.search.rank import Further
+from calib.diagnosis.undecided.separate import best_drives, own_of
+
+_SHOWN = 5.0
+"""Size [sigma] from which logs show an effect: ln of the odds is 7 then, less its price of 5."""
+
+_CLEAR = 10.0
+"""Size [sigma] from which a drive shows an effect surely."""
 
 
 @dataclass(frozen=True)
@@ -41,31 +36,32 @@ class ShowingDrive:
     @property
     def clear(self) -> bool:
         """Whether the drive would show the effect, and not only show it best."""
-        return self.sigma > GATES.clear
+        return self.sigma > _CLEAR
 
 
-def drives(problem: Problem, at: Candidate, names: tuple[str, ...]) -> tuple[ShowingDrive, ...]:
+def unresolved(at: Explanation, further: Further) -> tuple[str, ...]:
+    """Effects of usual size that these logs could not have shown, beside an explanation.
+
+    Effects that the vehicle file has are known, and not among them.
+    """
+    tried, columns = further
+    products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
+    E, _ = marginal(at, products, at.hypothesis.sizes).beyond()
+    known, size = at.problem.vehicle.effects, dict[str, float]()
+    for one, square in zip(tried, E.diagonal().tolist(), strict=True):
+        card = every_effect(known)[one.name].card
+        strength = card.parameters[0]
+        times = (card.usual[strength.name] - card.neutral) / strength.spread
+        size.setdefault(one.name, times**2 * square)  # the first is tried at usual further ones
+    return tuple(n for n, square in size.items() if n not in at.effects and square < _SHOWN**2)
+
+
+def drives(at: Explanation, names: Sequence[str]) -> tuple[ShowingDrive, ...]:
     """The best drive for each of the effects ``names``, on top of what explains the logs."""
     if not names:
         return ()
-    logs = _products(problem, at, names)
-    shown = {}
-    for name, run in manoeuvres(problem):
-        both = logs + _products(replace(problem, runs=(run,)), at, names)
-        shown[name] = free_lengths(both, at.x.size)
-    found = []
-    for i, effect in enumerate(names):
-        best = max(shown, key=lambda name: float(shown[name][i]))
-        card = definition(problem.vehicle.effects, effect).card
-        found.append(ShowingDrive(card, best, float(shown[best][i])))
-    return tuple(found)
-
-
-def _products(problem: Problem, at: Candidate, names: tuple[str, ...]) -> NDArray[np.float64]:
-    innovations = problem.flat(at.base, at.effects)
-    changes = []
-    for name in names:
-        usual = definition(problem.vehicle.effects, name).card.usual
-        added = at.effects.with_(Effects({name: usual}))
-        changes.append(problem.flat(at.base, added) - innovations)
-    return inner_products(problem, at, changes)
+    base, effects = own_of(at)
+    cards = [definition(at.problem.vehicle.effects, name).card for name in names]
+    others = [(base, effects.with_(Effects({card.name: card.usual}))) for card in cards]
+    best = best_drives(at, others)
+    return tuple(ShowingDrive(c, *found) for c, found in zip(cards, best, strict=True))

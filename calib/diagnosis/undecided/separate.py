@@ -1,103 +1,95 @@
-"""The feasible test that best separates two explanations, and how far apart they would be with it.
+"""How large a change would be in a further drive, beyond what all that is fitted can imitate.
 
-Both were fitted to the same logs, so they agree there. What a fit to logs and a further drive would
-take up with other pads, tyres and sizes of the effects does not separate them. One linear step
-ranks the manoeuvres; the best ones are then simulated with the one explanation, and the other is
-fitted anew to logs and drive together:
+    columns of the logs + columns of a manoeuvre --> less what pads, tyres, effects do --> sigma
 
-    manoeuvres --> linear step --> best few --> simulated with one, other refitted --> sigma
+One linear step: right for small effects, and the order of magnitude for large ones.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.names import G
-from calib.diagnosis.explanation.candidate import Candidate, derivatives
-from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.predict import ObservedRun, run_of
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.gates import GATES
-from calib.diagnosis.proof.hold_outs import model_of
-from calib.model.simulate import simulate
+from calib.car.effects.effects import Effects
+from calib.diagnosis.explanation.base import Base
+from calib.diagnosis.explanation.columns import columns_by_form, columns_by_x
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal, of_all
+from calib.diagnosis.explanation.hypothesis import Columns, State, based
+from calib.diagnosis.explanation.own import OWN
+from calib.diagnosis.explanation.predict import ObservedRun
 
-Array = NDArray[np.float64]
-
-
-def best_drive(problem: Problem, one: Candidate, other: Candidate) -> tuple[str, float]:
-    """Name of the best manoeuvre, and how far apart the two would be with it [sigma]."""
-    tests = dict(manoeuvres(problem))
-    logs = _products(problem, one, other)
-    ranked = {}
-    for name, run in tests.items():
-        both = logs + _products(replace(problem, runs=(run,)), one, other)
-        ranked[name] = float(free_lengths(both, one.x.size)[0])
-    first = sorted(ranked, key=lambda name: -ranked[name])[: GATES.simulated]
-    distances = {name: _refitted(problem, one, other, tests[name]) for name in first}
-    best = max(distances, key=lambda name: distances[name])
-    return best, distances[best]
+Other = tuple[Base, Effects]
+"""What is changed to."""
 
 
-def _refitted(problem: Problem, one: Candidate, other: Candidate, run: ObservedRun) -> float:
-    """How much worse the other explains logs and a drive that the one made [sigma]."""
-    driven = simulate(
-        model_of(problem.vehicle, one),
-        run.time,
-        run.p_mc,
-        float(run.v[0]),
-        temperature={
-            axle: heat
-            for axle, heat in (("f", run.temperature_f), ("r", run.temperature_r))
-            if heat is not None
-        },
+def best_drives(at: Explanation, others: Sequence[Other]) -> list[tuple[str, float]]:
+    """For each of the ``others`` the manoeuvre that tells it best from ``at``.
+
+    And how far apart they are in the logs and in that together [sigma].
+    """
+    logs = [at.products_of(i, _changes(at, others, i)) for i in range(len(at.innovations))]
+    shown = {}
+    for name, run in manoeuvres(at):
+        driven = _driven(at, run)
+        products = [*logs, driven.products_of(0, _changes(driven, others, 0))]
+        E, _ = marginal(driven, products, at.hypothesis.sizes).beyond()
+        shown[name] = np.sqrt(np.maximum(np.diag(E), 0.0))
+    names, sizes = list(shown), np.stack([*shown.values()])
+    best = np.argmax(sizes, axis=0).tolist()
+    return [(names[i], float(sizes[i, k])) for k, i in enumerate(best)]
+
+
+def _driven(at: Explanation, run: ObservedRun) -> Explanation:
+    """What is known of ``at``, of one further run alone, which has nothing of its own."""
+    problem = replace(at.problem, runs=(run,))
+    state = State(at.state.x, at.state.form, np.zeros((1, len(OWN))))
+    r = of_all(problem, at.hypothesis, state)
+    J = columns_by_x(problem, at.hypothesis, state, r, 0)
+    F = columns_by_form(problem, at.hypothesis, state)
+    columns = Columns(J, F, [np.zeros((2, r[0].size))])
+    return Explanation(problem, at.hypothesis, state, r, columns)
+
+
+def _changes(at: Explanation, others: Sequence[Other], i: int) -> Array:
+    """Changes (m, n) of the innovations of a log."""
+    run = at.runs[i]
+    return np.stack(
+        [
+            innovations(at.problem, base, effects, run) - at.innovations[i]
+            for base, effects in others
+        ]
     )
-    more = replace(problem, runs=(*problem.runs, run_of(driven)))
-    worse = fit(more, other.names, other.x).chi2 - more.chi2(one.base, one.effects)
-    return float(np.sqrt(max(worse, 0.0)))
 
 
-def _products(problem: Problem, one: Candidate, other: Candidate) -> Array:
-    innovations = problem.flat(one.base, one.effects)
-    return inner_products(problem, one, [problem.flat(other.base, other.effects) - innovations])
+def own_of(at: Explanation) -> Other:
+    """Base and effects of an explanation."""
+    return based(at.problem, at.hypothesis, at.state)
 
 
-def inner_products(problem: Problem, at: Candidate, changes: Sequence[Array]) -> Array:
-    """Inner products (k + m, k + m) of the changes by k parameters, and of m ``changes`` (n,)."""
-    innovations = problem.flat(at.base, at.effects)
-    M = np.column_stack([derivatives(problem, at, innovations), *changes])
-    return np.asarray(M.T @ M)
-
-
-def free_lengths(products: Array, k: int) -> Array:
-    """Length (m,) of each change that the first k directions cannot imitate."""
-    own, cross = products[:k, :k], products[:k, k:]
-    imitated = np.sum(cross * (np.linalg.pinv(own, hermitian=True) @ cross), axis=0)
-    return np.asarray(np.sqrt(np.maximum(np.diag(products)[k:] - imitated, 0.0)))
-
-
-def manoeuvres(problem: Problem) -> list[tuple[str, ObservedRun]]:
+def manoeuvres(at: Explanation) -> list[tuple[str, ObservedRun]]:
     """Tests that any proving ground can do, with a rough course of speed: 70 bar give 1 g."""
     out = []
     time = np.arange(0.0, 12.0, 0.01)
-    after = time > 1.0
+    nothing, since = np.zeros_like(time), time - 1.0
     tests: dict[str, tuple[float, Array]] = {
-        "coast down from 130 km/h": (36.0, np.zeros_like(time)),
-        "coast down from 50 km/h": (14.0, np.zeros_like(time)),
-        "slow ramp to 45 bar": (33.0, np.clip(5e5 * (time - 1.0), 0.0, 45e5)),
-        "light stop at 8 bar from 60 km/h": (17.0, np.where(after, 8e5, 0.0)),
-        "hard stop at 45 bar from 120 km/h": (33.0, np.where(after, 45e5, 0.0)),
+        "coast down from 130 km/h": (36.0, nothing),
+        "coast down from 50 km/h": (14.0, nothing),
+        "slow ramp to 45 bar": (33.0, np.clip(5e5 * since, 0.0, 45e5)),
+        "light stop at 8 bar from 60 km/h": (17.0, np.where(since > 0.0, 8e5, 0.0)),
+        "hard stop at 45 bar from 120 km/h": (33.0, np.where(since > 0.0, 45e5, 0.0)),
         "applications of 20 bar, 1 s on and 1 s off": (
             30.0,
             np.where(time % 2.0 > 1.0, 20e5, 0.0),
         ),
     }
+    radius = at.problem.vehicle.front.rolling_radius
     for name, (v0, p) in tests.items():
-        v = np.asarray(np.maximum(v0 - np.cumsum(p / 70e5 * G) * 0.01, 2.0), float)
-        warm = problem.runs[0].temperature_f is not None
-        heat = np.asarray(100.0 + 0.3 * (v0**2 - v**2), float) if warm else None
-        radius = problem.vehicle.front.rolling_radius
+        z = p / 70e5
+        v = np.maximum(v0 - np.cumsum(z * G) * 0.01, 2.0)
+        warm = at.problem.runs[0].temperature_f is not None
+        heat = 100.0 + 0.3 * (v0**2 - v**2) if warm else None
         omega = np.tile(v / radius, (4, 1))
         angle = np.cumsum(v / radius) * 0.01
         run = ObservedRun(
@@ -105,7 +97,7 @@ def manoeuvres(problem: Problem) -> list[tuple[str, ObservedRun]]:
             time=time,
             step=0.01,
             p_mc=p,
-            a_x=-p / 70e5 * G,
+            a_x=-z * G,
             v=v,
             omega=omega,
             v_smooth=v,
@@ -113,8 +105,8 @@ def manoeuvres(problem: Problem) -> list[tuple[str, ObservedRun]]:
             temperature_r=heat,
             angle_f=angle,
             angle_r=angle,
-            drive_f=np.zeros_like(time),
-            drive_r=np.zeros_like(time),
+            drive_f=nothing,
+            drive_r=nothing,
         )
         out.append((name, run))
     return out

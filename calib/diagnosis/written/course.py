@@ -4,21 +4,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from calib.diagnosis.proof.prove import SearchStep
+from calib.diagnosis.search.search import SearchStep
 
 
 @dataclass(frozen=True)
 class Change:
     """One step of the search against the step before.
 
-    ``gain`` is the fall of the mean squared innovation of the calibration logs, ``fall`` that of
-    the lasting errors of the replayed hold-outs in units of the noise; negative where they grow.
+    ``gain`` is the fall of the mean squared innovation of the calibration logs, negative where it
+    grows.
     """
 
     added: tuple[str, ...]
     removed: tuple[str, ...]
     gain: float
-    fall: float
     step: SearchStep
 
 
@@ -29,7 +28,6 @@ def changes(steps: Sequence[SearchStep]) -> list[Change]:
             added=tuple(name for name in now.names if name not in last.names),
             removed=tuple(name for name in last.names if name not in now.names),
             gain=last.innovation - now.innovation,
-            fall=last.left - now.left,
             step=now,
         )
         for last, now in pairwise(steps)

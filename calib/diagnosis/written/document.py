@@ -7,11 +7,11 @@ from typing import Any
 
 from calib.base.warning import to_dict as warning_dict
 from calib.car.effects.empirical import DRIVERS
-from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
-from calib.diagnosis.proof.gap import UNITS, ChannelGap, Gap
-from calib.diagnosis.proof.prove import SearchStep
-from calib.diagnosis.proof.remainder import Remainder
-from calib.diagnosis.proof.unexplained import UnexplainedTerm, held_from
+from calib.diagnosis.diagnosis import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.proof.unexplained import Unexplained, held_from
+from calib.diagnosis.replays.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.replays.remainder import Remainder
+from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.course import changes
@@ -30,10 +30,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
             n: dict(values) for n, values in found.model_before.vehicle.effects.parameters.items()
         },
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
-        "groups": [asdict(group) for group in found.groups],
-        "start_heats": {log: list(heats) for log, heats in found.start_heats.items()},
-        "log_offsets": None if found.offsets is None else asdict(found.offsets),
-        "log_pads": {log: asdict(own) for log, own in found.own_pads.items()},
+        "own_states": {log: dict(states) for log, states in found.own.items()},
         "sides": dict(found.sides),
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),
@@ -43,7 +40,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "noise": {"from": found.noise.source, "at_floor": list(found.noise.at_floor)},
         "left": _left(found.left),
         "steps": _steps(found.steps),
-        "withdrawn": [asdict(one) for one in found.withdrawn],
+        "withdrawn": [list(names) for names in found.withdrawn],
         "gap": _gap(found.gap),
         "warnings": [warning_dict(warning) for warning in found.warnings],
     }
@@ -95,8 +92,7 @@ def _effect(effect: Named) -> dict[str, Any]:
 def _steps(steps: tuple[SearchStep, ...]) -> list[dict[str, Any]]:
     """Every step; what it added and what that brought, for each but the first."""
     brought = [
-        {"added": c.added, "removed": c.removed, "innovation_gain": c.gain, "left_fall": c.fall}
-        for c in changes(steps)
+        {"added": c.added, "removed": c.removed, "innovation_gain": c.gain} for c in changes(steps)
     ]
     return [asdict(step) | change for step, change in zip(steps, [{}, *brought], strict=True)]
 
@@ -161,11 +157,10 @@ def _left(left: Remainder) -> dict[str, Any]:
     }
 
 
-def _structure(found: UnexplainedTerm, whole: Diagnosis) -> dict[str, Any]:
+def _structure(found: Unexplained, whole: Diagnosis) -> dict[str, Any]:
     term = found.term
     return {
         "beside": [effect.name for effect in whole.effects],
-        "on_hold_outs": found.on_hold_outs,
         "in_model": whole.model_after.effects.terms != (),
         "replays": _left(whole.left),
         "innovation": whole.reduced_after if whole.effects else whole.reduced_before,

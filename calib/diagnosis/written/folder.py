@@ -9,7 +9,7 @@ from pathlib import Path
 from calib.base.names import WHEELS
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
-from calib.diagnosis.diagnose import Diagnosis
+from calib.diagnosis.diagnosis import Diagnosis
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 

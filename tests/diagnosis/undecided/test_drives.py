@@ -11,24 +11,24 @@ import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
-from calib.diagnosis.proof.hold_outs import model_of
-from calib.diagnosis.undecided.drives import drives
+from calib.diagnosis.replays.hold_outs import model_of
+from calib.diagnosis.search.rank import further_columns
+from calib.diagnosis.undecided.drives import drives, unresolved
 from calib.diagnosis.undecided.separate import manoeuvres
 from calib.model.simulate import simulate
-from tests.support.explained import based
+from tests.support.explained import based, fitted
 from tests.support.hidden.cases import draw
 
 
 @pytest.fixture(scope="module")
 def cold():
     """A light stop of a car that lacks nothing: no heat, little speed, one pressure."""
-    base = based(draw("none", 42, only=("step_low",)))
-    return base.problem.vehicle, base.problem, base
+    return based(draw("none", 42, only=("step_low",)))
 
 
-def changed(vehicle, at, name, run) -> float:
+def changed(at, name, run) -> float:
     """Rms of v that an effect of usual size changes in a manoeuvre, driven open loop [m/s]."""
-    model = model_of(vehicle, at)
+    model = model_of(at.problem.vehicle, at.base, at.effects)
     with_it = replace(model, effects=Effects({name: CATALOGUE[name].card.usual}))
     heat = {} if run.temperature_f is None else {"f": run.temperature_f, "r": run.temperature_r}
     one, other = (
@@ -39,34 +39,38 @@ def changed(vehicle, at, name, run) -> float:
 
 
 def test_drag_is_seen_in_a_coast_and_fade_in_a_hard_stop(cold):
-    vehicle, problem, at = cold
-    drag, fade = drives(problem, at, ("aerodynamic_drag", "pad_thermal_fade"))
+    drag, fade = drives(cold, ("aerodynamic_drag", "pad_thermal_fade"))
     assert drag.clear
     assert fade.clear
     assert drag.name.startswith("coast down from 130")
     assert "45 bar" in fade.name
-    tests = dict(manoeuvres(problem))
+    tests = dict(manoeuvres(cold))
     weak = tests["light stop at 8 bar from 60 km/h"]
     for drive in (drag, fade):
         strong = tests[drive.name]
-        shown = changed(vehicle, at, drive.effect, strong)
-        assert shown > 2.0 * changed(vehicle, at, drive.effect, weak)
+        shown = changed(cold, drive.effect, strong)
+        assert shown > 2.0 * changed(cold, drive.effect, weak)
 
 
 def test_what_pads_imitate_is_taken_out(cold):
     """A mass scales all forces of the brakes, and so do the pads."""
-    vehicle, problem, at = cold
-    (mass,) = drives(problem, at, ("mass_error",))
+    (mass,) = drives(cold, ("mass_error",))
     assert not mass.clear
-    run = dict(manoeuvres(problem))[mass.name]
-    assert changed(vehicle, at, "mass_error", run) > 0.1  # though it changes the drive a lot
+    run = dict(manoeuvres(cold))[mass.name]
+    assert changed(cold, "mass_error", run) > 0.1  # though it changes the drive a lot
 
 
 def test_more_of_it_shows_more(cold):
     """The logs themselves count: after a coast in them, drag shows at least as clearly."""
-    _, problem, at = cold
-    (alone,) = drives(problem, at, ("aerodynamic_drag",))
-    coast = dict(manoeuvres(problem))["coast down from 130 km/h"]
-    more = replace(problem, runs=(*problem.runs, coast))
-    (both,) = drives(more, at, ("aerodynamic_drag",))
+    (alone,) = drives(cold, ("aerodynamic_drag",))
+    coast = dict(manoeuvres(cold))["coast down from 130 km/h"]
+    more = replace(cold.problem, runs=(*cold.problem.runs, coast))
+    (both,) = drives(fitted(more), ("aerodynamic_drag",))
     assert both.sigma > 1.2 * alone.sigma
+
+
+def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():
+    base = based(draw("none", 42, only=("coast", "step_low")))
+    silent = unresolved(base, further_columns(base))
+    assert {"pad_thermal_fade", "mass_error"} <= set(silent)
+    assert not {"aerodynamic_drag", "accelerometer_bias"} & set(silent)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
-from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
+from calib.diagnosis.undecided.confusion import Alike, Confusion, Pair
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.document import text_of, to_dict
 from calib.show.diagnosis import KINDS
@@ -35,7 +35,7 @@ def test_confusion_and_drives_are_told_with_units(named):
     assert to_dict(named)["confusion"] is None
     assert to_dict(named)["would_show"] == []
     alike = Confusion(
-        (Explanation(("road_grade",), 1.0), Explanation(("mass_error",), 1.25)),
+        (Alike(("road_grade",), 1.0), Alike(("mass_error",), 1.25)),
         (Pair(0, 1, 3.0, "coast", 48.0),),
     )
     unseen = (ShowingDrive(CATALOGUE["aerodynamic_drag"].card, "coast", 48.0),)

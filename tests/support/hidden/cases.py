@@ -23,7 +23,7 @@ from tests.support.hidden.plant import Car, Start, drive
 from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
 from tests.support.hidden.variety import Ground, Variety, grouped, offset, unlike, varied
-from tests.support.plant import Tyre, brush, magic
+from tests.support.plant import Tyre, brush, burckhardt, dugoff, magic
 
 KINDS = (
     "single",
@@ -105,11 +105,13 @@ def draw(
     names: tuple[str, ...] = (),
     severity: int | None = None,
     only: tuple[str, ...] = (),
+    unlike_tyres: bool = False,
 ) -> HiddenCase:
     """Draw a case; ``names`` and ``severity`` (0 to 2) are drawn unless given.
 
     Successive seeds go round the names. With ``only`` these of its runs are driven, and are the
-    same as without. Raises ValueError for an unknown kind, KeyError for an unknown name.
+    same as without. With ``unlike_tyres`` each axle has a tyre of its own, by Burckhardt, Dugoff or
+    as a brush. Raises ValueError for an unknown kind, KeyError for an unknown name.
     """
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     effects = names or choose(kind, seed, rng)
@@ -119,12 +121,14 @@ def draw(
         hidden = hide(hidden, name, level, rng)
     vehicle = CARS[rng.integers(len(CARS))]
     surface = str(rng.choice(list(SURFACES)))
+    front, rear = axle_tyres(surface, rng) if unlike_tyres else (tyre(surface, rng), None)
     car = Car(
         vehicle,
-        tyre(surface, rng),
+        front,
         (float(rng.uniform(0.85, 1.1)), float(rng.uniform(0.85, 1.1))),
         float(rng.uniform(0.85, 1.15)),
         hidden,
+        rear,
     )
     variety = VARIETIES.get(kind, lambda _: Variety())(rng)
     levels = {k: scaled(level, variety.noise) for k, level in NOISE.items()}
@@ -170,14 +174,22 @@ def on(car: Car, ground: Ground) -> Car:
     peak = ground.peak
     stiffness = car.stiffness_scale * ground.stiffness
 
-    def tyre(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
-        return car.tyre(slip, load, stiffness_factor, peak_factor * peak)
+    def there(of: Tyre) -> Tyre:
+        return lambda slip, load, k, mu: of(slip, load, k, mu * peak)
 
+    rear_tyre = car.rear_tyre and there(car.rear_tyre)
     h = car.hidden
     if ground.grade:
         h = replace(h, grade=h.grade + ground.grade, grade_felt=True)
     h = replace(h, bias=h.bias + ground.bias)
-    return replace(car, pad_scale=(front, rear), stiffness_scale=stiffness, tyre=tyre, hidden=h)
+    return replace(
+        car,
+        pad_scale=(front, rear),
+        stiffness_scale=stiffness,
+        tyre=there(car.tyre),
+        rear_tyre=rear_tyre,
+        hidden=h,
+    )
 
 
 def told_of(variety: Variety) -> dict[str, object]:
@@ -216,6 +228,19 @@ def tyre(surface: str, rng: np.random.Generator) -> Tyre:
     if rng.random() < 0.2:
         return brush(stiffness, peak * 1.25, load)
     return magic(stiffness, peak, curvature=float(rng.uniform(-0.3, 0.2)), load_exponent=load)
+
+
+def axle_tyres(surface: str, rng: np.random.Generator) -> tuple[Tyre, Tyre]:
+    """Front and rear tyre of one surface: of another form, stiffness (8 %) and peak (5 %) each."""
+    found = []
+    for _ in "fr":
+        stiffness, peak = SURFACES[surface]
+        stiffness *= float(np.exp(0.08 * rng.normal()))
+        peak *= float(rng.uniform(0.95, 1.05))
+        load = float(rng.uniform(0.0, 0.05))
+        form, more = ((brush, 1.25), (burckhardt, 1.1), (dugoff, 1.25))[int(rng.integers(3))]
+        found.append(form(stiffness, more * peak, load))
+    return found[0], found[1]
 
 
 def run(car: Car, name: str, rng: np.random.Generator, rate: float = 200.0) -> Log:

@@ -40,7 +40,8 @@ MOTOR = 16
 class Car:
     """The true car: what the program is told (``vehicle``), its base and what is hidden.
 
-    ``pad_scale`` of both axles and ``stiffness_scale`` are factors [1] on pads and tyre.
+    ``pad_scale`` of both axles and ``stiffness_scale`` are factors [1] on pads and tyre;
+    ``rear_tyre`` where the rear axle has another one.
     """
 
     vehicle: Vehicle
@@ -48,6 +49,7 @@ class Car:
     pad_scale: tuple[float, float] = (1.0, 1.0)
     stiffness_scale: float = 1.0
     hidden: Hidden = NOTHING
+    rear_tyre: Tyre | None = None
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,9 @@ def equations(car: Car, lines: Lines) -> Rates:
     omega_s = 2.0 * math.pi * h.slosh_frequency
     pads = pad_law(h)
     unlike = (1.0, 1.0, 1.0 + h.rear_tyres, 1.0 + h.rear_tyres)
-    tyre, stiffness_scale, slope = car.tyre, car.stiffness_scale, math.sin(math.atan(h.grade))
+    rear_tyre = car.rear_tyre or car.tyre
+    tyres = (car.tyre, car.tyre, rear_tyre, rear_tyre)
+    stiffness_scale, slope = car.stiffness_scale, math.sin(math.atan(h.grade))
 
     def rates(t: float, y: list[float]) -> tuple[list[float], float]:
         v = max(y[V], 0.5)
@@ -153,7 +157,7 @@ def equations(car: Car, lines: Lines) -> Rates:
             f = 0.5 * weight * (nominal.cg_to_rear_axle + z * height) / length
             load = [f, f, 0.5 * weight - f, 0.5 * weight - f]
             force = []
-            for k, n, s in zip(unlike, load, slips, strict=True):
+            for k, n, s, tyre in zip(unlike, load, slips, tyres, strict=True):
                 more = 4.0 * n / weight
                 stiff = stiffness * k * (1.0 - h.tyre_load * (more - 1.0))
                 force.append(n * tyre(s, more, stiff, 1.0))

@@ -1,0 +1,125 @@
+"""A linear Gaussian model of several logs, what each has of its own marginalised.
+
+    r_i + A_i' dx + N_i' du_i ~ N(0, 1)      dx shared by all logs, du_i of log i alone
+
+    prior  u_i ~ N(0, S^2)   x ~ N(m, 1/precision)
+
+Rows are innovations of unit variance. Own states go out by a Schur complement for each log, so a
+hypothesis on their sizes S costs no look at the rows.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.base.arrays import Array
+
+
+@dataclass(frozen=True)
+class Products:
+    """Inner products of one log: of shared columns and r (m + 1, m + 1), r the last; of these with
+    own columns (m + 1, k); of own columns (k, k); its own states (k,).
+    """
+
+    shared: Array
+    mixed: Array
+    own: Array
+    state: Array
+
+    @classmethod
+    def of(cls, shared: Array, own: Array, r: Array, state: Array) -> "Products":
+        """From columns (m, n) and (k, n), innovations (n,), and own states (k,) at them."""
+        M = np.vstack([shared, r])
+        return cls(M @ M.T, M @ own.T, own @ own.T, state)
+
+    def first(self, m: int) -> "Products":
+        """Those of the first ``m`` shared columns alone."""
+        keep = np.append(np.arange(m), -1)
+        return Products(self.shared[np.ix_(keep, keep)], self.mixed[keep], self.own, self.state)
+
+    def reduced(self, sizes: Array, damping: float = 0.0) -> tuple[Array, Array, float]:
+        """The products (m + 1, m + 1) without what own states of these ``sizes`` (k,) explain.
+
+        With the step (k, m + 1) of the own states that goes with each column, so that du = -step
+        (dx, 1); and ln of the determinant of their information. ``damping`` adds that share to its
+        diagonal.
+        """
+        use = sizes > 0.0
+        S = sizes[use]
+        P = np.eye(S.size) + S[:, None] * self.own[np.ix_(use, use)] * S
+        P[np.diag_indices(S.size)] *= 1.0 + damping
+        t = self.state[use] / S
+        b = S[:, None] * self.mixed[:, use].T
+        b[:, -1] += t
+        solved = np.linalg.solve(P, b)
+        G = self.shared - b.T @ solved
+        G[-1, -1] += t @ t
+        step = np.zeros((sizes.size, self.shared.shape[0]))
+        step[use] = S[:, None] * solved
+        return G, step, float(np.linalg.slogdet(P)[1])
+
+
+@dataclass(frozen=True)
+class Marginal:
+    """Shared products ``G`` (m + 1, m + 1) of all logs, with the prior of the shared parameters.
+
+    ``precision`` (m, m) and ``off`` (m,) the distance from its mean; ``spent`` ln of the
+    determinants of the own states' information.
+    """
+
+    G: Array
+    precision: Array
+    off: Array
+    spent: float
+
+    @classmethod
+    def of(
+        cls,
+        products: list[Products],
+        sizes: Array,
+        precision: Array,
+        off: Array,
+        damping: float = 0.0,
+    ) -> "Marginal":
+        """Of all logs; prior of the first (m,) columns, those behind have none."""
+        parts = [one.reduced(sizes, damping) for one in products]
+        G = np.sum([part[0] for part in parts], axis=0)
+        return cls(G, precision, off, float(sum(part[2] for part in parts)))
+
+    @property
+    def information(self) -> Array:
+        """Information (k, k) of the shared parameters with a prior."""
+        k = self.off.size
+        return np.asarray(self.G[:k, :k] + self.precision)
+
+    @property
+    def gradient(self) -> Array:
+        """Half the gradient (k,) of the sum of squares."""
+        k = self.off.size
+        return np.asarray(self.G[:k, -1] + self.precision @ self.off)
+
+    @property
+    def squares(self) -> float:
+        """Sum of squares at the present point, priors included, own states at their best."""
+        return float(self.G[-1, -1] + self.off @ self.precision @ self.off)
+
+    def evidence(self, most: float = np.inf) -> float:
+        """ln of the evidence but for a constant of the rows, by Laplace at the linear optimum.
+
+        ``most`` is the largest fall of the sum of squares to there that is believed.
+        """
+        H, g = self.information, self.gradient
+        fall = min(float(g @ np.linalg.solve(H, g)), most)
+        prior = np.linalg.slogdet(self.precision)[1]
+        spread = float(prior) - float(np.linalg.slogdet(H)[1]) - self.spent
+        return 0.5 * (spread - self.squares + fall)
+
+    def beyond(self) -> tuple[Array, Array]:
+        """What the columns behind the prior do that the others cannot: products (c, c), and along r
+        with its sign turned (c,).
+        """
+        k = self.off.size
+        cross = self.G[:k, k:].copy()
+        cross[:, -1] += self.precision @ self.off
+        left = self.G[k:, k:] - cross.T @ np.linalg.solve(self.information, cross)
+        return left[:-1, :-1], -left[:-1, -1]

@@ -1,0 +1,149 @@
+"""What may explain the logs: effects by name, kinds in which logs differ, a term; and its state."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.diagnosis.explanation.base import FORM_AT, Base
+from calib.diagnosis.explanation.own import OWN, sizes
+from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.vector import bounds, unpack
+
+FADE = "pad_thermal_fade"
+
+STRENGTH, FURTHER = 2.0, 1.0
+"""Standard deviations of the priors on the strength of an effect and on its further parameters, in
+spreads of its card."""
+
+PRICE = 5.0
+"""ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
+
+_FIRST = 5.0
+
+_HIGH, PEAK_AT = 0.25, 3
+"""Logarithm of the peak from which a fit begins, over the usual one; its place in x."""
+
+
+@dataclass(frozen=True)
+class State:
+    """``x`` of base and effects as `unpack` reads it, ``form`` (2 k,), ``own`` (runs, 8)."""
+
+    x: Array
+    form: Array
+    own: Array
+
+
+@dataclass(frozen=True)
+class Walk:
+    """An empirical term whose values at the ``knots`` of its driver are a random walk.
+
+    ``size`` is the standard deviation of an increment, the first value has `_FIRST` times that [1].
+    """
+
+    place: str
+    driver: str
+    knots: tuple[float, ...]
+    size: float
+
+    @property
+    def precision(self) -> Array:
+        """Precision (k, k) of the values."""
+        one = np.eye(len(self.knots))
+        steps = np.diff(one, axis=0, prepend=0.0 * one[:1])
+        steps[0, 0] = 1.0 / _FIRST
+        return np.asarray(steps.T @ steps / self.size**2)
+
+    @property
+    def limit(self) -> float:
+        """Largest value [1]: of a brake torque, and of a force over the weight."""
+        return 0.9 if self.place.endswith("brakes") else 0.1
+
+    def term(self, values: Array) -> EmpiricalTerm:
+        """The term with its values (k,)."""
+        return EmpiricalTerm(self.place, self.driver, self.knots, tuple(values.tolist()))
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.own`.
+
+    And those in which they are ``alike``; with a ``walk`` over a driver, where something is left
+    that no effect explains; ``departs`` whether tyres may depart from their form.
+    """
+
+    names: tuple[str, ...] = ()
+    kinds: frozenset[str] = frozenset()
+    alike: frozenset[str] = frozenset()
+    walk: Walk | None = None
+    departs: bool = True
+
+    @property
+    def key(self) -> tuple[frozenset[str], frozenset[str]]:
+        """What it says, whatever its order."""
+        return frozenset(self.names), self.kinds
+
+    @property
+    def sizes(self) -> Array:
+        """Standard deviations (8,) of what each log has of its own."""
+        return sizes(self.kinds, self.alike)
+
+    @property
+    def price(self) -> float:
+        """ln of the odds against it before the logs are read."""
+        return PRICE * (len(self.names) + len(self.kinds) + (self.walk is not None))
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Derivatives of the innovations of each log.
+
+    By ``x`` (m, n), by the ``form`` (2 k, n), by the first ``heat`` of its discs (2, n), where
+    pads fade.
+    """
+
+    x: list[Array]
+    form: list[Array]
+    heat: list[Array]
+
+    def kept(self, which: Array) -> "Columns":
+        """Those by some elements of x alone."""
+        return replace(self, x=[J[which] for J in self.x])
+
+
+def prior_precision(problem: Problem, hypothesis: Hypothesis) -> Array:
+    """Precision (m, m) of the prior on x."""
+    from scipy.linalg import block_diag
+
+    own = [[STRENGTH] + [FURTHER] * (problem.parameters_of(n) - 1) for n in hypothesis.names]
+    sigma = np.concatenate([problem.base_sigma, *own])
+    walk = [] if hypothesis.walk is None else [hypothesis.walk.precision]
+    return np.asarray(block_diag(np.diag(sigma**-2.0), *walk))
+
+
+def bounds_of(problem: Problem, hypothesis: Hypothesis) -> tuple[Array, Array]:
+    """Least and largest x (m,)."""
+    low, high = bounds(problem, hypothesis.names)
+    if hypothesis.walk is None:
+        return low, high
+    most = np.full(len(hypothesis.walk.knots), hypothesis.walk.limit)
+    return np.concatenate([low, -most]), np.concatenate([high, most])
+
+
+def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base, Effects]:
+    """Base and effects of a state."""
+    base, effects = unpack(problem, hypothesis.names, state.x)
+    if (walk := hypothesis.walk) is not None:
+        effects = replace(effects, terms=(walk.term(state.x[-len(walk.knots) :]),))
+    form = state.form.reshape(2, FORM_AT.size)
+    return (replace(base, form=form) if np.any(form) else base), effects
+
+
+def start_of(problem: Problem) -> State:
+    """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
+    return State(
+        _HIGH * np.eye(problem.base_size)[PEAK_AT],
+        np.zeros(2 * FORM_AT.size),
+        np.zeros((len(problem.runs), len(OWN))),
+    )

@@ -1,0 +1,119 @@
+"""From the search to a verdict: what is named, what is as likely, and whether something is left.
+
+    best explanation --> replays of the hold-outs --> anything left? --> more likely by a term?
+                                                        no: named          yes: unknown
+
+Something is left where the replays have lasting errors beyond three units of noise, or where the
+innovations have far more than noise. It is no known effect where an empirical term alone is more
+probable than all that is named.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from calib.base.arrays import Array
+from calib.base.errors import ModelError
+from calib.diagnosis.explanation.explanation import Explanation, of_all
+from calib.diagnosis.explanation.hypothesis import Columns, State
+from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.replays.hold_outs import HoldOuts
+from calib.diagnosis.replays.remainder import Remainder
+from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.search.search import SURE, Search
+from calib.diagnosis.search.terms import Ranked, ranked_terms, with_terms
+
+NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
+
+_STRANGE = 8.0
+"""Scatter of the mean squared innovation from which a cause is present, whatever replays show."""
+
+
+_CLOSED = 0.75
+"""Share of the gap, and of what the innovations hold beyond noise, that effects must close which
+leave something."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """``word`` as in diagnosis.json; ``base`` without effects; ``best`` what is named, or ``base``.
+
+    ``rivals`` as likely, ``tried`` all others, the best first; ``seen`` is ``best`` as the
+    hold-outs see it; ``terms`` explanations with the best empirical terms beside ``best``,
+    where something is left, best first; ``left`` in the replays
+    with ``best``.
+    """
+
+    word: str
+    held: HoldOuts
+    base: Explanation
+    best: Explanation
+    rivals: tuple[Explanation, ...]
+    tried: tuple[Explanation, ...]
+    seen: Explanation
+    before: Replayed
+    after: Replayed
+    left: Remainder
+    terms: tuple[Explanation, ...]
+
+    @property
+    def stands(self) -> bool:
+        """Whether effects are named."""
+        return self.word in (NAMED, AMBIGUOUS)
+
+
+def verdict_of(search: Search) -> Verdict:
+    """The verdict on the ``best`` of a search, by its hold-outs."""
+    held, base = search.held, search.base
+    best, after, terms = _standing(search)
+    before = search.before if best.names else after
+    left = held.left(after.at, after.own, after.logs)
+    rest = left.significant or something_left(best, terms)
+    beside = tuple(with_terms(best, terms)) if rest else ()
+    if rest and best.names:
+        promised = base.log_evidence + search.terms[0].log_gain
+        alone = tuple(with_terms(base, search.terms)) if promised > search.hopeless else ()
+        if alone and alone[0].log_evidence > best.log_evidence:
+            best, after, beside = base, before, alone
+            left = held.left(before.at, before.own, before.logs)
+    rivals = search.rivals if best is search.best else ()
+    named = AMBIGUOUS if rivals else NAMED
+    word = named if best.names else UNKNOWN if rest else NO_GAP
+    seen, tried = seen_by(held.problem, best, after.own), search.fits.others(search.best)
+    return Verdict(word, held, base, best, rivals, tried, seen, before, after, left, beside)
+
+
+def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
+    """The last explanation of a search that closes the gap of the replays, and terms beside it.
+
+    By half where something is left with it; else it must not widen the gap.
+    """
+    after = _last(search)
+    for one in (after, *search.accepted[-2::-1]):
+        best, terms = one.of, ranked_terms(one.of)
+        taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
+        closed = min(search.gap(one).closed, taken)
+        if not best.names or (
+            not search.widens(one) and (closed > _CLOSED or not something_left(best, terms))
+        ):
+            return best, one, terms
+    return search.base, search.before, search.terms
+
+
+def _last(search: Search) -> Replayed:
+    """The best explanation; the one that was accepted where it cannot be replayed."""
+    try:
+        return replayed(search.held, search.best)
+    except ModelError:
+        return search.accepted[-1]
+
+
+def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:
+    """Whether a term beside an explanation is surely more probable, or far more than noise left."""
+    return terms[0].log_gain > SURE or at.reduced > 1.01 + _STRANGE * at.scatter
+
+
+def seen_by(held: Problem, at: Explanation, own: Array) -> Explanation:
+    """An explanation as other logs see it, its parameters as they are."""
+    state = State(at.state.x, at.state.form, own)
+    r = of_all(held, at.hypothesis, state)
+    return Explanation(held, at.hypothesis, state, r, Columns([], [], []))

@@ -1,0 +1,139 @@
+"""All that was fitted in a search, by what it says, and what the hold-outs make of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import ROUGHLY, fit
+from calib.diagnosis.explanation.hypothesis import FADE, Columns, Hypothesis, State, start_of
+from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.search.odds import density
+from calib.diagnosis.search.rank import Promise
+
+_PRUNED = 20.0
+"""What ln of the evidence of a hypothesis can gain where its effects that are not worth their price
+are taken out."""
+
+
+@dataclass
+class Fits:
+    """``fitted`` explanations of a problem by their keys; ``held`` the logs that are held out.
+
+    ``base`` the one without effects; ``densities`` ln of those of the hold-outs; ``gone`` from
+    where a fit has begun.
+    """
+
+    problem: Problem
+    held: Problem
+    base: Explanation
+    fitted: dict[object, Explanation] = field(default_factory=dict)
+    densities: dict[object, float] = field(default_factory=dict)
+    gone: dict[object, Explanation] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.add(self.base)
+
+    def add(self, e: Explanation) -> None:
+        """In the place of what was known of the same hypothesis."""
+        self.fitted[e.hypothesis.key] = e
+        self.densities.pop(e.hypothesis.key, None)
+
+    def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
+        """Fit what is promised."""
+        new = [p for p in tops if self.known(p) < p.log_evidence - 3.0]
+        if new:
+            names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
+            self.problem.tell(f"fitting {names}", 0, 1)
+        job = partial(_fitted, self.problem.alone, near.columns, near.bent)
+        for p, one in zip(new, self.problem.mapped(job, new), strict=True):
+            if one.log_evidence > self.known(p):
+                self.add(replace(one, problem=self.problem))
+
+    def known(self, p: Promise) -> float:
+        """ln of the evidence of what is promised as it was fitted before."""
+        found = self.fitted.get(p.hypothesis.key)
+        return -np.inf if found is None else found.log_evidence
+
+    def pruned_best(self, tops: Sequence[Promise]) -> list[Explanation]:
+        """What was fitted of some promises, best first; pruned if that can make it the best."""
+        news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
+        return [
+            self.pruned(e) if e.log_evidence > news[0].log_evidence - _PRUNED else e for e in news
+        ]
+
+    def pruned(self, at: Explanation) -> Explanation:
+        """Without effects and kinds that are not worth their price."""
+        while True:
+            fewer = [self.without(at, name) for name in self.spare(at)]
+            fewer += [self.without_kind(at, kind) for kind in at.hypothesis.kinds]
+            better = max(fewer, key=lambda e: e.log_evidence, default=at)
+            if better.log_evidence <= at.log_evidence:
+                return at
+            at = better
+
+    def spare(self, at: Explanation) -> list[str]:
+        """Effects of which a linear step does not say that they are worth their price."""
+        places, C = at.problem.places(at.names), at.covariance
+        x, worth = at.state.x, 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
+        firsts = {name: own.start for name, own in places.items()}
+        return [n for n, i in firsts.items() if x[i] ** 2 < 2.0 * worth * C[i, i]]
+
+    def without(self, at: Explanation, name: str) -> Explanation:
+        """An explanation fitted anew without one of its effects, from where it is."""
+        names = tuple(n for n in at.names if n != name)
+        keep = np.ones(at.state.x.size, bool)
+        keep[at.problem.places(at.names)[name]] = False
+        near = at.columns.kept(keep)
+        kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
+        state = replace(at.state, x=at.state.x[keep])
+        return self.refitted(at, Hypothesis(names, kinds), state, near)
+
+    def without_kind(self, at: Explanation, kind: str) -> Explanation:
+        """The same without one kind in which logs differ."""
+        hypothesis = Hypothesis(at.names, at.hypothesis.kinds - {kind})
+        as_before = hypothesis.sizes == at.hypothesis.sizes
+        state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
+        return self.refitted(at, hypothesis, state, at.columns)
+
+    def refitted(
+        self, at: Explanation, hypothesis: Hypothesis, state: State, near: Columns
+    ) -> Explanation:
+        """The better one of what is known of a hypothesis, and what a fit from ``at`` finds.
+
+        Each place is gone from once.
+        """
+        key = hypothesis.key
+        if (key, id(at)) not in self.gone:
+            self.gone[key, id(at)] = at
+            found = fit(self.problem, hypothesis, state, near, ROUGHLY)
+            if key not in self.fitted or found.log_evidence > self.fitted[key].log_evidence:
+                self.add(found)
+        return self.fitted[key]
+
+    def others(self, best: Explanation) -> tuple[Explanation, ...]:
+        """All that was fitted but the ``best``, by evidence."""
+        found = [e for key, e in self.fitted.items() if key != best.hypothesis.key]
+        return tuple(sorted(found, key=lambda e: -e.log_evidence))
+
+    def value(self, at: Explanation) -> float:
+        """ln of the evidence of all logs, searched and held out."""
+        return at.log_evidence + self.density(at)
+
+    def density(self, at: Explanation) -> float:
+        """ln of the density of the hold-outs given the calibration logs."""
+        key = at.hypothesis.key
+        if key not in self.densities:
+            self.densities[key] = density(at, self.held)
+        return self.densities[key]
+
+
+def _fitted(problem: Problem, near: Columns, bent: bool, promise: Promise) -> Explanation:
+    """What is promised, fitted from its state; pads and tyres from usual ones if they were bent."""
+    state = promise.state
+    if bent:
+        usual = start_of(problem)
+        state = replace(usual, x=np.concatenate([usual.x, state.x[problem.base_size :]]))
+    return fit(problem, promise.hypothesis, state, near, ROUGHLY)

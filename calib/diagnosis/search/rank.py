@@ -1,0 +1,232 @@
+"""What further effects promise, alone and together, by one linear model of all logs.
+
+Every effect is a column for each point of its further parameters at which it is tried. The evidence
+of any of them, of pairs, of triples, with logs that differ in any kinds, then is linear algebra of
+some ten rows.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain, combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.base.arrays import Array
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import definition, every_effect
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.hypothesis import FADE, PRICE, STRENGTH, Hypothesis, State, based
+from calib.diagnosis.explanation.own import KINDS, sizes
+from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.vector import origins, unpack
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A hypothesis, its evidence by the linear model, and the state from which it is fitted."""
+
+    hypothesis: Hypothesis
+    log_evidence: float
+    state: State
+
+
+@dataclass(frozen=True)
+class Tried:
+    """An effect by its ``name`` at one of its `_trials`, in spreads of its card."""
+
+    name: str
+    trial: Array
+
+
+Names = NDArray[np.str_]
+
+Further = tuple[list[Tried], list[Array]]
+
+
+def promises(
+    at: Explanation, further: Further, most: int = 3, other: bool = False
+) -> list[Promise]:
+    """Further effects, at ``most`` so many, and kinds beside those of ``at``; best first."""
+    new = [k for k, one in enumerate(further[0]) if one.name not in at.names]
+    tried, columns = [further[0][k] for k in new], [of_run[new] for of_run in further[1]]
+    products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
+    found: dict[object, Promise] = {}
+    for kinds in _subsets(at) if other else [at.hypothesis.kinds]:
+        own = sizes(kinds)
+        model = marginal(at, products, own)
+        alone = marginal(at, [p.first(model.off.size) for p in products], own)
+        log = alone.evidence() - Hypothesis(at.names, kinds).price
+        if kinds != at.hypothesis.kinds:
+            _put(found, Promise(Hypothesis(at.names, kinds), log, at.state))
+        for one in _ranked(*model.beyond(), [t.name for t in tried], most):
+            names = (*at.names, *(tried[k].name for k in one.columns))
+            begun = map(_begun, (tried[k].trial for k in one.columns), one.amounts)
+            state = replace(at.state, x=np.concatenate([at.state.x, *begun]))
+            _put(found, Promise(Hypothesis(names, kinds), log + one.log_gain, state))
+    return sorted(found.values(), key=lambda p: -p.log_evidence)
+
+
+def _put(found: dict[object, Promise], one: Promise) -> None:
+    key = one.hypothesis.key
+    if key not in found or found[key].log_evidence < one.log_evidence:
+        found[key] = one
+
+
+def _begun(trial: Array, amount: float) -> Array:
+    begin = trial.copy()
+    begin[0] *= min(max(amount, 0.3), 4.0)
+    return begin
+
+
+def _subsets(at: Explanation) -> Iterator[frozenset[str]]:
+    """The kinds of ``at`` with any others; discs begin with a heat of their own where pads fade."""
+    other = [k for k in KINDS if k not in at.hypothesis.kinds and (k != "heat" or FADE in at.names)]
+    every = chain.from_iterable(combinations(other, k) for k in range(len(other) + 1))
+    return (at.hypothesis.kinds | frozenset(some) for some in every)
+
+
+def further_columns(at: Explanation, names: Iterable[str] | None = None) -> Further:
+    """Further effects at their trials, and how each changes the innovations of every log.
+
+    Of these ``names``, or every one.
+    """
+    problem = at.problem
+    every = every_effect(problem.vehicle.effects) if names is None else names
+    names = [n for n in every if n not in at.names]
+    alone = replace(at, problem=problem.alone)
+    tried, rows = [], []
+    found = problem.mapped(partial(_changes, alone), names)
+    for done, (name, changes) in enumerate(zip(names, found, strict=True)):
+        problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(names))
+        for trial, change in zip(_trials(at, name), changes, strict=True):
+            tried.append(Tried(name, trial))
+            rows.append(change)
+    return tried, [np.stack(of_run) for of_run in zip(*rows, strict=True)]
+
+
+def _trials(at: Explanation, name: str) -> list[Array]:
+    """Points at which an effect is tried, in spreads from where its parameters count.
+
+    Full strength first, then the further parameters, with both signs where the card allows.
+    """
+    known = at.problem.vehicle.effects
+    card = definition(known, name).card
+    origin = origins(known, card)
+
+    def allowed(k: int, shift: float) -> bool:
+        p = card.parameters[k]
+        return p.low <= origin[k] + shift * p.spread <= p.high
+
+    further = range(1, len(card.parameters))
+    points = []
+    for sign in (sign for sign in (1.0, -1.0) if allowed(0, sign)):
+        shifts = [(k, shift) for k in further for shift in (-1.0, 1.0) if allowed(k, shift)]
+        for k, shift in [(0, sign), *shifts]:
+            point = np.zeros(len(card.parameters))
+            point[k] = shift
+            point[0] = sign
+            points.append(point)
+    return points
+
+
+def _tried_at(problem: Problem, name: str, trial: Array) -> Effects:
+    """One effect alone, at one of its `_trials`."""
+    x = np.concatenate([np.zeros(problem.base_size), trial])
+    return unpack(problem, (name,), x)[1].only(name)
+
+
+def _changes(at: Explanation, name: str) -> list[list[Array]]:
+    base, effects = based(at.problem, at.hypothesis, at.state)
+    out = []
+    for trial in _trials(at, name):
+        more = effects.with_(_tried_at(at.problem, name, trial))
+        of_runs = zip(at.runs, at.innovations, strict=True)
+        out.append([innovations(at.problem, base, more, run) - r for run, r in of_runs])
+    return out
+
+
+_WIDE = 40
+"""Pairs to which a third effect is added."""
+
+
+@dataclass(frozen=True)
+class _Subset:
+    """Some ``columns``, their ``amounts`` and what ln of the evidence gains with them."""
+
+    columns: tuple[int, ...]
+    amounts: tuple[float, ...]
+    log_gain: float
+
+
+def _ranked(E: Array, g: Array, names: list[str], most: int) -> list[_Subset]:
+    """Single columns, pairs and triples of other effects, the best of each names.
+
+    ``E`` (c, c) and ``g`` (c,) as of `Marginal.beyond`. Amounts are positive: other signs are other
+    columns.
+    """
+    A, of = E + np.eye(g.size) / STRENGTH**2, np.array(names)
+    found = _singles(A, g, of)
+    if most > 1:
+        pairs = _pairs(A, g, of)
+        found += pairs
+        if most > 2:
+            found += [triple for pair in pairs[:_WIDE] for triple in _triples(A, g, of, pair)]
+    return found
+
+
+def _gain(fall: Array, determinant: Array, count: int) -> Array:
+    """ln of the evidence of ``count`` amounts, by g'A^-1 g and the determinant of A."""
+    spent = count * (math.log(STRENGTH) + PRICE)
+    return np.asarray(0.5 * (fall - np.log(determinant)) - spent)
+
+
+def _singles(A: Array, g: Array, of: Names) -> list[_Subset]:
+    d = np.diag(A)
+    a = g / d
+    gain = np.where(a > 0.0, _gain(g * a, d, 1), -np.inf)
+    return [_Subset((k,), (float(a[k]),), float(gain[k])) for k in _firsts(gain, of)]
+
+
+def _pairs(A: Array, g: Array, of: Names) -> list[_Subset]:
+    d, (i, j) = np.diag(A), np.triu_indices(g.size, 1)
+    apart = of[i] != of[j]
+    i, j = i[apart], j[apart]
+    det = np.maximum(d[i] * d[j] - A[i, j] ** 2, 1e-12 * d[i] * d[j])
+    a = np.stack([g[i] * d[j] - g[j] * A[i, j], g[j] * d[i] - g[i] * A[i, j]]) / det
+    gain = np.where(np.all(a > 0.0, axis=0), _gain(g[i] * a[0] + g[j] * a[1], det, 2), -np.inf)
+    names = np.array([f"{x} {y}" for x, y in np.sort(np.stack([of[i], of[j]]), axis=0).T])
+    return [
+        _Subset((int(i[k]), int(j[k])), tuple(a[:, k].tolist()), float(gain[k]))
+        for k in _firsts(gain, names)
+    ]
+
+
+def _triples(A: Array, g: Array, of: Names, pair: _Subset) -> list[_Subset]:
+    """The best third column beside a pair, by what the pair cannot do."""
+    two = list(pair.columns)
+    inside, across = A[np.ix_(two, two)], A[two]
+    K = np.linalg.solve(inside, across)
+    d = np.diag(A)
+    left = d - np.sum(across * K, axis=0)
+    use = (left > 1e-9 * d) & ~np.isin(of, of[two])
+    own, left = g - g[two] @ K, np.where(use, left, 1.0)
+    third = own / left
+    first = np.linalg.solve(inside, g[two])[:, None] - K * third
+    good = use & (third > 0.0) & np.all(first > 0.0, axis=0)
+    gain = np.where(good, pair.log_gain + _gain(own * third, left, 1), -np.inf)
+    return [
+        _Subset((*two, k), (*first[:, k].tolist(), float(third[k])), float(gain[k]))
+        for k in _firsts(gain, of)[:1]
+    ]
+
+
+def _firsts(gain: Array, names: Names) -> list[int]:
+    """The best place of each name, the best first, of those with a finite gain."""
+    own: dict[str, int] = {}
+    for k in np.argsort(-gain).tolist():
+        if np.isfinite(gain[k]):
+            own.setdefault(str(names[k]), k)
+    return list(own.values())

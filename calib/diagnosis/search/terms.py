@@ -1,0 +1,189 @@
+"""What no effect explains, as an empirical term: a random walk over its best driver, at its place.
+
+    pulses along every log --> place x driver --> knots, values a random walk --> evidence
+
+A place (brakes, wheels, body) is given a function of a driver (pressure, speed, temperature,
+distance, time since the bite or the start, deceleration, or none). Every driver is a function of
+time along a log, so what short pulses do to the innovations tells what any function of any driver
+does. Increments from knot to knot are normal; their size is the one that the logs make most
+probable. The term describes; it is no physical cause.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.names import G
+from calib.car.braking import BITE
+from calib.car.effects.effects import EmpiricalTerm
+from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, driver_along, drivers_of
+from calib.car.history import RunHistory
+from calib.diagnosis.explanation.channels import by_channel, thinned
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.hypothesis import PRICE, Walk, based
+from calib.diagnosis.explanation.predict import ObservedRun, history_of, predict
+
+_KNOTS = 20
+_WALKS = {True: (0.003, 0.01, 0.03, 0.1), False: (0.0003, 0.001, 0.003, 0.01)}
+"""Standard deviations of an increment that are tried: of a brake torque, of a force over the weight
+[1]."""
+
+_PULSE, _APART = 0.1, 10
+"""Half the width of a pulse [s], and how many such from one pulse of a comb to the next."""
+
+_BEFORE, _AFTER = 0.3, 0.7
+"""Times [s] before and after the middle of a pulse in which it moves the innovations."""
+
+_STEP = 0.02
+_FITTED = 2
+
+_BASIC = ("front_brakes", "rear_brakes", "front_wheels", "rear_wheels", "body")
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A random walk, its values by one linear model, and what ln of the evidence grows by."""
+
+    walk: Walk
+    values: Array
+    log_gain: float
+
+
+def ranked_terms(at: Explanation) -> list[Ranked]:
+    """Every place and driver beside an explanation, by one linear model; best first."""
+    alone = replace(at, problem=at.problem.alone)
+    pulses, done = {}, enumerate(at.problem.mapped(partial(_pulses, alone), _BASIC))
+    for i, found in done:
+        at.problem.tell("looking for the place of what is left", i, len(_BASIC))
+        pulses[_BASIC[i]] = found
+    spots = [
+        (place, driver)
+        for driver in DRIVERS
+        for place in PLACES
+        if driver != "temperature" or _warm(at, place)
+    ]
+    histories = [_history(at, run) for run in at.runs]
+    ranked = [_ranked(at, *spot, pulses, histories) for spot in spots]
+    return sorted(ranked, key=lambda one: -one.log_gain)
+
+
+def with_terms(at: Explanation, ranked: Sequence[Ranked]) -> list[Explanation]:
+    """The explanation with the best of these terms, fitted, best first."""
+    alone = replace(at, problem=at.problem.alone)
+    found = at.problem.mapped(partial(_fitted, alone), ranked[:_FITTED])
+    return sorted(
+        (replace(one, problem=at.problem) for one in found), key=lambda one: -one.log_evidence
+    )
+
+
+def _fitted(at: Explanation, one: Ranked) -> Explanation:
+    state = replace(at.state, x=np.concatenate([at.state.x, one.values]))
+    return fit(at.problem, replace(at.hypothesis, walk=one.walk), state, at.columns)
+
+
+def _warm(at: Explanation, place: str) -> bool:
+    return all(
+        (run.temperature_f if axle == "f" else run.temperature_r) is not None
+        for run in at.problem.runs
+        for axle in DISCS[PLACES[place]]
+    )
+
+
+def _history(at: Explanation, run: ObservedRun) -> RunHistory:
+    """A run with its predicted deceleration: the noise of a measured one would predict itself."""
+    predicted = predict(at.problem.vehicle, *based(at.problem, at.hypothesis, at.state), run)
+    return replace(history_of(run), z=-predicted.a_x / G)
+
+
+def _knots(at: Explanation, place: str, driver: str) -> Array:
+    """Knots over what the logs have of a driver; of pressure from where the pads bite."""
+    if driver == "constant":
+        return np.zeros(1)
+    signals = [x for run in at.problem.runs for x in drivers_of(place, driver, history_of(run))]
+    low, high = np.percentile(np.concatenate(signals), [1.0, 99.0])
+    if driver == "pressure":
+        return np.concatenate([[0.0], np.linspace(BITE, max(high, 2.0 * BITE), _KNOTS - 1)])
+    return np.linspace(low, max(high, low + 1e-9), _KNOTS)
+
+
+def _middles(run: ObservedRun) -> Array:
+    """Middles (k,) of the pulses of a run [s since its start]."""
+    return np.arange(0.0, run.time[-1] - run.time[0] + _PULSE, _PULSE)
+
+
+def _pulses(at: Explanation, place: str) -> list[Array]:
+    """Derivatives (k, n) of the innovations of each log by a value in each of its pulses.
+
+    Pulses of a comb are so far apart that each moves innovations of its own.
+    """
+    base, effects = based(at.problem, at.hypothesis, at.state)
+    out = []
+    for run, r in zip(at.runs, at.innovations, strict=True):
+        middles = _middles(run)
+        time = thinned(run, run.time - run.time[0])
+        rows = np.concatenate([time[-c.size :] for c in by_channel(r)])
+        found = np.zeros((middles.size, r.size))
+        for first in range(min(_APART, middles.size)):
+            comb = np.arange(middles.size) % _APART == first
+            values = tuple((_STEP * comb).tolist())
+            term = EmpiricalTerm(place, "elapsed", tuple(middles.tolist()), values)
+            moved = innovations(at.problem, base, replace(effects, terms=(term,)), run)
+            change = (moved - r) / _STEP
+            for k in np.flatnonzero(comb):
+                own = (rows >= middles[k] - _BEFORE) & (rows < middles[k] + _AFTER)
+                found[k, own] = change[own]
+        out.append(found)
+    return out
+
+
+def _columns(
+    at: Explanation,
+    walk: tuple[str, str, Array],
+    pulses: dict[str, list[Array]],
+    histories: Sequence[RunHistory],
+) -> list[Array]:
+    """Derivatives (knots, n) of the innovations of each log by the values of a term.
+
+    ``walk`` its place, driver and knots.
+    """
+    place, driver, knots = walk
+    parts = ("front_brakes", "rear_brakes") if place == "brakes" else (place,)
+    found = []
+    for i, (run, history) in enumerate(zip(at.runs, histories, strict=True)):
+        middles = _middles(run)
+        total = np.zeros((knots.size, at.innovations[i].size))
+        for part in parts:
+            (axle,) = DISCS[PLACES[part]]
+            along = driver_along(history, driver, axle)
+            along = np.interp(middles, run.time - run.time[0], along)
+            weights = np.stack([np.interp(along, knots, hat) for hat in np.eye(knots.size)])
+            total += weights @ pulses[part][i]
+        found.append(total)
+    return found
+
+
+def _ranked(
+    at: Explanation,
+    place: str,
+    driver: str,
+    pulses: dict[str, list[Array]],
+    histories: Sequence[RunHistory],
+) -> Ranked:
+    """The best size of a random walk on a place over a driver."""
+    knots = _knots(at, place, driver)
+    columns = _columns(at, (place, driver, knots), pulses, histories)
+    products = [at.products_of(i, of) for i, of in enumerate(columns)]
+    E, g = marginal(at, products, at.hypothesis.sizes).beyond()
+    found = []
+    for size in _WALKS[place.endswith("brakes")]:
+        walk = Walk(place, driver, tuple(knots.tolist()), size)
+        H = E + walk.precision
+        values = np.linalg.solve(H, g)
+        more = np.linalg.slogdet(walk.precision)[1] - np.linalg.slogdet(H)[1]
+        limited = np.clip(values, -walk.limit, walk.limit)
+        found.append(Ranked(walk, limited, 0.5 * float(g @ values + more) - PRICE))
+    return max(found, key=lambda one: one.log_gain)

@@ -1,0 +1,78 @@
+"""A term that is hidden in simulated runs is found at its place, over its driver, with its values.
+
+`calib.simulate` integrates the motion and shares no step with the prediction that the fit uses.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import calib
+from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.effects.empirical import PLACES
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.hypothesis import Walk
+from calib.diagnosis.search.terms import ranked_terms, with_terms
+from calib.model.sensor_noise import add_noise
+from tests.support.effect_runs import SEDAN
+from tests.support.explained import asked, fitted
+
+TIME = np.arange(0.0, 9.0, 0.005)
+RUNS = {
+    "ramp": (1.5, 4e5, 30e5, 35.0),
+    "stop": (1.5, 60e5, 22e5, 33.0),
+    "light": (2.5, 4e6, 9e5, 28.0),
+}
+"""Begin [s], rise [Pa/s], top [Pa] of the pressure, and speed [m/s]."""
+
+
+def found(term: EmpiricalTerm) -> Explanation:
+    """The best explanation with a term, of runs that hide one."""
+    model = replace(calib.default_model(SEDAN), effects=Effects(terms=(term,)))
+    logs = []
+    for name, (begin, rise, top, speed) in RUNS.items():
+        p = np.clip(rise * (TIME - begin), 0.0, top)
+        logs.append(add_noise(calib.simulate(model, TIME, p, speed, name=name), len(logs)))
+    base = fitted(asked(SEDAN, logs))
+    best, *others = with_terms(base, ranked_terms(base))
+    assert all(one.log_evidence <= best.log_evidence for one in others)
+    assert best.log_evidence > base.log_evidence
+    assert best.reduced < base.reduced
+    return best
+
+
+def test_pads_of_one_axle_that_depend_on_the_speed():
+    hidden = EmpiricalTerm("rear_brakes", "speed", (5.0, 15.0, 25.0, 35.0), (0.0, -0.15, 0.1, 0.1))
+    best = found(hidden)
+    (told,) = best.effects.terms
+    assert (told.place, told.driver) == (hidden.place, hidden.driver)
+    v = np.array(told.knots)
+    friction = best.base.pad_friction_r * (1.0 + np.array(told.values))
+    true = SEDAN.rear.pad_friction * (1.0 + np.interp(v, hidden.knots, hidden.values))
+    assert friction == pytest.approx(true, rel=0.03)
+    assert best.base.pad_friction_f == pytest.approx(SEDAN.front.pad_friction, rel=0.02)
+
+
+def test_a_force_on_the_body_that_depends_on_the_time_of_the_run():
+    hidden = EmpiricalTerm("body", "elapsed", (0.0, 3.0, 6.0, 9.0), (0.0, 0.02, 0.0, 0.02))
+    (told,) = found(hidden).effects.terms
+    assert (told.place, told.driver) == (hidden.place, hidden.driver)
+    true = np.interp(told.knots, hidden.knots, hidden.values)
+    assert np.array(told.values) == pytest.approx(true, abs=0.002)
+
+
+def test_what_depends_on_the_pressure_in_front_is_put_there():
+    """A torque on the pads or on the wheels: no log tells these apart."""
+    hidden = EmpiricalTerm("front_brakes", "pressure", (0.0, 5e5, 15e5, 4e6), (0.0, -0.2, 0.0, 0.1))
+    (told,) = found(hidden).effects.terms
+    assert (PLACES[told.place], told.driver) == ("front", "pressure")
+
+
+def test_the_precision_of_a_walk_is_that_of_its_increments():
+    """Closed form: values are sums of independent increments, the first of five times the size."""
+    walk = Walk("body", "speed", (0.0, 1.0, 2.0, 3.0), 0.01)
+    sums = np.tril(np.ones((4, 4)))
+    increments = 0.01 * np.array([5.0, 1.0, 1.0, 1.0])
+    covariance = sums @ np.diag(increments**2) @ sums.T
+    assert np.linalg.inv(walk.precision) == pytest.approx(covariance)
