@@ -54,7 +54,8 @@ def fit(
             at = _settled(_refreshed(at, problem.base_size), settled)
     else:
         at = _proved(at, settled)
-    return replace(at, log_evidence=at.marginal().evidence(settled) - hypothesis.price)
+    price = hypothesis.price(len(problem.runs))
+    return replace(at, log_evidence=at.marginal().evidence(settled) - price)
 
 
 def _refreshed(at: Explanation, first: int = 0) -> Explanation:

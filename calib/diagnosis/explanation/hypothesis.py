@@ -20,6 +20,12 @@ spreads of its card."""
 PRICE = 5.0
 """ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
 
+TURNING = ("disc_thickness_variation", "tone_ring_runout")
+"""Effects that go with the angle of the wheels, which begins anew in every run."""
+
+PHASE = 2.0
+"""ln of the odds against the angle at which such an effect begins, a run: it was taken from it."""
+
 _FIRST = 5.0
 
 _HIGH, PEAK_AT = 0.25, 3
@@ -89,10 +95,14 @@ class Hypothesis:
         """Standard deviations (8,) of what each log has of its own."""
         return sizes(self.kinds, self.alike)
 
-    @property
-    def price(self) -> float:
-        """ln of the odds against it before the logs are read."""
-        return PRICE * (len(self.names) + len(self.kinds) + (self.walk is not None))
+    def price(self, runs: int) -> float:
+        """ln of the odds against it before so many logs are read."""
+        parts = len(self.names) + len(self.kinds) + (self.walk is not None)
+        return PRICE * parts + self.phases(runs)
+
+    def phases(self, runs: int) -> float:
+        """The part of these odds that is the angles at which its effects begin."""
+        return PHASE * runs * len(set(TURNING) & set(self.names))
 
 
 @dataclass(frozen=True)

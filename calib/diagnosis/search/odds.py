@@ -41,4 +41,5 @@ def density(at: Explanation, held: Problem) -> float:
         [*at.innovations, *r],
         Columns([*known.x, *J], [*known.form, *F], [*known.heat, *T]),
     )
-    return together.marginal().evidence() - at.marginal().evidence()
+    more = together.marginal().evidence() - at.marginal().evidence()
+    return more - at.hypothesis.phases(len(held.runs))

@@ -58,14 +58,17 @@ def promises(
         own = sizes(kinds)
         model = marginal(at, products, own)
         alone = marginal(at, [p.first(model.off.size) for p in products], own)
-        log = alone.evidence() - Hypothesis(at.names, kinds).price
+        logs = len(products)
+        log = alone.evidence() - Hypothesis(at.names, kinds).price(logs)
         if kinds != at.hypothesis.kinds:
             _put(found, Promise(Hypothesis(at.names, kinds), log, at.state))
         for one in _ranked(*model.beyond(), [t.name for t in tried], most):
             names = (*at.names, *(tried[k].name for k in one.columns))
             begun = map(_begun, (tried[k].trial for k in one.columns), one.amounts)
             state = replace(at.state, x=np.concatenate([at.state.x, *begun]))
-            _put(found, Promise(Hypothesis(names, kinds), log + one.log_gain, state))
+            wider = Hypothesis(names, kinds)
+            gain = one.log_gain - wider.phases(logs) + Hypothesis(at.names).phases(logs)
+            _put(found, Promise(wider, log + gain, state))
     return sorted(found.values(), key=lambda p: -p.log_evidence)
 
 
