@@ -71,10 +71,15 @@ class Explanation:
         return math.sqrt(2.0 / self.count + 2.0 / freedom)
 
     @property
+    def scaled_own(self) -> Array:
+        """What each log has of its own, in standard deviations of the states that it may have."""
+        S = self.hypothesis.sizes
+        return np.asarray(self.state.own[:, S > 0.0] / S[S > 0.0])
+
+    @property
     def strain(self) -> float:
         """Distance of the own states' squares from what their priors expect, in its scatter [1]."""
-        S = self.hypothesis.sizes
-        own = self.state.own[:, S > 0.0] / S[S > 0.0]
+        own = self.scaled_own
         return float(np.sum(own**2) - own.size) / math.sqrt(2.0 * max(own.size, 1))
 
     @property
@@ -183,10 +188,9 @@ def own_columns(at: Explanation, i: int) -> Array:
     return out
 
 
-def objective(at: Explanation, S: Array) -> float:
+def objective(at: Explanation) -> float:
     """Sum of squares of the innovations and of all priors."""
-    precision = prior_precision(at.problem, at.hypothesis)
-    own = at.state.own[:, S > 0.0] / S[S > 0.0]
+    precision, own = prior_precision(at.problem, at.hypothesis), at.scaled_own
     x, f = at.state.x, at.state.form
     rows = sum(float(r @ r) for r in at.innovations)
     return float(rows + x @ precision @ x + f @ _PRECISION @ f + np.sum(own**2))

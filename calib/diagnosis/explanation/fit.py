@@ -37,7 +37,7 @@ def fit(
     """Fit a hypothesis from a state. ``near`` are columns nearby, by the first elements of x.
 
     It has ``settled`` where the sum of squares promises to fall by no more. The evidence is that of
-    the linear model, thus hardly less right where more is promised.
+    the linear model, which is believed no larger fall.
     """
     low, high = bounds_of(problem, hypothesis)
     state = replace(state, x=np.clip(state.x, low + 1e-6, high - 1e-6))
@@ -85,16 +85,16 @@ def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanati
     """
     problem, hypothesis = at.problem, at.hypothesis
     low, high = bounds_of(problem, hypothesis)
-    S, left, damping = hypothesis.sizes, _REFRESHED, 0.0
-    square = objective(at, S)
+    left, damping, square = _REFRESHED, 0.0, objective(at)
     for _ in range(_ROUNDS):
-        model = _Local(at, low, high)
-        if model.step(0.0).promised < least:
+        model = _Local(at, low, high, square)
+        plain = model.step(0.0)
+        if plain.promised < least:
             return at
         while damping < _MOST_DAMPED:
-            step = model.step(damping)
+            step = model.step(damping) if damping else plain
             other = model.moved(step)
-            value = objective(other, S)
+            value = objective(other)
             if value < square:
                 break
             damping = max(10.0 * damping, _DAMPING)
@@ -119,9 +119,9 @@ class _Local:
     No step is longer than a linear model holds.
     """
 
-    def __init__(self, at: Explanation, low: Array, high: Array) -> None:
-        self.at, self.low, self.high = at, low, high
-        self.sizes, self.m = at.hypothesis.sizes, at.state.x.size
+    def __init__(self, at: Explanation, low: Array, high: Array, square: float) -> None:
+        self.at, self.low, self.high, self.square = at, low, high, square
+        self.m = at.state.x.size
         most = np.full(self.m + at.state.form.size, 0.3)
         most[at.problem.base_size : bounds(at.problem, at.names)[0].size] = 1.5
         self.least, self.most = -most, most.copy()
@@ -131,7 +131,7 @@ class _Local:
     def step(self, damping: float) -> "_Step":
         """Damped; what would leave its bounds ends there."""
         at = self.at
-        whole = marginal(at, at.products, self.sizes, damping)
+        whole = marginal(at, at.products, at.hypothesis.sizes, damping)
         H, g = whole.information, whole.gradient
         H = H + damping * np.diag(np.diag(H))
         free, step = np.ones(g.size, bool), np.zeros(g.size)
@@ -142,8 +142,8 @@ class _Local:
                 break
             step = np.clip(step, self.least, self.most)
             free &= ~past
-        own = [one.reduced(self.sizes, damping)[1] @ np.append(step, 1.0) for one in at.products]
-        fall = -(2.0 * g @ step + step @ H @ step) + objective(at, self.sizes) - whole.squares
+        own = [one @ np.append(step, 1.0) for one in whole.steps]
+        fall = -(2.0 * g @ step + step @ H @ step) + self.square - whole.squares
         return _Step(step, -np.stack(own), float(fall))
 
     def moved(self, step: "_Step") -> Explanation:

@@ -64,13 +64,14 @@ class Marginal:
     """Shared products ``G`` (m + 1, m + 1) of all logs, with the prior of the shared parameters.
 
     ``precision`` (m, m) and ``off`` (m,) the distance from its mean; ``spent`` ln of the
-    determinants of the own states' information.
+    determinants of the own states' information; ``steps`` of each log as `Products.reduced` has it.
     """
 
     G: Array
     precision: Array
     off: Array
     spent: float
+    steps: list[Array]
 
     @classmethod
     def of(
@@ -84,7 +85,8 @@ class Marginal:
         """Of all logs; prior of the first (m,) columns, those behind have none."""
         parts = [one.reduced(sizes, damping) for one in products]
         G = np.sum([part[0] for part in parts], axis=0)
-        return cls(G, precision, off, float(sum(part[2] for part in parts)))
+        spent = float(sum(part[2] for part in parts))
+        return cls(G, precision, off, spent, [part[1] for part in parts])
 
     @property
     def information(self) -> Array:

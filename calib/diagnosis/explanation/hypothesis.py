@@ -7,7 +7,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.diagnosis.explanation.base import FORM_AT, Base
-from calib.diagnosis.explanation.own import OWN, sizes
+from calib.diagnosis.explanation.own import OWN, PEAK, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.vector import bounds, unpack
 
@@ -28,8 +28,8 @@ PHASE = 2.0
 
 _FIRST = 5.0
 
-_HIGH, PEAK_AT = 0.25, 3
-"""Logarithm of the peak from which a fit begins, over the usual one; its place in x."""
+_HIGH = 0.25
+"""Logarithm of the peak from which a fit begins, over the usual one."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base,
 def start_of(problem: Problem) -> State:
     """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
     return State(
-        _HIGH * np.eye(problem.base_size)[PEAK_AT],
+        _HIGH * np.eye(problem.base_size)[PEAK],
         np.zeros(2 * FORM_AT.size),
         np.zeros((len(problem.runs), len(OWN))),
     )

@@ -3,9 +3,10 @@
     best explanation --> replays of the hold-outs --> anything left? --> more likely by a term?
                                                         no: named          yes: unknown
 
-Something is left where the replays have lasting errors beyond three units of noise, or where the
-innovations have far more than noise. It is no known effect where an empirical term alone is more
-probable than all that is named.
+Something is left where the replays have lasting errors beyond three units of noise, where an
+empirical term is surely more probable, or where the innovations have far more than noise. It is no
+known effect where a term alone is more probable than all that is named, or where what is named
+closes too little of the gap.
 """
 
 from collections.abc import Sequence
@@ -27,7 +28,6 @@ NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
 _STRANGE = 8.0
 """Scatter of the mean squared innovation from which a cause is present, whatever replays show."""
 
-
 _CLOSED = 0.75
 """Share of the gap, and of what the innovations hold beyond noise, that effects must close which
 leave something."""
@@ -39,8 +39,7 @@ class Verdict:
 
     ``rivals`` as likely, ``tried`` all others, the best first; ``seen`` is ``best`` as the
     hold-outs see it; ``terms`` explanations with the best empirical terms beside ``best``,
-    where something is left, best first; ``left`` in the replays
-    with ``best``.
+    where something is left, best first; ``left`` in the replays with ``best``.
     """
 
     word: str
@@ -71,7 +70,7 @@ def verdict_of(search: Search) -> Verdict:
     beside = tuple(with_terms(best, terms)) if rest else ()
     if rest and best.names:
         promised = base.log_evidence + search.terms[0].log_gain
-        alone = tuple(with_terms(base, search.terms)) if promised > search.hopeless else ()
+        alone = tuple(with_terms(base, search.terms)) if promised > search.nearly - SURE else ()
         if alone and alone[0].log_evidence > best.log_evidence:
             best, after, beside = base, before, alone
             left = held.left(before.at, before.own, before.logs)
@@ -85,16 +84,16 @@ def verdict_of(search: Search) -> Verdict:
 def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
     """The last explanation of a search that closes the gap of the replays, and terms beside it.
 
-    By half where something is left with it; else it must not widen the gap.
+    By `_CLOSED` where something is left with it; else it must not widen the gap.
     """
-    after = _last(search)
-    for one in (after, *search.accepted[-2::-1]):
-        best, terms = one.of, ranked_terms(one.of)
+    for one in (_last(search), *search.accepted[-2::-1]):
+        best = one.of
+        if best.names and search.widens(one):
+            continue
+        terms = ranked_terms(best)
         taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
         closed = min(search.gap(one).closed, taken)
-        if not best.names or (
-            not search.widens(one) and (closed > _CLOSED or not something_left(best, terms))
-        ):
+        if not best.names or closed > _CLOSED or not something_left(best, terms):
             return best, one, terms
     return search.base, search.before, search.terms
 

@@ -38,7 +38,7 @@ _FRESH = 8
 """Further effects that are tried anew beside every explanation; others are as without effects."""
 
 _MOST = 6
-"""Effects at most."""
+"""Steps at most."""
 
 _ALIKE, _NEAR, _WRONG = 0.03, 0.1, 0.5
 """Share of what a hypothesis gains by which a linear model is wrong about it: in the place of an
@@ -86,7 +86,7 @@ class Search:
         self.further = self.first = further_columns(self.base)
         self.forward()
         if left_over(self.best) and not self.no_effect():
-            self.together(self.first)
+            self.together()
         if left_over(self.best) and not self.no_effect():
             self.forward(other=True)
         self.rivals = self._rivals()
@@ -134,8 +134,7 @@ class Search:
     def _renewed(self) -> Further:
         """Further columns beside the best: fresh ones of what promises most, else the first."""
         mostly = promises(self.best, self.first, 1)
-        names = dict.fromkeys(name for p in mostly for name in p.hypothesis.names)
-        tops = [name for name in names if name not in self.best.names][:_FRESH]
+        tops = [*dict.fromkeys(p.hypothesis.names[-1] for p in mostly)][:_FRESH]
         tried, columns = self.first
         keep = [k for k, one in enumerate(tried) if one.name not in (*self.best.names, *tops)]
         fresh, new = further_columns(self.best, tops)
@@ -162,18 +161,17 @@ class Search:
             if self.no_effect():
                 return
 
-    def together(self, further: Further) -> None:
+    def together(self) -> None:
         """Several effects at once, and logs that differ in any kinds, from the very start.
 
         Where what is found one after the other leaves something: the first may have stood for
         others. Those alone that promise what the best has, as far as a linear model can tell.
         """
-        gained = self.best.log_evidence - self.base.log_evidence
-        found = [*promises(self.base, further), *promises(self.base, further, 1, True)]
+        found = [*promises(self.base, self.first), *promises(self.base, self.first, 1, True)]
         best: dict[tuple[int, bool], Promise] = {}
         for p in found:
             size = len(p.hypothesis.names), bool(p.hypothesis.kinds)
-            if size > (1, False) and p.log_evidence > self.best.log_evidence - _NEAR * gained:
+            if size > (1, False) and p.log_evidence > self.nearly:
                 best.setdefault(size, p)
         tops = list(best.values())
         self.fits.side_by_side(tops, self.base)
@@ -237,11 +235,10 @@ class Search:
         """
         best = self.best
         gained = best.log_evidence - self.base.log_evidence
-        least = best.log_evidence - _NEAR * gained
         others = [
             e
             for e in self.fits.fitted.values()
-            if e.log_evidence > least
+            if e.log_evidence > self.nearly
             and len(e.names) == len(best.names) - 1
             and not set(e.names) < set(best.names)
         ]
@@ -279,10 +276,10 @@ class Search:
         return promised > most + SURE
 
     @property
-    def hopeless(self) -> float:
-        """ln of the evidence that is too little for a promise to be fitted."""
+    def nearly(self) -> float:
+        """ln of the evidence from which a promise may be as good as the best explanation."""
         gained = self.best.log_evidence - self.base.log_evidence
-        return self.best.log_evidence - 10.0 - _NEAR * gained
+        return self.best.log_evidence - _NEAR * gained
 
     def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""

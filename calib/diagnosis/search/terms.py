@@ -41,7 +41,8 @@ _BEFORE, _AFTER = 0.3, 0.7
 _STEP = 0.02
 _FITTED = 2
 
-_BASIC = ("front_brakes", "rear_brakes", "front_wheels", "rear_wheels", "body")
+_BASIC = tuple(place for place in PLACES if place != "brakes")
+"""Places that are no sum of others."""
 
 
 @dataclass(frozen=True)

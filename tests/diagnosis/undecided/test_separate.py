@@ -54,7 +54,7 @@ def refitted(rivals: list[Explanation], run: ObservedRun) -> float:
     for at in rivals:
         own = np.vstack([at.state.own, np.zeros((1, len(OWN)))])
         anew = fit(more, at.hypothesis, replace(at.state, own=own))
-        found.append(objective(anew, anew.hypothesis.sizes))
+        found.append(objective(anew))
     return float(np.sqrt(found[1] - found[0]))
 
 
