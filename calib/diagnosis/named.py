@@ -9,7 +9,7 @@ from calib.base.intervals import Z95
 from calib.car.effects.effect import acts_on_wheels
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Named, ParameterEstimate, Where
-from calib.diagnosis.explanation.channels import CHANNELS, residuals, thinned, whiten
+from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
 from calib.diagnosis.explanation.explanation import Explanation, of_all
 from calib.diagnosis.explanation.hypothesis import based
 from calib.diagnosis.explanation.predict import ObservedRun, predict
@@ -102,7 +102,7 @@ def _change(best: Explanation, name: str, run: ObservedRun) -> tuple[Array, Arra
     vehicle, noise = best.problem.vehicle, best.problem.noise
     rest = effects.without(name).with_(vehicle.effects.only(name))
     both = [predict(vehicle, base, e, run) for e in (effects, rest)]
-    parts = [whiten(residuals(run, one), noise) for one in both]
+    parts = [by_channel(whiten(residuals(run, one), noise)) for one in both]
     m = min(c.size for c in parts[0])
     white = np.stack([b[-m:] - a[-m:] for a, b in zip(*parts, strict=True)])
     return white, both[0].omega - both[1].omega

@@ -14,9 +14,9 @@ from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import Base
-from calib.diagnosis.explanation.columns import columns_by_form, columns_by_x
-from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal, of_all
-from calib.diagnosis.explanation.hypothesis import Columns, State, based
+from calib.diagnosis.explanation.columns import seen
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.hypothesis import State, based
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun
 
@@ -45,11 +45,7 @@ def _driven(at: Explanation, run: ObservedRun) -> Explanation:
     """What is known of ``at``, of one further run alone, which has nothing of its own."""
     problem = replace(at.problem, runs=(run,))
     state = State(at.state.x, at.state.form, np.zeros((1, len(OWN))))
-    r = of_all(problem, at.hypothesis, state)
-    J = columns_by_x(problem, at.hypothesis, state, r, 0)
-    F = columns_by_form(problem, at.hypothesis, state)
-    columns = Columns(J, F, [np.zeros((2, r[0].size))])
-    return Explanation(problem, at.hypothesis, state, r, columns)
+    return seen(problem, at.hypothesis, state)
 
 
 def _changes(at: Explanation, others: Sequence[Other], i: int) -> Array:
