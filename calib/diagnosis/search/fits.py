@@ -41,25 +41,26 @@ class Fits:
         self.fitted[e.hypothesis.key] = e
         self.densities.pop(e.hypothesis.key, None)
 
-    def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
-        """Fit what is promised."""
-        new = [p for p in tops if self.known(p) < p.log_evidence - 3.0]
+    def fitted_of(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
+        """What is promised beside ``near``, as it was fitted, if it fell far short then anew."""
+        new = [p for p in tops if self._known(p) < p.log_evidence - 3.0]
         if new:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
             self.problem.tell(f"fitting {names}", 0, 1)
         job = partial(_fitted, self.problem.alone, near.columns, near.bent)
         for p, one in zip(new, self.problem.mapped(job, new), strict=True):
-            if one.log_evidence > self.known(p):
+            if one.log_evidence > self._known(p):
                 self.add(replace(one, problem=self.problem))
+        return [self.fitted[p.hypothesis.key] for p in tops]
 
-    def known(self, p: Promise) -> float:
+    def _known(self, p: Promise) -> float:
         """ln of the evidence of what is promised as it was fitted before."""
         found = self.fitted.get(p.hypothesis.key)
         return -np.inf if found is None else found.log_evidence
 
-    def pruned_best(self, tops: Sequence[Promise]) -> list[Explanation]:
-        """What was fitted of some promises, best first; pruned if that can make it the best."""
-        news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
+    def fitted_best(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
+        """The same, best first; pruned if that can make it the best."""
+        news = sorted(self.fitted_of(tops, near), key=lambda e: -e.log_evidence)
         return [
             self.pruned(e) if e.log_evidence > news[0].log_evidence - _PRUNED else e for e in news
         ]
