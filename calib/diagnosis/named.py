@@ -17,15 +17,6 @@ from calib.diagnosis.proof.verdict import Verdict
 from calib.diagnosis.replays.remainder import range_of
 from calib.diagnosis.undecided import Confusion
 
-_BASE = {
-    "pad_friction_f": "pad_friction_f",
-    "pad_friction_r": "pad_friction_r",
-    "tyre_stiffness": "stiffness",
-    "tyre_peak": "peak",
-    "rolling_radius": "radius",
-}
-"""Names of the base parameters that are told, as `Base` has them."""
-
 
 def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
     """All parameters at the lower ends of their 95 % intervals, as they are, and at the upper ends.
@@ -44,8 +35,12 @@ def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
 
 def base_estimates(at: Explanation) -> dict[str, ParameterEstimate]:
     """Pads and tyre with intervals; ``rolling_radius`` over that of the file."""
-    ends = [[getattr(base, name) for name in _BASE.values()] for base, _ in intervals(at)]
-    told = zip(_BASE, *ends, strict=True)
+    names = ("pad_friction_f", "pad_friction_r", "tyre_stiffness", "tyre_peak", "rolling_radius")
+    ends = (
+        (b.pad_friction_f, b.pad_friction_r, b.stiffness, b.peak, b.radius)
+        for b, _ in intervals(at)
+    )
+    told = zip(names, *ends, strict=True)
     return {name: ParameterEstimate(x, "1", (low, high)) for name, low, x, high in told}
 
 
@@ -53,23 +48,23 @@ def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
     """Every effect of the best explanation, with evidence; ``confusion`` with those like it."""
     best, ends = found.best, [effects for _, effects in intervals(found.best)]
     others = sorted({n for c in found.rivals for n in c.names} - set(best.names))
-    separate = ""
-    if confusion is not None:
-        nearest = confusion.pairs[0]
-        separate = f"{nearest.drive} ({nearest.apart_in_drive:.0f} sigma apart)"
+    nearest = confusion.pairs[0] if confusion else None
+    separate = f"{nearest.drive} ({nearest.apart_in_drive:.0f} sigma apart)" if nearest else ""
     out = []
     for name in best.names:
         gain, where = _acts(best, name)
-        runner = next((c for c in found.tried if name not in c.names and c.names), None)
+        runners_up = (
+            RunnerUp(" + ".join(c.names), found.base.reduced - c.reduced)
+            for c in found.tried
+            if c.names and name not in c.names
+        )
         out.append(
             Named(
                 name=name,
                 parameters=_parameters(definition(best.effects, name).card, ends),
                 where=where,
                 evidence=Evidence(gain, _acts(found.seen, name)[0]),
-                runner_up=None
-                if runner is None
-                else RunnerUp(" + ".join(runner.names), found.base.reduced - runner.reduced),
+                runner_up=next(runners_up, None),
                 indistinguishable_from=tuple(others),
                 separate_by=separate,
                 defined_in=best.effects.defined_in.get(name),
@@ -94,7 +89,6 @@ def _acts(at: Explanation, name: str) -> tuple[float, Where]:
     """
     vehicle, base, effects = at.problem.vehicle, at.base, at.effects
     rest = effects.without(name).with_(vehicle.effects.only(name))
-    warm = all(run.temperature_f is not None for run in at.runs)
     rise, power, wheels, rows = 0.0, np.zeros(len(CHANNELS)), np.zeros(len(WHEELS)), []
     for run, r in zip(at.runs, at.innovations, strict=True):
         other = predict(vehicle, base, rest, run)
@@ -106,14 +100,16 @@ def _acts(at: Explanation, name: str) -> tuple[float, Where]:
         m = min(x.size for x in squares)
         common = np.stack([x[-m:] for x in squares])
         power += np.sum(common, axis=1)
-        along = (run.p_mc, run.v_smooth, *([run.temperature_f] if warm else []))
-        rows.append(np.stack([np.sum(common, axis=0), *(thinned(run, x)[-m:] for x in along)]))
+        heat = np.zeros_like(run.v) if run.temperature_f is None else run.temperature_f
+        along = (thinned(run, x)[-m:] for x in (run.p_mc, run.v_smooth, heat))
+        rows.append(np.stack([np.sum(common, axis=0), *along]))
     weight, *drivers = np.hstack(rows)
-    pressure, speed, *heat = (range_of(x, weight) for x in drivers)
+    pressure, speed, temperature = (range_of(x, weight) for x in drivers)
+    warm = all(run.temperature_f is not None for run in at.runs)
     on_wheels = acts_on_wheels(definition(vehicle.effects, name))
     axle = _axle(*np.sum(wheels.reshape(2, 2), axis=1)) if on_wheels else "body"
-    where = Where(CHANNELS[int(np.argmax(power))], axle, pressure, speed, heat[0] if heat else None)
-    return rise / at.count, where
+    channel = CHANNELS[int(np.argmax(power))]
+    return rise / at.count, Where(channel, axle, pressure, speed, temperature if warm else None)
 
 
 def _axle(front: float, rear: float) -> str:

@@ -86,8 +86,7 @@ def _unexplained(found: Diagnosis) -> dict[str, Any]:
         "held_from": held_from(rest.term),
         "term": plain(rest.term) | {"driver_unit": DRIVERS[rest.term.driver]},
         "runners_up": [
-            {"place": place, "driver": driver, "explained": share}
-            for place, driver, share in rest.runners_up
+            dict(zip(("place", "driver", "explained"), one, strict=True)) for one in rest.runners_up
         ],
     }
 
