@@ -11,21 +11,20 @@ from typing import Any
 
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.proof.unexplained import held_from
-from calib.diagnosis.replays.gap import UNITS, ChannelGap
+from calib.diagnosis.proof.unexplained import Unexplained, held_from
+from calib.diagnosis.replays.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.replays.remainder import Remainder
 
 SCHEMA = 1
 
 _RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
 """Units of the fields that are ranges."""
 
-_LASTING = "rms of lasting replay errors over the noise of the sensors"
-
 
 def to_dict(found: Diagnosis) -> dict[str, Any]:
     """The whole diagnosis, JSON-able; a number that is not finite is null."""
     names = {effect.name for effect in found.effects}
-    left = plain(found.left) | {"unit": _LASTING}
+    rest = found.unexplained
     whole = {
         "schema": SCHEMA,
         "verdict": found.verdict,
@@ -35,7 +34,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
             for name, one in found.model_after.effects.own.items()
         ],
         "known": found.model_before.vehicle.effects.parameters,
-        "unexplained": found.unexplained and _unexplained(found) | {"replays": left},
+        "unexplained": None if rest is None else _unexplained(rest, found),
         "own_states": found.own,
         "sides": found.sides,
         "confusion": found.confusion,
@@ -44,10 +43,10 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "base": found.base,
         "innovation": {"before": found.reduced_before, "after": found.reduced_after},
         "noise": {"from": found.noise.source, "at_floor": found.noise.at_floor},
-        "left": left,
+        "left": _left(found.left),
         "steps": found.steps,
         "withdrawn": found.withdrawn,
-        "gap": _gap(found),
+        "gap": _gap(found.gap),
         "warnings": found.warnings,
     }
     return {key: plain(value) for key, value in whole.items()}
@@ -64,7 +63,7 @@ def plain(value: Any) -> Any:
         value = {field.name: getattr(value, field.name) for field in fields(value)}
     if isinstance(value, Mapping):
         return {
-            key: {"range": list(part), "unit": _RANGES[key]}
+            key: {"range": plain(part), "unit": _RANGES[key]}
             if key in _RANGES and isinstance(part, tuple)
             else plain(part)
             for key, part in value.items()
@@ -74,13 +73,16 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _unexplained(found: Diagnosis) -> dict[str, Any]:
-    rest = found.unexplained
-    assert rest is not None
+def _left(left: Remainder) -> dict[str, Any]:
+    return plain(left) | {"unit": "rms of lasting replay errors over the noise of the sensors"}
+
+
+def _unexplained(rest: Unexplained, found: Diagnosis) -> dict[str, Any]:
     names = ("place", "axle", "wheel", "driver", "explained", "turning", "oscillation")
     return {
         "beside": [effect.name for effect in found.effects],
         "in_model": found.model_after.effects.terms != (),
+        "replays": _left(found.left),
         "innovation": found.reduced_after if found.effects else found.reduced_before,
         **{name: getattr(rest, name) for name in names},
         "held_from": held_from(rest.term),
@@ -91,8 +93,7 @@ def _unexplained(found: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _gap(found: Diagnosis) -> dict[str, Any]:
-    gap = found.gap
+def _gap(gap: Gap) -> dict[str, Any]:
     return {
         "before": gap.before,
         "after": gap.after,

@@ -35,12 +35,11 @@ def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> lis
         write_whole(work / DOCUMENT, document.encode())
         write_model(found.model_after, work / MODEL)
         write_whole(work / REPORT, report.encode())
-        for when, sims in (("before", found.before), ("after", found.after)):
-            folder = work / "sim" / when
-            folder.mkdir(parents=True)
-            for sim in sims:
-                told = {name: sim[name] for name in COLUMNS}
-                write_csv(replace(sim, channels=told, truth={}), folder / f"{sim.name}.csv")
+        sims, paths = (*found.before, *found.after), files_of([sim.name for sim in found.before])
+        for sim, path in zip(sims, paths[-len(sims) :], strict=True):
+            (work / path).parent.mkdir(parents=True, exist_ok=True)
+            told = {name: sim[name] for name in COLUMNS}
+            write_csv(replace(sim, channels=told, truth={}), work / path)
         return publish(work, out, DOCUMENT, _replays)
 
 
