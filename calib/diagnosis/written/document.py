@@ -74,7 +74,7 @@ def plain(value: Any) -> Any:
 
 
 def _left(left: Remainder) -> dict[str, Any]:
-    return plain(left) | {"unit": "rms of lasting replay errors over the noise of the sensors"}
+    return {**plain(left), "unit": "rms of lasting replay errors over the noise of the sensors"}
 
 
 def _unexplained(rest: Unexplained, found: Diagnosis) -> dict[str, Any]:
