@@ -51,13 +51,17 @@ effect that it replaces, usually, and at most, of an effect with many parameters
 class SearchStep:
     """One step: the effects present, the mean squared innovation [1], ln of the odds it gained.
 
-    ``calibration`` by the logs that are searched, ``holdout`` by those held out.
+    ``calibration`` by the logs that are searched, ``holdout`` by those held out. And what it
+    ``added`` and ``removed``, and by how much that innovation fell.
     """
 
     names: tuple[str, ...]
     innovation: float
     calibration: float
     holdout: float
+    added: tuple[str, ...] = ()
+    removed: tuple[str, ...] = ()
+    innovation_gain: float = 0.0
 
 
 @dataclass
@@ -128,7 +132,11 @@ class Search:
         same, self.best = new.hypothesis == self.best.hypothesis, new
         self.accepted.append(after)
         if not same:
-            self.steps.append(SearchStep(new.names, new.reduced, float(more), float(held)))
+            last, odds = self.steps[-1], (float(more), float(held))
+            added = tuple(name for name in new.names if name not in last.names)
+            removed = tuple(name for name in last.names if name not in new.names)
+            gain = last.innovation - new.reduced
+            self.steps.append(SearchStep(new.names, new.reduced, *odds, added, removed, gain))
             self.further = self._renewed()
         return True
 
