@@ -88,7 +88,7 @@ def _of_wheels(omega: Array) -> Array:
 
 
 def thinned(run: ObservedRun, x: Array) -> Array:
-    """Means (..., m) of signals (..., n) over the steps of the evidence, as long as the car moves."""
+    """Means (..., m) of signals (..., n) at the clock of the evidence, as long as the car moves."""
     n = max(1, round(STEP / run.step))
     stop = np.flatnonzero(run.v_smooth < MOVING)
     length = int(stop[0]) if stop.size else run.time.size

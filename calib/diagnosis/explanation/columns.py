@@ -79,9 +79,7 @@ def _by_form(problem: Problem, hypothesis: Hypothesis, state: State) -> list[Arr
     return found
 
 
-def _by_heat(
-    problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array]
-) -> list[Array]:
+def _by_heat(problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array]) -> list[Array]:
     """Derivatives (2, n) of the innovations of each log by the first heat of its discs."""
     out = [np.zeros((2, one.size)) for one in r]
     base, effects = based(problem, hypothesis, state)

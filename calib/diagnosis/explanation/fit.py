@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import (
     Explanation,
@@ -82,9 +81,7 @@ def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanati
         while damping < _MOST_DAMPED:
             if damping:
                 state, promised = _step(at, damping)
-            other = replace(
-                at, state=state, innovations=of_all(at.problem, at.hypothesis, state)
-            )
+            other = replace(at, state=state, innovations=of_all(at.problem, at.hypothesis, state))
             value = objective(other)
             if value < square:
                 break
