@@ -22,8 +22,7 @@ are taken out."""
 class Fits:
     """``fitted`` explanations of a problem by their keys; ``held`` the logs that are held out.
 
-    ``base`` the one without effects; ``densities`` ln of those of the hold-outs; ``gone`` from
-    where a fit has begun.
+    ``base`` the one without effects; ``densities`` ln of those of the hold-outs.
     """
 
     problem: Problem
@@ -31,7 +30,6 @@ class Fits:
     base: Explanation
     fitted: dict[object, Explanation] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)
-    gone: dict[object, Explanation] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.add(self.base)
@@ -90,29 +88,20 @@ class Fits:
         near = at.columns.kept(keep)
         kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
         state = replace(at.state, x=at.state.x[keep])
-        return self.refitted(at, Hypothesis(names, kinds), state, near)
+        return self.known_or_fitted(Hypothesis(names, kinds), state, near)
 
     def without_kind(self, at: Explanation, kind: str) -> Explanation:
         """The same without one kind in which logs differ."""
         hypothesis = Hypothesis(at.names, at.hypothesis.kinds - {kind})
         as_before = hypothesis.sizes == at.hypothesis.sizes
         state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
-        return self.refitted(at, hypothesis, state, at.columns)
+        return self.known_or_fitted(hypothesis, state, at.columns)
 
-    def refitted(
-        self, at: Explanation, hypothesis: Hypothesis, state: State, near: Columns
-    ) -> Explanation:
-        """The better one of what is known of a hypothesis, and what a fit from ``at`` finds.
-
-        Each place is gone from once.
-        """
-        key = hypothesis.key
-        if (key, id(at)) not in self.gone:
-            self.gone[key, id(at)] = at
-            found = fit(self.problem, hypothesis, state, near, ROUGHLY)
-            if key not in self.fitted or found.log_evidence > self.fitted[key].log_evidence:
-                self.add(found)
-        return self.fitted[key]
+    def known_or_fitted(self, hypothesis: Hypothesis, state: State, near: Columns) -> Explanation:
+        """A hypothesis as it is known, else fitted from ``state``."""
+        if hypothesis.key not in self.fitted:
+            self.add(fit(self.problem, hypothesis, state, near, ROUGHLY))
+        return self.fitted[hypothesis.key]
 
     def others(self, best: Explanation) -> tuple[Explanation, ...]:
         """All that was fitted but the ``best``, by evidence."""
