@@ -40,12 +40,17 @@ def columns_by_heat(
 
 
 def columns_by_x(
-    problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array], first: int
+    problem: Problem,
+    hypothesis: Hypothesis,
+    state: State,
+    r: list[Array],
+    first: int,
+    stop: int | None = None,
 ) -> list[Array]:
-    """Derivatives of the innovations of each log by x from its element ``first`` on."""
+    """Derivatives of the innovations of each log by x[first:stop]."""
     high = bounds_of(problem, hypothesis)[1]
     found, runs = [], runs_of(problem, state.own)
-    for k in range(first, state.x.size):
+    for k in range(state.x.size)[first:stop]:
         step = _STEP if state.x[k] + _STEP < high[k] else -_STEP
         x = state.x.copy()
         x[k] += step

@@ -10,7 +10,7 @@ from calib.diagnosis.explanation.explanation import Explanation, of_all, own_col
 from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import Columns, State
-from calib.diagnosis.explanation.own import OWN, sizes
+from calib.diagnosis.explanation.own import OWN, SLOPE, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.logs.log import Log
@@ -53,7 +53,7 @@ def placed(held: Problem, at: Explanation) -> Array:
     for _ in range(3):
         state = State(at.state.x, at.state.form, own)
         r = of_all(held, at.hypothesis, state)
-        J = columns_by_x(held, at.hypothesis, state, r, 0)
+        J = columns_by_x(held, at.hypothesis, state, r, 0, SLOPE)  # pads and tyre alone
         heat = columns_by_heat(held, at.hypothesis, state, r)
         seen = Explanation(held, at.hypothesis, state, r, Columns(J, [], heat))
         for i, one in enumerate(r):

@@ -9,7 +9,7 @@ from calib.base.warning import to_dict as warning_dict
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis, Named, ParameterEstimate
 from calib.diagnosis.proof.unexplained import Unexplained, held_from
-from calib.diagnosis.replays.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.replays.gap import CHANNELS, UNITS, Gap
 from calib.diagnosis.replays.remainder import Remainder
 from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided.confusion import Confusion
@@ -146,8 +146,7 @@ def _defined(effect: Named, found: Diagnosis) -> dict[str, Any]:
 def _left(left: Remainder) -> dict[str, Any]:
     return {
         "size": left.size,
-        "unit": "rms of lasting replay errors over the noise of the sensors",
-        "sigma": left.sigma,
+        "unit": "rms of replay errors over the noise of the sensors",
         "log": left.log,
         "channel": left.channel,
         "largest": left.largest,
@@ -194,23 +193,25 @@ def _gap(gap: Gap) -> dict[str, Any]:
         "after": gap.after,
         "closed": gap.closed,
         "unit": "rms over the noise of the sensors",
-        "by_channel": {name: _channel(name, channel) for name, channel in gap.by_channel.items()},
+        "by_channel": _by_channel(gap),
         "by_log": {
-            log: {
-                "before": before,
-                "after": after,
-                "by_channel": {name: _channel(name, c) for name, c in gap.cells[log].items()},
-            }
-            for log, (before, after) in gap.by_log.items()
+            log: dict(zip(("before", "after"), gap.of(log), strict=True))
+            | {"by_channel": _by_channel(gap, log)}
+            for log in gap.logs
         },
     }
 
 
-def _channel(name: str, channel: ChannelGap) -> dict[str, Any]:
-    return {
-        "before": channel.before,
-        "after": channel.after,
-        "noise": channel.noise,
-        "closed": channel.closed,
-        "unit": UNITS[name],
-    }
+def _by_channel(gap: Gap, log: str | None = None) -> dict[str, Any]:
+    """The gap of each channel in its unit, of one log or all."""
+    out = {}
+    for channel, noise in zip(CHANNELS, gap.noise.tolist(), strict=True):
+        before, after = gap.of(log, channel)
+        out[channel] = {
+            "before": noise * before,
+            "after": noise * after,
+            "noise": noise,
+            "closed": 1.0 - after / before if before > 0.0 else None,
+            "unit": UNITS[channel],
+        }
+    return out
