@@ -49,9 +49,10 @@ class Gap:
 
     def of(self, log: str | None = None, channel: str | None = None) -> tuple[float, float]:
         """Rms before and after in units of the noise, of one log or all, of one channel or all."""
-        i = slice(None) if log is None else [self.logs.index(log)]
-        j = slice(None) if channel is None else [CHANNELS.index(channel)]
-        before, after = np.sqrt(np.mean(self.squares[:, i, j], axis=(1, 2))).tolist()
+        rows = [i for i, one in enumerate(self.logs) if log in (None, one)]
+        columns = [j for j, one in enumerate(CHANNELS) if channel in (None, one)]
+        squares = self.squares[:, rows][:, :, columns]
+        before, after = np.sqrt(np.mean(squares, axis=(1, 2))).tolist()
         return before, after
 
     @property

@@ -11,7 +11,7 @@ from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.explanation import runs_of
 from calib.diagnosis.explanation.own import GRADE, ZERO_OF_A_X
-from calib.diagnosis.explanation.predict import ObservedRun, wheel_angles
+from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
 from calib.model.replay import replay
@@ -27,13 +27,16 @@ class HoldOuts:
     def replays(self, base: Base, effects: Effects, own: Array) -> tuple[Log, ...]:
         """Every log replayed open loop with what it has of its ``own`` (runs, 8).
 
-        Ripples follow the measured angle of the wheels. Raises ModelError if it cannot be computed.
+        Ripples follow the angle of the wheels, which a sensor measured: no torque and no speed is
+        fed in, so what turns with the wheels alone is helped by it. Raises ModelError if it cannot
+        be computed.
         """
         out = []
         for log, run in zip(self.logs, runs_of(self.problem, own), strict=True):
             acts = effects.with_(_of_log(run))
             model = model_of(self.problem.vehicle, run.ground.applied(base), acts)
-            angles = _angles_of(log, run)
+            angles = {"f": run.angle_f, "r": run.angle_r}
+            angles = {axle: np.interp(log.time, run.time, x) for axle, x in angles.items()}
             out.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
         return tuple(out)
 
@@ -46,17 +49,6 @@ def _of_log(run: ObservedRun) -> Effects:
     if run.zero:
         own[ZERO_OF_A_X] = {"bias": run.zero}
     return Effects(own)
-
-
-def _angles_of(log: Log, run: ObservedRun) -> dict[str, Array]:
-    """Measured angle of the wheels [rad] (n,) by axle, from the origin that its run was given.
-
-    Only a sensor's angle is fed in, no torque and no speed: what turns with the wheels alone is
-    helped by it.
-    """
-    angle = wheel_angles(log)
-    first = np.mean(angle["f"][: round(run.step / log.sample_time)])  # as `run_of` averages it
-    return {"f": angle["f"] + (run.angle_f[0] - first), "r": angle["r"]}
 
 
 def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
