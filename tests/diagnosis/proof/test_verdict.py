@@ -10,8 +10,8 @@ from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.proof.verdict import NO_GAP, UNKNOWN, verdict_of
+from calib.diagnosis.replays.gap import gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.replays.remainder import remainder_of
 from calib.diagnosis.replays.replayed import placed, replayed
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
@@ -51,8 +51,8 @@ def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_thei
     assert placed_at - found[0] == pytest.approx(SIZES[kind] * np.array(held), abs=within)
     assert not np.any(np.delete(placed(kept, at), place, axis=1))
     after = replayed(proof := HoldOuts(tuple(logs), kept), at)
-    assert remainder_of(after.logs, logs).size < 0.5
     plain = replayed(proof, fitted(problem))
+    assert gap_of(plain.logs, after.logs, logs).closed > 0.5
     assert not np.any(plain.own)
     assert not np.any(plain.at.state.form)
 
