@@ -27,6 +27,7 @@ from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of
 from calib.diagnosis.replays.gap import gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
+from calib.diagnosis.replays.remainder import remainder_of
 from calib.diagnosis.replays.replayed import Replayed, replayed
 from calib.diagnosis.runs.axles import require_axles
 from calib.diagnosis.runs.gates import (
@@ -112,7 +113,7 @@ def diagnose(
         measured=found.held.logs,
         reduced_before=found.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
-        left=found.left,
+        left=remainder_of(found.after.logs, found.held.logs),
         withdrawn=_withdrawn(search),
         steps=tuple(search.steps),
         noise=search.problem.noise,

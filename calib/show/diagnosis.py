@@ -96,7 +96,7 @@ def outcome(found: Diagnosis) -> str:
         return found.verdict
     if found.gap.closed <= 0.0:
         return _WORSE
-    left = found.unexplained is not None or found.left.significant
+    left = found.unexplained is not None
     if found.verdict == _AMBIGUOUS:
         return _AMBIGUOUS_REST if left else _AMBIGUOUS
     return REST if left else NAMED
@@ -168,9 +168,7 @@ def _something_else(found: Diagnosis) -> str:
         return ""
     left = found.left
     text = f"an {ERROR} of {found.reduced_after:.2f} in the calibration logs; in the replays "
-    text += f"lasting errors of {left.size:.1f} times the sensors' noise"
-    if not left.significant:
-        return f"{text}, which noise alone can make"
+    text += f"errors of {left.size:.1f} times the sensors' noise"
     at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
     return f"{text}, largest in {left.channel} of {left.log}, at {at}"
 

@@ -16,7 +16,7 @@ from calib.base.names import WHEELS
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.proof.unexplained import Unexplained
-from calib.diagnosis.replays.gap import UNITS
+from calib.diagnosis.replays.gap import CHANNELS, UNITS
 from calib.diagnosis.undecided import Confusion
 from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome
 from calib.show.facts import Facts, Picture, Table
@@ -126,17 +126,17 @@ def _unexplained(found: Unexplained) -> Facts:
 def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
     rows: list[tuple[str, ...]] = []
-    for log, (before, after) in found.gap.by_log.items():
-        cells = found.gap.cells[log].values()
-        ends = [(before, after), *((x.before / x.noise, x.after / x.noise) for x in cells)]
+    gap = found.gap
+    for log in gap.logs:
+        ends = [gap.of(log, channel) for channel in (None, *CHANNELS)]
         rows.append((log, *(f"{a:.2f} to {b:.2f}" for a, b in ends)))
-    noises = (f"{x.noise:.4f} {UNITS[name]}" for name, x in found.gap.by_channel.items())
+    noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))
     rows.append(("noise", "1", *noises))
     caption = "Gap by log and channel before and after, in units of the noise, which is taken out."
     name = found.measured[_worst(found)].name
     return Facts(
         "The gap on the hold-outs",
-        tables=[Table(("log", "all", *found.gap.by_channel), rows, caption)],
+        tables=[Table(("log", "all", *CHANNELS), rows, caption)],
         pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
     )
 
@@ -179,7 +179,7 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
 
 def _worst(found: Diagnosis) -> int:
     """The place of the hold-out with the largest gap."""
-    gaps = [found.gap.by_log[log.name][0] for log in found.measured]
+    gaps = [found.gap.of(log)[0] for log in found.gap.logs]
     return gaps.index(max(gaps))
 
 
@@ -226,7 +226,7 @@ def _errors(
     unit: str,
 ) -> Panel:
     """Replay less measurement of a weighted sum of channels, one log after another."""
-    noise = sum((w * found.gap.by_channel[c].noise) ** 2 for c, w in weights.items())
+    noise = sum((w * found.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
     half, start, texts = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
     replays = (("after", found.after, FRONT), ("before", found.before, REAR))

@@ -64,14 +64,15 @@ def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     kept = turned(CAR, [run_of(log) for log in logs[2:]], problem.noise)
     held = HoldOuts(tuple(logs[2:]), replace(problem, runs=kept))
     before, after = (replayed(held, fitted(problem, names)) for names in ((), (name,)))
-    gap = gap_of(before.logs, after.logs, held.logs).by_channel
+    gap = gap_of(before.logs, after.logs, held.logs)
     shown = "a_x" if name == "disc_thickness_variation" else "omega_fl"
-    assert gap[shown].after < 0.5 * gap[shown].before
+    first, last = gap.of(channel=shown)
+    assert last < 0.5 * first
     runs = tuple(replace(run, angle_f=run.angle_f + np.pi) for run in kept)
     late = replace(held, problem=replace(problem, runs=runs))
     lost = late.replays(after.at.base, after.at.effects, after.own)
     # a wrong phase doubles the ripple
-    assert gap_of(before.logs, lost, held.logs).by_channel[shown].after > 1.5 * gap[shown].before
+    assert gap_of(before.logs, lost, held.logs).of(channel=shown)[1] > 1.5 * first
 
 
 def test_the_measured_angle_is_the_way_over_the_radius():

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from calib.base.warning import PlausibilityWarning
@@ -15,7 +16,7 @@ from calib.diagnosis.written.document import to_dict
 from calib.show.diagnosis import KINDS, facts, outcome
 from calib.show.diagnosis_page import report, sheet
 from calib.show.html import page_of
-from tests.support.written_diagnosis import LEFT, MARKUP, QUIET, named_drag, unknown
+from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
 
 @pytest.fixture(scope="module")
@@ -38,23 +39,26 @@ def tables(found):
 
 
 def within(found):
-    return replace(found, gap=replace(found.gap, before=0.5, after=0.25))
+    return replace(found, gap=replace(found.gap, squares=0.01 * found.gap.squares))
+
+
+def rest(found):
+    return replace(found, unexplained=unknown(found).unexplained)
 
 
 def worse(found):
-    return replace(found, gap=replace(found.gap, after=found.gap.before, closed=0.0))
+    return replace(found, gap=replace(found.gap, squares=found.gap.squares[[0, 0]]))
 
 
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
         (lambda found: found, "named"),
-        (lambda found: replace(found, left=LEFT), "rest"),
-        (lambda found: replace(found, unexplained=unknown(found).unexplained), "rest"),
+        (rest, "rest"),
         (worse, "worse"),
         (lambda found: worse(replace(found, verdict="ambiguous")), "worse"),
         (lambda found: replace(found, verdict="ambiguous"), "ambiguous"),
-        (lambda found: replace(found, verdict="ambiguous", left=LEFT), "ambiguous_rest"),
+        (lambda found: replace(rest(found), verdict="ambiguous"), "ambiguous_rest"),
         (unknown, "unknown"),
         (lambda found: within(unknown(found)), "within_noise"),
         (lambda found: replace(found, verdict="no_gap", effects=()), "no_gap"),
@@ -70,13 +74,13 @@ def test_a_name_is_good_only_if_the_hold_outs_say_so(named, change, expected):
 
 def test_a_named_cause_has_its_numbers_and_its_card(named):
     told = facts(named, MARKUP)
-    assert [text for _, text in told.numbers] == ["8.2", "1.5", "87.5 %", "1"]
+    assert [text for _, text in told.numbers] == ["6.7", "3.7", "45.7 %", "1"]
     (effect,) = told.parts
     assert effect.title == "Aerodynamic drag"
     assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     gap = tables(named)
     log, noise = gap["Gap by"]
-    assert log[:3] == (MARKUP, "8.25 to 1.50", "0.50 to 0.50")
+    assert log[:3] == (MARKUP, "6.74 to 3.66", "0.50 to 0.50")
     assert log[-1] == "4.00 to 8.00"
     assert (noise[2], noise[-1]) == ("0.0625 m/s^2", "0.0625 m/s")
     assert gap["Base parameters"][1][3] == ""  # a vehicle file says nothing of the tyres
@@ -95,10 +99,8 @@ def test_an_unknown_cause_is_described_by_its_term(named):
     assert told["Other places"] == [("body", "speed", "50 %")]
 
 
-@pytest.mark.parametrize(("left", "where"), [(LEFT, True), (QUIET, False)])
-def test_what_is_left_says_where_the_replays_show_it(named, left, where):
-    rest = replace(named, unexplained=unknown(named).unexplained, left=left)
-    assert ("10 to 20 bar and 36 to 72 km/h" in dict(facts(rest, "car").rows)["Left over"]) == where
+def test_what_is_left_says_where_the_replays_show_it(named):
+    assert "10 to 20 bar and 36 to 72 km/h" in dict(facts(rest(named), "car").rows)["Left over"]
 
 
 def test_what_single_logs_have_of_their_own_has_a_column_each(named):
@@ -130,11 +132,8 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
     """Axes that collapse are a warning of matplotlib, and so an error here."""
     five = tuple(replace(named.effects[0], name=name) for name in [*CATALOGUE][:5])
     logs = tuple(replace(named.measured[0], name=f"{i:02}" * (length // 2)) for i in range(count))
-    gap = replace(
-        named.gap,
-        by_log={log.name: (8.25, 1.5) for log in logs},
-        cells={log.name: named.gap.cells[MARKUP] for log in logs},
-    )
+    squares = np.repeat(named.gap.squares, count, axis=1)
+    gap = replace(named.gap, logs=tuple(log.name for log in logs), squares=squares)
     found = replace(named, effects=five, gap=gap, before=logs, after=logs, measured=logs)
     drawn = sheet(found, "car")
     for figure in (drawn.overview(), *(drawn.figure(name) for name in drawn.names)):
@@ -207,4 +206,4 @@ def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
 
 def test_without_a_gap_there_is_one_replay_and_no_cause(named):
     found = replace(named, verdict="no_gap", effects=())
-    assert [text for _, text in facts(found, "car").numbers] == ["8.2", "1"]
+    assert [text for _, text in facts(found, "car").numbers] == ["6.7", "1"]

@@ -14,14 +14,13 @@ from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstim
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.proof.oscillation import Oscillation
 from calib.diagnosis.proof.unexplained import Unexplained
-from calib.diagnosis.replays.gap import CHANNELS, ChannelGap, Gap
+from calib.diagnosis.replays.gap import CHANNELS, Gap
 from calib.diagnosis.replays.remainder import Remainder
 from calib.diagnosis.search.search import SearchStep
 from calib.logs.read import read_log
 
 CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"
-QUIET = Remainder(0.5, 1.0, "v", "stop", 0.75, (1e6, 2e6), (10.0, 20.0), (3.0, 6.0))
-LEFT = Remainder(3.5, 40.0, "v", "stop", 7.25, (1e6, 2e6), (10.0, 20.0), (3.0, 6.0))
+LEFT = Remainder(3.5, "v", "stop", 7.25, (1e6, 2e6), (10.0, 20.0), (3.0, 6.0))
 MARKUP = "<img src=x onerror=alert(1)>&\"'"
 
 
@@ -38,12 +37,10 @@ def named_drag():
         "aerodynamic_drag", {"drag_area": estimate(0.66)}, where, Evidence(2.5, 1.75), None,
         ("rolling_resistance",), f"coast down {MARKUP}",
     )  # fmt: skip
-    channels = dict.fromkeys(CHANNELS, ChannelGap(0.5, 0.125, 0.0625))
-    cells = channels | {
-        "a_x": ChannelGap(0.03125, 0.03125, 0.0625),
-        "v": ChannelGap(0.25, 0.5, 0.0625),
-    }
-    gap = Gap(8.25, 1.5, 0.875, channels, {MARKUP: (8.25, 1.5)}, {MARKUP: cells})  # fmt: skip
+    sizes = np.full((2, 1, len(CHANNELS)), [[[8.0]], [[2.0]]])
+    sizes[..., CHANNELS.index("a_x")] = 0.5
+    sizes[..., CHANNELS.index("v")] = [[4.0], [8.0]]
+    gap = Gap((MARKUP,), np.full(len(CHANNELS), 0.0625), sizes**2)
     return Diagnosis(
         verdict="named",
         effects=(drag,),
@@ -57,7 +54,7 @@ def named_drag():
         measured=(log,),
         reduced_before=3.5,
         reduced_after=1.0,
-        left=QUIET,
+        left=LEFT,
         withdrawn=(),
         steps=(
             SearchStep((), 3.5, 0.0, 0.0),
@@ -73,7 +70,7 @@ def named_drag():
 
 
 def unknown(named):
-    """The same logs with a cause that is in no catalogue; something is left in the replays."""
+    """The same logs with a cause that is in no catalogue."""
     term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
     model = named.model_after
     rest = Unexplained(
@@ -87,6 +84,4 @@ def unknown(named):
         runners_up=(("body", "speed", 0.5),),
     )
     after = replace(model, effects=replace(model.effects, terms=(term,)))
-    return replace(
-        named, verdict="unknown", effects=(), unexplained=rest, model_after=after, left=LEFT
-    )
+    return replace(named, verdict="unknown", effects=(), unexplained=rest, model_after=after)

@@ -1,12 +1,11 @@
 """Derivatives of the innovations of all logs, by finite differences."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.braking import BITE
 from calib.diagnosis.explanation.base import FORM_AT
 from calib.diagnosis.explanation.channels import of_wheels, whiten
 from calib.diagnosis.explanation.explanation import (
@@ -24,12 +23,12 @@ from calib.diagnosis.explanation.hypothesis import (
     based,
     bounds_of,
 )
-from calib.diagnosis.explanation.own import FRONT_HEAT, REAR_HEAT
+from calib.diagnosis.explanation.own import FRONT_HEAT, KINDS, REAR_HEAT, sizes
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import Problem
 
-_STEP, _HEAT = 1e-3, 10.0
-"""Steps of an element of x [1], and of a start heat [K]."""
+_STEP, _STEP_OF_OWN = 1e-3, 1.0 / 15.0
+"""Steps of an element of x [1], and of an own state over the largest of its usual sizes."""
 
 
 def seen(
@@ -45,7 +44,10 @@ def seen(
     if known:
         J = [np.vstack([a, b]) for a, b in zip(known.x, J, strict=True)]
     form = known.form if known and known.form else _by_form(problem, hypothesis, state)
-    heat = _by_heat(problem, hypothesis, state, r)
+    if FADE in hypothesis.names or FADE in problem.vehicle.effects:
+        heat = columns_by_own(problem, hypothesis, state, r, (FRONT_HEAT, REAR_HEAT))
+    else:
+        heat = [np.zeros((2, one.size)) for one in r]
     return Explanation(problem, hypothesis, state, r, Columns(J, form, heat))
 
 
@@ -79,17 +81,14 @@ def _by_form(problem: Problem, hypothesis: Hypothesis, state: State) -> list[Arr
     return found
 
 
-def _by_heat(problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array]) -> list[Array]:
-    """Derivatives (2, n) of the innovations of each log by the first heat of its discs."""
-    out = [np.zeros((2, one.size)) for one in r]
+def columns_by_own(
+    problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array], which: Sequence[int]
+) -> list[Array]:
+    """Derivatives of the innovations ``r`` of each log by some states of its own."""
     base, effects = based(problem, hypothesis, state)
-    if FADE not in effects:
-        return out
-    for i, run in enumerate(problem.runs):
-        if run.warm or np.max(run.p_mc) < BITE:
-            continue
-        for k, place in enumerate((FRONT_HEAT, REAR_HEAT)):
-            own = state.own[i].copy()
-            own[place] += _HEAT
-            out[i][k] = (innovations(problem, base, effects, driven(run, own)) - r[i]) / _HEAT
+    steps, out = _STEP_OF_OWN * sizes(KINDS), []
+    for run, states, one in zip(problem.runs, state.own, r, strict=True):
+        moved = [driven(run, states + steps * (np.arange(steps.size) == k)) for k in which]
+        changes = [innovations(problem, base, effects, other) - one for other in moved]
+        out.append(np.stack(changes) / steps[list(which), None])
     return out

@@ -4,14 +4,13 @@ Liquid in a tank, a load that is not lashed or a body on its springs swings afte
 whatever pressure and speed are: no empirical term can follow that. Its power is in one narrow band.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.diagnosis.explanation.channels import CHANNELS, STEP
-
-Array = NDArray[np.float64]
 
 WINDOW = round(4.0 / STEP)
 """Innovations in a window: 4 s, so two lines of a spectrum are 0.25 Hz apart."""
@@ -23,12 +22,9 @@ FASTEST = 20
 """Last line, 5 Hz: a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster.
 What is faster is a wheel, or a channel that is sent seldom."""
 
-_OVER_SLOWER = 2.0
-"""Least power of a peak over that of the slower lines beside which it stands."""
-
-_OVER_SLOWEST = 3.0
-"""Least power of a peak over that of the first line, at 0.25 Hz. What every application leaves, as
-a lag does, is in both; a swing of 0.5 Hz or more has at most a fifth there."""
+_OVER = 3.0
+"""Least power of a peak over that of the slower lines. What every application leaves, as a lag
+does, is in all of them; a swing of 0.5 Hz or more has at most a fifth at 0.25 Hz."""
 
 _OF_BODY = ("a_x", "v")
 """Channels in which the motion of the car as a whole shows."""
@@ -47,37 +43,38 @@ class Oscillation:
     body: bool
 
 
-def oscillation_of(whitened: list[list[Array]], excess: float) -> Oscillation:
+def oscillation_of(whitened: Sequence[Mapping[str, Array]], excess: float) -> Oscillation:
     """The strongest line of ``whitened`` innovations, with its two neighbours.
 
-    They are given by run, then by channel in the order of `CHANNELS`, each (n,), one every `STEP`;
-    ``excess`` is what their sum of squares has beyond noise.
+    They are given by run, then by the name of the channel, each (n,), one every `STEP`; ``excess``
+    is what their sum of squares has beyond noise.
     """
-    power = _power(whitened)
+    frequencies = np.arange(FASTEST + 2) / (WINDOW * STEP)
+    phase = 2.0 * np.pi * np.outer(frequencies, STEP * np.arange(WINDOW))
+    power = np.zeros((len(CHANNELS), frequencies.size))
+    for run in whitened:
+        for i, channel in enumerate(CHANNELS):
+            x = run[channel]
+            windows = x[: x.size // WINDOW * WINDOW].reshape(-1, WINDOW)
+            power[i] += np.sum(power_of(windows, phase), axis=0)
     lines = np.sum(power, axis=0)
-    peak = SLOWEST + int(np.argmax(lines[SLOWEST : FASTEST + 1]))
-    slower = _OVER_SLOWER * np.max(lines[: peak - 1]), _OVER_SLOWEST * lines[SLOWEST - 1]
-    if lines[peak] <= max(slower):
+    peak = SLOWEST + int(np.argmax(lines[SLOWEST:-1]))
+    if lines[peak] <= _OVER * np.max(lines[: max(peak - 1, SLOWEST)]):
         return Oscillation(0.0, 0.0, body=False)
     near = slice(peak - 1, peak + 2)
     band = np.maximum(power[:, near], 0.0)
     whole = float(np.sum(band))
-    frequencies = np.fft.rfftfreq(WINDOW, STEP)[near]
     by_body = float(np.sum(band[[CHANNELS.index(name) for name in _OF_BODY]]))
     return Oscillation(
-        frequency=float(np.sum(band @ frequencies)) / whole,
+        frequency=float(np.sum(band @ frequencies[near])) / whole,
         share=min(whole / excess, 1.0),
         body=by_body > 0.5 * whole,
     )
 
 
-def _power(whitened: list[list[Array]]) -> Array:
-    """Power of the innovations by channel and line (6, `WINDOW` / 2 + 1), less that of noise."""
-    power = np.zeros((len(CHANNELS), WINDOW // 2 + 1))
-    for run in whitened:
-        for channel, x in enumerate(run):
-            parts = x[: x.size // WINDOW * WINDOW].reshape(-1, WINDOW)
-            # noise alone gives two per line: cosine and sine
-            lines = 2.0 * np.abs(np.fft.rfft(parts, axis=1)) ** 2 / WINDOW - 2.0
-            power[channel] += np.sum(lines, axis=0)
-    return power
+def power_of(x: Array, phase: Array) -> Array:
+    """Squares (..., k) that waves of a ``phase`` (k, n) [rad] take of innovations (..., n).
+
+    Less those of noise alone, two a wave: cosine and sine.
+    """
+    return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)

@@ -16,7 +16,7 @@ from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.proof.oscillation import Oscillation, oscillation_of
+from calib.diagnosis.proof.oscillation import Oscillation, oscillation_of, power_of
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"
 """Drivers that no term has."""
@@ -33,7 +33,8 @@ _PLAIN = 0.03
 single number, to be preferred to it."""
 
 _ONE_SIDED = 0.3
-"""Share of the excess in left less right from which one wheel of an axle is named."""
+"""Share of the excess that a lasting difference of left and right takes from which one wheel of an
+axle is named."""
 
 _NO_TERM = 0.1
 """Share of the excess that must go with the angle of the wheels, or swing, to be told as that."""
@@ -93,58 +94,59 @@ def unexplained_of(at: Explanation, terms: Sequence[Explanation]) -> Unexplained
     excess = max((at.reduced - 1.0) * at.count, float(np.sqrt(2.0 * at.count)))
     shares = [(at.reduced - one.reduced) * at.count / excess for one in terms]
     held = [held_from(one.effects.terms[0]) is not None for one in terms]
-    nearly = [k for k, share in enumerate(shares) if held[k] and share > shares[0] - _PLAIN]
-    best = nearly[0] if nearly else 0
+    nearly = (k for k, share in enumerate(shares) if held[k] and share > shares[0] - _PLAIN)
+    best = next(nearly, 0)
     term = terms[best].effects.terms[0]
-    whitened = [by_channel(r) for r in at.innovations]
-    turning, axle = _turning(at, whitened, excess)
+    axle = PLACES[term.place]
+    whitened = [dict(zip(CHANNELS, by_channel(r), strict=True)) for r in at.innovations]
+    turning, turned = _turning(at, whitened, excess)
     swing = oscillation_of(whitened, excess)
-    least = max(shares[best], _NO_TERM)
-    driver, acts_on = term.driver, PLACES[term.place]
-    if held[best] and acts_on != "rear":
-        driver = SLIP
-    if turning > max(least, swing.share):
-        driver, acts_on = WHEEL_ANGLE, axle
-    elif swing.share > least:
-        driver, acts_on = FREQUENCY, "body" if swing.body else "both"
-    others = [(k, one.effects.terms[0]) for k, one in enumerate(terms) if k != best]
+    causes = (
+        (max(shares[best], _NO_TERM), SLIP if held[best] and axle != "rear" else term.driver, axle),
+        (turning, WHEEL_ANGLE, turned),
+        (swing.share, FREQUENCY, "body" if swing.body else "both"),
+    )
+    _, driver, axle = max(causes, key=lambda cause: cause[0])
+    others = [(one.effects.terms[0], shares[k]) for k, one in enumerate(terms) if k != best]
     return Unexplained(
         at=terms[best],
-        axle=acts_on,
+        axle=axle,
         driver=driver,
         explained=min(shares[best], 1.0),
         turning=turning,
         oscillation=swing,
-        wheel=_one_sided(at, whitened, excess),
-        runners_up=tuple((one.place, one.driver, min(shares[k], 1.0)) for k, one in others),
+        wheel=_one_sided(whitened, excess),
+        runners_up=tuple((one.place, one.driver, min(share, 1.0)) for one, share in others),
     )
 
 
-def _turning(at: Explanation, whitened: list[list[Array]], excess: float) -> tuple[float, str]:
+_Whitened = list[dict[str, Array]]
+"""Innovations of each run by the name of the channel."""
+
+
+def _turning(at: Explanation, whitened: _Whitened, excess: float) -> tuple[float, str]:
     """Share of the excess that goes with the angle of the front or rear wheels, and which [1]."""
-    shares = {}
-    for axle, own in (("front", "front_sides"), ("rear", "rear_sides")):
-        gain = 0.0
-        for run, channels in zip(at.problem.runs, whitened, strict=True):
-            angle = thinned(run, run.angle_f if axle == "front" else run.angle_r)
-            for name in ("rim", "front_rear", own):
-                x = channels[CHANNELS.index(name)]
-                turn = np.exp(1j * np.outer(_HARMONICS, angle[-x.size :]))
-                # noise alone gives two per harmonic: cosine and sine
-                gain += float(np.sum(2.0 * np.abs(turn @ x) ** 2 / x.size - 2.0))
-        shares[axle] = gain / excess
-    best = max(shares, key=lambda axle: shares[axle])
-    return min(shares[best], 1.0), best
+    shares = {"front": 0.0, "rear": 0.0}
+    for run, channels in zip(at.problem.runs, whitened, strict=True):
+        for axle, angle in (("front", run.angle_f), ("rear", run.angle_r)):
+            phase = np.outer(_HARMONICS, thinned(run, angle))
+            for name in ("rim", "front_rear", f"{axle}_sides"):
+                x = channels[name]
+                shares[axle] += float(np.sum(power_of(x, phase[:, -x.size :]))) / excess
+    axle = max(shares, key=lambda one: shares[one])
+    return min(shares[axle], 1.0), axle
 
 
-def _one_sided(at: Explanation, whitened: list[list[Array]], excess: float) -> str | None:
-    """The slower wheel of an axle, where left less right holds most of the excess; else None."""
+def _one_sided(whitened: _Whitened, excess: float) -> str | None:
+    """The slower wheel of an axle, where it always is, and that is most of the excess; else None.
+
+    By the share of the excess that a constant takes of left less right.
+    """
     sides = {}
     for axle in ("front", "rear"):
-        x = np.concatenate([run[CHANNELS.index(f"{axle}_sides")] for run in whitened])
-        sides[axle] = (float(x @ x) - x.size, float(np.mean(x)))
-    axle = max(sides, key=lambda a: sides[a][0])
-    beyond, mean = sides[axle]
-    if beyond < _ONE_SIDED * excess or abs(mean) * np.sqrt(at.count / len(CHANNELS)) < 5.0:
+        x = np.concatenate([channels[f"{axle}_sides"] for channels in whitened])
+        sides[axle] = float(np.sum(x)) / float(np.sqrt(x.size))
+    axle = max(sides, key=lambda one: abs(sides[one]))
+    if sides[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
         return None
-    return f"{axle}_{'left' if mean < 0.0 else 'right'}"
+    return f"{axle}_{'left' if sides[axle] < 0.0 else 'right'}"

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import Explanation, own_columns
+from calib.diagnosis.explanation.columns import columns_by_own
+from calib.diagnosis.explanation.explanation import Explanation, of_all
 from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
@@ -50,10 +50,12 @@ def placed(held: Problem, at: Explanation) -> Array:
     if not at.hypothesis.kinds:
         return own
     S = np.where(sizes(at.hypothesis.kinds) != sizes(()), sizes(at.hypothesis.kinds), 0.0)
+    which = np.flatnonzero(S)
     for _ in range(3):
-        at_own = seen(held, at.hypothesis, State(at.state.x, at.state.form, own))
-        for i, one in enumerate(at_own.innovations):
-            none = np.zeros((0, one.size))
-            products = Products.of(none, own_columns(at_own, i), one, own[i])
-            own[i] -= products.reduced(S)[1][:, -1]
+        state = State(at.state.x, at.state.form, own)
+        r = of_all(held, at.hypothesis, state)
+        columns = columns_by_own(held, at.hypothesis, state, r, which.tolist())
+        for one, N, states in zip(r, columns, own, strict=True):
+            products = Products.of(np.zeros((0, one.size)), N, one, states[which])
+            states[which] -= products.reduced(S[which])[1][:, -1]
     return own

@@ -12,7 +12,7 @@ from typing import Any
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.proof.unexplained import Unexplained, held_from
-from calib.diagnosis.replays.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.replays.gap import CHANNELS, UNITS, Gap
 from calib.diagnosis.replays.remainder import Remainder
 
 SCHEMA = 1
@@ -74,7 +74,7 @@ def plain(value: Any) -> Any:
 
 
 def _left(left: Remainder) -> dict[str, Any]:
-    return {**plain(left), "unit": "rms of lasting replay errors over the noise of the sensors"}
+    return {**plain(left), "unit": "rms of replay errors over the noise of the sensors"}
 
 
 def _unexplained(rest: Unexplained, found: Diagnosis) -> dict[str, Any]:
@@ -99,14 +99,25 @@ def _gap(gap: Gap) -> dict[str, Any]:
         "after": gap.after,
         "closed": gap.closed,
         "unit": "rms over the noise of the sensors",
-        "by_channel": _by_channel(gap.by_channel),
+        "by_channel": _by_channel(gap),
         "by_log": {
-            log: {"before": before, "after": after, "by_channel": _by_channel(gap.cells[log])}
-            for log, (before, after) in gap.by_log.items()
+            log: dict(zip(("before", "after"), gap.of(log), strict=True))
+            | {"by_channel": _by_channel(gap, log)}
+            for log in gap.logs
         },
     }
 
 
-def _by_channel(cells: Mapping[str, ChannelGap]) -> dict[str, Any]:
-    told = cells.items()
-    return {name: plain(x) | {"closed": x.closed, "unit": UNITS[name]} for name, x in told}
+def _by_channel(gap: Gap, log: str | None = None) -> dict[str, Any]:
+    """The gap of each channel in its unit, of one log or all."""
+    out = {}
+    for channel, noise in zip(CHANNELS, gap.noise.tolist(), strict=True):
+        before, after = gap.of(log, channel)
+        out[channel] = {
+            "before": noise * before,
+            "after": noise * after,
+            "noise": noise,
+            "closed": 1.0 - after / before if before > 0.0 else None,
+            "unit": UNITS[channel],
+        }
+    return out

@@ -23,7 +23,7 @@ def named():
 
 def test_the_gap_is_told_by_log_and_channel(named):
     log = to_dict(named)["gap"]["by_log"][MARKUP]
-    assert (log["before"], log["after"]) == (8.25, 1.5)
+    assert (log["before"], log["after"]) == named.gap.of(MARKUP)
     assert log["by_channel"]["v"] == {
         "before": 0.25, "after": 0.5, "noise": 0.0625, "closed": -1.0, "unit": "m/s"
     }  # fmt: skip
