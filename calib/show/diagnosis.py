@@ -46,8 +46,7 @@ _SIDES_TOLD = 3e-4
 """Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
 _STATES = "States of single logs, which are no effects of the car, against what all logs share."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
-ERROR = "unexplained error (1 = noise)"
-"""The mean squared innovation of the calibration logs, in words."""
+INNOVATION = "mean squared innovation (1 = noise)"
 
 
 def facts(found: Diagnosis, title: str) -> Facts:
@@ -73,7 +72,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
     )
     return Facts(
         title,
-        headline=f"{_verdict_of(found)} {_not_excluded(found)}".rstrip(),
+        headline=_verdict_of(found),
         verdict=verdict,
         word=word,
         numbers=[*numbers, ("hold-out logs", str(len(found.measured)))],
@@ -127,29 +126,25 @@ def _verdict_of(found: Diagnosis) -> str:
     return "The model lacks something that is not in the catalogue."
 
 
-def _not_excluded(found: Diagnosis) -> str:
-    """What an unknown cause may be although no explanation with it holds; else empty."""
-    known = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
-    if outcome(found) != UNKNOWN or known:
-        return ""
-    return "The discs' temperature is not in every log: pads that fade are not excluded."
-
-
 def _effect(effect: Named, found: Diagnosis) -> Facts:
     """One named effect: its cause, its parameters, where it acts, its evidence and its rivals."""
     card = definition(found.model_before.vehicle.effects, effect.name).card
     at, seen = effect.where, [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
     if at.temperature is not None:
         seen.append(f"discs of {span(at.temperature, 'degC')}")
-    parameters = [(spaced(name), *estimate(value)) for name, value in effect.parameters.items()]
+    parameters = [
+        (spaced(name).capitalize(), "{}, 95 % {}".format(*estimate(value)))
+        for name, value in effect.parameters.items()
+    ]
     without = found.reduced_after + effect.gain
-    evidence = f"the {ERROR} is {found.reduced_after:.3f}, and without it, all else the same, "
-    evidence += f"{without:.3f}; on the hold-outs it rises by {effect.gain_holdout:.2f} then"
+    evidence = f"without it the {INNOVATION} is {without:.3f} instead of "
+    evidence += f"{found.reduced_after:.3f}, on the hold-outs {effect.gain_holdout:.2f} more"
     if effect.runner_up is not None:
         name, gained = effect.runner_up
-        evidence += f"; runner-up: {spaced(name)}, which leaves {found.reduced_before - gained:.3f}"
+        evidence += f"; next best: {spaced(name)}, {found.reduced_before - gained:.3f}"
     rivals = listed(effect.indistinguishable_from, "or") if effect.indistinguishable_from else ""
     rows: list[Row] = [
+        *parameters,
         ("Cause", card.cause),
         ("Acts", f"{at.axle}; strongest in {at.channel}, at {', '.join(seen)}"),
         ("Evidence", evidence),
@@ -157,8 +152,7 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     ]
     if effect.separate_by:
         rows.append(("What would", effect.separate_by))
-    table = Table(("parameter", "value", "95 % interval"), parameters)
-    return Facts(spaced(effect.name).capitalize(), tables=[table], rows=rows)
+    return Facts(spaced(effect.name).capitalize(), rows=rows)
 
 
 def _something_else(found: Diagnosis) -> str:
@@ -166,7 +160,7 @@ def _something_else(found: Diagnosis) -> str:
     if found.unexplained is None or not found.effects:
         return ""
     left = found.left
-    text = f"an {ERROR} of {found.reduced_after:.2f} in the calibration logs; in the replays "
+    text = f"a {INNOVATION} of {found.reduced_after:.2f}; in the replays "
     text += f"lasting errors of {left.size:.1f} times the sensors' noise"
     if not left.significant:
         return f"{text}, which noise alone can make"

@@ -5,7 +5,7 @@ over 0.1 s; the noise of the sensor is the band around zero.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from string import ascii_uppercase
 
@@ -19,17 +19,20 @@ from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import UNITS
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes
-from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome
+from calib.show.diagnosis import INNOVATION, KINDS, NO_GAP, facts, outcome
 from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
 from calib.show.sheet import Line, Panel, Sheet
 from calib.show.style import BODY, FRONT, REAR, Stroke, as_text, reach, smooth
 
-_SPEED = "Speed of the open-loop replays less the measured one."
+_SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
+_GAP = "By log and channel, in units of the noise, which is taken out."
+_SEARCH = "What each step of the search added, what it left, and ln of the odds that it gained."
 _BASE = (
-    "Base parameters as re-identified. How sure the pads are is what it is in a fit: a tyre's own "
-    "form, what a log has of its own and the tolerance of the mass count."
+    "Base parameters, from all calibration logs. The pads' intervals count the mass, a tyre's own "
+    "form and what each log has of its own. Those of a fit are wider, most in the rear: it has its "
+    "ramps alone, and counts axle loads and unlike tyres too."
 )
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
 
@@ -50,32 +53,21 @@ def report(found: Diagnosis, title: str) -> Facts:
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
         *([_unexplained(found.unexplained)] if found.unexplained else []),
-        _search(found),
         _gap(found, drawn),
-        Facts("Base parameters", tables=[_base(found)]),
+        Facts("What it rests on", tables=[_search(found), _base(found), *told.tables]),
     ]
-    caption = f"{_SPEED} {_numbered(found)}".rstrip()
-    return replace(told, pictures=[Picture(caption, drawn, ("speed",))], parts=parts)
+    return replace(told, tables=[], pictures=[Picture(_SPEED, drawn, ("speed",))], parts=parts)
 
 
-def _search(found: Diagnosis) -> Facts:
-    """What each step added, what that brought, and what it left."""
-    first = found.steps[0]
-    rows = [("nothing", f"{first.innovation:.3f}", "", "", "")]
+def _search(found: Diagnosis) -> Table:
+    """What each step added, what it left, and what that brought."""
+    rows = [("nothing", f"{found.steps[0].innovation:.3f}", "", "")]
     for change in changes(found.steps):
         what = [listed(change.added)] if change.added else []
         what += [f"without {listed(change.removed)}"] if change.removed else []
         now, name = change.step, ", ".join(what) or "the same, fitted anew"
-        gain = f"{0.0 - change.gain:+.3f}"
-        odds = (f"{now.calibration:.0f}", f"{now.holdout:.0f}")
-        rows.append((name, f"{now.innovation:.3f}", gain, *odds))
-    heads = ("added", "unexplained error", "change", "log odds, searched", "log odds, hold-outs")
-    caption = f"The search: {ERROR}, and ln of the odds that each step gains."
-    return Facts(
-        "Effects that were tried",
-        headline="Every effect of the catalogue, with pads and tyres fitted again each time.",
-        tables=[Table(heads, rows, caption)],
-    )
+        rows.append((name, f"{now.innovation:.3f}", f"{now.calibration:.0f}", f"{now.holdout:.0f}"))
+    return Table(("added", INNOVATION, "log odds, searched", "log odds, hold-outs"), rows, _SEARCH)
 
 
 def _confusion(found: Confusion) -> Facts:
@@ -96,7 +88,7 @@ def _confusion(found: Confusion) -> Facts:
     return Facts(
         "What these logs cannot tell apart",
         tables=[
-            Table(("explanation", "unexplained error", "behind A"), rows, alike),
+            Table(("explanation", INNOVATION, "behind A"), rows, alike),
             Table(("which", "here", "drive", "there"), drives, apart),
         ],
     )
@@ -127,18 +119,21 @@ def _unexplained(found: Unexplained) -> Facts:
 
 def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    rows: list[tuple[str, ...]] = []
-    for log, (before, after) in found.gap.by_log.items():
-        cells = found.gap.cells[log].values()
-        ends = [(before, after), *((x.before / x.noise, x.after / x.noise) for x in cells)]
-        rows.append((log, *(f"{a:.2f} to {b:.2f}" for a, b in ends)))
+    last, rows = 1 if found.verdict == NO_GAP else 2, []
+    for i, log in enumerate(found.measured, 1):
+        cells = found.gap.cells[log.name].values()
+        pairs = [(x.before / x.noise, x.after / x.noise) for x in cells]
+        told = (
+            " to ".join(f"{end:.2f}" for end in ends[:last])
+            for ends in [found.gap.by_log[log.name], *pairs]
+        )
+        rows.append((f"{i} {log.name}", *told))
     noises = (f"{x.noise:.4f} {UNITS[name]}" for name, x in found.gap.by_channel.items())
     rows.append(("noise", "1", *noises))
-    caption = "Gap by log and channel before and after, in units of the noise, which is taken out."
     name = found.measured[_worst(found)].name
     return Facts(
-        "The gap on the hold-outs",
-        tables=[Table(("log", "all", *found.gap.by_channel), rows, caption)],
+        "The gap on the hold-outs" if last == 1 else "The gap on the hold-outs, before to after",
+        tables=[Table(("log", "all", *found.gap.by_channel), rows, _GAP)],
         pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
     )
 
@@ -174,8 +169,8 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         note=(
             "Replays are open loop: pressure and first speed only. Before: pads and tyre "
             "re-identified, no effect added. After: with all that was added. The band is 95 % of "
-            f"the noise of single samples. {as_text(_numbered(found))}"
-        ).rstrip(),
+            "the noise of single samples."
+        ),
     )
 
 
@@ -183,29 +178,6 @@ def _worst(found: Diagnosis) -> int:
     """The place of the hold-out with the largest gap."""
     gaps = [found.gap.by_log[log.name][0] for log in found.measured]
     return gaps.index(max(gaps))
-
-
-def _labels(found: Diagnosis) -> list[str]:
-    """What each hold-out is called in a picture: its name, or its number where names have no room.
-
-    A text that is longer than its part of the axis covers the next one, and the axes shrink to
-    give it room.
-    """
-    lasts = [float(log.time[-1] - log.time[0]) for log in found.measured]
-    names = [as_text(log.name) for log in found.measured]
-    room = [min(_LETTERS, 2 * _LETTERS * last / sum(lasts)) for last in lasts]
-    if all(len(name) <= most for name, most in zip(names, room, strict=True)):
-        return names
-    return [str(i + 1) for i in range(len(names))]
-
-
-def _numbered(found: Diagnosis) -> str:
-    """The names behind the numbers of the hold-outs, empty where pictures have the names."""
-    labels, names = _labels(found), [log.name for log in found.measured]
-    if labels == [as_text(name) for name in names]:
-        return ""
-    pairs = (f"{label} {name}" for label, name in zip(labels, names, strict=True))
-    return f"Logs: {', '.join(pairs)}."
 
 
 def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
@@ -223,20 +195,25 @@ def _errors(
     name: str,
     title: str,
     found: Diagnosis,
-    logs: Iterable[int],
+    logs: Sequence[int],
     weights: dict[str, float],
     unit: str,
 ) -> Panel:
-    """Replay less measurement of a weighted sum of channels, one log after another."""
+    """Replay less measurement of a weighted sum of channels, one log after another.
+
+    A log has its number among the hold-outs and as much of its name as its part of the axis has
+    room for: a text that is longer covers the next one, and the axes shrink to give it room.
+    """
     noise = sum((w * found.gap.by_channel[c].noise) ** 2 for c, w in weights.items())
-    half, start, texts = Z95 * math.sqrt(noise), 0.0, []
+    half, start, names = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
     replays = (("after", found.after, FRONT), ("before", found.before, REAR))
+    whole = sum(float(found.measured[i].time[-1] - found.measured[i].time[0]) for i in logs)
     for i in logs:
         measured, first = found.measured[i], not lines
         end = start + float(measured.time[-1] - measured.time[0])
-        ends, band = [start, end], (np.full(2, -half), np.full(2, half))
-        lines.append(Line(ends, [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
+        band = np.full(2, -half), np.full(2, half)
+        lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
         for when, sims, stroke in replays[: 1 if found.verdict == NO_GAP else 2]:
             n = min(sims[i].time.size, measured.time.size)
             off = sum(w * (sims[i][c][:n] - measured[c][:n]) for c, w in weights.items())
@@ -244,8 +221,11 @@ def _errors(
             every = max(1, round(_CLOCK / measured.sample_time))
             shown = smooth(time, np.asarray(off))[::every]
             lines.append(Line(start + time[::every], shown, stroke, when * first))
-        texts.append((_labels(found)[i], start, -half))
+        room = min(_LETTERS, int(2 * _LETTERS * (end - start) / whole))
+        names.append((as_text(f"{i + 1} {measured.name}"[:room]), start))
         start = end + _PAUSE
-    height = reach(*(np.asarray(line.y) for line in lines), np.array([-half, half]), margin=0.2)
-    x, y = "time, one log after another [s]", f"replay less measured {unit}"
-    return Panel(name, title, x, y, lines, texts=texts, ylim=height)
+    drawn = [np.asarray(line.y) for line in lines]
+    ends = reach(*drawn, np.array([-half, half]), margin=0.2) or (-half, half)
+    texts = [(text, at, ends[1]) for text, at in names]
+    x = "time, one log after another [s]" if len(logs) > 1 else "time [s]"
+    return Panel(name, title, x, f"replay less measured {unit}", lines, texts=texts, ylim=ends)
