@@ -124,7 +124,7 @@ def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
         cells = found.gap.cells[log.name].values()
         pairs = [(x.before / x.noise, x.after / x.noise) for x in cells]
         told = (
-            " to ".join(f"{end:.2f}" for end in ends[:last])
+            " to ".join(f"{end:.1f}" for end in ends[:last])
             for ends in [found.gap.by_log[log.name], *pairs]
         )
         rows.append((f"{i} {log.name}", *told))

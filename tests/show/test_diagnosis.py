@@ -77,8 +77,8 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
     assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     gap = tables(named)
     log, noise = gap["By log"]
-    assert log[:3] == (f"1 {MARKUP}", "8.25 to 1.50", "0.50 to 0.50")
-    assert log[-1] == "4.00 to 8.00"
+    assert log[:3] == (f"1 {MARKUP}", "8.2 to 1.5", "0.5 to 0.5")
+    assert log[-1] == "4.0 to 8.0"
     assert (noise[2], noise[-1]) == ("0.0625 m/s^2", "0.0625 m/s")
     assert gap["Base parameters"][1][3] == ""  # a vehicle file says nothing of the tyres
 
