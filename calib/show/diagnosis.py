@@ -170,8 +170,8 @@ def _something_else(found: Diagnosis) -> str:
 
 def _withdrawn(found: Diagnosis) -> str:
     """What fits some logs, and is not the answer; empty if there is nothing."""
-    worse = "fits the calibration logs, and makes the hold-outs less probable"
-    told = [f"{listed(names)}: {worse}" for names in found.withdrawn]
+    worse = [listed(names) for names in found.withdrawn]
+    told = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
     if found.verdict == UNKNOWN and (last := found.steps[-1].names):
         told.append(f"{listed(last)}: explains less than an empirical term alone")
     return "; ".join(told)

@@ -13,13 +13,14 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
+from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import UNITS
 from calib.diagnosis.undecided.confusion import Confusion
 from calib.diagnosis.written.course import changes
-from calib.show.diagnosis import INNOVATION, KINDS, NO_GAP, facts, outcome
+from calib.show.diagnosis import INNOVATION, KINDS, facts, outcome
 from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
 from calib.show.sheet import Line, Panel, Sheet
@@ -52,7 +53,7 @@ def report(found: Diagnosis, title: str) -> Facts:
     parts = [
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
-        *([_unexplained(found.unexplained)] if found.unexplained else []),
+        *([_unexplained(found.unexplained, drawn)] if found.unexplained else []),
         _gap(found, drawn),
         Facts("What it rests on", tables=[_search(found), _base(found), *told.tables]),
     ]
@@ -94,32 +95,25 @@ def _confusion(found: Confusion) -> Facts:
     )
 
 
-def _unexplained(found: Unexplained) -> Facts:
-    """The empirical term point by point, and other terms that explain a part of the gap."""
-    term, unit = found.term, DRIVERS[found.term.driver]
-    on = "brake torque" if term.on_brakes else "force over weight"
-    points = [
-        (f"{in_shown(knot, unit):.3g}", f"{100.0 * value:+.2f} %")
-        for knot, value in zip(term.knots, term.values, strict=True)
-    ]
+def _unexplained(found: Unexplained, drawn: Sheet) -> Facts:
+    """The empirical term, and other terms that explain a part of the gap."""
     others = [
         (spaced(place), driver, f"{100.0 * share:.0f} %")
         for place, driver, share in found.runners_up
     ]
-    heads = (f"{term.driver} [{with_unit('', unit).strip() or '1'}]", f"change of {on}")
     shares = "Other places and drivers, by the share of the gap that they explain."
     return Facts(
         "What no effect explains",
-        tables=[
-            Table(heads, points, f"The empirical term on the {spaced(term.place)}."),
-            Table(("place", "depends on", "explained"), others, shares),
+        tables=[Table(("place", "depends on", "explained"), others, shares)],
+        pictures=[
+            Picture(f"An empirical term on the {spaced(found.term.place)}.", drawn, ("term",))
         ],
     )
 
 
 def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    last, rows = 1 if found.verdict == NO_GAP else 2, []
+    last, rows = 2 if _added(found) else 1, []
     for i, log in enumerate(found.measured, 1):
         cells = found.gap.cells[log.name].values()
         pairs = [(x.before / x.noise, x.after / x.noise) for x in cells]
@@ -132,7 +126,7 @@ def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     rows.append(("noise", "1", *noises))
     name = found.measured[_worst(found)].name
     return Facts(
-        "The gap on the hold-outs" if last == 1 else "The gap on the hold-outs, before to after",
+        "The gap on the hold-outs" + ", before to after" * _added(found),
         tables=[Table(("log", "all", *found.gap.by_channel), rows, _GAP)],
         pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
     )
@@ -155,11 +149,13 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     logs = range(len(found.measured))
     worst = _worst(found)
     weights, words = _split_of(found)
-    panels = (
+    panels: tuple[Panel, ...] = (
         _errors("speed", "Speed", found, logs, {"v": 1.0}, "$v$ [m/s]"),
         _errors("acceleration", "Acceleration", found, [worst], {"a_x": 1.0}, "$a_x$ [m/s$^2$]"),
         _errors("split", f"Wheel speeds, {words}", found, [worst], weights, "[rad/s]"),
     )
+    if found.unexplained is not None:
+        panels = *panels, _term(found.unexplained.term)
     return Sheet(
         kind="diagnosis",
         name=name,
@@ -174,10 +170,25 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     )
 
 
+def _added(found: Diagnosis) -> bool:
+    """Whether replays after the diagnosis are others than before."""
+    return found.gap.before != found.gap.after
+
+
 def _worst(found: Diagnosis) -> int:
     """The place of the hold-out with the largest gap."""
     gaps = [found.gap.by_log[log.name][0] for log in found.measured]
     return gaps.index(max(gaps))
+
+
+def _term(term: EmpiricalTerm) -> Panel:
+    """What the empirical term adds, over what it depends on."""
+    unit = DRIVERS[term.driver]
+    x = f"{term.driver} [{with_unit('', unit).strip() or '1'}]"
+    y = f"change of {'brake torque' if term.on_brakes else 'force over weight'} [%]"
+    knots = [in_shown(knot, unit) for knot in term.knots]
+    line = Line(knots, [100.0 * value for value in term.values], {**FRONT, "marker": "."})
+    return Panel("term", f"On the {spaced(term.place)}", x, y, [line])
 
 
 def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
@@ -208,13 +219,14 @@ def _errors(
     half, start, names = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
     replays = (("after", found.after, FRONT), ("before", found.before, REAR))
+    replays = replays if _added(found) else (("replay", found.before, FRONT),)
     whole = sum(float(found.measured[i].time[-1] - found.measured[i].time[0]) for i in logs)
     for i in logs:
         measured, first = found.measured[i], not lines
         end = start + float(measured.time[-1] - measured.time[0])
         band = np.full(2, -half), np.full(2, half)
         lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
-        for when, sims, stroke in replays[: 1 if found.verdict == NO_GAP else 2]:
+        for when, sims, stroke in replays:
             n = min(sims[i].time.size, measured.time.size)
             off = sum(w * (sims[i][c][:n] - measured[c][:n]) for c, w in weights.items())
             time = measured.time[:n] - measured.time[0]

@@ -91,9 +91,10 @@ def test_warnings_of_the_logs_are_told(named):
 
 
 def test_an_unknown_cause_is_described_by_its_term(named):
-    told = tables(unknown(named))
-    assert told["The empirical"] == [("0", "+0.00 %"), ("25", "-12.50 %")]  # bar
-    assert told["Other places"] == [("body", "speed", "50 %")]
+    found = unknown(named)
+    (line,) = next(one for one in sheet(found, "car").panels if one.name == "term").lines
+    assert (line.x, line.y) == ([0.0, 25.0], [0.0, -12.5])  # bar, per cent
+    assert tables(found)["Other places"] == [("body", "speed", "50 %")]
 
 
 @pytest.mark.parametrize(("left", "where"), [(LEFT, True), (QUIET, False)])
