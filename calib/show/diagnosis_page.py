@@ -31,7 +31,7 @@ _LARGEST = "Replay less measurement of {}, the log with the largest gap; the ban
 _GAP = "By log and channel, in units of the noise, which is taken out."
 _SEARCH = "What each step of the search added, what it left, and ln of the odds that it gained."
 _BASE = (
-    "Base parameters, from all calibration logs. The pads' intervals count the mass, a tyre's own "
+    "Base parameters from all calibration logs. The pads' intervals count the mass, a tyre's own "
     "form and what each log has of its own. Those of a fit are wider, most in the rear: it has its "
     "ramps alone, and counts axle loads and unlike tyres too."
 )
@@ -102,31 +102,27 @@ def _unexplained(found: Unexplained, drawn: Sheet) -> Facts:
         for place, driver, share in found.runners_up
     ]
     shares = "Other places and drivers, by the share of the gap that they explain."
-    return Facts(
-        "What no effect explains",
-        tables=[Table(("place", "depends on", "explained"), others, shares)],
-        pictures=[
-            Picture(f"An empirical term on the {spaced(found.term.place)}.", drawn, ("term",))
-        ],
-    )
+    table = Table(("place", "depends on", "explained"), others, shares)
+    picture = Picture("An empirical term: what it adds, by what it depends on.", drawn, ("term",))
+    return Facts("What no effect explains", tables=[table], pictures=[picture])
 
 
 def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    last, rows = 2 if _added(found) else 1, []
+    both, rows = _added(found), []
     for i, log in enumerate(found.measured, 1):
         cells = found.gap.cells[log.name].values()
-        pairs = [(x.before / x.noise, x.after / x.noise) for x in cells]
-        told = (
-            " to ".join(f"{end:.1f}" for end in ends[:last])
-            for ends in [found.gap.by_log[log.name], *pairs]
-        )
+        ends = [
+            found.gap.by_log[log.name],
+            *((x.before / x.noise, x.after / x.noise) for x in cells),
+        ]
+        told = (f"{a:.1f} to {b:.1f}" if both else f"{a:.1f}" for a, b in ends)
         rows.append((f"{i} {log.name}", *told))
     noises = (f"{x.noise:.4f} {UNITS[name]}" for name, x in found.gap.by_channel.items())
     rows.append(("noise", "1", *noises))
     name = found.measured[_worst(found)].name
     return Facts(
-        "The gap on the hold-outs" + ", before to after" * _added(found),
+        "The gap on the hold-outs" + ", before to after" * both,
         tables=[Table(("log", "all", *found.gap.by_channel), rows, _GAP)],
         pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
     )
@@ -149,13 +145,12 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     logs = range(len(found.measured))
     worst = _worst(found)
     weights, words = _split_of(found)
-    panels: tuple[Panel, ...] = (
+    panels = (
         _errors("speed", "Speed", found, logs, {"v": 1.0}, "$v$ [m/s]"),
         _errors("acceleration", "Acceleration", found, [worst], {"a_x": 1.0}, "$a_x$ [m/s$^2$]"),
         _errors("split", f"Wheel speeds, {words}", found, [worst], weights, "[rad/s]"),
+        *([_term(found.unexplained.term)] if found.unexplained else []),
     )
-    if found.unexplained is not None:
-        panels = *panels, _term(found.unexplained.term)
     return Sheet(
         kind="diagnosis",
         name=name,
@@ -218,8 +213,9 @@ def _errors(
     noise = sum((w * found.gap.by_channel[c].noise) ** 2 for c, w in weights.items())
     half, start, names = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
-    replays = (("after", found.after, FRONT), ("before", found.before, REAR))
-    replays = replays if _added(found) else (("replay", found.before, FRONT),)
+    replays = [("after", found.after, FRONT), ("before", found.before, REAR)]
+    if not _added(found):
+        replays = [("replay", found.before, FRONT)]
     whole = sum(float(found.measured[i].time[-1] - found.measured[i].time[0]) for i in logs)
     for i in logs:
         measured, first = found.measured[i], not lines
