@@ -142,14 +142,14 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     if effect.runner_up is not None:
         name, gained = effect.runner_up
         evidence += f"; next best: {spaced(name)}, {found.reduced_before - gained:.3f}"
-    rivals = listed(effect.indistinguishable_from, "or") if effect.indistinguishable_from else ""
     rows: list[Row] = [
         *parameters,
         ("Cause", card.cause),
         ("Acts", f"{at.axle}; strongest in {at.channel}, at {', '.join(seen)}"),
         ("Evidence", evidence),
-        ("Cannot be told from", rivals or "nothing else in the catalogue"),
     ]
+    if effect.indistinguishable_from:
+        rows.append(("Cannot be told from", listed(effect.indistinguishable_from, "or")))
     if effect.separate_by:
         rows.append(("What would", effect.separate_by))
     return Facts(spaced(effect.name).capitalize(), rows=rows)
