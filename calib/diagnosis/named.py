@@ -56,7 +56,7 @@ def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
         runners_up = (
             RunnerUp(" + ".join(c.names), found.base.reduced - c.reduced)
             for c in found.tried
-            if c.names and name not in c.names
+            if c.names and name not in c.names and c.reduced < found.base.reduced
         )
         out.append(
             Named(
@@ -76,8 +76,7 @@ def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
 def _parameters(card: Card, ends: list[Effects]) -> dict[str, ParameterEstimate]:
     out = {}
     for p in card.parameters:
-        told = (e.parameters[card.name][p.name] for e in ends)
-        low, value, high = (min(max(x, p.low), p.high) for x in told)
+        low, value, high = (e.parameters[card.name][p.name] for e in ends)
         out[p.name] = ParameterEstimate(value, p.unit, (low, high))
     return out
 

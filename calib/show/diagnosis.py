@@ -46,8 +46,7 @@ _SIDES_TOLD = 3e-4
 """Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
 _STATES = "States of single logs, which are no effects of the car, against what all logs share."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
-ERROR = "unexplained error (1 = noise)"
-"""The mean squared innovation of the calibration logs, in words."""
+INNOVATION = "mean squared innovation (1 = noise)"
 
 
 def facts(found: Diagnosis, title: str) -> Facts:
@@ -73,7 +72,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
     )
     return Facts(
         title,
-        headline=f"{_verdict_of(found)} {_not_excluded(found)}".rstrip(),
+        headline=_verdict_of(found),
         verdict=verdict,
         word=word,
         numbers=[*numbers, ("hold-out logs", str(len(found.measured)))],
@@ -127,39 +126,34 @@ def _verdict_of(found: Diagnosis) -> str:
     return "The model lacks something that is not in the catalogue."
 
 
-def _not_excluded(found: Diagnosis) -> str:
-    """What an unknown cause may be although no explanation with it holds; else empty."""
-    known = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
-    if outcome(found) != UNKNOWN or known:
-        return ""
-    return "The discs' temperature is not in every log: pads that fade are not excluded."
-
-
 def _effect(effect: Named, found: Diagnosis) -> Facts:
     """One named effect: its cause, its parameters, where it acts, its evidence and its rivals."""
     card = definition(found.model_before.vehicle.effects, effect.name).card
     at, seen = effect.where, [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
     if at.temperature is not None:
         seen.append(f"discs of {span(at.temperature, 'degC')}")
-    parameters = [(spaced(name), *estimate(value)) for name, value in effect.parameters.items()]
-    at_hold_outs = effect.evidence.innovation_gain_holdout
+    parameters = [
+        (spaced(name).capitalize(), "{}, 95 % {}".format(*estimate(value)))
+        for name, value in effect.parameters.items()
+    ]
     without = found.reduced_after + effect.evidence.innovation_gain
-    evidence = f"the {ERROR} is {found.reduced_after:.3f}, and without it, all else the same, "
-    evidence += f"{without:.3f}; on the hold-outs it rises by {at_hold_outs:.2f} then"
+    at_hold_outs = effect.evidence.innovation_gain_holdout
+    evidence = f"without it the {INNOVATION} is {without:.3f} instead of "
+    evidence += f"{found.reduced_after:.3f}, on the hold-outs {at_hold_outs:.2f} more"
     if (other := effect.runner_up) is not None:
         leaves = found.reduced_before - other.innovation_gain
-        evidence += f"; runner-up: {spaced(other.name)}, which leaves {leaves:.3f}"
-    rivals = listed(effect.indistinguishable_from, "or") if effect.indistinguishable_from else ""
+        evidence += f"; next best: {spaced(other.name)}, {leaves:.3f}"
     rows: list[Row] = [
+        *parameters,
         ("Cause", card.cause),
         ("Acts", f"{at.axle}; strongest in {at.channel}, at {', '.join(seen)}"),
         ("Evidence", evidence),
-        ("Cannot be told from", rivals or "nothing else in the catalogue"),
     ]
+    if effect.indistinguishable_from:
+        rows.append(("Cannot be told from", listed(effect.indistinguishable_from, "or")))
     if effect.separate_by:
         rows.append(("What would", effect.separate_by))
-    table = Table(("parameter", "value", "95 % interval"), parameters)
-    return Facts(spaced(effect.name).capitalize(), tables=[table], rows=rows)
+    return Facts(spaced(effect.name).capitalize(), rows=rows)
 
 
 def _something_else(found: Diagnosis) -> str:
@@ -167,7 +161,7 @@ def _something_else(found: Diagnosis) -> str:
     if found.unexplained is None or not found.effects:
         return ""
     left = found.left
-    text = f"an {ERROR} of {found.reduced_after:.2f} in the calibration logs; in the replays "
+    text = f"a {INNOVATION} of {found.reduced_after:.2f}; in the replays "
     text += f"errors of {left.size:.1f} times the sensors' noise"
     at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
     return f"{text}, largest in {left.channel} of {left.log}, at {at}"
@@ -175,8 +169,8 @@ def _something_else(found: Diagnosis) -> str:
 
 def _withdrawn(found: Diagnosis) -> str:
     """What fits some logs, and is not the answer; empty if there is nothing."""
-    worse = "fits the calibration logs, and makes the hold-outs less probable"
-    told = [f"{listed(names)}: {worse}" for names in found.withdrawn]
+    worse = [listed(names) for names in found.withdrawn]
+    told = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
     if found.verdict == UNKNOWN and (last := found.steps[-1].names):
         told.append(f"{listed(last)}: explains less than an empirical term alone")
     return "; ".join(told)

@@ -5,7 +5,7 @@ over 0.1 s; the noise of the sensor is the band around zero.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from string import ascii_uppercase
 
@@ -13,22 +13,26 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
+from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import CHANNELS, UNITS
 from calib.diagnosis.undecided import Confusion
-from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome
+from calib.show.diagnosis import INNOVATION, KINDS, facts, outcome
 from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
 from calib.show.sheet import Line, Panel, Sheet
 from calib.show.style import BODY, FRONT, REAR, Stroke, as_text, reach, smooth
 
-_SPEED = "Speed of the open-loop replays less the measured one."
+_SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
+_GAP = "By log and channel, in units of the noise, which is taken out."
+_SEARCH = "What each step of the search added, what it left, and ln of the odds that it gained."
 _BASE = (
-    "Base parameters as re-identified. How sure the pads are is what it is in a fit: a tyre's own "
-    "form, what a log has of its own and the tolerance of the mass count."
+    "Base parameters from all calibration logs. The pads' intervals count the mass, a tyre's own "
+    "form and what each log has of its own. Those of a fit are wider, most in the rear: it has its "
+    "ramps alone, and counts axle loads and unlike tyres too."
 )
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
 
@@ -48,32 +52,22 @@ def report(found: Diagnosis, title: str) -> Facts:
     parts = [
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
-        *([_unexplained(found.unexplained)] if found.unexplained else []),
-        _search(found),
+        *([_unexplained(found.unexplained, drawn)] if found.unexplained else []),
         _gap(found, drawn),
-        Facts("Base parameters", tables=[_base(found)]),
+        Facts("What it rests on", tables=[_search(found), _base(found), *told.tables]),
     ]
-    caption = f"{_SPEED} {_numbered(found)}".rstrip()
-    return replace(told, pictures=[Picture(caption, drawn, ("speed",))], parts=parts)
+    return replace(told, tables=[], pictures=[Picture(_SPEED, drawn, ("speed",))], parts=parts)
 
 
-def _search(found: Diagnosis) -> Facts:
-    """What each step added, what that brought, and what it left."""
-    first = found.steps[0]
-    rows = [("nothing", f"{first.innovation:.3f}", "", "", "")]
+def _search(found: Diagnosis) -> Table:
+    """What each step added, what it left, and what that brought."""
+    rows = [("nothing", f"{found.steps[0].innovation:.3f}", "", "")]
     for now in found.steps[1:]:
         what = [listed(now.added)] if now.added else []
         what += [f"without {listed(now.removed)}"] if now.removed else []
-        name, gain = ", ".join(what) or "the same, fitted anew", f"{0.0 - now.innovation_gain:+.3f}"
-        odds = (f"{now.calibration:.0f}", f"{now.holdout:.0f}")
-        rows.append((name, f"{now.innovation:.3f}", gain, *odds))
-    heads = ("added", "unexplained error", "change", "log odds, searched", "log odds, hold-outs")
-    caption = f"The search: {ERROR}, and ln of the odds that each step gains."
-    return Facts(
-        "Effects that were tried",
-        headline="Every effect of the catalogue, with pads and tyres fitted again each time.",
-        tables=[Table(heads, rows, caption)],
-    )
+        name = ", ".join(what) or "the same, fitted anew"
+        rows.append((name, f"{now.innovation:.3f}", f"{now.calibration:.0f}", f"{now.holdout:.0f}"))
+    return Table(("added", INNOVATION, "log odds, searched", "log odds, hold-outs"), rows, _SEARCH)
 
 
 def _confusion(found: Confusion) -> Facts:
@@ -94,49 +88,38 @@ def _confusion(found: Confusion) -> Facts:
     return Facts(
         "What these logs cannot tell apart",
         tables=[
-            Table(("explanation", "unexplained error", "behind A"), rows, alike),
+            Table(("explanation", INNOVATION, "behind A"), rows, alike),
             Table(("which", "here", "drive", "there"), drives, apart),
         ],
     )
 
 
-def _unexplained(found: Unexplained) -> Facts:
-    """The empirical term point by point, and other terms that explain a part of the gap."""
-    term, unit = found.term, DRIVERS[found.term.driver]
-    on = "brake torque" if term.on_brakes else "force over weight"
-    points = [
-        (f"{in_shown(knot, unit):.3g}", f"{100.0 * value:+.2f} %")
-        for knot, value in zip(term.knots, term.values, strict=True)
-    ]
+def _unexplained(found: Unexplained, drawn: Sheet) -> Facts:
+    """The empirical term, and other terms that explain a part of the gap."""
     others = [
         (spaced(place), driver, f"{100.0 * share:.0f} %")
         for place, driver, share in found.runners_up
     ]
-    heads = (f"{term.driver} [{with_unit('', unit).strip() or '1'}]", f"change of {on}")
     shares = "Other places and drivers, by the share of the gap that they explain."
-    return Facts(
-        "What no effect explains",
-        tables=[
-            Table(heads, points, f"The empirical term on the {spaced(term.place)}."),
-            Table(("place", "depends on", "explained"), others, shares),
-        ],
-    )
+    table = Table(("place", "depends on", "explained"), others, shares)
+    picture = Picture("An empirical term: what it adds, by what it depends on.", drawn, ("term",))
+    return Facts("What no effect explains", tables=[table], pictures=[picture])
 
 
 def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
+    both, gap = _added(found), found.gap
     rows: list[tuple[str, ...]] = []
-    gap = found.gap
-    for log in gap.logs:
+    for i, log in enumerate(gap.logs, 1):
         ends = [gap.of(log, channel) for channel in (None, *CHANNELS)]
-        rows.append((log, *(f"{a:.2f} to {b:.2f}" for a, b in ends)))
+        told = (f"{a:.1f} to {b:.1f}" if both else f"{a:.1f}" for a, b in ends)
+        rows.append((f"{i} {log}", *told))
     noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))
     rows.append(("noise", "1", *noises))
-    caption = "Gap by log and channel before and after, in units of the noise, which is taken out."
     name = found.measured[_worst(found)].name
     return Facts(
-        "The gap on the hold-outs",
-        tables=[Table(("log", "all", *CHANNELS), rows, caption)],
+        "The gap on the hold-outs" + ", before to after" * both,
+        tables=[Table(("log", "all", *CHANNELS), rows, _GAP)],
         pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
     )
 
@@ -162,6 +145,7 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         _errors("speed", "Speed", found, logs, {"v": 1.0}, "$v$ [m/s]"),
         _errors("acceleration", "Acceleration", found, [worst], {"a_x": 1.0}, "$a_x$ [m/s$^2$]"),
         _errors("split", f"Wheel speeds, {words}", found, [worst], weights, "[rad/s]"),
+        *([_term(found.unexplained.term)] if found.unexplained else []),
     )
     return Sheet(
         kind="diagnosis",
@@ -172,9 +156,14 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         note=(
             "Replays are open loop: pressure and first speed only. Before: pads and tyre "
             "re-identified, no effect added. After: with all that was added. The band is 95 % of "
-            f"the noise of single samples. {as_text(_numbered(found))}"
-        ).rstrip(),
+            "the noise of single samples."
+        ),
     )
+
+
+def _added(found: Diagnosis) -> bool:
+    """Whether replays after the diagnosis are others than before."""
+    return found.gap.before != found.gap.after
 
 
 def _worst(found: Diagnosis) -> int:
@@ -183,27 +172,14 @@ def _worst(found: Diagnosis) -> int:
     return gaps.index(max(gaps))
 
 
-def _labels(found: Diagnosis) -> list[str]:
-    """What each hold-out is called in a picture: its name, or its number where names have no room.
-
-    A text that is longer than its part of the axis covers the next one, and the axes shrink to
-    give it room.
-    """
-    lasts = [float(log.time[-1] - log.time[0]) for log in found.measured]
-    names = [as_text(log.name) for log in found.measured]
-    room = [min(_LETTERS, 2 * _LETTERS * last / sum(lasts)) for last in lasts]
-    if all(len(name) <= most for name, most in zip(names, room, strict=True)):
-        return names
-    return [str(i + 1) for i in range(len(names))]
-
-
-def _numbered(found: Diagnosis) -> str:
-    """The names behind the numbers of the hold-outs, empty where pictures have the names."""
-    labels, names = _labels(found), [log.name for log in found.measured]
-    if labels == [as_text(name) for name in names]:
-        return ""
-    pairs = (f"{label} {name}" for label, name in zip(labels, names, strict=True))
-    return f"Logs: {', '.join(pairs)}."
+def _term(term: EmpiricalTerm) -> Panel:
+    """What the empirical term adds, over what it depends on."""
+    unit = DRIVERS[term.driver]
+    x = f"{term.driver} [{with_unit('', unit).strip() or '1'}]"
+    y = f"change of {'brake torque' if term.on_brakes else 'force over weight'} [%]"
+    knots = [in_shown(knot, unit) for knot in term.knots]
+    line = Line(knots, [100.0 * value for value in term.values], {**FRONT, "marker": "."})
+    return Panel("term", f"On the {spaced(term.place)}", x, y, [line])
 
 
 def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
@@ -221,29 +197,39 @@ def _errors(
     name: str,
     title: str,
     found: Diagnosis,
-    logs: Iterable[int],
+    logs: Sequence[int],
     weights: dict[str, float],
     unit: str,
 ) -> Panel:
-    """Replay less measurement of a weighted sum of channels, one log after another."""
+    """Replay less measurement of a weighted sum of channels, one log after another.
+
+    A log has its number among the hold-outs and as much of its name as its part of the axis has
+    room for: a text that is longer covers the next one, and the axes shrink to give it room.
+    """
     noise = sum((w * found.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
-    half, start, texts = Z95 * math.sqrt(noise), 0.0, []
+    half, start, names = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
-    replays = (("after", found.after, FRONT), ("before", found.before, REAR))
+    replays = [("after", found.after, FRONT), ("before", found.before, REAR)]
+    if not _added(found):
+        replays = [("replay", found.before, FRONT)]
+    whole = sum(float(found.measured[i].time[-1] - found.measured[i].time[0]) for i in logs)
     for i in logs:
         measured, first = found.measured[i], not lines
         end = start + float(measured.time[-1] - measured.time[0])
-        ends, band = [start, end], (np.full(2, -half), np.full(2, half))
-        lines.append(Line(ends, [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
-        for when, sims, stroke in replays[: 1 if found.verdict == NO_GAP else 2]:
+        band = np.full(2, -half), np.full(2, half)
+        lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
+        for when, sims, stroke in replays:
             n = min(sims[i].time.size, measured.time.size)
             off = sum(w * (sims[i][c][:n] - measured[c][:n]) for c, w in weights.items())
             time = measured.time[:n] - measured.time[0]
             every = max(1, round(_CLOCK / measured.sample_time))
             shown = smooth(time, np.asarray(off))[::every]
             lines.append(Line(start + time[::every], shown, stroke, when * first))
-        texts.append((_labels(found)[i], start, -half))
+        room = min(_LETTERS, int(2 * _LETTERS * (end - start) / whole))
+        names.append((as_text(f"{i + 1} {measured.name}"[:room]), start))
         start = end + _PAUSE
-    height = reach(*(np.asarray(line.y) for line in lines), np.array([-half, half]), margin=0.2)
-    x, y = "time, one log after another [s]", f"replay less measured {unit}"
-    return Panel(name, title, x, y, lines, texts=texts, ylim=height)
+    drawn = [np.asarray(line.y) for line in lines]
+    ends = reach(*drawn, np.array([-half, half]), margin=0.2) or (-half, half)
+    texts = [(text, at, ends[1]) for text, at in names]
+    x = "time, one log after another [s]" if len(logs) > 1 else "time [s]"
+    return Panel(name, title, x, f"replay less measured {unit}", lines, texts=texts, ylim=ends)

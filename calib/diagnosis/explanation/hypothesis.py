@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects, EmpiricalTerm
@@ -122,7 +123,7 @@ class Columns:
         """Those by x, by the form and by the heat."""
         return self.x, self.form, self.heat
 
-    def kept(self, which: Array) -> "Columns":
+    def kept(self, which: NDArray[np.bool_]) -> "Columns":
         """Those by some elements of x alone."""
         return replace(self, x=[J[which] for J in self.x])
 

@@ -32,7 +32,7 @@ def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Ef
         card = definition(known, name).card
         values = {}
         for p, origin in zip(card.parameters, origins(given, card), strict=True):
-            values[p.name] = origin + float(x[i]) * p.spread
+            values[p.name] = min(max(origin + float(x[i]) * p.spread, p.low), p.high)
             i += 1
         found[name] = values
     base = base_of(problem.vehicle, x[:BASE])
@@ -72,4 +72,4 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
         for p, origin in zip(card.parameters, origins(known, card), strict=True):
             low.append((p.low - origin) / p.spread)
             high.append((p.high - origin) / p.spread)
-    return np.array(low) - 1e-9, np.array(high) + 1e-9
+    return np.array(low), np.array(high)

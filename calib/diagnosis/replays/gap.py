@@ -111,4 +111,5 @@ def _noise_of(log: Log, channel: str) -> float:
     fine = float(np.std(third_difference(log[channel], 1)))
     over = [fine, *typical_differences(log[channel], LONGEST / log.sample_time)]
     straight = channel in log.interpolated or max(over[:4]) > STRAIGHT * fine
-    return (max(over) if straight else min(max(over), SLOW * fine)) / 20.0**0.5
+    largest = max(over) if straight else min(max(over), SLOW * fine)
+    return float(largest / np.sqrt(20.0))
