@@ -22,7 +22,7 @@ LONGEST = 0.2
 """Longest time [s] between two samples whose differences show noise: twice the correlation time of
 that of a road, and a car hardly moves in that."""
 
-SLOW = 2.0**0.5
+SLOW = float(np.sqrt(2.0))
 """Largest noise, over what samples that follow each other show of it: half of a road's is slow.
 What is more is motion, such as a ripple."""
 
@@ -111,4 +111,5 @@ def _noise_of(log: Log, channel: str) -> float:
     fine = float(np.std(third_difference(log[channel], 1)))
     over = [fine, *typical_differences(log[channel], LONGEST / log.sample_time)]
     straight = channel in log.interpolated or max(over[:4]) > STRAIGHT * fine
-    return (max(over) if straight else min(max(over), SLOW * fine)) / 20.0**0.5
+    most = max(over) if straight else min(max(over), SLOW * fine)
+    return float(most / np.sqrt(20.0))
