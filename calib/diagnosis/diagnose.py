@@ -40,8 +40,7 @@ from calib.diagnosis.runs.judged import judged_logs
 from calib.diagnosis.runs.sides import LARGEST, with_even_sides
 from calib.diagnosis.runs.warnings import log_warnings, unexplained_warnings
 from calib.diagnosis.search.search import Search
-from calib.diagnosis.undecided.confusion import confusion_of
-from calib.diagnosis.undecided.drives import drives, unresolved
+from calib.diagnosis.undecided import confusion_of, drives, unresolved
 from calib.logs.log import Log
 from calib.plausibility.run import wrong_speed
 from calib.run.copies import without_holds
@@ -100,7 +99,6 @@ def diagnose(
         rest = unexplained_of(best, found.terms)
         last = _with_term(found, rest.at)
     tell("asking what these logs could not show", 0, 1)
-    unseen = unresolved(best, search.further)
     confusion = confusion_of(best, found.rivals)
     return Diagnosis(
         verdict=found.word,
@@ -120,8 +118,7 @@ def diagnose(
         steps=tuple(search.steps),
         noise=search.problem.noise,
         own=_own(found),
-        not_resolved=unseen,
-        drives=drives(best, unseen),
+        drives=drives(best, unresolved(best, search.further)),
         confusion=confusion,
         sides=sides,
         warnings=unexplained_warnings(

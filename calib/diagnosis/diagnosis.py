@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 from calib.base.units import behind
 from calib.base.warning import PlausibilityWarning
+from calib.car.effects.effects import DefinedIn
 from calib.car.model import Model
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import Gap
 from calib.diagnosis.replays.remainder import Remainder
 from calib.diagnosis.search.search import SearchStep
-from calib.diagnosis.undecided.confusion import Confusion
-from calib.diagnosis.undecided.drives import ShowingDrive
+from calib.diagnosis.undecided import Confusion, ShowingDrive
 from calib.logs.log import Log
 
 
@@ -37,40 +37,54 @@ class Where:
 
 
 @dataclass(frozen=True)
+class Evidence:
+    """Rise of the mean squared innovation without an effect, all else unchanged [1]."""
+
+    innovation_gain: float
+    innovation_gain_holdout: float
+
+
+@dataclass(frozen=True)
+class RunnerUp:
+    """The best name without an effect, and the fall of the mean squared innovation with it [1]."""
+
+    name: str
+    innovation_gain: float
+
+
+@dataclass(frozen=True)
 class Named:
     """An effect that was accepted, with its evidence.
 
-    ``gain`` rise of the mean squared innovation of the calibration logs without it, all else
-    unchanged, ``gain_holdout`` of the hold-outs; ``runner_up`` the next best name and its gain;
     ``indistinguishable_from`` names that fit the data as well; ``separate_by`` the feasible test
-    that would distinguish them.
+    that would distinguish them; ``defined_in`` its file, where the catalogue does not have it.
     """
 
     name: str
     parameters: dict[str, ParameterEstimate]
     where: Where
-    gain: float
-    gain_holdout: float
-    runner_up: tuple[str, float] | None
+    evidence: Evidence
+    runner_up: RunnerUp | None
     indistinguishable_from: tuple[str, ...]
     separate_by: str
+    defined_in: DefinedIn | None = None
 
 
 @dataclass(frozen=True)
 class Diagnosis:
     """The whole answer.
 
-    ``before`` and ``after`` are the hold-outs replayed open loop; ``not_resolved`` the effects that
-    the calibration logs could not have shown at their usual size, and ``drives`` for each of them
-    the manoeuvre that shows it most. ``confusion`` is the set of explanations that the logs cannot
-    tell apart, None where there is one alone. ``unexplained`` describes what is left, beside
-    "unknown" or beside effects, None where nothing significant is left; ``left`` is its size in the
-    replays; ``sides`` by how much the right wheel of an axle rolled faster than the left one before
-    that was taken out [1], by axle; ``own`` by log what it has of its own, by the names and in the
-    units of `calib.diagnosis.explanation.own`, where logs differ in that; ``withdrawn`` names of
-    effects that fit the calibration logs and not the hold-outs; ``steps`` the course of the search;
-    ``noise`` that of
-    the evidence, and its source; ``warnings`` what speaks against the logs and is not explained.
+    ``before`` and ``after`` are the hold-outs replayed open loop; ``drives`` for each effect that
+    the calibration logs could not have shown at its usual size the manoeuvre that shows it most.
+    ``confusion`` is the set of explanations that the logs cannot tell apart, None where there is
+    one alone. ``unexplained`` describes what is left, beside "unknown" or beside effects, None
+    where nothing significant is left; ``left`` is its size in the replays; ``sides`` by how much
+    the right wheel of an axle rolled faster than the left one before that was taken out [1], by
+    axle; ``own`` by log what it has of its own, by the names and in the units of
+    `calib.diagnosis.explanation.own`, where logs differ in that; ``withdrawn`` names of effects
+    that fit the calibration logs and not the hold-outs; ``steps`` the course of the search;
+    ``noise`` that of the evidence, and its source; ``warnings`` what speaks against the logs and
+    is not explained.
     """
 
     verdict: str
@@ -90,7 +104,6 @@ class Diagnosis:
     steps: tuple[SearchStep, ...]
     noise: ChannelNoise
     own: Mapping[str, Mapping[str, float]]
-    not_resolved: tuple[str, ...]
     drives: tuple[ShowingDrive, ...]
     confusion: Confusion | None
     sides: Mapping[str, float]

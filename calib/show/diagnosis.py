@@ -142,12 +142,13 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     if at.temperature is not None:
         seen.append(f"discs of {span(at.temperature, 'degC')}")
     parameters = [(spaced(name), *estimate(value)) for name, value in effect.parameters.items()]
-    without = found.reduced_after + effect.gain
+    at_hold_outs = effect.evidence.innovation_gain_holdout
+    without = found.reduced_after + effect.evidence.innovation_gain
     evidence = f"the {ERROR} is {found.reduced_after:.3f}, and without it, all else the same, "
-    evidence += f"{without:.3f}; on the hold-outs it rises by {effect.gain_holdout:.2f} then"
-    if effect.runner_up is not None:
-        name, gained = effect.runner_up
-        evidence += f"; runner-up: {spaced(name)}, which leaves {found.reduced_before - gained:.3f}"
+    evidence += f"{without:.3f}; on the hold-outs it rises by {at_hold_outs:.2f} then"
+    if (other := effect.runner_up) is not None:
+        leaves = found.reduced_before - other.innovation_gain
+        evidence += f"; runner-up: {spaced(other.name)}, which leaves {leaves:.3f}"
     rivals = listed(effect.indistinguishable_from, "or") if effect.indistinguishable_from else ""
     rows: list[Row] = [
         ("Cause", card.cause),
@@ -235,9 +236,10 @@ def _unseen(found: Diagnosis) -> Table:
     """Effects that the logs could not show, and the drive that would."""
     rows = []
     for drive in found.drives:
-        strength = drive.card.parameters[0]
-        usual = f"{in_shown(drive.card.usual[strength.name], strength.unit):.3g}"
-        size = f"{spaced(strength.name)} {with_unit(usual, strength.unit)}"
-        there = drive.name if drive.clear else f"none clearly; best: {drive.name}"
-        rows.append((spaced(drive.effect), size, there, f"{drive.sigma:.0f} sigma"))
+        name, size = next(iter(drive.usual_size.items()))
+        usual = with_unit(f"{in_shown(size.value, size.unit):.3g}", size.unit)
+        there = drive.drive if drive.clear else f"none clearly; best: {drive.drive}"
+        rows.append(
+            (spaced(drive.effect), f"{spaced(name)} {usual}", there, f"{drive.sigma:.0f} sigma")
+        )
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)

@@ -17,8 +17,7 @@ from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import CHANNELS, UNITS
-from calib.diagnosis.undecided.confusion import Confusion
-from calib.diagnosis.written.course import changes
+from calib.diagnosis.undecided import Confusion
 from calib.show.diagnosis import ERROR, KINDS, NO_GAP, facts, outcome
 from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
@@ -62,11 +61,10 @@ def _search(found: Diagnosis) -> Facts:
     """What each step added, what that brought, and what it left."""
     first = found.steps[0]
     rows = [("nothing", f"{first.innovation:.3f}", "", "", "")]
-    for change in changes(found.steps):
-        what = [listed(change.added)] if change.added else []
-        what += [f"without {listed(change.removed)}"] if change.removed else []
-        now, name = change.step, ", ".join(what) or "the same, fitted anew"
-        gain = f"{0.0 - change.gain:+.3f}"
+    for now in found.steps[1:]:
+        what = [listed(now.added)] if now.added else []
+        what += [f"without {listed(now.removed)}"] if now.removed else []
+        name, gain = ", ".join(what) or "the same, fitted anew", f"{0.0 - now.innovation_gain:+.3f}"
         odds = (f"{now.calibration:.0f}", f"{now.holdout:.0f}")
         rows.append((name, f"{now.innovation:.3f}", gain, *odds))
     heads = ("added", "unexplained error", "change", "log odds, searched", "log odds, hold-outs")
@@ -80,15 +78,15 @@ def _search(found: Diagnosis) -> Facts:
 
 def _confusion(found: Confusion) -> Facts:
     """The set, and the drive for each pair; explanations are called A, B ..."""
-    best, letters = found.explanations[0].innovation, ascii_uppercase
+    letters = ascii_uppercase
     rows = [
-        (f"{letters[i]}: {listed(one.names)}", f"{one.innovation:.3f}",
-         f"{one.innovation - best:+.4f}" if i else "")
+        (f"{letters[i]}: {listed(one.effects)}", f"{one.innovation:.3f}",
+         f"{one.behind:+.4f}" if i else "")
         for i, one in enumerate(found.explanations)
     ]  # fmt: skip
     drives = [
-        (f"{letters[pair.one]} or {letters[pair.other]}", f"{pair.apart:.0f} sigma", pair.drive,
-         f"{pair.sigma:.0f} sigma")
+        (" or ".join(letters[i] for i in pair.between), f"{pair.apart_in_logs:.0f} sigma",
+         pair.drive, f"{pair.apart_in_drive:.0f} sigma")
         for pair in found.pairs
     ]  # fmt: skip
     alike = "Explanations that fit these logs alike."

@@ -11,8 +11,7 @@ from calib.car.effects.catalogue import CATALOGUE
 from calib.diagnosis.diagnosis import ParameterEstimate
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.search.search import SearchStep
-from calib.diagnosis.undecided.confusion import Alike, Confusion, Pair
-from calib.diagnosis.undecided.drives import ShowingDrive
+from calib.diagnosis.undecided import Alike, Confusion, Pair, ShowingDrive, Size
 from calib.diagnosis.written.document import to_dict
 from calib.show.diagnosis import KINDS, facts, outcome
 from calib.show.diagnosis_page import report, sheet
@@ -160,9 +159,9 @@ def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
     assert "mass error" in told
     assert to_dict(found)["withdrawn"] == [["rear_proportioning", "mass_error"]]
     last = named.steps[-1].names
-    lag = SearchStep(("hydraulic_lag",), 1.125, 12.5, -2.0)
-    steps = (*named.steps, lag, SearchStep(last, 0.875, 20.0, 4.0))
-    course = replace(named, steps=steps)
+    lag = SearchStep(("hydraulic_lag",), 1.125, 12.5, -2.0, ("hydraulic_lag",), last, -0.125)
+    back = SearchStep(last, 0.875, 20.0, 4.0, last, ("hydraulic_lag",), 0.25)
+    course = replace(named, steps=(*named.steps, lag, back))
     assert tables(course)["The search:"] == [
         ("nothing", "3.500", "", "", ""),
         ("aerodynamic drag", "1.000", "-2.500", "320", "160"),
@@ -170,15 +169,18 @@ def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
         ("aerodynamic drag, without hydraulic lag", "0.875", "-0.250", "20", "4"),
     ]
     assert to_dict(course)["steps"][2] == {
-        "names": ("hydraulic_lag",), "innovation": 1.125, "calibration": 12.5, "holdout": -2.0,
-        "added": ("hydraulic_lag",), "removed": ("aerodynamic_drag",), "innovation_gain": -0.125,
+        "names": ["hydraulic_lag"], "innovation": 1.125, "calibration": 12.5, "holdout": -2.0,
+        "added": ["hydraulic_lag"], "removed": ["aerodynamic_drag"], "innovation_gain": -0.125,
     }  # fmt: skip
 
 
 def test_explanations_that_fit_alike_have_the_drive_for_each_pair(named):
     alike = Confusion(
-        (Alike(("road_grade",), 1.0), Alike(("mass_error", "hydraulic_lag"), 1.0025)),
-        (Pair(0, 1, 3.0, "coast", 48.0),),
+        (
+            Alike(("road_grade",), 1.0, 0.0),
+            Alike(("mass_error", "hydraulic_lag"), 1.0025, 0.0025),
+        ),
+        (Pair((0, 1), 3.0, "coast", 48.0),),
     )
     told = tables(replace(named, verdict="ambiguous", confusion=alike))
     assert told["Explanations that"] == [
@@ -190,10 +192,12 @@ def test_explanations_that_fit_alike_have_the_drive_for_each_pair(named):
 
 def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
     unseen = (
-        ShowingDrive(CATALOGUE["road_grade"].card, "coast", 48.0),
-        ShowingDrive(CATALOGUE["residual_torque"].card, "stop", 0.0),
+        ShowingDrive("road_grade", {"grade": Size(0.01, "1")}, "coast", 48.0, clear=True),
+        ShowingDrive(
+            "residual_torque", {"residual_pressure": Size(1.5e5, "Pa")}, "stop", 0.0, clear=False
+        ),
     )
-    found = replace(named, not_resolved=tuple(drive.effect for drive in unseen), drives=unseen)
+    found = replace(named, drives=unseen)
     first, last = tables(found)["What these"]
     assert first[2:] == ("coast", "48 sigma")
     assert last[1] == "residual pressure 1.5 bar"

@@ -10,7 +10,7 @@ from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.magic_formula import MagicFormula
 from calib.car.model import Model
 from calib.car.vehicle_file import read_vehicle
-from calib.diagnosis.diagnosis import Diagnosis, Named, ParameterEstimate, Where
+from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.proof.oscillation import Oscillation
 from calib.diagnosis.proof.unexplained import Unexplained
@@ -34,7 +34,7 @@ def named_drag():
     model = Model(read_vehicle(CASE / "vehicle.toml"), 0.4, 0.4, MagicFormula(20.0, 0.8), Effects())
     where = Where("a_x", "body", (0.0, 5e6), (10.0, 30.0), None)
     drag = Named(
-        "aerodynamic_drag", {"drag_area": estimate(0.66)}, where, 2.5, 1.75, None,
+        "aerodynamic_drag", {"drag_area": estimate(0.66)}, where, Evidence(2.5, 1.75), None,
         ("rolling_resistance",), f"coast down {MARKUP}",
     )  # fmt: skip
     sizes = np.full((2, 1, len(CHANNELS)), [[[8.0]], [[2.0]]])
@@ -58,11 +58,10 @@ def named_drag():
         withdrawn=(),
         steps=(
             SearchStep((), 3.5, 0.0, 0.0),
-            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25),
+            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25, ("aerodynamic_drag",), (), 2.5),
         ),
         noise=ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900),
         own={},
-        not_resolved=(),
         drives=(),
         confusion=None,
         sides={},

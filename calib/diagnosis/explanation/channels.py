@@ -71,37 +71,33 @@ class ChannelNoise:
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
     """Measured less predicted, (6, m) at the clock of the evidence, as long as the car moves."""
     force = np.stack([run.a_x - predicted.a_x, run.v - predicted.gained])
-    return np.vstack([_thin(run, force), _of_wheels(run, run.omega - predicted.omega)])
+    return thinned(run, np.vstack([force, _of_wheels(run.omega - predicted.omega)]))
 
 
 def of_wheels(run: ObservedRun, omega: Array) -> Array:
-    """Changes of the channels (6, m) by changes of the wheel speeds (4, n) alone [rad/s]."""
-    wheels = _of_wheels(run, omega)
-    return np.vstack([np.zeros((2, wheels.shape[1])), wheels])
+    """Changes of the channels (..., 6, m) by changes of the wheel speeds (..., 4, n) [rad/s]."""
+    wheels = _of_wheels(omega)
+    return thinned(run, np.concatenate([0.0 * wheels[..., :2, :], wheels], axis=-2))
 
 
-def _of_wheels(run: ObservedRun, w: Array) -> Array:
-    """The last four channels (4, m) of wheel speeds (4, n)."""
-    rim, apart = 0.25 * (w[0] + w[1] + w[2] + w[3]), 0.5 * (w[0] + w[1] - w[2] - w[3])
-    return _thin(run, np.stack([rim, apart, w[0] - w[1], w[2] - w[3]]))
+def _of_wheels(omega: Array) -> Array:
+    """The last four channels (..., 4, n) of wheel speeds (..., 4, n)."""
+    fl, fr, rl, rr = np.moveaxis(omega, -2, 0)
+    rim, apart = 0.25 * (fl + fr + rl + rr), 0.5 * (fl + fr - rl - rr)
+    return np.stack([rim, apart, fl - fr, rl - rr], axis=-2)
 
 
-def _thin(run: ObservedRun, x: Array) -> Array:
-    """Means over the steps of the evidence, up to the time at which the car is nearly at rest."""
+def thinned(run: ObservedRun, x: Array) -> Array:
+    """Means (..., m) of signals (..., n) at the clock of the evidence, as long as the car moves."""
     n = max(1, round(STEP / run.step))
     stop = np.flatnonzero(run.v_smooth < MOVING)
     length = int(stop[0]) if stop.size else run.time.size
     return block_mean(x[..., :length], n)
 
 
-def thinned(run: ObservedRun, x: Array) -> Array:
-    """Return a driver ``x`` (n,) as means on the clock of the evidence (m,)."""
-    return _thin(run, x)
-
-
 def unbraked_length(run: ObservedRun) -> int:
     """Steps of evidence before the brake first bites, less a margin."""
-    p = _thin(run, run.p_mc)
+    p = thinned(run, run.p_mc)
     braked = np.flatnonzero(p > 0.5 * BITE)
     return max(int(braked[0]) - 8, 0) if braked.size else p.size
 
@@ -180,17 +176,18 @@ def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
     return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, source, freedom)
 
 
-def whiten(residual: Array, noise: ChannelNoise) -> list[Array]:
-    """The channels' innovations over their sigma, one array each."""
-    return [whitened_channel(x, c, noise) for c, x in enumerate(residual)]
-
-
-def whitened_channel(x: Array, channel: int, noise: ChannelNoise) -> Array:
-    """Innovations (k,) over their sigma of the residuals (m,) of a channel."""
-    if channel == DRIFT:
-        return np.asarray(_kept_drift(x) / noise.sigma[channel])
-    filtered = np.convolve(x, np.concatenate([[1.0], -noise.coefficients[channel]]), "valid")
-    return np.asarray(filtered / noise.sigma[channel])
+def whiten(residual: Array, noise: ChannelNoise) -> Array:
+    """Innovations (..., n) over their sigma of residuals (..., 6, m), channel after channel."""
+    m, parts = residual.shape[-1], []
+    for c, coefficients in enumerate(noise.coefficients):
+        x = residual[..., c, :]
+        if c == DRIFT:
+            kept = _kept_drift(x)
+        else:
+            told = (a * x[..., ORDER - 1 - k : m - 1 - k] for k, a in enumerate(coefficients))
+            kept = x[..., ORDER:] - sum(told)
+        parts.append(kept / noise.sigma[c])
+    return np.concatenate(parts, axis=-1)
 
 
 def by_channel(innovations: Array) -> list[Array]:

@@ -160,8 +160,7 @@ def driven(run: ObservedRun, own: Array) -> ObservedRun:
 
 def innovations(problem: Problem, base: Base, effects: Effects, run: ObservedRun) -> Array:
     """Whitened residuals (n,) of a run, channel after channel."""
-    white = whiten(residuals(run, predict(problem.vehicle, base, effects, run)), problem.noise)
-    return np.concatenate(white)
+    return whiten(residuals(run, predict(problem.vehicle, base, effects, run)), problem.noise)
 
 
 def of_all(

@@ -117,6 +117,11 @@ class Columns:
     form: list[Array]
     heat: list[Array]
 
+    @property
+    def by_kind(self) -> tuple[list[Array], ...]:
+        """Those by x, by the form and by the heat."""
+        return self.x, self.form, self.heat
+
     def kept(self, which: Array) -> "Columns":
         """Those by some elements of x alone."""
         return replace(self, x=[J[which] for J in self.x])

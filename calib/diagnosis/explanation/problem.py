@@ -19,6 +19,7 @@ from calib.diagnosis.explanation.channels import (
     CHANNELS,
     DRIFT,
     ChannelNoise,
+    by_channel,
     noise_of,
     residuals,
     thinned,
@@ -110,7 +111,7 @@ def courses_of(run: ObservedRun, noise: ChannelNoise) -> Array:
     out = np.zeros((2, len(CHANNELS), time.size))
     out[0, DRIFT] = G * (time - time[0])
     out[1, CHANNELS.index("a_x")] = -1.0
-    return np.stack([np.concatenate(whiten(x, noise)) for x in out])
+    return whiten(out, noise)
 
 
 def problem_of(
@@ -149,12 +150,12 @@ def _turned_to_ripple(
     is looked for is whitened as the residuals are, for a filter delays fast turns and slow ones
     differently.
     """
-    white = whiten(residuals(run, predict(vehicle, base, vehicle.effects, run)), noise)
     torque = np.maximum(thinned(run, run.p_mc), 0.0)
     weights = np.stack([torque, *4 * [torque + _COASTING], torque])
     turn = weights * np.exp(1j * thinned(run, run.angle_f))
+    left = residuals(run, predict(vehicle, base, vehicle.effects, run))
     plain = replace(noise, sigma=np.ones_like(noise.sigma))
-    parts = zip(whiten(turn.real, plain), whiten(turn.imag, plain), strict=True)
-    looked_for = [cosine + 1j * sine for cosine, sine in parts]
-    ripple = sum(complex(np.sum(white[c] * looked_for[c])) for c in (0, 3))
+    pairs = zip(by_channel(whiten(left, noise)), by_channel(whiten(turn, plain)), strict=True)
+    shown = [complex(np.sum(white * looked_for)) for white, looked_for in pairs]
+    ripple = shown[CHANNELS.index("a_x")] + shown[CHANNELS.index("front_rear")]
     return replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi)

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.diagnosis.explanation.columns import columns_by_heat, columns_by_x
-from calib.diagnosis.explanation.explanation import Explanation, of_all, own_columns
+from calib.diagnosis.explanation.columns import seen
+from calib.diagnosis.explanation.explanation import Explanation, own_columns
 from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.gaussian import Products
-from calib.diagnosis.explanation.hypothesis import Columns, State
-from calib.diagnosis.explanation.own import OWN, SLOPE, sizes
+from calib.diagnosis.explanation.hypothesis import State
+from calib.diagnosis.explanation.own import OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.logs.log import Log
@@ -51,13 +51,9 @@ def placed(held: Problem, at: Explanation) -> Array:
         return own
     S = np.where(sizes(at.hypothesis.kinds) != sizes(()), sizes(at.hypothesis.kinds), 0.0)
     for _ in range(3):
-        state = State(at.state.x, at.state.form, own)
-        r = of_all(held, at.hypothesis, state)
-        J = columns_by_x(held, at.hypothesis, state, r, 0, SLOPE)  # pads and tyre alone
-        heat = columns_by_heat(held, at.hypothesis, state, r)
-        seen = Explanation(held, at.hypothesis, state, r, Columns(J, [], heat))
-        for i, one in enumerate(r):
+        at_own = seen(held, at.hypothesis, State(at.state.x, at.state.form, own))
+        for i, one in enumerate(at_own.innovations):
             none = np.zeros((0, one.size))
-            products = Products.of(none, own_columns(seen, i), one, own[i])
+            products = Products.of(none, own_columns(at_own, i), one, own[i])
             own[i] -= products.reduced(S)[1][:, -1]
     return own

@@ -22,8 +22,7 @@ are taken out."""
 class Fits:
     """``fitted`` explanations of a problem by their keys; ``held`` the logs that are held out.
 
-    ``base`` the one without effects; ``densities`` ln of those of the hold-outs; ``gone`` from
-    where a fit has begun.
+    ``base`` the one without effects; ``densities`` ln of those of the hold-outs.
     """
 
     problem: Problem
@@ -31,7 +30,6 @@ class Fits:
     base: Explanation
     fitted: dict[object, Explanation] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)
-    gone: dict[object, Explanation] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.add(self.base)
@@ -41,25 +39,26 @@ class Fits:
         self.fitted[e.hypothesis.key] = e
         self.densities.pop(e.hypothesis.key, None)
 
-    def side_by_side(self, tops: Sequence[Promise], near: Explanation) -> None:
-        """Fit what is promised."""
-        new = [p for p in tops if self.known(p) < p.log_evidence - 3.0]
+    def fitted_of(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
+        """What is promised beside ``near``, as it was fitted, if it fell far short then anew."""
+        new = [p for p in tops if self._known(p) < p.log_evidence - 3.0]
         if new:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
             self.problem.tell(f"fitting {names}", 0, 1)
         job = partial(_fitted, self.problem.alone, near.columns, near.bent)
         for p, one in zip(new, self.problem.mapped(job, new), strict=True):
-            if one.log_evidence > self.known(p):
+            if one.log_evidence > self._known(p):
                 self.add(replace(one, problem=self.problem))
+        return [self.fitted[p.hypothesis.key] for p in tops]
 
-    def known(self, p: Promise) -> float:
+    def _known(self, p: Promise) -> float:
         """ln of the evidence of what is promised as it was fitted before."""
         found = self.fitted.get(p.hypothesis.key)
         return -np.inf if found is None else found.log_evidence
 
-    def pruned_best(self, tops: Sequence[Promise]) -> list[Explanation]:
-        """What was fitted of some promises, best first; pruned if that can make it the best."""
-        news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
+    def fitted_best(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
+        """The same, best first; pruned if that can make it the best."""
+        news = sorted(self.fitted_of(tops, near), key=lambda e: -e.log_evidence)
         return [
             self.pruned(e) if e.log_evidence > news[0].log_evidence - _PRUNED else e for e in news
         ]
@@ -89,29 +88,20 @@ class Fits:
         near = at.columns.kept(keep)
         kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
         state = replace(at.state, x=at.state.x[keep])
-        return self.refitted(at, Hypothesis(names, kinds), state, near)
+        return self.known_or_fitted(Hypothesis(names, kinds), state, near)
 
     def without_kind(self, at: Explanation, kind: str) -> Explanation:
         """The same without one kind in which logs differ."""
         hypothesis = Hypothesis(at.names, at.hypothesis.kinds - {kind})
         as_before = hypothesis.sizes == at.hypothesis.sizes
         state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
-        return self.refitted(at, hypothesis, state, at.columns)
+        return self.known_or_fitted(hypothesis, state, at.columns)
 
-    def refitted(
-        self, at: Explanation, hypothesis: Hypothesis, state: State, near: Columns
-    ) -> Explanation:
-        """The better one of what is known of a hypothesis, and what a fit from ``at`` finds.
-
-        Each place is gone from once.
-        """
-        key = hypothesis.key
-        if (key, id(at)) not in self.gone:
-            self.gone[key, id(at)] = at
-            found = fit(self.problem, hypothesis, state, near, ROUGHLY)
-            if key not in self.fitted or found.log_evidence > self.fitted[key].log_evidence:
-                self.add(found)
-        return self.fitted[key]
+    def known_or_fitted(self, hypothesis: Hypothesis, state: State, near: Columns) -> Explanation:
+        """A hypothesis as it is known, else fitted from ``state``."""
+        if hypothesis.key not in self.fitted:
+            self.add(fit(self.problem, hypothesis, state, near, ROUGHLY))
+        return self.fitted[hypothesis.key]
 
     def others(self, best: Explanation) -> tuple[Explanation, ...]:
         """All that was fitted but the ``best``, by evidence."""

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.explanation.columns import columns_by_form, columns_by_heat, columns_by_x
-from calib.diagnosis.explanation.explanation import Explanation, marginal, of_all
+from calib.diagnosis.explanation.columns import seen
+from calib.diagnosis.explanation.explanation import Explanation, marginal
 from calib.diagnosis.explanation.fit import ALMOST, fit
 from calib.diagnosis.explanation.hypothesis import Columns
 from calib.diagnosis.explanation.own import SCATTERED
@@ -28,18 +28,14 @@ def density(at: Explanation, held: Problem) -> float:
     But for a constant of the rows.
     """
     own = np.zeros((len(held.runs), at.state.own.shape[1]))
-    state = replace(at.state, own=own)
-    r = of_all(held, at.hypothesis, state)
-    J = columns_by_x(held, at.hypothesis, state, r, 0)
-    F = columns_by_form(held, at.hypothesis, state)
-    T = columns_by_heat(held, at.hypothesis, state, r)
-    known = at.columns
-    together = Explanation(
-        replace(at.problem, runs=(*at.problem.runs, *held.runs)),
-        at.hypothesis,
-        replace(state, own=np.vstack([at.state.own, own])),
-        [*at.innovations, *r],
-        Columns([*known.x, *J], [*known.form, *F], [*known.heat, *T]),
+    other = seen(held, at.hypothesis, replace(at.state, own=own))
+    both = zip(at.columns.by_kind, other.columns.by_kind, strict=True)
+    together = replace(
+        at,
+        problem=replace(at.problem, runs=(*at.problem.runs, *held.runs)),
+        state=replace(at.state, own=np.vstack([at.state.own, own])),
+        innovations=[*at.innovations, *other.innovations],
+        columns=Columns(*([*one, *more] for one, more in both)),
     )
     more = together.marginal().evidence() - at.marginal().evidence()
     return more - at.hypothesis.phases(len(held.runs))

@@ -171,58 +171,36 @@ def _ranked(E: Array, g: Array, names: list[str], most: int) -> list[_Subset]:
     columns.
     """
     A, of = E + np.eye(g.size) / STRENGTH**2, np.array(names)
-    found = _singles(A, g, of)
-    if most > 1:
-        pairs = _pairs(A, g, of)
-        found += pairs
-        if most > 2:
-            found += [triple for pair in pairs[:_WIDE] for triple in _triples(A, g, of, pair)]
+    found = _beside(A, g, of, ())
+    starts: list[tuple[int, ...]] = [(k,) for k in range(g.size)]
+    for _ in range(1, most):
+        best: dict[frozenset[str], _Subset] = {}
+        wider = (one for start in starts for one in _beside(A, g, of, start))
+        for one in sorted(wider, key=lambda one: -one.log_gain):
+            best.setdefault(frozenset(of[list(one.columns)]), one)
+        found += best.values()
+        starts = [one.columns for one in list(best.values())[:_WIDE]]
     return found
 
 
-def _gain(fall: Array, determinant: Array, count: int) -> Array:
-    """ln of the evidence of ``count`` amounts, by g'A^-1 g and the determinant of A."""
-    spent = count * (math.log(STRENGTH) + PRICE)
-    return np.asarray(0.5 * (fall - np.log(determinant)) - spent)
-
-
-def _singles(A: Array, g: Array, of: Names) -> list[_Subset]:
-    d = np.diag(A)
-    a = g / d
-    gain = np.where(a > 0.0, _gain(g * a, d, 1), -np.inf)
-    return [_Subset((k,), (float(a[k]),), float(gain[k])) for k in _firsts(gain, of)]
-
-
-def _pairs(A: Array, g: Array, of: Names) -> list[_Subset]:
-    d, (i, j) = np.diag(A), np.triu_indices(g.size, 1)
-    apart = of[i] != of[j]
-    i, j = i[apart], j[apart]
-    det = np.maximum(d[i] * d[j] - A[i, j] ** 2, 1e-12 * d[i] * d[j])
-    a = np.stack([g[i] * d[j] - g[j] * A[i, j], g[j] * d[i] - g[i] * A[i, j]]) / det
-    gain = np.where(np.all(a > 0.0, axis=0), _gain(g[i] * a[0] + g[j] * a[1], det, 2), -np.inf)
-    names = np.array([f"{x} {y}" for x, y in np.sort(np.stack([of[i], of[j]]), axis=0).T])
+def _beside(A: Array, g: Array, of: Names, columns: tuple[int, ...]) -> list[_Subset]:
+    """Some columns with one further of each name, where all amounts are positive."""
+    some = list(columns)
+    inside, d = A[np.ix_(some, some)], np.diag(A)
+    K = np.linalg.solve(inside, A[some])
+    left = d - np.sum(A[some] * K, axis=0)
+    use = (left > 1e-9 * d) & ~np.isin(of, of[some])
+    own, left = g - g[some] @ K, np.where(use, left, 1.0)
+    last, alone = own / left, np.linalg.solve(inside, g[some])
+    first = alone[:, None] - K * last
+    fall = g[some] @ alone + own * last
+    determinant = np.linalg.slogdet(inside)[1] + np.log(left)
+    spent = (len(some) + 1) * (math.log(STRENGTH) + PRICE)
+    good = use & (last > 0.0) & np.all(first > 0.0, axis=0)
+    gain = np.where(good, 0.5 * (fall - determinant) - spent, -np.inf)
     return [
-        _Subset((int(i[k]), int(j[k])), tuple(a[:, k].tolist()), float(gain[k]))
-        for k in _firsts(gain, names)
-    ]
-
-
-def _triples(A: Array, g: Array, of: Names, pair: _Subset) -> list[_Subset]:
-    """The best third column beside a pair, by what the pair cannot do."""
-    two = list(pair.columns)
-    inside, across = A[np.ix_(two, two)], A[two]
-    K = np.linalg.solve(inside, across)
-    d = np.diag(A)
-    left = d - np.sum(across * K, axis=0)
-    use = (left > 1e-9 * d) & ~np.isin(of, of[two])
-    own, left = g - g[two] @ K, np.where(use, left, 1.0)
-    third = own / left
-    first = np.linalg.solve(inside, g[two])[:, None] - K * third
-    good = use & (third > 0.0) & np.all(first > 0.0, axis=0)
-    gain = np.where(good, pair.log_gain + _gain(own * third, left, 1), -np.inf)
-    return [
-        _Subset((*two, k), (*first[:, k].tolist(), float(third[k])), float(gain[k]))
-        for k in _firsts(gain, of)[:1]
+        _Subset((*columns, k), (*first[:, k].tolist(), float(last[k])), float(gain[k]))
+        for k in _firsts(gain, of)
     ]
 
 

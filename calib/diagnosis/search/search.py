@@ -1,7 +1,9 @@
-"""The search: promises of a linear model, fits of the best, and hold-outs that judge.
+"""The search: moves that promise more, fits of the best of them, and hold-outs that judge.
 
-fit without effects --> rank --> fit the best few --> drop, exchange --> more probable, and so
-on the hold-outs? --> rank beside it, until nothing more is
+one effect more -> one in the place of another -> several at once -> logs that differ in more kinds
+
+The first move that ends surely more probable, on the hold-outs, too, is made, and all begins anew,
+until no move is left.
 """
 
 from collections.abc import Iterable, Iterator
@@ -37,8 +39,8 @@ what it may at least, in units of the noise."""
 _FRESH = 8
 """Further effects that are tried anew beside every explanation; others are as without effects."""
 
-_MOST = 6
-"""Steps at most."""
+_MOST = 12
+"""Moves at most."""
 
 _ALIKE, _NEAR, _WRONG = 0.03, 0.1, 0.5
 """Share of what a hypothesis gains by which a linear model is wrong about it: in the place of an
@@ -49,13 +51,17 @@ effect that it replaces, usually, and at most, of an effect with many parameters
 class SearchStep:
     """One step: the effects present, the mean squared innovation [1], ln of the odds it gained.
 
-    ``calibration`` by the logs that are searched, ``holdout`` by those held out.
+    ``calibration`` by the logs that are searched, ``holdout`` by those held out. And what it
+    ``added`` and ``removed``, and by how much that innovation fell.
     """
 
     names: tuple[str, ...]
     innovation: float
     calibration: float
     holdout: float
+    added: tuple[str, ...] = ()
+    removed: tuple[str, ...] = ()
+    innovation_gain: float = 0.0
 
 
 @dataclass
@@ -84,11 +90,10 @@ class Search:
         self.fits = Fits(self.problem, self.held.problem, self.base)
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
         self.further = self.first = further_columns(self.base)
-        self.forward()
-        if left_over(self.best) and not self.no_effect():
-            self.together()
-        if left_over(self.best) and not self.no_effect():
-            self.forward(other=True)
+        moves = (self.beside, self.exchanged, self.together, self.in_more_kinds)
+        for _ in range(_MOST):
+            if not any(self.accepts(move()) for move in moves) or self.no_effect():
+                break
         self.rivals = self._rivals()
         if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
             self.accept(self.rivals[0])
@@ -127,7 +132,11 @@ class Search:
         same, self.best = new.hypothesis == self.best.hypothesis, new
         self.accepted.append(after)
         if not same:
-            self.steps.append(SearchStep(new.names, new.reduced, float(more), float(held)))
+            last, odds = self.steps[-1], (float(more), float(held))
+            added = tuple(name for name in new.names if name not in last.names)
+            removed = tuple(name for name in last.names if name not in new.names)
+            gain = last.innovation - new.reduced
+            self.steps.append(SearchStep(new.names, new.reduced, *odds, added, removed, gain))
             self.further = self._renewed()
         return True
 
@@ -146,37 +155,30 @@ class Search:
         """Whether it went on from the first of these that is surely more probable."""
         return any(map(self.accept, self.more_probable(news)))
 
-    def forward(self, other: bool = False) -> None:
-        """One effect after the other, each ranked beside those before.
+    def beside(self, *, other: bool = False) -> list[Explanation]:
+        """One effect more; with ``other`` logs may differ in further kinds besides."""
+        tops = _best(promises(self.best, self.further, 1, other), self.best)
+        return self.fits.fitted_best(tops, self.best)
 
-        With ``other`` logs may differ in further kinds besides.
-        """
-        for _ in range(_MOST):
-            tops = _best(promises(self.best, self.further, 1, other), self.best)
-            self.fits.side_by_side(tops, self.best)
-            if not self.accepts(self.fits.pruned_best(tops)) and not (
-                self.best.names and self.accepts(self.exchanged())
-            ):
-                return
-            if self.no_effect():
-                return
+    def in_more_kinds(self) -> list[Explanation]:
+        """The same where logs may differ in further kinds, if something is left."""
+        return self.beside(other=True) if left_over(self.best) else []
 
-    def together(self) -> None:
+    def together(self) -> list[Explanation]:
         """Several effects at once, and logs that differ in any kinds, from the very start.
 
         Where what is found one after the other leaves something: the first may have stood for
         others. Those alone that promise what the best has, as far as a linear model can tell.
         """
+        if not left_over(self.best):
+            return []
         found = [*promises(self.base, self.first), *promises(self.base, self.first, 1, True)]
         best: dict[tuple[int, bool], Promise] = {}
         for p in found:
             size = len(p.hypothesis.names), bool(p.hypothesis.kinds)
             if size > (1, False) and p.log_evidence > self.nearly:
                 best.setdefault(size, p)
-        tops = list(best.values())
-        self.fits.side_by_side(tops, self.base)
-        if self.accepts(self.fits.pruned_best(tops)):
-            self.forward()
+        return self.fits.fitted_best(list(best.values()), self.base)
 
     def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
         """Those that are surely more probable than the best, by evidence."""
@@ -223,9 +225,8 @@ class Search:
                 p
                 for p in promises(fewer, further, 1, other)
                 if p.log_evidence > self.best.log_evidence - SURE - _ALIKE * own
-            ][:2]
-            self.fits.side_by_side(tops, fewer)
-            news += [self.fits.fitted[p.hypothesis.key] for p in tops]
+            ]
+            news += self.fits.fitted_of(tops[:2], fewer)
         return news
 
     def _starts(self) -> list[tuple[Explanation, Further, float]]:

@@ -1,188 +1,94 @@
-"""diagnosis.json: a diagnosis as a JSON document of a fixed schema."""
+"""diagnosis.json: a diagnosis as a JSON document of a fixed schema.
+
+Most of it is the answer as it stands, field by field.
+"""
 
 import json
 import math
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from typing import Any
 
-from calib.base.warning import to_dict as warning_dict
 from calib.car.effects.empirical import DRIVERS
-from calib.diagnosis.diagnosis import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.proof.unexplained import Unexplained, held_from
 from calib.diagnosis.replays.gap import CHANNELS, UNITS, Gap
 from calib.diagnosis.replays.remainder import Remainder
-from calib.diagnosis.search.search import SearchStep
-from calib.diagnosis.undecided.confusion import Confusion
-from calib.diagnosis.undecided.drives import ShowingDrive
-from calib.diagnosis.written.course import changes
 
 SCHEMA = 1
 
+_RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
+"""Units of the fields that are ranges."""
+
 
 def to_dict(found: Diagnosis) -> dict[str, Any]:
-    """The whole diagnosis, JSON-able."""
-    return {
+    """The whole diagnosis, JSON-able; a number that is not finite is null."""
+    names = {effect.name for effect in found.effects}
+    rest = found.unexplained
+    whole = {
         "schema": SCHEMA,
         "verdict": found.verdict,
-        "effects": [_effect(effect) | _defined(effect, found) for effect in found.effects],
-        "own_effects": _own(found),
-        "known": {
-            n: dict(values) for n, values in found.model_before.vehicle.effects.parameters.items()
-        },
-        "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
-        "own_states": {log: dict(states) for log, states in found.own.items()},
-        "sides": dict(found.sides),
-        "confusion": None if found.confusion is None else _confusion(found.confusion),
-        "not_resolved": list(found.not_resolved),
-        "would_show": [_drive(drive) for drive in found.drives],
-        "base": {name: _estimate(value) for name, value in found.base.items()},
+        "effects": found.effects,
+        "own_effects": [
+            {"name": name, "file": one.file, "sha256": one.sha256, "named": name in names}
+            for name, one in found.model_after.effects.own.items()
+        ],
+        "known": found.model_before.vehicle.effects.parameters,
+        "unexplained": None if rest is None else _unexplained(rest, found),
+        "own_states": found.own,
+        "sides": found.sides,
+        "confusion": found.confusion,
+        "not_resolved": [drive.effect for drive in found.drives],
+        "would_show": found.drives,
+        "base": found.base,
         "innovation": {"before": found.reduced_before, "after": found.reduced_after},
-        "noise": {"from": found.noise.source, "at_floor": list(found.noise.at_floor)},
+        "noise": {"from": found.noise.source, "at_floor": found.noise.at_floor},
         "left": _left(found.left),
-        "steps": _steps(found.steps),
-        "withdrawn": [list(names) for names in found.withdrawn],
+        "steps": found.steps,
+        "withdrawn": found.withdrawn,
         "gap": _gap(found.gap),
-        "warnings": [warning_dict(warning) for warning in found.warnings],
+        "warnings": found.warnings,
     }
+    return {key: plain(value) for key, value in whole.items()}
 
 
 def text_of(found: Diagnosis) -> str:
-    """The text of diagnosis.json; a number that is not finite is null."""
-    return json.dumps(_finite(to_dict(found)), indent=2, allow_nan=False) + "\n"
+    """The text of diagnosis.json."""
+    return json.dumps(to_dict(found), indent=2, allow_nan=False) + "\n"
 
 
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(part) for key, part in value.items()}
-    if isinstance(value, list):
-        return [_finite(part) for part in value]
+def plain(value: Any) -> Any:
+    """A value as JSON types: a record by its fields, a range with its unit."""
+    if is_dataclass(value):
+        value = {field.name: getattr(value, field.name) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {
+            key: {"range": plain(part), "unit": _RANGES[key]}
+            if key in _RANGES and isinstance(part, tuple)
+            else plain(part)
+            for key, part in value.items()
+        }
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _estimate(value: ParameterEstimate) -> dict[str, Any]:
-    return {"value": value.value, "unit": value.unit, "ci95": list(value.ci95)}
-
-
-def _effect(effect: Named) -> dict[str, Any]:
-    where = effect.where
-    return {
-        "name": effect.name,
-        "parameters": {name: _estimate(value) for name, value in effect.parameters.items()},
-        "where": {
-            "channel": where.channel,
-            "axle": where.axle,
-            "pressure": {"range": list(where.pressure), "unit": "Pa"},
-            "speed": {"range": list(where.speed), "unit": "m/s"},
-            "temperature": None
-            if where.temperature is None
-            else {"range": list(where.temperature), "unit": "degC"},
-        },
-        "evidence": {
-            "innovation_gain": effect.gain,
-            "innovation_gain_holdout": effect.gain_holdout,
-        },
-        "runner_up": None
-        if effect.runner_up is None
-        else {"name": effect.runner_up[0], "innovation_gain": effect.runner_up[1]},
-        "indistinguishable_from": list(effect.indistinguishable_from),
-        "separate_by": effect.separate_by,
-    }
-
-
-def _steps(steps: tuple[SearchStep, ...]) -> list[dict[str, Any]]:
-    """Every step; what it added and what that brought, for each but the first."""
-    brought = [
-        {"added": c.added, "removed": c.removed, "innovation_gain": c.gain} for c in changes(steps)
-    ]
-    return [asdict(step) | change for step, change in zip(steps, [{}, *brought], strict=True)]
-
-
-def _confusion(found: Confusion) -> dict[str, Any]:
-    best = found.explanations[0].innovation
-    return {
-        "explanations": [
-            {"effects": list(e.names), "innovation": e.innovation, "behind": e.innovation - best}
-            for e in found.explanations
-        ],
-        "pairs": [
-            {
-                "between": [pair.one, pair.other],
-                "apart_in_logs": pair.apart,
-                "drive": pair.drive,
-                "apart_in_drive": pair.sigma,
-                "unit": "sigma",
-            }
-            for pair in found.pairs
-        ],
-    }
-
-
-def _drive(found: ShowingDrive) -> dict[str, Any]:
-    units = found.card.units
-    return {
-        "effect": found.effect,
-        "usual_size": {n: {"value": v, "unit": units[n]} for n, v in found.card.usual.items()},
-        "drive": found.name,
-        "sigma": found.sigma,
-        "clear": found.clear,
-    }
-
-
-def _own(found: Diagnosis) -> list[dict[str, Any]]:
-    """Every effect of the user's own that was tried, whether it was named or not."""
-    names = {effect.name for effect in found.effects}
-    return [
-        {"name": name, "file": one.file, "sha256": one.sha256, "named": name in names}
-        for name, one in found.model_after.effects.own.items()
-    ]
-
-
-def _defined(effect: Named, found: Diagnosis) -> dict[str, Any]:
-    """The file of an effect that is not in the catalogue."""
-    defined = found.model_after.effects.defined_in.get(effect.name)
-    return {} if defined is None else {"defined_in": asdict(defined)}
-
-
 def _left(left: Remainder) -> dict[str, Any]:
-    return {
-        "size": left.size,
-        "unit": "rms of replay errors over the noise of the sensors",
-        "log": left.log,
-        "channel": left.channel,
-        "largest": left.largest,
-        "pressure": {"range": list(left.pressure), "unit": "Pa"},
-        "speed": {"range": list(left.speed), "unit": "m/s"},
-        "time": {"range": list(left.time), "unit": "s"},
-    }
+    return {**plain(left), "unit": "rms of replay errors over the noise of the sensors"}
 
 
-def _structure(found: Unexplained, whole: Diagnosis) -> dict[str, Any]:
-    term = found.term
+def _unexplained(rest: Unexplained, found: Diagnosis) -> dict[str, Any]:
+    names = ("place", "axle", "wheel", "driver", "explained", "turning", "oscillation")
     return {
-        "beside": [effect.name for effect in whole.effects],
-        "in_model": whole.model_after.effects.terms != (),
-        "replays": _left(whole.left),
-        "innovation": whole.reduced_after if whole.effects else whole.reduced_before,
-        "place": found.place,
-        "axle": found.axle,
-        "wheel": found.wheel,
-        "driver": found.driver,
-        "held_from": held_from(term),
-        "explained": found.explained,
-        "turning": found.turning,
-        "oscillation": {
-            "frequency": found.oscillation.frequency,
-            "share": found.oscillation.share,
-        },
-        "term": {
-            "driver": term.driver,
-            "driver_unit": DRIVERS[term.driver],
-            "knots": list(term.knots),
-            "values": list(term.values),
-        },
+        "beside": [effect.name for effect in found.effects],
+        "in_model": found.model_after.effects.terms != (),
+        "replays": _left(found.left),
+        "innovation": found.reduced_after if found.effects else found.reduced_before,
+        **{name: getattr(rest, name) for name in names},
+        "held_from": held_from(rest.term),
+        "term": plain(rest.term) | {"driver_unit": DRIVERS[rest.term.driver]},
         "runners_up": [
-            {"place": place, "driver": driver, "explained": share}
-            for place, driver, share in found.runners_up
+            dict(zip(("place", "driver", "explained"), one, strict=True)) for one in rest.runners_up
         ],
     }
 

@@ -10,7 +10,6 @@ from calib.base.names import WHEELS
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.logs.log import Log
 from calib.logs.write import write_csv
 
 DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
@@ -30,28 +29,19 @@ def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> lis
     Replays of an earlier run that are not made again are removed. Other files in ``out`` stay.
     Raises OSError if ``out`` cannot be written.
     """
+    from calib.car.model_file import write_model
+
     with workshop(out) as work:
-        _fill(found, document, report, work)
+        write_whole(work / DOCUMENT, document.encode())
+        write_model(found.model_after, work / MODEL)
+        write_whole(work / REPORT, report.encode())
+        sims, paths = (*found.before, *found.after), files_of([sim.name for sim in found.before])
+        for sim, path in zip(sims, paths[-len(sims) :], strict=True):
+            (work / path).parent.mkdir(parents=True, exist_ok=True)
+            told = {name: sim[name] for name in COLUMNS}
+            write_csv(replace(sim, channels=told, truth={}), work / path)
         return publish(work, out, DOCUMENT, _replays)
 
 
 def _replays(out: Path) -> list[str]:
     return [path.relative_to(out).as_posix() for path in out.glob("sim/*/*.csv")]
-
-
-def _fill(found: Diagnosis, document: str, report: str, work: Path) -> None:
-    from calib.car.model_file import write_model
-
-    write_whole(work / DOCUMENT, document.encode())
-    write_model(found.model_after, work / MODEL)
-    write_whole(work / REPORT, report.encode())
-    for when, sims in (("before", found.before), ("after", found.after)):
-        folder = work / "sim" / when
-        folder.mkdir(parents=True)
-        for sim in sims:
-            write_csv(_replayed(sim), folder / f"{sim.name}.csv")
-
-
-def _replayed(sim: Log) -> Log:
-    """A replay with the channels of `REPLAYED` only, without the truth."""
-    return replace(sim, channels={name: sim[name] for name in COLUMNS}, truth={})

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.channels import CHANNELS, FLOOR, ORDER, noise_of, whiten
+from calib.diagnosis.explanation.channels import (
+    CHANNELS,
+    FLOOR,
+    ORDER,
+    by_channel,
+    noise_of,
+    whiten,
+)
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import problem_of
 from tests.support.explained import based, fitted
@@ -27,7 +34,7 @@ def test_the_noise_of_a_channel_is_unbiased_however_short_its_parts():
 def test_whitened_noise_is_white():
     rng = np.random.default_rng(2)
     parts = [rng.standard_normal((len(CHANNELS), 4000))]
-    for channel in whiten(parts[0], noise_of(parts, parts))[2:]:
+    for channel in by_channel(whiten(parts[0], noise_of(parts, parts)))[2:]:
         assert np.mean(channel**2) == pytest.approx(1.0, abs=0.07)
 
 

@@ -10,7 +10,7 @@ from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.columns import columns_by_form, columns_by_heat, columns_by_x
+from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import (
     Explanation,
     driven,
@@ -18,7 +18,7 @@ from calib.diagnosis.explanation.explanation import (
     of_all,
     own_columns,
 )
-from calib.diagnosis.explanation.hypothesis import Columns, Hypothesis, State, based, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
 from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.vector import bounds, unpack
@@ -52,13 +52,7 @@ def fading() -> Explanation:
     own[:, -2:] = 150.0, -40.0
     x = np.concatenate([start.x + 0.02, [2.0, 0.0]])
     state = State(x, 0.02 * np.cos(np.arange(start.form.size)), own)
-    r = of_all(problem, hypothesis, state)
-    columns = Columns(
-        columns_by_x(problem, hypothesis, state, r, 0),
-        columns_by_form(problem, hypothesis, state),
-        columns_by_heat(problem, hypothesis, state, r),
-    )
-    return Explanation(problem, hypothesis, state, r, columns)
+    return seen(problem, hypothesis, state)
 
 
 def same(found: Array, expected: Array, within: float) -> bool:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.diagnosis.explanation.hypothesis import PRICE, STRENGTH
-from calib.diagnosis.search.rank import _pairs, _ranked, _triples
+from calib.diagnosis.search.rank import _beside, _ranked
 
 NAMES = ["a", "a", "b", "b", "b", "c", "d", "d"]
 SEEDS = given(st.integers(0, 10_000))
@@ -58,27 +58,26 @@ def as_all_subsets(A, g, size, found):
 
 @SEEDS
 def test_singles_and_pairs_are_the_best_of_all_subsets(seed):
-    A, g, of = drawn(seed)
-    pairs = _pairs(A, g, of)
-    as_all_subsets(A, g, 2, pairs)
-    assert [p.log_gain for p in pairs] == sorted((p.log_gain for p in pairs), reverse=True)
-    as_all_subsets(A, g, 1, _ranked(A - np.eye(g.size) / STRENGTH**2, g, NAMES, 1))
+    A, g, _ = drawn(seed)
+    found = _ranked(A - np.eye(g.size) / STRENGTH**2, g, NAMES, 2)
+    for size in (1, 2):
+        as_all_subsets(A, g, size, [one for one in found if len(one.columns) == size])
 
 
 @SEEDS
-def test_a_third_is_the_best_beside_its_pair(seed):
+def test_a_third_is_the_best_of_its_name_beside_a_pair(seed):
     A, g, of = drawn(seed)
-    for pair in _pairs(A, g, of):
-        taken = {NAMES[k] for k in pair.columns}
+    for pair in combinations(range(g.size), 2):
+        if of[pair[0]] == of[pair[1]]:
+            continue
         options = {}
-        for k in (k for k in range(g.size) if NAMES[k] not in taken):
-            amounts, gain = solved(A, g, (*pair.columns, k))
-            if np.all(amounts > 0.0):
-                options[k] = gain
-        found = _triples(A, g, of, pair)
-        assert len(found) == bool(options)
-        for one in found:
-            best = max(options, key=lambda k: options[k])
-            assert one.columns == (*pair.columns, best)
-            assert one.log_gain == pytest.approx(options[best], abs=1e-8)
+        for k in range(g.size):
+            amounts, gain = solved(A, g, (*pair, k)) if of[k] not in of[list(pair)] else ([], 0.0)
+            if len(amounts) and np.all(amounts > 0.0):
+                options[of[k]] = max(options.get(of[k], (-np.inf, k)), (gain, k))
+        found = {of[one.columns[2]]: one for one in _beside(A, g, of, pair)}
+        assert found.keys() == options.keys()
+        for name, one in found.items():
+            assert one.columns[2] == options[name][1]
+            assert one.log_gain == pytest.approx(options[name][0], abs=1e-8)
             assert one.amounts == pytest.approx(solved(A, g, one.columns)[0], abs=1e-8)

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.car.effects.catalogue import CATALOGUE
-from calib.diagnosis.undecided.confusion import Alike, Confusion, Pair
-from calib.diagnosis.undecided.drives import ShowingDrive
+from calib.diagnosis.undecided import Alike, Confusion, Pair, ShowingDrive, Size
 from calib.diagnosis.written.document import text_of, to_dict
 from calib.show.diagnosis import KINDS
 from tests.support.documents import missing_and_unknown
@@ -35,10 +33,11 @@ def test_confusion_and_drives_are_told_with_units(named):
     assert to_dict(named)["confusion"] is None
     assert to_dict(named)["would_show"] == []
     alike = Confusion(
-        (Alike(("road_grade",), 1.0), Alike(("mass_error",), 1.25)),
-        (Pair(0, 1, 3.0, "coast", 48.0),),
+        (Alike(("road_grade",), 1.0, 0.0), Alike(("mass_error",), 1.25, 0.25)),
+        (Pair((0, 1), 3.0, "coast", 48.0),),
     )
-    unseen = (ShowingDrive(CATALOGUE["aerodynamic_drag"].card, "coast", 48.0),)
+    usual = {"drag_area": Size(0.65, "m^2"), "load_share": Size(0.5, "1")}
+    unseen = (ShowingDrive("aerodynamic_drag", usual, "coast", 48.0, clear=True),)
     told = to_dict(replace(named, confusion=alike, drives=unseen))
     assert told["confusion"]["explanations"][1] == {
         "effects": ["mass_error"], "innovation": 1.25, "behind": 0.25
@@ -47,6 +46,7 @@ def test_confusion_and_drives_are_told_with_units(named):
         "between": [0, 1], "apart_in_logs": 3.0, "drive": "coast", "apart_in_drive": 48.0,
         "unit": "sigma",
     }]  # fmt: skip
+    assert told["not_resolved"] == ["aerodynamic_drag"]
     assert told["would_show"] == [{
         "effect": "aerodynamic_drag",
         "usual_size": {

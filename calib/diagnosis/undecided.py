@@ -1,0 +1,193 @@
+"""What the logs cannot tell, and for each such question the drive that would tell it best.
+
+    columns of the logs + columns of a manoeuvre --> less what pads, tyres, effects do --> sigma
+
+One linear step: right for small effects, and the order of magnitude for large ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.names import WHEELS, G
+from calib.car.effects.effects import Effects
+from calib.car.own_effects.own_effect import definition
+from calib.diagnosis.explanation.base import Base
+from calib.diagnosis.explanation.columns import seen
+from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.gaussian import Products
+from calib.diagnosis.explanation.hypothesis import State
+from calib.diagnosis.explanation.own import OWN
+from calib.diagnosis.explanation.predict import ObservedRun, run_of
+from calib.diagnosis.search.rank import Further
+from calib.logs.log import Log
+
+_SHOWN = 5.0
+"""Size [sigma] from which logs show an effect: ln of the odds is 7 then, less its price of 5."""
+
+_CLEAR = 10.0
+"""Size [sigma] from which a drive shows an effect surely."""
+
+_STEP = 1e9
+"""Rise of a pressure that is there at once [bar/s]."""
+
+_TESTS = {
+    # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
+    "coast down from 130 km/h": (36.0, 0.0, _STEP, 12.0),
+    "coast down from 50 km/h": (14.0, 0.0, _STEP, 12.0),
+    "slow ramp to 45 bar": (33.0, 45.0, 5.0, 12.0),
+    "light stop at 8 bar from 60 km/h": (17.0, 8.0, _STEP, 12.0),
+    "hard stop at 45 bar from 120 km/h": (33.0, 45.0, _STEP, 12.0),
+    "applications of 20 bar, 1 s on and 1 s off": (30.0, 20.0, _STEP, 2.0),
+}
+"""Tests that any proving ground can do; an application begins after 1 s."""
+
+
+@dataclass(frozen=True)
+class Alike:
+    """An explanation by its effects, the mean squared innovation it leaves, and how much more that
+    is than the best one leaves [1].
+    """
+
+    effects: tuple[str, ...]
+    innovation: float
+    behind: float
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two explanations by their places in the set.
+
+    How far they are apart in the calibration logs, and in ``drive``, the manoeuvre that tells them
+    apart best; both over the noise, in sigma of all innovations.
+    """
+
+    between: tuple[int, int]
+    apart_in_logs: float
+    drive: str
+    apart_in_drive: float
+    unit: str = "sigma"
+
+
+@dataclass(frozen=True)
+class Confusion:
+    """Explanations that the logs cannot tell apart, the best first, with every pair of them."""
+
+    explanations: tuple[Alike, ...]
+    pairs: tuple[Pair, ...]
+
+
+@dataclass(frozen=True)
+class Size:
+    """A size of a parameter in ``unit``."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class ShowingDrive:
+    """The manoeuvre ``drive`` in which an ``effect`` shows most; ``usual_size`` by parameter.
+
+    ``sigma`` is what no other parameter can imitate there, over the noise; ``clear`` whether the
+    drive would show the effect, and not only show it best.
+    """
+
+    effect: str
+    usual_size: dict[str, Size]
+    drive: str
+    sigma: float
+    clear: bool
+
+
+def confusion_of(best: Explanation, like: Sequence[Explanation]) -> Confusion | None:
+    """The best explanation with those that are ``like`` it; None if there are none."""
+    if not like:
+        return None
+    members, pairs = (best, *like), []
+    for i, j in combinations(range(len(members)), 2):
+        one, other = members[i], members[j]
+        apart = np.concatenate(one.innovations) - np.concatenate(other.innovations)
+        ((drive, sigma),) = best_drives(one, [(other.base, other.effects)])
+        pairs.append(Pair((i, j), float(np.linalg.norm(apart)), drive, sigma))
+    alike = (Alike(e.names, e.reduced, e.reduced - best.reduced) for e in members)
+    return Confusion(tuple(alike), tuple(pairs))
+
+
+def unresolved(at: Explanation, further: Further) -> tuple[str, ...]:
+    """Effects of usual size that these logs could not have shown, beside an explanation.
+
+    Effects that the vehicle file has are known, and not among them.
+    """
+    tried, columns = further
+    products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
+    shown = dict[str, float]()
+    for one, size in zip(tried, _sizes(at, products).tolist(), strict=True):
+        card = definition(at.problem.vehicle.effects, one.name).card
+        strength = card.parameters[0]
+        times = (card.usual[strength.name] - card.neutral) / strength.spread
+        shown.setdefault(one.name, abs(times) * size)  # the first is tried at usual further ones
+    return tuple(n for n, size in shown.items() if n not in at.effects and size < _SHOWN)
+
+
+def drives(at: Explanation, names: Sequence[str]) -> tuple[ShowingDrive, ...]:
+    """The best drive for each of the effects ``names``, on top of what explains the logs."""
+    cards = [definition(at.problem.vehicle.effects, name).card for name in names]
+    base, effects = at.base, at.effects
+    others = [(base, effects.with_(Effects({card.name: card.usual}))) for card in cards]
+    out = []
+    for card, (drive, sigma) in zip(cards, best_drives(at, others), strict=True):
+        size = {p.name: Size(card.usual[p.name], p.unit) for p in card.parameters}
+        out.append(ShowingDrive(card.name, size, drive, sigma, clear=sigma > _CLEAR))
+    return tuple(out)
+
+
+def best_drives(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[tuple[str, float]]:
+    """For each of the ``others`` the manoeuvre that tells it best from ``at``.
+
+    And how far apart they are in the logs and in that together [sigma].
+    """
+    if not others:
+        return []
+    problem = replace(at.problem, runs=manoeuvres(at))
+    state = State(at.state.x, at.state.form, np.zeros((len(problem.runs), len(OWN))))
+    driven = seen(problem, at.hypothesis, state)
+    logs = _products(at, others)
+    shown = [_sizes(at, [*logs, test]) for test in _products(driven, others)]
+    best = np.argmax(shown, axis=0).tolist()
+    return [(problem.runs[i].name, float(shown[i][k])) for k, i in enumerate(best)]
+
+
+def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
+    """Inner products of each log, with what the ``others`` change behind its own columns."""
+    out = []
+    for i, (run, r) in enumerate(zip(at.runs, at.innovations, strict=True)):
+        changes = [innovations(at.problem, *other, run) - r for other in others]
+        out.append(at.products_of(i, np.stack(changes)))
+    return out
+
+
+def _sizes(at: Explanation, products: list[Products]) -> Array:
+    """Sizes of the columns behind those of ``at``, beyond what these can imitate [sigma]."""
+    E, _ = marginal(at, products, at.hypothesis.sizes).beyond()
+    return np.sqrt(np.maximum(np.diag(E), 0.0))
+
+
+def manoeuvres(at: Explanation) -> tuple[ObservedRun, ...]:
+    """The `_TESTS` with a rough course of speed: 70 bar give 1 g."""
+    warm, out = at.problem.runs[0].warm, []
+    time = 0.01 * np.arange(1200)
+    for name, (v0, most, rise, period) in _TESTS.items():
+        p = 1e5 * np.clip(rise * (time % period - 1.0), 0.0, most)
+        z = p / 70e5
+        v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)
+        turn = v / at.problem.vehicle.front.rolling_radius
+        channels = {"time": time, "p_mc": p, "a_x": -z * G, "v": v}
+        channels |= {f"omega_{wheel}": turn for wheel in WHEELS}
+        if warm:
+            channels |= dict.fromkeys(("T_disc_f", "T_disc_r"), 100.0 + 0.3 * (v0**2 - v**2))
+        out.append(run_of(Log(name, name, "", channels)))
+    return tuple(out)

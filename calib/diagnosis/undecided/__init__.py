@@ -1,1 +1,0 @@
-"""What the logs cannot tell, and the drives that would."""

@@ -1,0 +1,145 @@
+"""What the logs cannot tell: the drive that is proposed tells it, and another does so less.
+
+Drives are simulated by `calib.model.simulate`, which integrates the motion and shares no step with
+the prediction that chose them.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.effects import Effects
+from calib.diagnosis.explanation.explanation import Explanation, objective
+from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.own import OWN
+from calib.diagnosis.explanation.predict import ObservedRun, run_of
+from calib.diagnosis.replays.hold_outs import model_of
+from calib.diagnosis.replays.replayed import without_form
+from calib.diagnosis.search.rank import further_columns
+from calib.diagnosis.undecided import best_drives, confusion_of, drives, manoeuvres, unresolved
+from calib.model.simulate import simulate
+from tests.support.explained import asked_of, based, fitted
+from tests.support.hidden.cases import draw
+
+NAMES = ("aerodynamic_drag", "rolling_resistance")
+
+
+def by_name(at: Explanation) -> dict[str, ObservedRun]:
+    """The manoeuvres by name."""
+    return {run.name: run for run in manoeuvres(at)}
+
+
+@pytest.fixture(scope="module")
+def rivals():
+    """Drag hidden, seen on stops alone: rolling resistance explains it nearly as well."""
+    steps = ("step_high", "step_low")
+    problem = asked_of(draw("single", 41, ("aerodynamic_drag",), severity=1, only=steps))
+    return [fitted(problem, (name,)) for name in NAMES]
+
+
+def squares(at: Explanation) -> float:
+    """Sum of squares that an explanation leaves."""
+    return sum(float(r @ r) for r in at.innovations)
+
+
+def refitted(rivals: list[Explanation], run: ObservedRun) -> float:
+    """How much worse the second model explains logs and a drive that the first one made [sigma].
+
+    Both are fitted anew to logs and drive together; priors count.
+    """
+    made = without_form(rivals[0])
+    model = model_of(made.problem.vehicle, made.base, made.effects)
+    driven = simulate(model, run.time, run.p_mc, float(run.v[0]))
+    if run.temperature_f is not None:
+        n = driven.time.size
+        heat = {"T_disc_f": run.temperature_f[:n], "T_disc_r": run.temperature_r[:n]}
+        driven = replace(driven, channels=driven.channels | heat)
+    more = replace(made.problem, runs=(*made.problem.runs, run_of(driven)))
+    found = []
+    for at in rivals:
+        own = np.vstack([at.state.own, np.zeros((1, len(OWN)))])
+        anew = fit(more, at.hypothesis, replace(at.state, own=own))
+        found.append(objective(anew))
+    return float(np.sqrt(found[1] - found[0]))
+
+
+def test_the_test_that_is_proposed_separates_most(rivals):
+    one, other = rivals
+    ((name, sigma),) = best_drives(one, [(other.base, other.effects)])
+    shown = {n: refitted(rivals, run) for n, run in by_name(one).items()}
+    assert "coast" in name
+    assert sigma > 10.0
+    assert shown[name] > 0.8 * max(shown.values())
+    assert shown[name] > 1.5 * shown["light stop at 8 bar from 60 km/h"]
+
+
+def test_the_confusion_set_has_each_pair_with_its_drive(rivals):
+    drag, rolling = rivals
+    assert confusion_of(drag, []) is None
+    found = confusion_of(drag, [rolling])
+    assert [e.effects for e in found.explanations] == [(name,) for name in NAMES]
+    assert found.explanations[0].innovation == drag.reduced
+    (pair,) = found.pairs
+    assert pair.between == (0, 1)
+    assert "coast" in pair.drive
+    assert 0.0 < pair.apart_in_logs < pair.apart_in_drive
+    # and no farther than their misfits: a triangle with the measurement
+    assert pair.apart_in_logs <= np.sqrt(squares(drag)) + np.sqrt(squares(rolling))
+
+
+@pytest.fixture(scope="module")
+def cold():
+    """A light stop of a car that lacks nothing: no heat, little speed, one pressure."""
+    return based(draw("none", 42, only=("step_low",)))
+
+
+def changed(at, name, run) -> float:
+    """Rms of v that an effect of usual size changes in a manoeuvre, driven open loop [m/s]."""
+    model = model_of(at.problem.vehicle, at.base, at.effects)
+    with_it = replace(model, effects=Effects({name: CATALOGUE[name].card.usual}))
+    heat = {} if run.temperature_f is None else {"f": run.temperature_f, "r": run.temperature_r}
+    one, other = (
+        simulate(m, run.time, run.p_mc, float(run.v[0]), temperature=heat) for m in (model, with_it)
+    )
+    n = min(one.time.size, other.time.size)
+    return float(np.sqrt(np.mean((one["v"][:n] - other["v"][:n]) ** 2)))
+
+
+def test_drag_is_seen_in_a_coast_and_fade_in_a_hard_stop(cold):
+    drag, fade = drives(cold, ("aerodynamic_drag", "pad_thermal_fade"))
+    assert drag.clear
+    assert fade.clear
+    assert drag.drive.startswith("coast down from 130")
+    assert "45 bar" in fade.drive
+    tests = by_name(cold)
+    weak = tests["light stop at 8 bar from 60 km/h"]
+    for drive in (drag, fade):
+        strong = tests[drive.drive]
+        shown = changed(cold, drive.effect, strong)
+        assert shown > 2.0 * changed(cold, drive.effect, weak)
+
+
+def test_what_pads_imitate_is_taken_out(cold):
+    """A mass scales all forces of the brakes, and so do the pads."""
+    (mass,) = drives(cold, ("mass_error",))
+    assert not mass.clear
+    run = by_name(cold)[mass.drive]
+    assert changed(cold, "mass_error", run) > 0.1  # though it changes the drive a lot
+
+
+def test_more_of_it_shows_more(cold):
+    """The logs themselves count: after a coast in them, drag shows at least as clearly."""
+    (alone,) = drives(cold, ("aerodynamic_drag",))
+    coast = by_name(cold)["coast down from 130 km/h"]
+    more = replace(cold.problem, runs=(*cold.problem.runs, coast))
+    (both,) = drives(fitted(more), ("aerodynamic_drag",))
+    assert both.sigma > 1.2 * alone.sigma
+
+
+def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():
+    base = based(draw("none", 42, only=("coast", "step_low")))
+    silent = unresolved(base, further_columns(base))
+    assert {"pad_thermal_fade", "mass_error"} <= set(silent)
+    assert not {"aerodynamic_drag", "accelerometer_bias"} & set(silent)
