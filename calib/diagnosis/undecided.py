@@ -122,14 +122,14 @@ def unresolved(at: Explanation, further: Further) -> tuple[str, ...]:
 
     Effects that the vehicle file has are known, and not among them.
     """
-    tried, columns = further
-    products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
+    products = [at.products_of(i, of_run) for i, of_run in enumerate(further.columns)]
     shown = dict[str, float]()
-    for one, size in zip(tried, _sizes(at, products).tolist(), strict=True):
-        card = definition(at.problem.vehicle.effects, one.name).card
+    sizes = _sizes(at, products).tolist()
+    for name, size in zip(further.names.tolist(), sizes, strict=True):
+        card = definition(at.problem.vehicle.effects, name).card
         strength = card.parameters[0]
         times = (card.usual[strength.name] - card.neutral) / strength.spread
-        shown.setdefault(one.name, abs(times) * size)  # the first is tried at usual further ones
+        shown.setdefault(name, abs(times) * size)  # the first is tried at usual further ones
     return tuple(n for n, size in shown.items() if n not in at.effects and size < _SHOWN)
 
 

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
-from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition, every_effect
-from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
-from calib.diagnosis.explanation.hypothesis import FADE, PRICE, STRENGTH, Hypothesis, State, based
+from calib.diagnosis.explanation.explanation import Explanation, marginal, of_all
+from calib.diagnosis.explanation.gaussian import Products
+from calib.diagnosis.explanation.hypothesis import FADE, STRENGTH, Hypothesis, State
 from calib.diagnosis.explanation.own import KINDS, sizes
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import origins, unpack
+from calib.diagnosis.explanation.vector import origins
+
+Names = NDArray[np.str_]
 
 
 @dataclass(frozen=True)
@@ -34,80 +35,41 @@ class Promise:
 
 
 @dataclass(frozen=True)
-class Tried:
-    """An effect by its ``name`` at one of its `_trials`, in spreads of its card."""
+class Further:
+    """Effects by ``names`` (c,) at points ``tried`` (c) in spreads of their cards.
 
-    name: str
-    trial: Array
+    And ``columns`` (c, n) of each log: how they change its innovations.
+    """
 
+    names: Names
+    tried: list[Array]
+    columns: list[Array]
 
-Names = NDArray[np.str_]
+    def without(self, names: Iterable[str]) -> "Further":
+        """The columns of other effects than these."""
+        (keep,) = np.nonzero(~np.isin(self.names, list(names)))
+        tried = [self.tried[k] for k in keep]
+        return Further(self.names[keep], tried, [of_run[keep] for of_run in self.columns])
 
-Further = tuple[list[Tried], list[Array]]
-
-
-def promises(
-    at: Explanation, further: Further, most: int = 3, other: bool = False
-) -> list[Promise]:
-    """Further effects, at ``most`` so many, and kinds beside those of ``at``; best first."""
-    new = [k for k, one in enumerate(further[0]) if one.name not in at.names]
-    tried, columns = [further[0][k] for k in new], [of_run[new] for of_run in further[1]]
-    products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
-    found: dict[object, Promise] = {}
-    for kinds in _subsets(at) if other else [at.hypothesis.kinds]:
-        own = sizes(kinds)
-        model = marginal(at, products, own)
-        alone = marginal(at, [p.first(model.off.size) for p in products], own)
-        logs = len(products)
-        log = alone.evidence() - Hypothesis(at.names, kinds).price(logs)
-        if kinds != at.hypothesis.kinds:
-            _put(found, Promise(Hypothesis(at.names, kinds), log, at.state))
-        for one in _ranked(*model.beyond(), [t.name for t in tried], most):
-            names = (*at.names, *(tried[k].name for k in one.columns))
-            begun = map(_begun, (tried[k].trial for k in one.columns), one.amounts)
-            state = replace(at.state, x=np.concatenate([at.state.x, *begun]))
-            wider = Hypothesis(names, kinds)
-            gain = one.log_gain - wider.phases(logs) + Hypothesis(at.names).phases(logs)
-            _put(found, Promise(wider, log + gain, state))
-    return sorted(found.values(), key=lambda p: -p.log_evidence)
-
-
-def _put(found: dict[object, Promise], one: Promise) -> None:
-    key = one.hypothesis.key
-    if key not in found or found[key].log_evidence < one.log_evidence:
-        found[key] = one
-
-
-def _begun(trial: Array, amount: float) -> Array:
-    begin = trial.copy()
-    begin[0] *= min(max(amount, 0.3), 4.0)
-    return begin
-
-
-def _subsets(at: Explanation) -> Iterator[frozenset[str]]:
-    """The kinds of ``at`` with any others; discs begin with a heat of their own where pads fade."""
-    other = [k for k in KINDS if k not in at.hypothesis.kinds and (k != "heat" or FADE in at.names)]
-    every = chain.from_iterable(combinations(other, k) for k in range(len(other) + 1))
-    return (at.hypothesis.kinds | frozenset(some) for some in every)
+    def joined(self, other: "Further") -> "Further":
+        """These columns and others behind them."""
+        pairs = zip(self.columns, other.columns, strict=True)
+        columns = [np.vstack(pair) for pair in pairs]
+        return Further(np.append(self.names, other.names), self.tried + other.tried, columns)
 
 
 def further_columns(at: Explanation, names: Iterable[str] | None = None) -> Further:
-    """Further effects at their trials, and how each changes the innovations of every log.
-
-    Of these ``names``, or every one.
-    """
-    problem = at.problem
-    every = every_effect(problem.vehicle.effects) if names is None else names
-    names = [n for n in every if n not in at.names]
-    alone = replace(at, problem=problem.alone)
-    tried, rows = [], []
-    found = problem.mapped(partial(_changes, alone), names)
-    for done, (name, changes) in enumerate(zip(names, found, strict=True)):
-        problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(names))
-        for trial, change in zip(_trials(at, name), changes, strict=True):
-            tried.append(Tried(name, trial))
-            rows.append(change)
-    return tried, [np.stack(of_run) for of_run in zip(*rows, strict=True)]
+    """Further effects, of these ``names`` or every one, beside an explanation."""
+    problem, every = at.problem, every_effect(at.problem.vehicle.effects)
+    new = [n for n in (every if names is None else names) if n not in at.names]
+    told, points, rows = list[str](), list[Array](), list[list[Array]]()
+    found = problem.mapped(partial(_changes, replace(at, problem=problem.alone)), new)
+    for done, (name, changes) in enumerate(zip(new, found, strict=True)):
+        problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(new))
+        points += _trials(at, name)
+        told += [name] * len(changes)
+        rows += changes
+    return Further(np.array(told), points, [np.stack(of_run) for of_run in zip(*rows, strict=True)])
 
 
 def _trials(at: Explanation, name: str) -> list[Array]:
@@ -117,38 +79,65 @@ def _trials(at: Explanation, name: str) -> list[Array]:
     """
     known = at.problem.vehicle.effects
     card = definition(known, name).card
-    origin = origins(known, card)
-
-    def allowed(k: int, shift: float) -> bool:
-        p = card.parameters[k]
-        return p.low <= origin[k] + shift * p.spread <= p.high
-
-    further = range(1, len(card.parameters))
-    points = []
-    for sign in (sign for sign in (1.0, -1.0) if allowed(0, sign)):
-        shifts = [(k, shift) for k in further for shift in (-1.0, 1.0) if allowed(k, shift)]
-        for k, shift in [(0, sign), *shifts]:
-            point = np.zeros(len(card.parameters))
-            point[k] = shift
-            point[0] = sign
-            points.append(point)
+    count, points = range(len(card.parameters)), []
+    given = list(zip(card.parameters, origins(known, card), strict=True))
+    for sign in (1.0, -1.0):
+        for k, shift in [(0, sign), *((k, s) for k in count[1:] for s in (-1.0, 1.0))]:
+            point = np.zeros(len(count))
+            point[0], point[k] = sign, shift
+            tried = zip(given, point, strict=True)
+            allowed = (p.low <= origin + x * p.spread <= p.high for (p, origin), x in tried)
+            points += [point] if all(allowed) else []
     return points
 
 
-def _tried_at(problem: Problem, name: str, trial: Array) -> Effects:
-    """One effect alone, at one of its `_trials`."""
-    x = np.concatenate([np.zeros(problem.base_size), trial])
-    return unpack(problem, (name,), x)[1].only(name)
-
-
 def _changes(at: Explanation, name: str) -> list[list[Array]]:
-    base, effects = based(at.problem, at.hypothesis, at.state)
-    out = []
+    """Changes (n,) of the innovations of each log, at each point at which an effect is tried."""
+    wider, out = replace(at.hypothesis, names=(*at.names, name)), []
     for trial in _trials(at, name):
-        more = effects.with_(_tried_at(at.problem, name, trial))
-        of_runs = zip(at.runs, at.innovations, strict=True)
-        out.append([innovations(at.problem, base, more, run) - r for run, r in of_runs])
+        moved = of_all(at.problem, wider, at.with_x(np.append(at.state.x, trial)), at.runs)
+        out.append([a - b for a, b in zip(moved, at.innovations, strict=True)])
     return out
+
+
+def promises(
+    at: Explanation, further: Further, most: int = 3, other: bool = False
+) -> list[Promise]:
+    """Further effects, at ``most`` so many, and kinds beside those of ``at``; best first."""
+    new = further.without(at.names)
+    products = [at.products_of(i, of_run) for i, of_run in enumerate(new.columns)]
+    found = [*chain(*(_promised(at, new, products, k, most) for k in _kinds(at, other)))]
+    best: dict[object, Promise] = {}
+    for one in sorted(found, key=lambda p: -p.log_evidence):
+        best.setdefault(one.hypothesis.key, one)
+    return list(best.values())
+
+
+def _promised(
+    at: Explanation, new: Further, products: list[Products], kinds: frozenset[str], most: int
+) -> Iterator[Promise]:
+    """What logs that differ in some ``kinds`` promise, alone and with new effects."""
+    own, logs = sizes(kinds), len(products)
+    model = marginal(at, products, own)
+    alone = marginal(at, [p.first(model.off.size) for p in products], own).evidence()
+    if kinds != at.hypothesis.kinds:
+        same = Hypothesis(at.names, kinds)
+        yield Promise(same, alone - same.price(logs), at.state)
+    for one in _ranked(*model.beyond(), new.names, most):
+        wider = Hypothesis((*at.names, *new.names[list(one.columns)].tolist()), kinds)
+        begun = [new.tried[k].copy() for k in one.columns]
+        for point, amount in zip(begun, one.amounts, strict=True):
+            point[0] *= min(max(amount, 0.3), 4.0)
+        state = at.with_x(np.concatenate([at.state.x, *begun]))
+        yield Promise(wider, alone + one.log_gain - wider.price(logs), state)
+
+
+def _kinds(at: Explanation, other: bool) -> Iterator[frozenset[str]]:
+    """The kinds of ``at``, with any ``other`` ones; discs may begin unlike where pads fade."""
+    kinds = at.hypothesis.kinds
+    more = [k for k in KINDS if other and k not in kinds and (k != "heat" or FADE in at.names)]
+    every = chain.from_iterable(combinations(more, k) for k in range(len(more) + 1))
+    return (kinds | frozenset(some) for some in every)
 
 
 _WIDE = 40
@@ -157,20 +146,20 @@ _WIDE = 40
 
 @dataclass(frozen=True)
 class _Subset:
-    """Some ``columns``, their ``amounts`` and what ln of the evidence gains with them."""
+    """``columns``, their ``amounts``, and what ln of the evidence gains but for their price."""
 
     columns: tuple[int, ...]
     amounts: tuple[float, ...]
     log_gain: float
 
 
-def _ranked(E: Array, g: Array, names: list[str], most: int) -> list[_Subset]:
+def _ranked(E: Array, g: Array, of: Names, most: int) -> list[_Subset]:
     """Single columns, pairs and triples of other effects, the best of each names.
 
-    ``E`` (c, c) and ``g`` (c,) as of `Marginal.beyond`. Amounts are positive: other signs are other
-    columns.
+    ``E`` (c, c) and ``g`` (c,) as of `Marginal.beyond`, ``of`` (c,) whose column it is. Amounts are
+    positive: other signs are other columns.
     """
-    A, of = E + np.eye(g.size) / STRENGTH**2, np.array(names)
+    A = E + np.eye(g.size) / STRENGTH**2
     found = _beside(A, g, of, ())
     starts: list[tuple[int, ...]] = [(k,) for k in range(g.size)]
     for _ in range(1, most):
@@ -195,7 +184,7 @@ def _beside(A: Array, g: Array, of: Names, columns: tuple[int, ...]) -> list[_Su
     first = alone[:, None] - K * last
     fall = g[some] @ alone + own * last
     determinant = np.linalg.slogdet(inside)[1] + np.log(left)
-    spent = (len(some) + 1) * (math.log(STRENGTH) + PRICE)
+    spent = (len(some) + 1) * math.log(STRENGTH)
     good = use & (last > 0.0) & np.all(first > 0.0, axis=0)
     gain = np.where(good, 0.5 * (fall - determinant) - spent, -np.inf)
     return [

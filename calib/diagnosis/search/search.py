@@ -10,8 +10,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numpy as np
-
 from calib.base.errors import ModelError
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
@@ -144,12 +142,8 @@ class Search:
         """Further columns beside the best: fresh ones of what promises most, else the first."""
         mostly = promises(self.best, self.first, 1)
         tops = [*dict.fromkeys(p.hypothesis.names[-1] for p in mostly)][:_FRESH]
-        tried, columns = self.first
-        keep = [k for k, one in enumerate(tried) if one.name not in (*self.best.names, *tops)]
-        fresh, new = further_columns(self.best, tops)
-        kept = [tried[k] for k in keep]
-        both = zip(columns, new, strict=True)
-        return [*fresh, *kept], [np.vstack([b, a[keep]]) for a, b in both]
+        fresh = further_columns(self.best, tops)
+        return fresh.joined(self.first.without((*self.best.names, *tops)))
 
     def accepts(self, news: Iterable[Explanation]) -> bool:
         """Whether it went on from the first of these that is surely more probable."""

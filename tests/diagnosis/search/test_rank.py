@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.diagnosis.explanation.hypothesis import PRICE, STRENGTH
+from calib.diagnosis.explanation.hypothesis import STRENGTH
 from calib.diagnosis.search.rank import _beside, _ranked
 
 NAMES = ["a", "a", "b", "b", "b", "c", "d", "d"]
@@ -23,11 +23,11 @@ def drawn(seed):
 
 
 def solved(A, g, columns):
-    """Amounts, and ln of the evidence they gain: normal priors of `STRENGTH`, and a price each."""
+    """Amounts, and ln of the evidence they gain: normal priors of `STRENGTH`."""
     k = list(columns)
     H, amounts = A[np.ix_(k, k)], np.linalg.solve(A[np.ix_(k, k)], g[k])
     size = np.linalg.slogdet(STRENGTH**2 * H)[1]
-    return amounts, 0.5 * float(g[k] @ amounts - size) - PRICE * len(k)
+    return amounts, 0.5 * float(g[k] @ amounts - size)
 
 
 def every(A, g, size):
@@ -58,8 +58,8 @@ def as_all_subsets(A, g, size, found):
 
 @SEEDS
 def test_singles_and_pairs_are_the_best_of_all_subsets(seed):
-    A, g, _ = drawn(seed)
-    found = _ranked(A - np.eye(g.size) / STRENGTH**2, g, NAMES, 2)
+    A, g, of = drawn(seed)
+    found = _ranked(A - np.eye(g.size) / STRENGTH**2, g, of, 2)
     for size in (1, 2):
         as_all_subsets(A, g, size, [one for one in found if len(one.columns) == size])
 
