@@ -10,9 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.base.errors import LogError, ModelError
+from calib.base.errors import ModelError
 from calib.base.processes import Mapped, one_blas_thread
-from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effect import slows
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
@@ -28,8 +27,8 @@ from calib.diagnosis.proof.verdict import Verdict, verdict_of
 from calib.diagnosis.replays.gap import gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
 from calib.diagnosis.replays.replayed import Replayed, replayed
-from calib.diagnosis.runs.axles import exchanged
-from calib.diagnosis.runs.mistakes import SWAPPED, checked, unexplained_warnings
+from calib.diagnosis.runs.axles import require_right_axles
+from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
 from calib.diagnosis.runs.sides import LARGEST, USUAL, with_even_sides
 from calib.diagnosis.search.search import Search
 from calib.diagnosis.undecided.confusion import confusion_of
@@ -91,7 +90,7 @@ def diagnose(
         logs, sides = with_even_sides(given, largest)
         runs = [run_of(log) for log in logs[:n]]
         search = _searched(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
-        _require_right_axles(search, logs, warnings)
+        require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
         found = verdict_of(search)
         slowed = any(slows(definition(vehicle.effects, name)) for name in found.best.names)
@@ -147,32 +146,10 @@ def _searched(problem: Problem, holdout: Sequence[Log]) -> Search:
 
 
 def _search(problem: Problem, holdout: Sequence[Log]) -> Search:
-    search = Search(problem, HoldOuts(tuple(holdout), _of_logs(problem, holdout)))
+    runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
+    search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
     search.run()
     return search
-
-
-def _of_logs(problem: Problem, logs: Sequence[Log]) -> Problem:
-    """The problem of other logs, with the same noise."""
-    runs = turned(problem.vehicle, [run_of(log) for log in logs], problem.noise)
-    return replace(problem, runs=runs)
-
-
-def _require_right_axles(
-    search: Search, logs: Sequence[Log], warnings: Sequence[PlausibilityWarning]
-) -> None:
-    """Raise LogError if the ``logs`` of a search are more probable with their axles exchanged.
-
-    Nothing is searched unless there are ``warnings`` of eta that goes the wrong way in one of them.
-    """
-    told = {one.log: one for one in warnings if one.code == SWAPPED}
-    if not told:
-        return
-    others, n = exchanged(logs, told), len(search.problem.runs)
-    other = _search(_of_logs(search.problem, others[:n]), others[n:])
-    if other.fits.value(other.best) > search.fits.value(search.best):
-        sources = [log.source for log in logs if log.name in told]
-        raise LogError(next(iter(told.values())).text, where=", ".join(sources))
 
 
 def _with_term(found: Verdict, at: Explanation) -> Replayed:

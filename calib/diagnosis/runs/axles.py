@@ -1,22 +1,60 @@
-"""Logs with front and rear wheel speeds exchanged, as if they had been swapped.
+"""Whether the wheel speeds of front and rear axle are swapped, in some logs or in all.
 
 Where the rear wheels slip more than the front ones, the wheel speeds are swapped, or something
-brakes the rear wheels, such as a motor, which is an effect with a name. Both are searched, and the
-more probable one is believed:
+brakes the rear wheels, such as a motor, which is an effect with a name. The more probable one is
+believed:
 
-    the logs as given      against      the logs with their axles exchanged
+    the logs as given, by what a search found      against      the logs with their axles exchanged
+
+with what promises most without a search: a few effects of the first ranking, or none.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
+from calib.base.errors import LogError
+from calib.base.warning import PlausibilityWarning
+from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import Problem, turned
+from calib.diagnosis.search.fits import Fits
+from calib.diagnosis.search.rank import further_columns, promises
+from calib.diagnosis.search.search import Search
 from calib.logs.log import Log
 
+SWAPPED = "axles_swapped"
+"""Code of the warning of eta that goes the wrong way."""
 
-def exchanged(logs: Sequence[Log], wrong: Collection[str]) -> list[Log]:
-    """The logs with those exchanged whose names are ``wrong``, or every one if these are most."""
-    most = 2 * len(wrong) > len(logs)
-    return [_exchanged(log) if most or log.name in wrong else log for log in logs]
+_FITTED = 3
+
+
+def require_right_axles(
+    search: Search, logs: Sequence[Log], warnings: Sequence[PlausibilityWarning]
+) -> None:
+    """Raise LogError if the ``logs`` of a search, hold-outs too, are swapped.
+
+    Nothing is tried without ``warnings`` of eta that goes the wrong way. Those logs are exchanged,
+    or all of them if they are most.
+    """
+    told = {one.log: one for one in warnings if one.code == SWAPPED}
+    if not told:
+        return
+    every = 2 * len(told) > len(logs)
+    others = [_exchanged(log) if every or log.name in told else log for log in logs]
+    if _log_evidence(search.problem, others) > search.fits.value(search.best):
+        sources = [log.source for log in logs if log.name in told]
+        raise LogError(next(iter(told.values())).text, where=", ".join(sources))
+
+
+def _log_evidence(given: Problem, logs: Sequence[Log]) -> float:
+    """ln of the evidence of other logs with the same noise, by the best of a few explanations."""
+    runs = turned(given.vehicle, [run_of(log) for log in logs], given.noise)
+    problem = replace(given, runs=runs)
+    base = fit(problem, Hypothesis(), start_of(problem))
+    fits = Fits(problem, problem, base)
+    fits.side_by_side(promises(base, further_columns(base))[:_FITTED], base)
+    return max(one.log_evidence for one in fits.fitted.values())
 
 
 def _exchanged(log: Log) -> Log:

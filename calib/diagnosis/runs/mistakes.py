@@ -15,6 +15,7 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
+from calib.diagnosis.runs.axles import SWAPPED
 from calib.logs.log import Log
 from calib.model.known_effects import remove_known_effects
 from calib.model.resistance import identify as identify_resistance
@@ -30,7 +31,7 @@ from calib.run.observation import Observation, observe
 from calib.run.rules import problems
 from calib.run.warnings import locked_wheels, saturated, swapped_axles
 
-SWAPPED, LEVEL = "axles_swapped", "level_changed"
+LEVEL = "level_changed"
 
 SEARCHED = (
     "a_x_scale",
