@@ -35,14 +35,15 @@ def require_right_axles(
     """Raise LogError if the ``logs`` of a search, hold-outs too, are swapped.
 
     Nothing is tried without ``warnings`` of eta that goes the wrong way. Those logs are exchanged,
-    or all of them if they are most.
+    or all of them.
     """
     told = {one.log: one for one in warnings if one.code == SWAPPED}
     if not told:
         return
-    every = 2 * len(told) > len(logs)
-    others = [_exchanged(log) if every or log.name in told else log for log in logs]
-    if _log_evidence(search.problem, others) > search.fits.value(search.best):
+    every = [_exchanged(log) for log in logs]
+    some = [b if b.name in told else a for a, b in zip(logs, every, strict=True)]
+    found = search.fits.value(search.best)
+    if any(_log_evidence(search.problem, others) > found for others in (some, every)):
         sources = [log.source for log in logs if log.name in told]
         raise LogError(next(iter(told.values())).text, where=", ".join(sources))
 
