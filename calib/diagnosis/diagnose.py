@@ -5,14 +5,13 @@ calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (som
                                                                    +--> model, replays, gap
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from calib.base.errors import ModelError
 from calib.base.processes import Mapped, one_blas_thread
-from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effect import slows
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
@@ -29,22 +28,13 @@ from calib.diagnosis.replays.gap import gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
 from calib.diagnosis.replays.remainder import remainder_of
 from calib.diagnosis.replays.replayed import Replayed, replayed
-from calib.diagnosis.runs.axles import require_axles
-from calib.diagnosis.runs.gates import (
-    require_enough,
-    require_own_pressure,
-    require_right_channels,
-    require_whole_wheel_speeds,
-)
-from calib.diagnosis.runs.judged import judged_logs
-from calib.diagnosis.runs.sides import LARGEST, with_even_sides
-from calib.diagnosis.runs.warnings import log_warnings, unexplained_warnings
+from calib.diagnosis.runs.axles import require_right_axles
+from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
+from calib.diagnosis.runs.sides import LARGEST, USUAL, with_even_sides
 from calib.diagnosis.search.search import Search
 from calib.diagnosis.undecided import confusion_of, drives, unresolved
 from calib.logs.log import Log
-from calib.plausibility.run import wrong_speed
 from calib.run.copies import without_holds
-from calib.run.gates import refuse_copies
 
 _QUIETER = 0.9
 """Share of a channel's noise below which it counts as quieter with an explanation than without."""
@@ -93,13 +83,26 @@ def diagnose(
     """
     tell("checking the logs", 0, 1)
     warnings = checked(vehicle, calibration, holdout)
-    sides, search, found = _judged(vehicle, calibration, holdout, tell, mapped)
+    given = [*sorted(calibration, key=lambda log: log.digest), *holdout]
+    given, n = [without_holds(log) for log in given], len(calibration)
+    known_to_all = map if vehicle.effects.own else mapped
+    for largest in (LARGEST, USUAL):
+        logs, sides = with_even_sides(given, largest)
+        runs = [run_of(log) for log in logs[:n]]
+        search = _searched(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
+        require_right_axles(search, logs, warnings)
+        tell("replaying the hold-outs", 0, 1)
+        found = verdict_of(search)
+        slowed = any(slows(definition(vehicle.effects, name)) for name in found.best.names)
+        if max(map(abs, sides.values())) <= USUAL or not (slowed or found.terms):
+            break  # else it may be a brake that drags on one wheel
     best, last, rest = found.best, found.after, None
     if found.terms:
         rest = unexplained_of(best, found.terms)
         last = _with_term(found, rest.at)
     tell("asking what these logs could not show", 0, 1)
     confusion = confusion_of(best, found.rivals)
+    asked_for = {frozenset(step.names) for step in search.steps}
     return Diagnosis(
         verdict=found.word,
         effects=named(found, confusion) if found.stands else (),
@@ -114,7 +117,7 @@ def diagnose(
         reduced_before=found.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
         left=remainder_of(found.after.logs, found.held.logs),
-        withdrawn=_withdrawn(search),
+        withdrawn=tuple(names for names in search.withdrawn if frozenset(names) not in asked_for),
         steps=tuple(search.steps),
         noise=search.problem.noise,
         own=_own(found),
@@ -127,81 +130,24 @@ def diagnose(
     )
 
 
-def checked(
-    vehicle: Vehicle, calibration: list[Log], holdout: list[Log]
-) -> tuple[PlausibilityWarning, ...]:
-    """What speaks against the logs; raises LogError for a mistake that must not be searched in."""
-    logs = [*calibration, *holdout]
-    require_enough(calibration, holdout)
-    refuse_copies(calibration, holdout)
-    require_right_channels(vehicle, logs)
-    judged = judged_logs(vehicle, logs)
-    require_axles(vehicle, logs, judged)
-    require_own_pressure(judged)
-    warnings = log_warnings(judged)
-    if (wrong := wrong_speed(warnings)) is not None:
-        raise wrong
-    require_whole_wheel_speeds(warnings)
-    return warnings
-
-
-def _judged(
-    vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell, mapped: Mapped
-) -> tuple[dict[str, float], Search, Verdict]:
-    """How the sides of each axle differed [1] before they were made even; search and verdict then.
-
-    A difference that tyres of one age do not make is made even if nothing that slows the car is
-    missing then: it is no brake that drags.
-    """
-    given = [*sorted(calibration, key=lambda log: log.digest), *holdout]
-    logs, n = [without_holds(log) for log in given], len(calibration)
-    usual, sides = with_even_sides(logs)
-    unlike, all_sides = with_even_sides(logs, LARGEST)
-    if sides != all_sides:
-        search, found = _searched(vehicle, unlike[:n], unlike[n:], tell, mapped)
-        if _rolls_freely(found):
-            return all_sides, search, found
-    return sides, *_searched(vehicle, usual[:n], usual[n:], tell, mapped)
-
-
-def _rolls_freely(found: Verdict) -> bool:
-    """Whether nothing is left, and nothing named slows the car."""
-    known = found.best.problem.vehicle.effects
-    slowed = any(slows(definition(known, name)) for name in found.best.names)
-    return not found.terms and not slowed
-
-
-def _searched(
-    vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell, mapped: Mapped
-) -> tuple[Search, Verdict]:
-    """A search, once more with the noise that its best explanation leaves, and its verdict.
+def _searched(problem: Problem, holdout: Sequence[Log]) -> Search:
+    """A search, once more with the noise that its best explanation leaves, if that is quieter.
 
     An effect that acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
     """
-    known_to_all = map if vehicle.effects.own else mapped
-    problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
     search = _search(problem, holdout)
-    quieter = _without_its_noise(search.best)
-    if quieter is not None:
-        search = _search(quieter, holdout)
-    tell("replaying the hold-outs", 0, 1)
-    return search, verdict_of(search)
+    best, known = search.best, problem.noise
+    noise = unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
+    if best.names and np.any(noise.sigma <= _QUIETER * known.sigma):
+        return _search(replace(problem, noise=noise), holdout)
+    return search
 
 
-def _search(problem: Problem, holdout: list[Log]) -> Search:
+def _search(problem: Problem, holdout: Sequence[Log]) -> Search:
     runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
     search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
     search.run()
     return search
-
-
-def _without_its_noise(best: Explanation) -> Problem | None:
-    """The problem with the noise that is left with an explanation, None if that is no quieter."""
-    problem = best.problem
-    noise = unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
-    if not best.names or np.all(noise.sigma > _QUIETER * problem.noise.sigma):
-        return None
-    return replace(problem, noise=noise)
 
 
 def _with_term(found: Verdict, at: Explanation) -> Replayed:
@@ -214,19 +160,13 @@ def _with_term(found: Verdict, at: Explanation) -> Replayed:
     return last if helped else found.after
 
 
-def _withdrawn(search: Search) -> tuple[tuple[str, ...], ...]:
-    """What the hold-outs spoke against once, and never asked for."""
-    asked_for = {frozenset(step.names) for step in search.steps}
-    return tuple(names for names in search.withdrawn if frozenset(names) not in asked_for)
-
-
 def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
     """By log what it has of its own, of the kinds in which logs differ."""
-    best, own = found.best, dict[str, Mapping[str, float]]()
+    best = found.best
     if not best.hypothesis.kinds:
-        return own
-    states = np.vstack([best.state.own, found.after.own])
+        return {}
     runs = (*best.problem.runs, *found.held.problem.runs)
-    for run, row in zip(runs, states.tolist(), strict=True):
-        own[run.name] = dict(zip(OWN, row, strict=True))
-    return own
+    states = np.vstack([best.state.own, found.after.own]).tolist()
+    return {
+        run.name: dict(zip(OWN, row, strict=True)) for run, row in zip(runs, states, strict=True)
+    }

@@ -1,71 +1,61 @@
 """Whether the wheel speeds of front and rear axle are swapped, in some logs or in all.
 
-Where the rear wheels slip more than the front ones, the wheel speeds are swapped, or a motor brakes
-the rear wheels, which is an effect with a name. Both are tried on all logs together, and the more
-probable one is believed:
+Where the rear wheels slip more than the front ones, the wheel speeds are swapped, or something
+brakes the rear wheels, such as a motor, which is an effect with a name. The more probable one is
+believed:
 
-    the logs as given, with a motor      against      the logs with their axles exchanged
+    the logs as given, by what a search found      against      the logs with their axles exchanged
 
-One more effect, whichever helps most, is allowed to both: what is hidden must not decide.
+with what promises most without a search: a few effects of the first ranking, or none.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.explanation import Explanation
+from calib.base.errors import LogError
+from calib.base.warning import PlausibilityWarning
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of
-from calib.diagnosis.runs.judged import JudgedLog
+from calib.diagnosis.explanation.problem import Problem, turned
+from calib.diagnosis.search.fits import Fits
 from calib.diagnosis.search.rank import further_columns, promises
-from calib.diagnosis.search.search import left_over
+from calib.diagnosis.search.search import Search
 from calib.logs.log import Log
-from calib.run.gates import require_right_slip, wrong_slip
 
-MOTOR = "regenerative_torque"
-"""The effect that makes the rear wheels slip more."""
+SWAPPED = "axles_swapped"
+"""Code of the warning of eta that goes the wrong way."""
+
+_FITTED = 3
 
 
-def require_axles(vehicle: Vehicle, logs: Sequence[Log], judged: Sequence[JudgedLog]) -> None:
-    """Raise LogError if the logs are better explained with front and rear wheels exchanged.
+def require_right_axles(
+    search: Search, logs: Sequence[Log], warnings: Sequence[PlausibilityWarning]
+) -> None:
+    """Raise LogError if the ``logs`` of a search, hold-outs too, are swapped.
 
-    ``judged`` are the same ``logs``, in their order. Nothing is tried unless eta goes the wrong
-    way in one of them.
+    Nothing is tried without ``warnings`` of eta that goes the wrong way. Those logs are exchanged,
+    or all of them.
     """
-    wrong = [wrong_slip(one.vehicle, one.blocks) is not None for one in judged]
-    if not any(wrong):
+    told = {one.log: one for one in warnings if one.code == SWAPPED}
+    if not told:
         return
-    motor = _with_best(_fitted(vehicle, logs), MOTOR)
-    if not left_over(motor):
-        return  # nothing is left for exchanged axles to explain
-    motor = _with_best(motor)
-    tried = (wrong, [True] * len(logs))
-    swapped = [
-        _with_best(_fitted(vehicle, [_exchanged(log) if other else log for log, other in pairs]))
-        for pairs in (list(zip(logs, which, strict=True)) for which in tried)
-    ]
-    if min(one.reduced for one in swapped) < motor.reduced:
-        first = judged[wrong.index(True)]
-        sources = ", ".join(log.source for log, other in zip(logs, wrong, strict=True) if other)
-        require_right_slip(first.vehicle, replace(first.log, source=sources), first.blocks)
+    every = [_exchanged(log) for log in logs]
+    some = [b if b.name in told else a for a, b in zip(logs, every, strict=True)]
+    found = search.fits.value(search.best)
+    if any(_log_evidence(search.problem, others) > found for others in (some, every)):
+        sources = [log.source for log in logs if log.name in told]
+        raise LogError(next(iter(told.values())).text, where=", ".join(sources))
 
 
-def _with_best(at: Explanation, name: str = "") -> Explanation:
-    """The explanation with the effect that brings most, or with one by its name."""
-    found = [
-        p for p in promises(at, further_columns(at), 1) if name in ("", p.hypothesis.names[-1])
-    ]
-    if not found:
-        return at
-    other = fit(at.problem, found[0].hypothesis, found[0].state, at.columns)
-    return min(at, other, key=lambda one: one.reduced)
-
-
-def _fitted(vehicle: Vehicle, logs: Sequence[Log]) -> Explanation:
-    problem = problem_of(vehicle, [run_of(log) for log in logs])
-    return fit(problem, Hypothesis(), start_of(problem))
+def _log_evidence(given: Problem, logs: Sequence[Log]) -> float:
+    """ln of the evidence of other logs with the same noise, by the best of a few explanations."""
+    runs = turned(given.vehicle, [run_of(log) for log in logs], given.noise)
+    problem = replace(given, runs=runs)
+    base = fit(problem, Hypothesis(), start_of(problem))
+    fits = Fits(problem, problem, base)
+    fits.fitted_of(promises(base, further_columns(base))[:_FITTED], base)
+    return max(one.log_evidence for one in fits.fitted.values())
 
 
 def _exchanged(log: Log) -> Log:

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.diagnosis.diagnose import checked
-from calib.diagnosis.runs.warnings import unexplained_warnings
+from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase, draw
-from tests.support.reference_car import swapped
 
 
 @pytest.fixture(scope="module")
@@ -53,14 +51,7 @@ def test_a_copy_of_a_calibration_log_is_no_hold_out(late):
     )
 
 
-def test_swapped_axles_are_refused_by_name(late):
-    held = [swapped(log) for log in late.holdout]
-    said = refused(late, list(late.calibration), held)
-    assert held[0].source in said.split(":")[0]
-    assert "are the axles swapped?" in said
-
-
-def test_a_motor_on_the_rear_axle_is_no_swap():
+def test_a_motor_on_the_rear_axle_is_warned_of_where_it_is_not_named():
     case = draw("single", 41, names=("regenerative_torque",), severity=2, only=FIVE)
     assert case.hidden.regen_axle == 1
     warnings = checked(case.vehicle, list(case.calibration), list(case.holdout))
@@ -75,7 +66,7 @@ def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
         (lambda log: changed(log, a_x=-log["a_x"]), "a_x is positive while the wheels slow down"),
         (lambda log: changed(log, p_mc=0.0 * log["p_mc"]), "p_mc does not change"),
         (lambda log: changed(log, v=radius * log["omega_rl"]), "v is made of the wheel speeds"),
-        (lambda log: changed(log, p_mc=0.4 * log["p_mc"]), "as strongly on p_mc"),
+        (lambda log: changed(log, p_mc=0.4 * log["p_mc"]), "level_changed"),
     ):
         text = refused(late, with_(late, "hot", change))
         assert text.startswith(f"{hot.source}: ")
