@@ -102,6 +102,7 @@ def diagnose(
         last = _with_term(found, rest.at)
     tell("asking what these logs could not show", 0, 1)
     confusion = confusion_of(best, found.rivals)
+    withdrawn = dict.fromkeys(search.withdrawn.values())
     asked_for = {frozenset(step.names) for step in search.steps}
     return Diagnosis(
         verdict=found.word,
@@ -117,7 +118,7 @@ def diagnose(
         reduced_before=found.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
         left=remainder_of(found.after.logs, found.held.logs),
-        withdrawn=tuple(names for names in search.withdrawn if frozenset(names) not in asked_for),
+        withdrawn=tuple(names for names in withdrawn if frozenset(names) not in asked_for),
         steps=tuple(search.steps),
         noise=search.problem.noise,
         own=_own(found),

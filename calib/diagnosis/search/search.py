@@ -65,7 +65,7 @@ class SearchStep:
 @dataclass
 class Search:
     """The course of a search; ``fits`` all that was fitted; ``first`` and ``further`` effects at
-    the base and at the best explanation.
+    the base and at the best explanation; ``withdrawn`` what the hold-outs speak against, by keys.
     """
 
     problem: Problem
@@ -78,8 +78,7 @@ class Search:
     rivals: tuple[Explanation, ...] = ()
     steps: list[SearchStep] = field(default_factory=list)
     accepted: list[Replayed] = field(default_factory=list)
-    refused: set[object] = field(default_factory=set)
-    withdrawn: list[tuple[str, ...]] = field(default_factory=list)
+    withdrawn: dict[object, tuple[str, ...]] = field(default_factory=dict)
 
     def run(self) -> None:
         """Find the best explanation."""
@@ -122,8 +121,7 @@ class Search:
         except ModelError:
             after = None
         if after is None or self.widens(after):
-            self.refused.add(new.hypothesis.key)
-            self._withdraw(new)
+            self.withdrawn[new.hypothesis.key] = new.names
             return False
         more = new.log_evidence - self.best.log_evidence
         held = self.fits.density(new) - self.fits.density(self.best)
@@ -186,17 +184,13 @@ class Search:
                 if more > 2.0:
                     yield e
                 continue
-            if e.hypothesis.key in self.refused:
+            if e.hypothesis.key in self.withdrawn:
                 continue
             held = self.fits.density(e) - self.fits.density(best)
             if held > 0.0 and more + held > self.worth:
                 yield e
             elif more > SURE:
-                self._withdraw(e)
-
-    def _withdraw(self, e: Explanation) -> None:
-        if e.names not in self.withdrawn:
-            self.withdrawn.append(e.names)
+                self.withdrawn[e.hypothesis.key] = e.names
 
     @property
     def worth(self) -> float:
@@ -229,23 +223,11 @@ class Search:
         With the columns of what may be added, and what ln of the evidence gains by the parts.
         """
         best = self.best
-        gained = best.log_evidence - self.base.log_evidence
-        others = [
-            e
-            for e in self.fits.fitted.values()
-            if e.log_evidence > self.nearly
-            and len(e.names) == len(best.names) - 1
-            and not set(e.names) < set(best.names)
-        ]
         fewer = [
             *(self.fits.without(best, name) for name in best.names),
             *(self.fits.without_kind(best, kind) for kind in best.hypothesis.kinds),
         ]
-        others = sorted(others, key=lambda e: -e.log_evidence)[:2]
-        return [
-            *((e, self.further, best.log_evidence - e.log_evidence) for e in fewer),
-            *((e, further_columns(e, best.names), gained) for e in others),
-        ]
+        return [(e, self.further, best.log_evidence - e.log_evidence) for e in fewer]
 
     @cached_property
     def terms(self) -> list[Ranked]:

@@ -68,7 +68,7 @@ def drag_in_calibration_alone():
 
 def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibration_alone):
     search = drag_in_calibration_alone
-    assert ("aerodynamic_drag",) in search.withdrawn
+    assert ("aerodynamic_drag",) in search.withdrawn.values()
     assert search.best.names == ()
     found = verdict_of(search)
     assert (found.word, found.stands) == (UNKNOWN, False)
