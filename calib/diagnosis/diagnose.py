@@ -19,19 +19,19 @@ from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, problem_of, turned, unbraked_noise
+from calib.diagnosis.explanation.problem import Problem, problem_of, unbraked_noise
 from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of
 from calib.diagnosis.replays.gap import gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts, model_of
+from calib.diagnosis.replays.hold_outs import model_of
 from calib.diagnosis.replays.remainder import remainder_of
 from calib.diagnosis.replays.replayed import Replayed, replayed
 from calib.diagnosis.runs.axles import require_right_axles
 from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
 from calib.diagnosis.runs.sides import LARGEST, USUAL, with_even_sides
-from calib.diagnosis.search.search import Search
+from calib.diagnosis.search.search import Search, searched
 from calib.diagnosis.undecided import confusion_of, drives, unresolved
 from calib.logs.log import Log
 from calib.run.copies import without_holds
@@ -136,18 +136,11 @@ def _searched(problem: Problem, holdout: Sequence[Log]) -> Search:
 
     An effect that acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
     """
-    search = _search(problem, holdout)
+    search = searched(problem, holdout)
     best, known = search.best, problem.noise
     noise = unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
     if best.names and np.any(noise.sigma <= _QUIETER * known.sigma):
-        return _search(replace(problem, noise=noise), holdout)
-    return search
-
-
-def _search(problem: Problem, holdout: Sequence[Log]) -> Search:
-    runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
-    search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
-    search.run()
+        return searched(replace(problem, noise=noise), holdout)
     return search
 
 

@@ -1,7 +1,6 @@
 """What the diagnosis makes of a case of the hidden plant: problem, base, search, answer."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, start_of
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, problem_of, turned
-from calib.diagnosis.replays.hold_outs import HoldOuts
+from calib.diagnosis.explanation.problem import Problem, problem_of
 from calib.diagnosis.search.search import Search
+from calib.diagnosis.search.search import searched as searched_in
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase
 
@@ -46,11 +45,7 @@ def based(case: HiddenCase) -> Explanation:
 
 def searched(vehicle: Vehicle, logs: Sequence[Log], held: Sequence[Log]) -> Search:
     """The search in some logs, judged by others."""
-    problem = asked(vehicle, logs)
-    runs = turned(vehicle, [run_of(log) for log in held], problem.noise)
-    search = Search(problem, HoldOuts(tuple(held), replace(problem, runs=runs)))
-    search.run()
-    return search
+    return searched_in(asked(vehicle, logs), held)
 
 
 def diagnosed(case: HiddenCase) -> Diagnosis:

@@ -6,11 +6,11 @@ from functools import partial
 
 import numpy as np
 
+from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ROUGHLY, fit
 from calib.diagnosis.explanation.hypothesis import FADE, Columns, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.search.odds import density
 from calib.diagnosis.search.rank import Promise
 
 _PRUNED = 20.0
@@ -118,6 +118,25 @@ class Fits:
         if key not in self.densities:
             self.densities[key] = density(at, self.held)
         return self.densities[key]
+
+
+def density(at: Explanation, held: Problem) -> float:
+    """ln of the density of other logs given those of an explanation, by one linear model of both.
+
+    But for a constant of the rows.
+    """
+    own = np.zeros((len(held.runs), at.state.own.shape[1]))
+    other = seen(held, at.hypothesis, replace(at.state, own=own))
+    both = zip(at.columns.by_kind, other.columns.by_kind, strict=True)
+    together = replace(
+        at,
+        problem=replace(at.problem, runs=(*at.problem.runs, *held.runs)),
+        state=replace(at.state, own=np.vstack([at.state.own, own])),
+        innovations=[*at.innovations, *other.innovations],
+        columns=Columns(*([*one, *more] for one, more in both)),
+    )
+    more = together.marginal().evidence() - at.marginal().evidence()
+    return more - at.hypothesis.phases(len(held.runs))
 
 
 def _fitted(problem: Problem, near: Columns, bent: bool, promise: Promise) -> Explanation:

@@ -6,22 +6,24 @@ The first move that ends surely more probable, on the hold-outs, too, is made, a
 until no move is left.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from calib.base.errors import ModelError
-from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.explanation import Explanation, marginal
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
-from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.own import SCATTERED
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import Problem, turned
 from calib.diagnosis.replays.gap import Gap, gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.replays.replayed import Replayed, replayed
 from calib.diagnosis.search.fits import Fits
-from calib.diagnosis.search.odds import with_alike
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
 from calib.diagnosis.search.terms import Ranked, ranked_terms
+from calib.logs.log import Log
 
 SURE = 10.0
 """ln of the odds, of calibration logs and hold-outs together, from which more is believed, and
@@ -62,6 +64,14 @@ class SearchStep:
     innovation_gain: float = 0.0
 
 
+def searched(problem: Problem, holdout: Sequence[Log]) -> "Search":
+    """A search in a problem, judged by the logs that are held out."""
+    runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
+    search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
+    search.run()
+    return search
+
+
 @dataclass
 class Search:
     """The course of a search; ``fits`` all that was fitted; ``first`` and ``further`` effects at
@@ -95,7 +105,7 @@ class Search:
         if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
             self.accept(self.rivals[0])
             self.rivals = self._rivals()
-        found = with_alike(self.best)
+        found = _with_alike(self.best)
         self.base, self.best = self.base if found.names else found, found
 
     @cached_property
@@ -290,6 +300,16 @@ def _best(found: list[Promise], at: Explanation) -> list[Promise]:
         least = max(at.log_evidence + 5.0, best - 5.0 - _WRONG * (best - at.log_evidence))
         out += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
     return out
+
+
+def _with_alike(at: Explanation) -> Explanation:
+    """The explanation with logs that are alike in what they usually differ in, where that is more
+    probable.
+    """
+    some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
+    options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
+    best = max(options, key=lambda one: marginal(at, at.products, one.sizes).evidence())
+    return fit(at.problem, best, at.state, at.columns, ALMOST)
 
 
 def left_over(at: Explanation) -> bool:
