@@ -212,32 +212,31 @@ class Search:
         return max(SURE, _SHARE * 0.5 * left * self.best.count)
 
     def exchanged(self) -> list[Explanation]:
-        """Another effect, or other kinds, in the place of one of the best explanation.
+        """One or two effects, or other kinds, in the place of a part of the best explanation.
 
-        Beside what is left of it, and beside what was nearly as probable on the way.
+        A part may have stood for two. What takes its place may be better than a linear model says;
+        two must promise more.
         """
-        news = []
-        for fewer, further, own in self._starts():
-            other = bool(self.best.hypothesis.kinds)
-            tops = [
-                p
-                for p in promises(fewer, further, 1, other)
-                if p.log_evidence > self.best.log_evidence - SURE - _ALIKE * own
-            ]
-            news += self.fits.fitted_of(tops[:2], fewer)
-        return news
-
-    def _starts(self) -> list[tuple[Explanation, Further, float]]:
-        """What is left of the best explanation without a part of it; others with fewer effects.
-
-        With the columns of what may be added, and what ln of the evidence gains by the parts.
-        """
-        best = self.best
+        best, news = self.best, []
+        other = bool(best.hypothesis.kinds)
         fewer = [
             *(self.fits.without(best, name) for name in best.names),
             *(self.fits.without_kind(best, kind) for kind in best.hypothesis.kinds),
         ]
-        return [(e, self.further, best.log_evidence - e.log_evidence) for e in fewer]
+        for e in fewer:
+            found = promises(e, self.further, 1 if other else 2, other)
+            nearly = SURE + _ALIKE * (best.log_evidence - e.log_evidence)
+            new = [p for p in found if p.log_evidence > best.log_evidence - nearly]
+            one = [p for p in new if len(p.hypothesis.names) <= len(best.names)]
+            two = [
+                p
+                for p in new
+                if len(p.hypothesis.names) > len(best.names)
+                and p.log_evidence > best.log_evidence + SURE
+                and not set(best.names) < set(p.hypothesis.names)
+            ]
+            news += self.fits.fitted_best([*one[:2], *two[:1]], e)
+        return news
 
     @cached_property
     def terms(self) -> list[Ranked]:
