@@ -228,5 +228,5 @@ def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
     states = np.vstack([best.state.own, found.after.own])
     runs = (*best.problem.runs, *found.held.problem.runs)
     for run, row in zip(runs, states.tolist(), strict=True):
-        own[run.name] = dict(zip(OWN, row, strict=True))
+        own[run.source] = dict(zip(OWN, row, strict=True))
     return own

@@ -158,7 +158,7 @@ def best_drives(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list
     logs = _products(at, others)
     shown = [_sizes(at, [*logs, test]) for test in _products(driven, others)]
     best = np.argmax(shown, axis=0).tolist()
-    return [(problem.runs[i].name, float(shown[i][k])) for k, i in enumerate(best)]
+    return [(problem.runs[i].source, float(shown[i][k])) for k, i in enumerate(best)]
 
 
 def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
