@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.linalg import lstsq, qr
 
 from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
@@ -115,7 +116,9 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     long = [_straightened(part) for part in parts if part.shape[1] >= LONG]
     if long:
         rows = [sliding_window_view(part, ORDER + 1, axis=1) for part in long]
-        coefficients = np.array([_regressed(c) for c in np.concatenate(rows, axis=1)])
+        coefficients = np.array(
+            [lstsq(c[:, :-1], c[:, -1], rcond=None)[0] for c in np.concatenate(rows, axis=1)]
+        )
         freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in long) - ORDER
         squares = sum(np.sum(_kept(part, coefficients) ** 2, axis=1) for part in long)
         each = np.full(len(CHANNELS), float(freedom))
@@ -131,11 +134,6 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     return ChannelNoise(coefficients, np.maximum(sigma, FLOOR), source, freedom)
 
 
-def _regressed(rows: Array) -> Array:
-    """Coefficients (ORDER,) by which the last column of rows (n, ORDER + 1) follows the others."""
-    return np.asarray(np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=None)[0])
-
-
 def _straightened(part: Array) -> Array:
     """An unbraked part (6, m) without the parabola of each channel."""
     parabola = _parabola(part.shape[1])
@@ -144,7 +142,7 @@ def _straightened(part: Array) -> Array:
 
 def _parabola(size: int) -> Array:
     """Orthonormal columns (m, `_PARABOLA`) that span the parabolas over ``size`` samples."""
-    return np.asarray(np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, size), _PARABOLA))[0])
+    return np.asarray(qr(np.vander(np.linspace(-1.0, 1.0, size), _PARABOLA))[0])
 
 
 def _freedom_of_drift(size: int) -> float:

@@ -87,11 +87,6 @@ class ObservedRun(RunHistory):
         """Measured acceleration [m/s^2]."""
         return -G * self.z
 
-    @property
-    def warm(self) -> bool:
-        """Whether the temperatures of its discs are logged."""
-        return self.temperature_f is not None and self.temperature_r is not None
-
 
 @dataclass(frozen=True)
 class Prediction:
@@ -124,18 +119,19 @@ def run_of(log: Log) -> ObservedRun:
         return centred_mean(x, max(1, round(seconds / step)), held_ends=True)
 
     means = {name: block_mean(log[name], n) for name in log.channels}
-    turned, nothing = wheel_angles(log), np.zeros_like(means["v"])
-    heat = {a: means.get(f"T_disc_{a}") for a in AXLES}
-    warm = {a: None if x is None else smooth(x, 0.5) for a, x in heat.items()}
+    nothing = np.zeros_like(means["v"])
+    heat = {a: smooth(means[f"T_disc_{a}"], 0.5) for a in AXLES if f"T_disc_{a}" in log}
+    spun = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
+    angle = {a: block_mean(integral(log.time, omega), n) for a, omega in spun.items()}
     return ObservedRun(
-        time=block_mean(log.time, n),
+        time=means["time"],
         v=smooth(means["v"], 0.1),
         z=deceleration(means["a_x"]),
         p_mc=as_pressed(means["p_mc"], step),
-        temperature_f=warm["f"],
-        temperature_r=warm["r"],
-        angle_f=block_mean(turned["f"], n),
-        angle_r=block_mean(turned["r"], n),
+        temperature_f=heat.get("f"),
+        temperature_r=heat.get("r"),
+        angle_f=angle["f"],
+        angle_r=angle["r"],
         energy_f=nothing,
         energy_r=nothing,
         source=log.name,
@@ -145,11 +141,6 @@ def run_of(log: Log) -> ObservedRun:
         omega=np.stack([means[f"omega_{w}"] for w in WHEELS]),
         drive=np.stack([means.get(f"T_drive_{a}", nothing) for a in AXLES]),
     )
-
-
-def wheel_angles(log: Log) -> dict[str, Array]:
-    """Measured angle of the wheels [rad] (n,) by axle, from the first sample on."""
-    return {a: integral(log.time, 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"])) for a in AXLES}
 
 
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
