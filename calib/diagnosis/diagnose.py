@@ -20,8 +20,14 @@ from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, problem_of, turned, unbraked_noise
-from calib.diagnosis.explanation.progress import Tell, silent
+from calib.diagnosis.explanation.problem import (
+    Problem,
+    Tell,
+    problem_of,
+    silent,
+    turned,
+    unbraked_noise,
+)
 from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of

@@ -33,7 +33,7 @@ from calib.car.effects.combined import (
     wheel_speed_factors,
 )
 from calib.car.effects.effects import Effects
-from calib.car.forces import axle_loads, deceleration, tyre_force
+from calib.car.forces import axle_loads, brake_torque, deceleration, tyre_force
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import delayed, integral
 from calib.car.magic_formula import MagicFormula
@@ -156,7 +156,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     car = as_driven(vehicle, effects).with_radii(base.radius)
     base = run.ground.applied(base)
     tyre, lag = base.tyre, _wheel_lag(car, base.tyre, run)
-    clamps = _clamps(base, effects, run)
+    pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
+    clamps = np.stack(caliper_pressure(effects, pressed, *line_pressure(effects, pressed)))
     history, torque = run, np.zeros(0)
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(_PASSES_OF_TERM if leans else _PASSES):
@@ -197,21 +198,13 @@ def _by_wheel(x: Array) -> Array:
     return np.swapaxes(np.broadcast_to(x, (2, *x.shape[1:])), 0, 1).reshape(len(WHEELS), -1)
 
 
-def _clamps(base: Base, effects: Effects, run: ObservedRun) -> Array:
-    """Pressure [Pa] (2, n) that clamps the pads of each axle."""
-    on_time = np.interp(run.time - base.clock, run.time, run.p_mc)
-    pressed = replace(run, p_mc=on_time)
-    return np.stack(caliper_pressure(effects, pressed, *line_pressure(effects, pressed)))
-
-
 def _torque(
     car: Vehicle, base: Base, effects: Effects, history: RunHistory, clamps: Array
 ) -> Array:
-    """Brake torque of the wheels [N m] (s, 2, n)."""
-    front, rear = pad_factors(effects, history, *clamps)
-    gain_f = base.pad_friction_f * car.front.torque_gain
-    gain_r = base.pad_friction_r * car.rear.torque_gain
-    even = np.stack([gain_f * front, gain_r * rear]) * clamps
+    """Brake torque of the wheels [N m] (s, 2, n) at the pressures on their pads [Pa] (2, n)."""
+    k_f, k_r = pad_factors(effects, history, *clamps)
+    front = brake_torque(car.front, base.pad_friction_f * k_f, clamps[0])
+    even = np.stack([front, brake_torque(car.rear, base.pad_friction_r * k_r, clamps[1])])
     uneven = wheel_factors(effects, history)
     if not uneven:
         return even[None]

@@ -1,6 +1,6 @@
 """What is to be explained: all runs of a case, their noise, and what is known of the car."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -28,7 +28,6 @@ from calib.diagnosis.explanation.channels import (
     whiten,
 )
 from calib.diagnosis.explanation.predict import ObservedRun, predict
-from calib.diagnosis.explanation.progress import Tell, silent
 
 DRAG, SHARE = "aerodynamic_drag", "load_share"
 
@@ -43,6 +42,13 @@ drag that is known and one that is found alike."""
 _COASTING = 1e5
 """Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
 a braked disc."""
+
+Tell = Callable[[str, int, int], None]
+"""Called at each step: the stage in words, how many of its steps are done, how many it has."""
+
+
+def silent(stage: str, done: int, total: int) -> None:
+    """Tell nobody of the progress."""
 
 
 @dataclass(frozen=True)
