@@ -19,8 +19,13 @@ from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, problem_of, unbraked_noise
-from calib.diagnosis.explanation.progress import Tell, silent
+from calib.diagnosis.explanation.problem import (
+    Problem,
+    Tell,
+    problem_of,
+    silent,
+    unbraked_noise,
+)
 from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of
@@ -162,5 +167,5 @@ def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
     runs = (*best.problem.runs, *found.held.problem.runs)
     states = np.vstack([best.state.own, found.after.own]).tolist()
     return {
-        run.name: dict(zip(OWN, row, strict=True)) for run, row in zip(runs, states, strict=True)
+        run.source: dict(zip(OWN, row, strict=True)) for run, row in zip(runs, states, strict=True)
     }

@@ -100,7 +100,7 @@ def _acts(at: Explanation, name: str) -> tuple[float, Where]:
         common = np.stack([x[-m:] for x in squares])
         power += np.sum(common, axis=1)
         heat = np.zeros_like(run.v) if run.temperature_f is None else run.temperature_f
-        along = (thinned(run, x)[-m:] for x in (run.p_mc, run.v_smooth, heat))
+        along = (thinned(run, x)[-m:] for x in (run.p_mc, run.v, heat))
         rows.append(np.stack([np.sum(common, axis=0), *along]))
     weight, *drivers = np.hstack(rows)
     pressure, speed, temperature = (range_of(x, weight) for x in drivers)

@@ -158,7 +158,7 @@ def best_drives(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list
     logs = _products(at, others)
     shown = [_sizes(at, [*logs, test]) for test in _products(driven, others)]
     best = np.argmax(shown, axis=0).tolist()
-    return [(problem.runs[i].name, float(shown[i][k])) for k, i in enumerate(best)]
+    return [(problem.runs[i].source, float(shown[i][k])) for k, i in enumerate(best)]
 
 
 def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
@@ -178,7 +178,7 @@ def _sizes(at: Explanation, products: list[Products]) -> Array:
 
 def manoeuvres(at: Explanation) -> tuple[ObservedRun, ...]:
     """The `_TESTS` with a rough course of speed: 70 bar give 1 g."""
-    warm, out = at.problem.runs[0].warm, []
+    warm, out = at.problem.runs[0].temperature_f is not None, []
     time = 0.01 * np.arange(1200)
     for name, (v0, most, rise, period) in _TESTS.items():
         p = 1e5 * np.clip(rise * (time % period - 1.0), 0.0, most)

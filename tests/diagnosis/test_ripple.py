@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.predict import run_of, wheel_angles
+from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of, turned
 from calib.diagnosis.replays.gap import gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts
@@ -80,6 +80,4 @@ def test_the_measured_angle_is_the_way_over_the_radius():
     way = np.concatenate(
         [[0.0], np.cumsum(0.5 * np.diff(log.time) * (log["v"][1:] + log["v"][:-1]))]
     )
-    turned = wheel_angles(log)
-    assert turned["f"][0] == 0.0
-    assert turned["r"][-1] == pytest.approx(way[-1] / CAR.rear.rolling_radius, rel=0.01)
+    assert run_of(log).angle_r[-1] == pytest.approx(way[-1] / CAR.rear.rolling_radius, rel=0.01)

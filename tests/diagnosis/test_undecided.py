@@ -28,7 +28,7 @@ NAMES = ("aerodynamic_drag", "rolling_resistance")
 
 def by_name(at: Explanation) -> dict[str, ObservedRun]:
     """The manoeuvres by name."""
-    return {run.name: run for run in manoeuvres(at)}
+    return {run.source: run for run in manoeuvres(at)}
 
 
 @pytest.fixture(scope="module")

@@ -15,17 +15,29 @@ white noise; its whitening filter is (1 - B)/(1 - 0.9 B).
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.linalg import lstsq, qr
 
+from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
 from calib.car.braking import BITE, MOVING
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction
 from calib.run.filters import block_mean
 
-Array = NDArray[np.float64]
-
 CHANNELS = ("a_x", "v", "rim", "front_rear", "front_sides", "rear_sides")
-DRIFT = CHANNELS.index("v")
+A_X, DRIFT, FRONT_REAR = (CHANNELS.index(name) for name in ("a_x", "v", "front_rear"))
+
+_OF_WHEELS = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0],
+        [0.25, 0.25, 0.25, 0.25],
+        [0.5, 0.5, -0.5, -0.5],
+        [1.0, -1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, -1.0],
+    ]
+)
+"""Channels by wheel speeds, in the order of `WHEELS`."""
 
 STEP = 0.02
 """Clock of the evidence [s]."""
@@ -51,7 +63,7 @@ LONG = 10 * ORDER
 
 @dataclass(frozen=True)
 class ChannelNoise:
-    """AR coefficients (6, ORDER) and innovation sd (6,) of the channels, in their units.
+    """AR coefficients (6, ORDER), of the oldest sample first, and innovation sd (6,), in its units.
 
     ``source`` says what it was taken from, ``freedom`` from how many independent samples.
     """
@@ -70,27 +82,20 @@ class ChannelNoise:
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
     """Measured less predicted, (6, m) at the clock of the evidence, as long as the car moves."""
-    force = np.stack([run.a_x - predicted.a_x, run.v - predicted.gained])
-    return thinned(run, np.vstack([force, _of_wheels(run.omega - predicted.omega)]))
+    left = of_wheels(run, run.omega - predicted.omega)
+    left[:2] = thinned(run, np.stack([run.a_x - predicted.a_x, run.v_read - predicted.gained]))
+    return left
 
 
 def of_wheels(run: ObservedRun, omega: Array) -> Array:
     """Changes of the channels (..., 6, m) by changes of the wheel speeds (..., 4, n) [rad/s]."""
-    wheels = _of_wheels(omega)
-    return thinned(run, np.concatenate([0.0 * wheels[..., :2, :], wheels], axis=-2))
-
-
-def _of_wheels(omega: Array) -> Array:
-    """The last four channels (..., 4, n) of wheel speeds (..., 4, n)."""
-    fl, fr, rl, rr = np.moveaxis(omega, -2, 0)
-    rim, apart = 0.25 * (fl + fr + rl + rr), 0.5 * (fl + fr - rl - rr)
-    return np.stack([rim, apart, fl - fr, rl - rr], axis=-2)
+    return np.asarray(_OF_WHEELS @ thinned(run, omega))
 
 
 def thinned(run: ObservedRun, x: Array) -> Array:
     """Means (..., m) of signals (..., n) at the clock of the evidence, as long as the car moves."""
     n = max(1, round(STEP / run.step))
-    stop = np.flatnonzero(run.v_smooth < MOVING)
+    stop = np.flatnonzero(run.v < MOVING)
     length = int(stop[0]) if stop.size else run.time.size
     return block_mean(x[..., :length], n)
 
@@ -108,53 +113,46 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     Where no part is long enough, from the third differences of the ``wholes``, (6, n) each: these
     hold almost no motion, and the noise then counts as white. Never below `FLOOR`.
     """
-    long = [part for part in parts if part.shape[1] >= LONG]
-    if not long:
-        return _noise_of_differences(wholes)
-    coefficients, sigma = [], []
-    freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in long) - ORDER
-    for c in range(len(CHANNELS)):
-        rows, sides = [], []
-        for part in long:
-            x, m = _straightened(part[c]), part.shape[1]
-            rows.append(np.stack([x[ORDER - k - 1 : m - k - 1] for k in range(ORDER)], axis=1))
-            sides.append(x[ORDER:])
-        A, y = np.vstack(rows), np.concatenate(sides)
-        fitted = np.linalg.lstsq(A, y, rcond=None)[0]
-        coefficients.append(fitted)
-        sigma.append(float(np.sqrt(np.sum((y - A @ fitted) ** 2) / freedom)))
-    sigma[DRIFT] = _noise_of_drift([part[DRIFT] for part in long])
-    return ChannelNoise(np.array(coefficients), np.maximum(sigma, FLOOR), "unbraked parts", freedom)
+    long = [_straightened(part) for part in parts if part.shape[1] >= LONG]
+    if long:
+        rows = [sliding_window_view(part, ORDER + 1, axis=1) for part in long]
+        coefficients = np.array(
+            [lstsq(c[:, :-1], c[:, -1], rcond=None)[0] for c in np.concatenate(rows, axis=1)]
+        )
+        freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in long) - ORDER
+        squares = sum(np.sum(_kept(part, coefficients) ** 2, axis=1) for part in long)
+        each = np.full(len(CHANNELS), float(freedom))
+        each[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in long)
+        sigma, source = np.sqrt(squares / each), "unbraked parts"
+    else:
+        coefficients = np.zeros((len(CHANNELS), ORDER))
+        found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
+        freedom = sum(x.shape[1] for x in wholes) // _DIFFERENCED
+        # the median over the runs: a bite or a release does not move it
+        sigma = np.median(found, axis=0) / QUARTILE / np.sqrt(20.0)
+        source = "differences between samples"
+    return ChannelNoise(coefficients, np.maximum(sigma, FLOOR), source, freedom)
 
 
-def _straightened(x: Array) -> Array:
-    """An unbraked part (m,) of a channel without its parabola."""
-    parabola = _parabola(x.size)
-    return np.asarray(x - parabola @ np.linalg.lstsq(parabola, x, rcond=None)[0])
+def _straightened(part: Array) -> Array:
+    """An unbraked part (6, m) without the parabola of each channel."""
+    parabola = _parabola(part.shape[1])
+    return np.asarray(part - part @ parabola @ parabola.T)
 
 
 def _parabola(size: int) -> Array:
-    """Columns (m, `_PARABOLA`) that span the parabolas over ``size`` samples."""
-    return np.vander(np.linspace(-1.0, 1.0, size), _PARABOLA)
-
-
-def _noise_of_drift(parts: list[Array]) -> float:
-    """Sd of v as its own filter shows it: a speed that is sent seldom has little white noise."""
-    shown = [_kept_drift(_straightened(part)) for part in parts]
-    freedom = sum(_freedom_of_drift(part.size) for part in parts)
-    return float(np.sqrt(sum(float(x @ x) for x in shown) / freedom))
+    """Orthonormal columns (m, `_PARABOLA`) that span the parabolas over ``size`` samples."""
+    return np.asarray(qr(np.vander(np.linspace(-1.0, 1.0, size), _PARABOLA))[0])
 
 
 def _freedom_of_drift(size: int) -> float:
-    """Sum of squares that the filter of v leaves of ``size`` samples of unit white noise.
+    """Sum of squares that is kept of v where ``size`` samples of unit white noise are straightened.
 
-    That of its rows, (1, w - 1, w (w - 1), ... -w^i) back in time for row i with w = `WALK`, less
-    that of the parabola, which is taken out before.
+    Each is the sum of the answers to all samples before, which are alike but for the first one.
     """
-    power = WALK ** (2.0 * np.arange(size - 1))
-    rows = 1.0 + (1.0 / WALK - 1.0) ** 2 * (np.cumsum(power) - 1.0) + power
-    parabola = np.linalg.qr(_parabola(size))[0]
-    return float(np.sum(rows) * (1.0 + WALK) / 2.0 - np.sum(_kept_drift(parabola.T) ** 2))
+    first, later = _kept_drift(np.eye(2, size)) ** 2
+    straight = np.sum(_kept_drift(_parabola(size).T) ** 2, axis=0)
+    return float(np.sum((first + np.cumsum(later) - straight)[ORDER - 1 :]))
 
 
 def _kept_drift(x: Array) -> Array:
@@ -166,32 +164,21 @@ def _kept_drift(x: Array) -> Array:
     return np.asarray(kept / np.sqrt(2.0 / (1.0 + WALK)))
 
 
-def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
-    """White noise, its sd the median over the runs; a bite or a release does not move that."""
-    found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes if x.shape[1] > 3]
-    typical = np.median(found, axis=0) if found else np.zeros(len(CHANNELS))
-    sigma = np.maximum(typical / QUARTILE / np.sqrt(20.0), FLOOR)
-    freedom = max(sum(x.shape[1] for x in wholes) // _DIFFERENCED, 1)
-    source = "differences between samples"
-    return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, source, freedom)
+def _kept(residual: Array, coefficients: Array) -> Array:
+    """Innovations (..., 6, m - ORDER), in their units, of residuals (..., 6, m)."""
+    size = residual.shape[-1] - ORDER
+    told = (coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
+    kept = residual[..., ORDER:] - sum(told)
+    kept[..., DRIFT, :] = _kept_drift(residual[..., DRIFT, :])[..., -size:]
+    return np.asarray(kept)
 
 
 def whiten(residual: Array, noise: ChannelNoise) -> Array:
     """Innovations (..., n) over their sigma of residuals (..., 6, m), channel after channel."""
-    m, parts = residual.shape[-1], []
-    for c, coefficients in enumerate(noise.coefficients):
-        x = residual[..., c, :]
-        if c == DRIFT:
-            kept = _kept_drift(x)
-        else:
-            told = (a * x[..., ORDER - 1 - k : m - 1 - k] for k, a in enumerate(coefficients))
-            kept = x[..., ORDER:] - sum(told)
-        parts.append(kept / noise.sigma[c])
-    return np.concatenate(parts, axis=-1)
+    kept = _kept(residual, noise.coefficients) / noise.sigma[:, None]
+    return kept.reshape(*residual.shape[:-2], -1)
 
 
-def by_channel(innovations: Array) -> list[Array]:
-    """Innovations (n,) of a run, channel after channel, as one array each."""
-    steps = (innovations.size + (len(CHANNELS) - 1) * ORDER + 1) // len(CHANNELS)
-    sizes = [steps - (1 if c == DRIFT else ORDER) for c in range(len(CHANNELS))]
-    return np.split(innovations, np.cumsum(sizes)[:-1])
+def by_channel(innovations: Array) -> Array:
+    """Innovations (n,) of a run by channel (6, m - ORDER)."""
+    return innovations.reshape(len(CHANNELS), -1)

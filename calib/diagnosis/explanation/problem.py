@@ -1,6 +1,6 @@
 """What is to be explained: all runs of a case, their noise, and what is known of the car."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -16,10 +16,11 @@ from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE, BASE_SIGMA, CLOCK, CLOCK_UNIT, Base, base_of
 from calib.diagnosis.explanation.channels import (
+    A_X,
     CHANNELS,
     DRIFT,
+    FRONT_REAR,
     ChannelNoise,
-    by_channel,
     noise_of,
     residuals,
     thinned,
@@ -27,7 +28,6 @@ from calib.diagnosis.explanation.channels import (
     whiten,
 )
 from calib.diagnosis.explanation.predict import ObservedRun, predict
-from calib.diagnosis.explanation.progress import Tell, silent
 
 DRAG, SHARE = "aerodynamic_drag", "load_share"
 
@@ -42,6 +42,13 @@ drag that is known and one that is found alike."""
 _COASTING = 1e5
 """Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
 a braked disc."""
+
+Tell = Callable[[str, int, int], None]
+"""Called at each step: the stage in words, how many of its steps are done, how many it has."""
+
+
+def silent(stage: str, done: int, total: int) -> None:
+    """Tell nobody of the progress."""
 
 
 @dataclass(frozen=True)
@@ -96,22 +103,19 @@ class Problem:
         return found
 
     @cached_property
-    def courses(self) -> tuple[Array, ...]:
-        """What a slope [1] and a zero of a_x [m/s^2] of its own do to the innovations, (2, n)."""
-        return tuple(courses_of(run, self.noise) for run in self.runs)
+    def courses(self) -> list[Array]:
+        """What a slope [1] and a zero of a_x [m/s^2] of its own do to the innovations, (2, n).
 
-
-def courses_of(run: ObservedRun, noise: ChannelNoise) -> Array:
-    """Changes (2, n) of the innovations of a run by a slope of its road and by a zero of its a_x.
-
-    v falls by g s t more than the forces say, for the slope's sine s, uphill positive, and a_x,
-    which is specific force, does not move (Gillespie, Fundamentals of Vehicle Dynamics, ch. 1).
-    """
-    time = thinned(run, run.time)
-    out = np.zeros((2, len(CHANNELS), time.size))
-    out[0, DRIFT] = G * (time - time[0])
-    out[1, CHANNELS.index("a_x")] = -1.0
-    return whiten(out, noise)
+        v falls by g s t more than the forces say, for the slope's sine s, uphill positive, and a_x,
+        which is specific force, does not move (Gillespie, Fundamentals of Vehicle Dynamics, ch. 1).
+        """
+        found = []
+        for time in (thinned(run, run.time) for run in self.runs):
+            changed = np.zeros((2, len(CHANNELS), time.size))
+            changed[0, DRIFT] = G * (time - time[0])
+            changed[1, A_X] = -1.0
+            found.append(whiten(changed, self.noise))
+        return found
 
 
 def problem_of(
@@ -125,9 +129,24 @@ def problem_of(
 def turned(
     vehicle: Vehicle, runs: Sequence[ObservedRun], noise: ChannelNoise
 ) -> tuple[ObservedRun, ...]:
-    """The runs with the origin of their wheel angles by the ripple of each, if there is one."""
-    nominal = base_of(vehicle, np.zeros(BASE))
-    return tuple(_turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
+    """The runs with the origin of their wheel angles by the phase of the ripple of each.
+
+    Every run begins at another angle of the disc. Where the front torque is high, the car and its
+    front wheels slow: a_x and front less rear go with -sin(angle). A sensor that ripples does so
+    without torque too, in front less rear alone: there `_COASTING` counts besides. The ripple that
+    is looked for is whitened as the residuals are, for a filter delays fast turns and slow ones
+    differently.
+    """
+    base, out = base_of(vehicle, np.zeros(BASE)), []
+    for run in runs:
+        torque = np.maximum(thinned(run, run.p_mc), 0.0)
+        looked_for = np.zeros((len(CHANNELS), torque.size), complex)
+        turn = np.exp(1j * thinned(run, run.angle_f))
+        looked_for[A_X], looked_for[FRONT_REAR] = torque * turn, (torque + _COASTING) * turn
+        left = residuals(run, predict(vehicle, base, vehicle.effects, run))
+        ripple = np.sum(whiten(left, noise) * whiten(looked_for, noise))
+        out.append(replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi))
+    return tuple(out)
 
 
 def unbraked_noise(
@@ -137,25 +156,3 @@ def unbraked_noise(
     wholes = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
     pairs = zip(runs, wholes, strict=True)
     return noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
-
-
-def _turned_to_ripple(
-    vehicle: Vehicle, base: Base, run: ObservedRun, noise: ChannelNoise
-) -> ObservedRun:
-    """Set the origin of a run's wheel angle by the phase of its torque ripple, if it has one.
-
-    Every run begins at another angle of the disc. Where the front torque is high, the car and its
-    front wheels slow: a_x and front less rear go with -sin(angle). A sensor that ripples does so
-    without torque too, in front less rear alone: there `coasting` counts besides. The ripple that
-    is looked for is whitened as the residuals are, for a filter delays fast turns and slow ones
-    differently.
-    """
-    torque = np.maximum(thinned(run, run.p_mc), 0.0)
-    weights = np.stack([torque, *4 * [torque + _COASTING], torque])
-    turn = weights * np.exp(1j * thinned(run, run.angle_f))
-    left = residuals(run, predict(vehicle, base, vehicle.effects, run))
-    plain = replace(noise, sigma=np.ones_like(noise.sigma))
-    pairs = zip(by_channel(whiten(left, noise)), by_channel(whiten(turn, plain)), strict=True)
-    shown = [complex(np.sum(white * looked_for)) for white, looked_for in pairs]
-    ripple = shown[CHANNELS.index("a_x")] + shown[CHANNELS.index("front_rear")]
-    return replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi)

@@ -13,30 +13,28 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.car.braking import MOVING
-
-Array = NDArray[np.float64]
 
 SHORTEST = 1e-3
 """Relaxation length [m] that counts as none: its spring is far stiffer than any tyre."""
 
 LEAST = 1e-6
-"""Least time constant [s], and least root in steps [1]."""
+"""Least time constant [s]; root of two alike, in steps [1]."""
 
 
 @dataclass(frozen=True)
 class WheelLag:
-    """The motion over each step of a clock, for coefficients that hardly change over one.
+    """The motion of some wheels over each step of a clock, if coefficients hardly change over one.
 
     Exact for an input that is a parabola through a sample, the one before and the one after. A disc
     turns by up to 1 rad in a step: straight lines between samples would take a twentieth of its
     ripple.
 
-    ``way`` sigma/v [s] (n,); ``step`` h [s]; ``band`` (4, 2 n) the lower triangle of the recursion
-    over forces F and rates h F' by turns; ``taps`` (2, 3, n - 1) what the last three inputs add to
-    each of both.
+    ``way`` sigma/v [s] (n,); ``step`` h [s]; ``band`` (4, 2 k n) the lower triangle of the
+    recursion over forces F and rates h F' by turns, of k wheels; ``taps`` (2, 3, k, n - 1) what the
+    last three inputs add to each of both.
     """
 
     way: Array
@@ -46,66 +44,54 @@ class WheelLag:
 
     @classmethod
     def of(cls, time_constant: Array, relaxation: float, v: Array, step: float) -> Self:
-        """From tau [s] (n,), the relaxation length [m], speed [m/s] (n,) and step [s]."""
-        h, tau = step, np.maximum(time_constant, LEAST)
+        """From tau [s] (k, n), the relaxation length [m], speed [m/s] (n,) and step [s]."""
         way = max(relaxation, SHORTEST) / np.maximum(v, MOVING)
-        stay, drive, pull, slow = _free(tau[1:] / h, way[1:] / h)
-        band = np.empty((4, 2 * tau.size), order="F")
-        band[:, -2:] = 0.0
-        band[2, 0:-2:2], band[2, 1:-2:2] = -stay, -slow
-        band[1, 0:-2:2], band[1, 1:-2:2] = 0.0, -drive
-        band[3, 0:-2:2], band[3, 1:-2:2] = -pull, 0.0
-        return cls(way, h, band, _taps(tau[1:] / h, way[1:] / h, (stay, drive, pull, slow)))
+        times = np.maximum(time_constant, LEAST)[:, 1:] / step, way[1:] / step
+        free = _free(*times)
+        band = np.zeros((*time_constant.shape, 2, 4))
+        for j in range(2):  # from F, and from h F'
+            band[:, :-1, j, 2 - j : 4 - j] = -np.moveaxis(free[:, j], 0, -1)
+        return cls(way, step, band.reshape(-1, 4).T, _taps(*times, free))
 
     def follow(self, balance: Array) -> tuple[Array, Array]:
-        """Force [N] and its rate [N/s] (n,) for the force in ``balance`` [N] (n,).
+        """Force [N] and its rate [N/s] (..., k, n) for the force in ``balance`` [N] (..., k, n).
 
         It starts in balance.
         """
         from scipy.linalg.lapack import dtbtrs
 
-        before = np.concatenate([2.0 * balance[:1] - balance[1:2], balance[:-2]])
-        right = np.empty((2 * balance.size, 1))
-        right[:2, 0] = balance[0], 0.0
+        here, after = balance[..., :-1], balance[..., 1:]
+        before = np.concatenate([2.0 * here[..., :1] - after[..., :1], here[..., :-1]], axis=-1)
+        right = np.zeros((*balance.shape, 2))
+        right[..., 0, 0] = balance[..., 0]
         for row, (old, middle, new) in enumerate(self.taps):
-            right[2 + row :: 2, 0] = old * before + middle * balance[:-1] + new * balance[1:]
-        out, _ = dtbtrs(self.band, right, uplo="L", diag="U", overwrite_b=1)
-        return out[0::2, 0].copy(), out[1::2, 0] / self.step
+            right[..., 1:, row] = old * before + middle * here + new * after
+        columns = right.reshape(-1, self.band.shape[1]).T
+        out = dtbtrs(self.band, columns, uplo="L", diag="U", overwrite_b=1)[0].T
+        force, rate = np.moveaxis(out.reshape(right.shape), -1, 0)
+        return force.copy(), rate / self.step
 
 
-_Elements = tuple[Array, Array, Array, Array]
+def _free(tau: Array, way: Array) -> Array:
+    """e^A (2, 2, k, m) of F and F' over a step without an input; times in steps.
 
-
-def _free(tau: Array, way: Array) -> _Elements:
-    """_Elements of e^A of a step without an input, times in steps: stay, drive, pull and slow.
-
-    F <- stay F + drive F', F' <- pull F + slow F'.
+    A = [[0, 1], [-1/(tau way), -1/way]], its roots mean + root and mean - root.
     """
     mean = -0.5 / way
-    square = mean**2 - 1.0 / (tau * way)  # negative where the wheel swings
-    root = np.maximum(np.sqrt(np.abs(square)), LEAST)
-    even, odd = np.empty_like(root), np.empty_like(root)
-    s = square < 0.0
-    swing = np.exp(mean[s])
-    even[s], odd[s] = swing * np.cos(root[s]), swing * np.sin(root[s])
-    s = ~s
-    one, other = np.exp(np.minimum(mean[s] + root[s], 0.0)), np.exp(mean[s] - root[s])
-    even[s], odd[s] = 0.5 * (one + other), 0.5 * (one - other)
-    odd /= root
-    return even - odd * mean, odd, -odd / (tau * way), even + odd * mean
+    root = np.sqrt(mean**2 - 1.0 / (tau * way) + 0.0j)  # imaginary where the wheel swings
+    root = np.where(root == 0.0, LEAST, root)
+    one, other = np.exp(mean + root), np.exp(mean - root)
+    even, odd = 0.5 * (one + other).real, (0.5 * (one - other) / root).real
+    return np.array([[even - odd * mean, odd], [-odd / (tau * way), even + odd * mean]])
 
 
-def _taps(tau: Array, way: Array, elements: _Elements) -> Array:
+def _taps(tau: Array, way: Array, free: Array) -> Array:
     """What an input of 1 before, in the middle and after a step adds to F and F', times in steps.
 
     For u = level + slope t + bend t^2/2 the motion settles to u - tau u' + tau (tau - way) u''.
     """
-    stay, drive, pull, slow = elements
-    rest = tau * (tau - way)
-    by_level = np.array([1.0 - stay, -pull])
-    by_slope = np.array([1.0 - tau + stay * tau - drive, 1.0 + pull * tau - slow])
-    by_bend = np.array(
-        [0.5 - tau + rest - stay * rest + drive * tau, 1.0 - tau - pull * rest + slow * tau]
-    )
-    half = 0.5 * by_slope
-    return np.stack([by_bend - half, by_level - 2.0 * by_bend, by_bend + half], axis=1)
+    each = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [1.0, -2.0, 1.0]])
+    level, slope, bend = each[:, :, None, None]
+    force, rate = level - tau * slope + tau * (tau - way) * bend, slope - tau * bend
+    ended = np.array([force + rate + 0.5 * bend, rate + bend])
+    return np.asarray(ended - np.einsum("ij...,jk...->ik...", free, np.array([force, rate])))

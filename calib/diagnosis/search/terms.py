@@ -25,7 +25,7 @@ from calib.diagnosis.explanation.channels import by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.hypothesis import PRICE, Walk, based
-from calib.diagnosis.explanation.predict import ObservedRun, history_of, predict
+from calib.diagnosis.explanation.predict import ObservedRun, predict
 
 _KNOTS = 20
 _WALKS = {True: (0.003, 0.01, 0.03, 0.1), False: (0.0003, 0.001, 0.003, 0.01)}
@@ -97,14 +97,14 @@ def _warm(at: Explanation, place: str) -> bool:
 def _history(at: Explanation, run: ObservedRun) -> RunHistory:
     """A run with its predicted deceleration: the noise of a measured one would predict itself."""
     predicted = predict(at.problem.vehicle, *based(at.problem, at.hypothesis, at.state), run)
-    return replace(history_of(run), z=-predicted.a_x / G)
+    return replace(run, z=-predicted.a_x / G)
 
 
 def _knots(at: Explanation, place: str, driver: str) -> Array:
     """Knots over what the logs have of a driver; of pressure from where the pads bite."""
     if driver == "constant":
         return np.zeros(1)
-    signals = [x for run in at.problem.runs for x in drivers_of(place, driver, history_of(run))]
+    signals = [x for run in at.problem.runs for x in drivers_of(place, driver, run)]
     low, high = np.percentile(np.concatenate(signals), [1.0, 99.0])
     if driver == "pressure":
         return np.concatenate([[0.0], np.linspace(BITE, max(high, 2.0 * BITE), _KNOTS - 1)])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.names import G
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.channels import (
     CHANNELS,
@@ -62,7 +63,7 @@ def test_the_mean_squared_innovation_of_noise_alone_scatters_as_told():
             made = predict(problem.vehicle, base.base, Effects(), run)
             a_x = made.a_x + 0.04 * rng.standard_normal(run.time.size)
             omega = made.omega + 0.02 * rng.standard_normal(made.omega.shape)
-            runs.append(replace(run, a_x=a_x, omega=omega))
+            runs.append(replace(run, z=-a_x / G, omega=omega))
         at = fitted(problem_of(problem.vehicle, runs))
         drawn.append((at.reduced - 1.0) / at.scatter)
     assert abs(np.mean(drawn)) < 1.5

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.names import G
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.diagnosis.explanation.predict import Base, predict, run_of
 from tests.support.plant import Plant, as_log, drive, magic
@@ -28,7 +29,7 @@ def test_a_plant_with_the_same_physics_is_predicted(run):
     held = slice(200, -10)
     assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
     # half of what a speed's noise is, after 16 m/s of braking
-    assert told.gained[held] == pytest.approx((run.v - run.v[0])[held], abs=1e-2)
+    assert told.gained[held] == pytest.approx((run.v_read - run.v_read[0])[held], abs=1e-2)
     assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
 
 
@@ -45,8 +46,8 @@ def test_wheels_swing_on_their_tyres_when_a_slow_car_releases_its_brakes():
     mu_f, mu_r = SEDAN.front.pad_friction, SEDAN.rear.pad_friction
     told = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95, relaxation=0.4), Effects(), run)
     free = (run.time > 4.06) & (run.time < 4.4)
-    assert 3.0 < np.min(run.v[free]) < 6.0
-    swing = run.omega[0, free] - run.v[free] / SEDAN.front.rolling_radius
+    assert 3.0 < np.min(run.v_read[free]) < 6.0
+    swing = run.omega[0, free] - run.v_read[free] / SEDAN.front.rolling_radius
     left = (run.omega - told.omega)[0, free]
     assert np.std(swing) > 0.1
     assert np.std(left) < 0.6 * np.std(swing)  # the brakes end within a step of the grid
@@ -75,7 +76,7 @@ def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):
 @pytest.mark.parametrize("place", ["body", "brakes"])
 def test_a_term_over_the_deceleration_does_not_predict_noise_from_itself(run, place):
     """One sensor's noise more on a_x must not show in what is predicted."""
-    noisy = replace(run, a_x=run.a_x + np.random.default_rng(3).normal(0.0, 0.05, run.a_x.size))
+    noisy = replace(run, z=run.z + np.random.default_rng(3).normal(0.0, 0.05, run.z.size) / G)
     base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
     values = (0.0, -0.1) if place == "body" else (0.0, -0.4)
     term = EmpiricalTerm(place, "deceleration", (0.0, 0.4), values)

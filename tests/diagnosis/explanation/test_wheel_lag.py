@@ -9,8 +9,11 @@ from calib.diagnosis.explanation.wheel_lag import WheelLag
 STEP = 0.01
 
 
-def lag(tau: float, relaxation: float, v: float, size: int) -> WheelLag:
-    return WheelLag.of(np.full(size, tau), relaxation, np.full(size, v), STEP)
+def followed(tau: float, relaxation: float, v: float, balance: np.ndarray) -> np.ndarray:
+    """Force and rate (2, n) of one wheel."""
+    size = balance.size
+    lag = WheelLag.of(np.full((1, size), tau), relaxation, np.full(size, v), STEP)
+    return np.concatenate(lag.follow(balance[None]))
 
 
 @pytest.mark.parametrize("tau", [1e-4, 0.004, 0.01])
@@ -18,7 +21,7 @@ def test_a_wheel_on_a_stiff_tyre_keeps_the_ripple_of_a_disc(tau):
     """Against 1/(1 + j w T): 14 turns a second, 0.9 rad in a step of 10 ms."""
     t, w = STEP * np.arange(400), 90.0
     exact = np.exp(1j * w * t) / (1.0 + 1j * w * tau)
-    made = lag(tau, 0.0, 30.0, t.size).follow(np.sin(w * t))[0][50:]
+    made = followed(tau, 0.0, 30.0, np.sin(w * t))[0, 50:]
     amplitude = 2.0 * np.mean(made * np.exp(-1j * w * t[50:]))
     assert abs(amplitude) == pytest.approx(np.abs(exact[0]), rel=0.03)
 
@@ -37,7 +40,7 @@ def test_force_and_rate_are_those_of_an_integrator(tau, relaxation, v):
         return [y[1], (balance(now) - y[0] - tau * y[1]) / (tau * way)]
 
     expected = solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], "LSODA", t_eval=t, rtol=1e-9, atol=1e-12).y
-    force, change = lag(tau, relaxation, v, t.size).follow(balance(t))
+    force, change = followed(tau, relaxation, v, balance(t))
     assert force == pytest.approx(expected[0], abs=1e-3)
     assert change == pytest.approx(expected[1], abs=0.2)  # of 7 a second
 
@@ -47,7 +50,7 @@ def test_a_released_wheel_swings_on_its_tyre():
     inertia, load, stiffness, radius, sigma, v = 1.1, 4000.0, 30.0, 0.3, 0.4, 8.0
     tau = inertia * v / (radius**2 * load * stiffness)
     t = STEP * np.arange(60)
-    force = lag(tau, sigma, v, t.size).follow(np.where(t < 0.1, 1.0, 0.0))[0]
+    force = followed(tau, sigma, v, np.where(t < 0.1, 1.0, 0.0))[0]
     own = radius * np.sqrt(load * stiffness / (inertia * sigma))
     free = t > 0.15  # the step of the input is a ramp of two samples here
     turns = np.exp((-0.5 * v / sigma + 1j * np.sqrt(own**2 - (0.5 * v / sigma) ** 2)) * t[free])
@@ -58,6 +61,6 @@ def test_a_released_wheel_swings_on_its_tyre():
 
 
 def test_a_wheel_in_balance_stays_in_balance():
-    force, change = lag(0.003, 0.4, 20.0, 50).follow(np.full(50, 700.0))
+    force, change = followed(0.003, 0.4, 20.0, np.full(50, 700.0))
     assert force == pytest.approx(np.full(50, 700.0), rel=1e-12)
     assert change == pytest.approx(np.zeros(50), abs=1e-6)
