@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from calib.base.errors import LogError
 from calib.base.names import AXLES, WHEELS, G
-from calib.car.disc_temperature import ALIKE
+from calib.car.disc_temperature import START
 from calib.car.effects.combined import (
     as_driven,
     as_read,
@@ -40,8 +40,9 @@ from calib.car.history import Motion, RunHistory
 from calib.car.lag import delayed, integral
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import FORM_AT, REFERENCE, Base, Ground
+from calib.diagnosis.explanation.base import FORM_AT, Base
 from calib.diagnosis.explanation.kept import Kept
+from calib.diagnosis.explanation.own import FRONT_HEAT, OWN, REAR_HEAT, SLOPE, ZERO
 from calib.diagnosis.explanation.wheel_lag import WheelLag
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean
@@ -71,10 +72,9 @@ class ObservedRun:
     ``omega`` (4, n) in the order of `WHEELS`; ``v_smooth`` the speed without sensor noise, for
     forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle_f``, ``angle_r`` of the
     wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged;
-    ``ground`` what its pads and its road differ by from those of the reference logs; ``start_heat``
-    of front and rear discs at the first sample [degC], which counts where no temperature is logged;
-    ``averaged`` the number of samples of the log in a step; ``lags`` how its wheels followed in the
-    last prediction: most predictions of a search change neither car nor tyre.
+    ``own`` (8,) what it has of its own, see `calib.diagnosis.explanation.own`; ``averaged`` the
+    number of samples of the log in a step; ``lags`` how its wheels followed in the last prediction:
+    most predictions of a search change neither car nor tyre.
     """
 
     name: str
@@ -91,10 +91,7 @@ class ObservedRun:
     angle_r: Array
     drive_f: Array
     drive_r: Array
-    ground: Ground = REFERENCE
-    start_heat: tuple[float, float] = ALIKE
-    slope: float = 0.0
-    zero: float = 0.0
+    own: Array = field(default_factory=lambda: np.zeros(len(OWN)))
     averaged: int = 1
     lags: Kept[Any, tuple[WheelLag, WheelLag]] = field(
         repr=False, compare=False, default_factory=Kept
@@ -104,6 +101,12 @@ class ObservedRun:
     def warm(self) -> bool:
         """Whether the temperatures of its discs are logged."""
         return self.temperature_f is not None and self.temperature_r is not None
+
+    @property
+    def start_heat(self) -> tuple[float, float]:
+        """Of front and rear discs at the first sample [degC]; counts where none is logged."""
+        front = START + float(self.own[FRONT_HEAT])
+        return front, front + float(self.own[REAR_HEAT])
 
 
 @dataclass(frozen=True)
@@ -177,7 +180,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     is the last one.
     """
     car = as_driven(vehicle, effects).with_radii(base.radius)
-    base = run.ground.applied(base)
+    base = base.of_log(run.own)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
     pressed = history_of(run)
@@ -214,7 +217,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         slips.append(delayed(run.time, slip, late))
     a_true = -G * z
     last = _history(run, z, energy)
-    a_read = as_read(car, effects, last, a_true) + run.zero
+    a_read = as_read(car, effects, last, a_true) + run.own[ZERO]
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
     axles = (car.front, car.front, car.rear, car.rear)
     shown = delayed(run.time, gained, speed_delay(effects))  # by v as it is read
@@ -228,7 +231,9 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     use = np.abs(np.stack(forces) / np.maximum(np.stack(loads), 1.0))
     radii = np.array([axle.rolling_radius for axle in axles])
     lost = np.stack(plain) * v / radii[:, None]
-    return Prediction(a_read, shown - G * run.slope * (run.time - run.time[0]), omega, use, lost)
+    return Prediction(
+        a_read, shown - G * run.own[SLOPE] * (run.time - run.time[0]), omega, use, lost
+    )
 
 
 def history_of(run: ObservedRun) -> RunHistory:

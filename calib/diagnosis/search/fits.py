@@ -6,9 +6,10 @@ from functools import partial
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ROUGHLY, fit
-from calib.diagnosis.explanation.hypothesis import FADE, Columns, Hypothesis, State, start_of
+from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.search.odds import density
 from calib.diagnosis.search.rank import Promise
@@ -75,17 +76,16 @@ class Fits:
 
     def spare(self, at: Explanation) -> list[str]:
         """Effects of which a linear step does not say that they are worth their price."""
-        places, C = at.problem.places(at.names), at.covariance
-        x, worth = at.state.x, 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
-        firsts = {name: own.start for name, own in places.items()}
-        return [n for n, i in firsts.items() if x[i] ** 2 < 2.0 * worth * C[i, i]]
+        worth = 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
+        size = at.state.x**2 / (2.0 * worth * np.diag(at.covariance))
+        strengths = {name: int(np.argmax(at.prior.of == name)) for name in at.names}
+        return [name for name, i in strengths.items() if size[i] < 1.0]
 
     def without(self, at: Explanation, name: str) -> Explanation:
         """An explanation fitted anew without one of its effects, from where it is."""
         names = tuple(n for n in at.names if n != name)
-        keep = np.ones(at.state.x.size, bool)
-        keep[at.problem.places(at.names)[name]] = False
-        near = at.columns.kept(keep)
+        keep = at.prior.of[: at.state.x.size] != name
+        near = [J[keep] for J in at.columns]
         kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
         state = replace(at.state, x=at.state.x[keep])
         return self.known_or_fitted(Hypothesis(names, kinds), state, near)
@@ -97,7 +97,9 @@ class Fits:
         state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
         return self.known_or_fitted(hypothesis, state, at.columns)
 
-    def known_or_fitted(self, hypothesis: Hypothesis, state: State, near: Columns) -> Explanation:
+    def known_or_fitted(
+        self, hypothesis: Hypothesis, state: State, near: Sequence[Array]
+    ) -> Explanation:
         """A hypothesis as it is known, else fitted from ``state``."""
         if hypothesis.key not in self.fitted:
             self.add(fit(self.problem, hypothesis, state, near, ROUGHLY))
@@ -120,7 +122,7 @@ class Fits:
         return self.densities[key]
 
 
-def _fitted(problem: Problem, near: Columns, bent: bool, promise: Promise) -> Explanation:
+def _fitted(problem: Problem, near: Sequence[Array], bent: bool, promise: Promise) -> Explanation:
     """What is promised, fitted from its state; pads and tyres from usual ones if they were bent."""
     state = promise.state
     if bent:

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import Explanation, marginal
+from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, fit
-from calib.diagnosis.explanation.hypothesis import Columns
 from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.problem import Problem
 
@@ -18,7 +17,7 @@ def with_alike(at: Explanation) -> Explanation:
     """
     some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
     options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
-    best = max(options, key=lambda one: marginal(at, at.products, one.sizes).evidence())
+    best = max(options, key=lambda one: at.marginal(sizes=one.sizes).evidence())
     return fit(at.problem, best, at.state, at.columns, ALMOST)
 
 
@@ -29,13 +28,13 @@ def density(at: Explanation, held: Problem) -> float:
     """
     own = np.zeros((len(held.runs), at.state.own.shape[1]))
     other = seen(held, at.hypothesis, replace(at.state, own=own))
-    both = zip(at.columns.by_kind, other.columns.by_kind, strict=True)
     together = replace(
         at,
         problem=replace(at.problem, runs=(*at.problem.runs, *held.runs)),
         state=replace(at.state, own=np.vstack([at.state.own, own])),
         innovations=[*at.innovations, *other.innovations],
-        columns=Columns(*([*one, *more] for one, more in both)),
+        columns=[*at.columns, *other.columns],
+        rest=[*at.rest, *other.rest],
     )
     more = together.marginal().evidence() - at.marginal().evidence()
     return more - at.hypothesis.phases(len(held.runs))

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import definition, every_effect
-from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
-from calib.diagnosis.explanation.hypothesis import FADE, PRICE, STRENGTH, Hypothesis, State, based
+from calib.car.own_effects.own_effect import every_effect
+from calib.diagnosis.explanation.explanation import Explanation, innovations
+from calib.diagnosis.explanation.hypothesis import FADE, PRICE, Hypothesis, State, based
 from calib.diagnosis.explanation.own import KINDS, sizes
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import origins, unpack
+from calib.diagnosis.explanation.vector import STRENGTH, elements_of
 
 
 @dataclass(frozen=True)
@@ -52,14 +51,11 @@ def promises(
     """Further effects, at ``most`` so many, and kinds beside those of ``at``; best first."""
     new = [k for k, one in enumerate(further[0]) if one.name not in at.names]
     tried, columns = [further[0][k] for k in new], [of_run[new] for of_run in further[1]]
-    products = [at.products_of(i, of_run) for i, of_run in enumerate(columns)]
+    products, logs = at.products_with(columns), len(at.innovations)
     found: dict[object, Promise] = {}
     for kinds in _subsets(at) if other else [at.hypothesis.kinds]:
-        own = sizes(kinds)
-        model = marginal(at, products, own)
-        alone = marginal(at, [p.first(model.off.size) for p in products], own)
-        logs = len(products)
-        log = alone.evidence() - Hypothesis(at.names, kinds).price(logs)
+        model = at.marginal(products, sizes(kinds))
+        log = model.evidence() - Hypothesis(at.names, kinds).price(logs)
         if kinds != at.hypothesis.kinds:
             _put(found, Promise(Hypothesis(at.names, kinds), log, at.state))
         for one in _ranked(*model.beyond(), [t.name for t in tried], most):
@@ -115,37 +111,29 @@ def _trials(at: Explanation, name: str) -> list[Array]:
 
     Full strength first, then the further parameters, with both signs where the card allows.
     """
-    known = at.problem.vehicle.effects
-    card = definition(known, name).card
-    origin = origins(known, card)
+    elements = elements_of(at.problem.vehicle.effects, name)
 
     def allowed(k: int, shift: float) -> bool:
-        p = card.parameters[k]
-        return p.low <= origin[k] + shift * p.spread <= p.high
+        return elements[k].low <= shift <= elements[k].high
 
-    further = range(1, len(card.parameters))
+    further = range(1, len(elements))
     points = []
     for sign in (sign for sign in (1.0, -1.0) if allowed(0, sign)):
         shifts = [(k, shift) for k in further for shift in (-1.0, 1.0) if allowed(k, shift)]
         for k, shift in [(0, sign), *shifts]:
-            point = np.zeros(len(card.parameters))
+            point = np.zeros(len(elements))
             point[k] = shift
             point[0] = sign
             points.append(point)
     return points
 
 
-def _tried_at(problem: Problem, name: str, trial: Array) -> Effects:
-    """One effect alone, at one of its `_trials`."""
-    x = np.concatenate([np.zeros(problem.base_size), trial])
-    return unpack(problem, (name,), x)[1].only(name)
-
-
 def _changes(at: Explanation, name: str) -> list[list[Array]]:
     base, effects = based(at.problem, at.hypothesis, at.state)
-    out = []
+    elements, out = elements_of(at.problem.vehicle.effects, name), []
     for trial in _trials(at, name):
-        more = effects.with_(_tried_at(at.problem, name, trial))
+        values = zip(elements, trial.tolist(), strict=True)
+        more = effects.with_(Effects({name: {e.parameter.name: e.value(x) for e, x in values}}))
         of_runs = zip(at.runs, at.innovations, strict=True)
         out.append([innovations(at.problem, base, more, run) - r for run, r in of_runs])
     return out

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.diagnosis.explanation.hypothesis import PRICE, STRENGTH
+from calib.diagnosis.explanation.hypothesis import PRICE
+from calib.diagnosis.explanation.vector import STRENGTH
 from calib.diagnosis.search.rank import _beside, _ranked
 
 NAMES = ["a", "a", "b", "b", "b", "c", "d", "d"]
