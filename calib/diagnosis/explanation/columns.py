@@ -7,11 +7,11 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.diagnosis.explanation.base import FORM_AT
-from calib.diagnosis.explanation.channels import of_wheels, residuals, whiten
+from calib.diagnosis.explanation.channels import of_wheels, whiten
 from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all, runs_of
 from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, based, prior_of
 from calib.diagnosis.explanation.own import FRONT_HEAT, KINDS, REAR_HEAT, sizes
-from calib.diagnosis.explanation.predict import ObservedRun, Prediction, predict
+from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import Problem
 
 _STEP, _STEP_OF_OWN = 1e-3, 1.0 / 15.0
@@ -19,27 +19,30 @@ _STEP, _STEP_OF_OWN = 1e-3, 1.0 / 15.0
 
 
 def seen(
-    problem: Problem, hypothesis: Hypothesis, state: State, known: Sequence[Array] = ()
+    problem: Problem,
+    hypothesis: Hypothesis,
+    state: State,
+    known: Sequence[Array] = (),
+    *,
+    form_too: bool = True,
 ) -> Explanation:
     """A hypothesis at a state, its columns by differences.
 
-    The first ones by x of each log may be ``known`` from a state nearby.
+    Those by the first elements of x of each log may be ``known`` from a state nearby, and the last
+    ones, by the form, too.
     """
-    vehicle, (base, effects) = problem.vehicle, based(problem, hypothesis, state)
-    runs = runs_of(problem, state.own)
-    told = [predict(vehicle, base, effects, run) for run in runs]
-    r = [whiten(residuals(*both), problem.noise) for both in zip(runs, told, strict=True)]
-    first = len(known[0]) if known else 0
+    r, k = of_all(problem, hypothesis, state), state.form.size
+    first = len(known[0]) - k if known else 0
     J = _by_x(problem, hypothesis, state, r, range(first, state.x.size))
-    if known:
-        J = [np.vstack([a, b]) for a, b in zip(known, J, strict=True)]
-    if FADE in hypothesis.names or FADE in vehicle.effects:
+    form = known if known and form_too else _by_form(problem, hypothesis, state)
+    parts = zip(known or form, J, form, strict=True)
+    J = [np.vstack([a[:first], b, hypothesis.departs * c[-k:]]) for a, b, c in parts]
+    if FADE in hypothesis.names or FADE in problem.vehicle.effects:
         heat = columns_by_own(problem, hypothesis, state, r, (FRONT_HEAT, REAR_HEAT))
     else:
         heat = [np.zeros((2, one.size)) for one in r]
-    form = [hypothesis.departs * _by_form(problem, *both) for both in zip(runs, told, strict=True)]
-    rest = zip(form, problem.courses, heat, strict=True)
-    return Explanation(problem, hypothesis, state, r, J, [np.vstack(parts) for parts in rest])
+    rest = [np.vstack(both) for both in zip(problem.courses, heat, strict=True)]
+    return Explanation(problem, hypothesis, state, r, J, rest)
 
 
 def _by_x(
@@ -56,14 +59,18 @@ def _by_x(
     return [np.array([J[i] for J in found]).reshape(-1, one.size) for i, one in enumerate(r)]
 
 
-def _by_form(problem: Problem, run: ObservedRun, told: Prediction) -> Array:
-    """Derivatives (2 k, n) of the innovations of a log by the form of front and rear tyres."""
-    hats = np.eye(FORM_AT.size)
-    shares = np.stack([[np.interp(use, FORM_AT, hat) for use in told.use] for hat in hats])
-    omega = shares * told.lost
-    front, rear = omega.copy(), omega
-    front[:, 2:], rear[:, :2] = 0.0, 0.0
-    return whiten(of_wheels(run, np.concatenate([front, rear])), problem.noise)
+def _by_form(problem: Problem, hypothesis: Hypothesis, state: State) -> list[Array]:
+    """Derivatives (2 k, n) of the innovations of each log by the form of front and rear tyres."""
+    base, effects = based(problem, hypothesis, state)
+    found, hats = [], np.eye(FORM_AT.size)
+    for run in runs_of(problem, state.own):
+        at = predict(problem.vehicle, base, effects, run)
+        shares = np.stack([[np.interp(use, FORM_AT, hat) for use in at.use] for hat in hats])
+        omega = shares * at.lost
+        front, rear = omega.copy(), omega
+        front[:, 2:], rear[:, :2] = 0.0, 0.0
+        found.append(whiten(of_wheels(run, np.concatenate([front, rear])), problem.noise))
+    return found
 
 
 def columns_by_own(

@@ -29,9 +29,9 @@ _BENT = 2.0
 class Explanation:
     """A hypothesis fitted to the logs of a problem.
 
-    Of each log its ``innovations`` (n,), and their derivatives: ``columns`` (m, n) by x, ``rest``
-    (2 k + 4, n) by the form of tyres, then by its own slope, its own zero of a_x, and the first
-    heat of its discs.
+    Of each log its ``innovations`` (n,), and their derivatives: ``columns``
+    (m + 2 k, n) by x and the form of tyres, ``rest`` (4, n) by its own slope, its own zero of a_x,
+    and the first heat of its discs.
     """
 
     problem: Problem
@@ -115,15 +115,14 @@ class Explanation:
 
         Pads, stiffness and peak are factors on those of the base.
         """
-        return np.vstack([self.columns[i][:4], self.rest[i][self.state.form.size :]])
+        return np.vstack([self.columns[i][:4], self.rest[i]])
 
     def products_with(self, further: Sequence[Array]) -> list[Products]:
         """Inner products of each log, with ``further`` columns (c, n) behind the shared ones."""
         out = []
         for i, (more, r) in enumerate(zip(further, self.innovations, strict=True)):
-            shared = [self.columns[i], self.rest[i][: self.state.form.size], more]
-            own = self.own_columns(i)
-            out.append(Products.of(np.vstack(shared), own, r, self.state.own[i]))
+            shared, own = np.vstack([self.columns[i], more]), self.own_columns(i)
+            out.append(Products.of(shared, own, r, self.state.own[i]))
         return out
 
     @cached_property

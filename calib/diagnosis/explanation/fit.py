@@ -36,14 +36,14 @@ def fit(
     It has ``settled`` where the sum of squares promises to fall by no more. The evidence is that of
     the linear model, which is believed no larger fall.
     """
-    prior, m, of_base = prior_of(problem, hypothesis), state.x.size, problem.base_size
+    prior, m = prior_of(problem, hypothesis), state.x.size
     state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))
     at = _settled(seen(problem, hypothesis, state, near), settled, fresh=not near)
     if settled <= SETTLED:
         at = _proved(at, settled)
-    elif near and m > of_base:
-        base = [J[:of_base] for J in at.columns]
-        at = _settled(seen(problem, hypothesis, at.state, base), settled)
+    elif near and hypothesis.names:
+        base = [J[prior.of == ""] for J in at.columns]
+        at = _settled(seen(problem, hypothesis, at.state, base, form_too=False), settled)
     price = hypothesis.price(len(problem.runs))
     return replace(at, log_evidence=at.marginal().evidence(settled) - price)
 
@@ -121,15 +121,15 @@ def _step(at: Explanation, damping: float) -> tuple[State, float]:
 
 
 def _secant(at: Explanation, other: Explanation) -> list[Array]:
-    """Columns by x at ``other``, by Broyden's good update."""
-    dx = other.state.x - at.state.x
-    df = other.state.form - at.state.form
+    """Columns at ``other``, those by x by Broyden's good update."""
+    moved = other.state.shared - at.state.shared
+    dx = np.where(np.arange(moved.size) < at.state.x.size, moved, 0.0)
     length = float(dx @ dx)
     if length == 0.0:
         return at.columns
     J = []
     for i, (a, b) in enumerate(zip(at.innovations, other.innovations, strict=True)):
         du = other.state.own[i] - at.state.own[i]
-        told = dx @ at.columns[i] + df @ at.rest[i][: df.size] + du @ at.own_columns(i)
+        told = moved @ at.columns[i] + du @ at.own_columns(i)
         J.append(at.columns[i] + np.outer(dx, b - a - told) / length)
     return J

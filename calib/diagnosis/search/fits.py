@@ -84,10 +84,10 @@ class Fits:
     def without(self, at: Explanation, name: str) -> Explanation:
         """An explanation fitted anew without one of its effects, from where it is."""
         names = tuple(n for n in at.names if n != name)
-        keep = at.prior.of[: at.state.x.size] != name
+        keep = at.prior.of != name
         near = [J[keep] for J in at.columns]
         kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
-        state = replace(at.state, x=at.state.x[keep])
+        state = replace(at.state, x=at.state.x[keep[: at.state.x.size]])
         return self.known_or_fitted(Hypothesis(names, kinds), state, near)
 
     def without_kind(self, at: Explanation, kind: str) -> Explanation:
