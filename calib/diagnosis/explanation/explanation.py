@@ -29,9 +29,8 @@ _BENT = 2.0
 class Explanation:
     """A hypothesis fitted to the logs of a problem.
 
-    Of each log its ``innovations`` (n,), and their derivatives: ``columns``
-    (m + 2 k, n) by x and the form of tyres, ``rest`` (4, n) by its own slope, its own zero of a_x,
-    and the first heat of its discs.
+    Of each log its ``innovations`` (n,), and their derivatives: ``columns`` (m + 2 k, n) by x and
+    the form of tyres, ``rest`` (4, n) by its own slope, zero of a_x, and first heats of its discs.
     """
 
     problem: Problem

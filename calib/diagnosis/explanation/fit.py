@@ -31,7 +31,7 @@ def fit(
     near: Sequence[Array] = (),
     settled: float = SETTLED,
 ) -> Explanation:
-    """Fit a hypothesis from a state. ``near`` are columns nearby, by the first elements of x.
+    """Fit a hypothesis from a state. ``near`` are columns nearby, as `seen` knows them.
 
     It has ``settled`` where the sum of squares promises to fall by no more. The evidence is that of
     the linear model, which is believed no larger fall.

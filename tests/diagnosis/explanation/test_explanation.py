@@ -11,11 +11,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import (
-    Explanation,
-    innovations,
-    of_all,
-)
+from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
 from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
