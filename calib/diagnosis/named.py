@@ -1,5 +1,7 @@
 """The named effects of an explanation, and its base, each with evidence and intervals."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from calib.base.intervals import Z95
@@ -11,7 +13,7 @@ from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, Runner
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
 from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.explanation.hypothesis import based, bounds_of
+from calib.diagnosis.explanation.hypothesis import based
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.proof.verdict import Verdict
 from calib.diagnosis.replays.remainder import range_of
@@ -27,17 +29,16 @@ def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
     """
     half = Z95 * np.sqrt(np.maximum(np.diag(at.covariance), 0.0) * max(at.reduced, 1.0))
     half[:2] = np.hypot(half[:2], Z95 * at.problem.vehicle.mass_tolerance)
-    ends = (
-        np.clip(at.state.x + s * half, *bounds_of(at.problem, at.hypothesis)) for s in (-1, 0, 1)
-    )
-    return [based(at.problem, at.hypothesis, at.with_x(x)) for x in ends]
+    low, high = at.prior.low[: half.size], at.prior.high[: half.size]
+    ends = (np.clip(at.state.x + s * half, low, high) for s in (-1, 0, 1))
+    return [based(at.problem, at.hypothesis, replace(at.state, x=x)) for x in ends]
 
 
 def base_estimates(at: Explanation) -> dict[str, ParameterEstimate]:
     """Pads and tyre with intervals; ``rolling_radius`` over that of the file."""
     names = ("pad_friction_f", "pad_friction_r", "tyre_stiffness", "tyre_peak", "rolling_radius")
     ends = (
-        (b.pad_friction_f, b.pad_friction_r, b.stiffness, b.peak, b.radius)
+        (b.pad_friction_f, b.pad_friction_r, float(b.tyre.stiffness), float(b.tyre.peak), b.radius)
         for b, _ in intervals(at)
     )
     told = zip(names, *ends, strict=True)

@@ -17,7 +17,7 @@ from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.explanation import Explanation, innovations
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.own import OWN
@@ -122,7 +122,7 @@ def unresolved(at: Explanation, further: Further) -> tuple[str, ...]:
 
     Effects that the vehicle file has are known, and not among them.
     """
-    products = [at.products_of(i, of_run) for i, of_run in enumerate(further.columns)]
+    products = at.products_with(further.columns)
     shown = dict[str, float]()
     sizes = _sizes(at, products).tolist()
     for name, size in zip(further.names.tolist(), sizes, strict=True):
@@ -163,16 +163,17 @@ def best_drives(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list
 
 def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
     """Inner products of each log, with what the ``others`` change behind its own columns."""
-    out = []
-    for i, (run, r) in enumerate(zip(at.runs, at.innovations, strict=True)):
-        changes = [innovations(at.problem, *other, run) - r for other in others]
-        out.append(at.products_of(i, np.stack(changes)))
-    return out
+    return at.products_with(
+        [
+            np.stack([innovations(at.problem, *other, run) - r for other in others])
+            for run, r in zip(at.runs, at.innovations, strict=True)
+        ]
+    )
 
 
 def _sizes(at: Explanation, products: list[Products]) -> Array:
     """Sizes of the columns behind those of ``at``, beyond what these can imitate [sigma]."""
-    E, _ = marginal(at, products, at.hypothesis.sizes).beyond()
+    E, _ = at.marginal(products).beyond()
     return np.sqrt(np.maximum(np.diag(E), 0.0))
 
 

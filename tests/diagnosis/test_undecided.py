@@ -11,7 +11,7 @@ import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.explanation import Explanation, objective
+from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
@@ -61,7 +61,7 @@ def refitted(rivals: list[Explanation], run: ObservedRun) -> float:
     for at in rivals:
         own = np.vstack([at.state.own, np.zeros((1, len(OWN)))])
         anew = fit(more, at.hypothesis, replace(at.state, own=own))
-        found.append(objective(anew))
+        found.append(anew.squares)
     return float(np.sqrt(found[1] - found[0]))
 
 

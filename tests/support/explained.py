@@ -1,6 +1,7 @@
 """What the diagnosis makes of a case of the hidden plant: problem, base, search, answer."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,9 +10,10 @@ from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, fit
-from calib.diagnosis.explanation.hypothesis import Hypothesis, State, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
+from calib.diagnosis.explanation.vector import elements_of
 from calib.diagnosis.search.search import Search
 from calib.diagnosis.search.search import searched as searched_in
 from calib.logs.log import Log
@@ -31,10 +33,9 @@ def asked_of(case: HiddenCase) -> Problem:
 def fitted(problem: Problem, names: tuple[str, ...] = (), kinds: Sequence[str] = ()) -> Explanation:
     """Effects and kinds fitted from nothing; strengths begin with one spread."""
     start, hypothesis = start_of(problem), Hypothesis(names, frozenset(kinds))
-    more = np.zeros(sum(problem.parameters_of(name) for name in names))
-    for place in problem.places(names).values():
-        more[place.start - problem.base_size] = 1.0
-    state = State(np.append(start.x, more), start.form, start.own)
+    known = problem.vehicle.effects
+    more = [np.eye(len(elements_of(known, name)))[0] for name in names]
+    state = replace(start, x=np.concatenate([start.x, *more]))
     return fit(problem, hypothesis, state, settled=ALMOST)
 
 

@@ -8,21 +8,8 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.diagnosis.explanation.base import FORM_AT
 from calib.diagnosis.explanation.channels import of_wheels, whiten
-from calib.diagnosis.explanation.explanation import (
-    Explanation,
-    driven,
-    innovations,
-    of_all,
-    runs_of,
-)
-from calib.diagnosis.explanation.hypothesis import (
-    FADE,
-    Columns,
-    Hypothesis,
-    State,
-    based,
-    bounds_of,
-)
+from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all, runs_of
+from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, based, prior_of
 from calib.diagnosis.explanation.own import FRONT_HEAT, KINDS, REAR_HEAT, sizes
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import Problem
@@ -32,36 +19,42 @@ _STEP, _STEP_OF_OWN = 1e-3, 1.0 / 15.0
 
 
 def seen(
-    problem: Problem, hypothesis: Hypothesis, state: State, known: Columns | None = None
+    problem: Problem,
+    hypothesis: Hypothesis,
+    state: State,
+    known: Sequence[Array] = (),
+    *,
+    form_too: bool = True,
 ) -> Explanation:
     """A hypothesis at a state, its columns by differences.
 
-    The first ones by x, and all by the form, may be ``known`` from a state nearby.
+    Those by the first elements of x of each log may be ``known`` from a state nearby, and the last
+    ones, by the form, too.
     """
-    r = of_all(problem, hypothesis, state)
-    first = known.x[0].shape[0] if known else 0
-    J = columns_by_x(problem, hypothesis, state, r, range(first, state.x.size))
-    if known:
-        J = [np.vstack([a, b]) for a, b in zip(known.x, J, strict=True)]
-    form = known.form if known and known.form else _by_form(problem, hypothesis, state)
+    r, k = of_all(problem, hypothesis, state), state.form.size
+    first = len(known[0]) - k if known else 0
+    J = _by_x(problem, hypothesis, state, r, range(first, state.x.size))
+    form = known if known and form_too else _by_form(problem, hypothesis, state)
+    parts = zip(known or form, J, form, strict=True)
+    J = [np.vstack([a[:first], b, hypothesis.departs * c[-k:]]) for a, b, c in parts]
     if FADE in hypothesis.names or FADE in problem.vehicle.effects:
         heat = columns_by_own(problem, hypothesis, state, r, (FRONT_HEAT, REAR_HEAT))
     else:
         heat = [np.zeros((2, one.size)) for one in r]
-    return Explanation(problem, hypothesis, state, r, Columns(J, form, heat))
+    rest = [np.vstack(both) for both in zip(problem.courses, heat, strict=True)]
+    return Explanation(problem, hypothesis, state, r, J, rest)
 
 
-def columns_by_x(
+def _by_x(
     problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array], which: Iterable[int]
 ) -> list[Array]:
-    """Derivatives of the innovations ``r`` of each log by some elements of x."""
-    high, runs = bounds_of(problem, hypothesis)[1], runs_of(problem, state.own)
-    found = []
+    """Derivatives (m, n) of the innovations ``r`` of each log by some elements of x."""
+    high, found = prior_of(problem, hypothesis).high, []
     for k in which:
         step = _STEP if state.x[k] + _STEP < high[k] else -_STEP
         x = state.x.copy()
         x[k] += step
-        moved = of_all(problem, hypothesis, replace(state, x=x), runs)
+        moved = of_all(problem, hypothesis, replace(state, x=x))
         found.append([(a - b) / step for a, b in zip(moved, r, strict=True)])
     return [np.array([J[i] for J in found]).reshape(-1, one.size) for i, one in enumerate(r)]
 
@@ -76,8 +69,7 @@ def _by_form(problem: Problem, hypothesis: Hypothesis, state: State) -> list[Arr
         omega = shares * at.lost
         front, rear = omega.copy(), omega
         front[:, 2:], rear[:, :2] = 0.0, 0.0
-        both = whiten(of_wheels(run, np.concatenate([front, rear])), problem.noise)
-        found.append(float(hypothesis.departs) * both)
+        found.append(whiten(of_wheels(run, np.concatenate([front, rear])), problem.noise))
     return found
 
 
@@ -86,9 +78,9 @@ def columns_by_own(
 ) -> list[Array]:
     """Derivatives of the innovations ``r`` of each log by some states of its own."""
     base, effects = based(problem, hypothesis, state)
-    steps, out = _STEP_OF_OWN * sizes(KINDS), []
-    for run, states, one in zip(problem.runs, state.own, r, strict=True):
-        moved = [driven(run, states + steps * (np.arange(steps.size) == k)) for k in which]
+    steps, out = np.diag(_STEP_OF_OWN * sizes(KINDS)), []
+    for run, one in zip(runs_of(problem, state.own), r, strict=True):
+        moved = [run.with_own(run.own + steps[k]) for k in which]
         changes = [innovations(problem, base, effects, other) - one for other in moved]
-        out.append(np.stack(changes) / steps[list(which), None])
+        out.append(np.stack(changes) / np.diag(steps)[list(which), None])
     return out

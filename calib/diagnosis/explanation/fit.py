@@ -3,21 +3,16 @@
 The derivatives follow by Broyden's secant updates, so a round costs one prediction of every log.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import (
-    Explanation,
-    marginal,
-    objective,
-    of_all,
-    own_columns,
-)
-from calib.diagnosis.explanation.hypothesis import Columns, Hypothesis, State, bounds_of
+from calib.diagnosis.explanation.explanation import Explanation, of_all
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, prior_of
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import bounds
 
 ALMOST, SETTLED, ROUGHLY = 0.1, 2.0, 20.0
 """Falls of the sum of squares from which a fit goes on: the last one, one that is compared, and one
@@ -33,22 +28,22 @@ def fit(
     problem: Problem,
     hypothesis: Hypothesis,
     state: State,
-    near: Columns | None = None,
+    near: Sequence[Array] = (),
     settled: float = SETTLED,
 ) -> Explanation:
-    """Fit a hypothesis from a state. ``near`` are columns nearby, by the first elements of x.
+    """Fit a hypothesis from a state. ``near`` are columns nearby, as `seen` knows them.
 
     It has ``settled`` where the sum of squares promises to fall by no more. The evidence is that of
     the linear model, which is believed no larger fall.
     """
-    low, high = bounds_of(problem, hypothesis)
-    state = replace(state, x=np.clip(state.x, low + 1e-6, high - 1e-6))
-    at = _settled(seen(problem, hypothesis, state, near), settled, fresh=near is None)
+    prior, m = prior_of(problem, hypothesis), state.x.size
+    state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))
+    at = _settled(seen(problem, hypothesis, state, near), settled, fresh=not near)
     if settled <= SETTLED:
         at = _proved(at, settled)
-    elif near is not None and at.state.x.size > problem.base_size:
-        base = at.columns.kept(np.arange(at.state.x.size) < problem.base_size)
-        at = _settled(seen(problem, hypothesis, at.state, replace(base, form=[])), settled)
+    elif near and hypothesis.names:
+        base = [J[prior.of == ""] for J in at.columns]
+        at = _settled(seen(problem, hypothesis, at.state, base, form_too=False), settled)
     price = hypothesis.price(len(problem.runs))
     return replace(at, log_evidence=at.marginal().evidence(settled) - price)
 
@@ -73,7 +68,7 @@ def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanati
     Secant updates between them; columns are computed anew where a step brings less than a quarter
     of its promise.
     """
-    left, damping, square = _REFRESHED, 0.0, objective(at)
+    left, damping = _REFRESHED, 0.0
     for _ in range(_ROUNDS):
         state, promised = _step(at, 0.0)
         if promised < least:
@@ -82,16 +77,15 @@ def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanati
             if damping:
                 state, promised = _step(at, damping)
             other = replace(at, state=state, innovations=of_all(at.problem, at.hypothesis, state))
-            value = objective(other)
-            if value < square:
+            if other.squares < at.squares:
                 break
             damping = max(10.0 * damping, _DAMPING)
         else:
-            other, value, damping = at, square, _DAMPING
-        fall = square - value
+            other, damping = at, _DAMPING
+        fall = at.squares - other.squares
         if fall > 0.0:
             at = replace(other, columns=_secant(at, other))
-            square, fresh, damping = value, False, 0.1 * damping
+            fresh, damping = False, 0.1 * damping
             if fall < 0.5 * least:
                 return at
         if fall < 0.25 * promised:
@@ -106,13 +100,10 @@ def _step(at: Explanation, damping: float) -> tuple[State, float]:
 
     What would leave its bounds, or be longer than a linear model holds, ends there.
     """
-    low, high = bounds_of(at.problem, at.hypothesis)
-    m = at.state.x.size
-    most = np.full(m + at.state.form.size, _FAR)
-    most[at.problem.base_size : bounds(at.problem, at.names)[0].size] = _FAR_EFFECT
-    least = np.append(np.maximum(low - at.state.x, -most[:m]), -most[m:])
-    most[:m] = np.minimum(high - at.state.x, most[:m])
-    whole = marginal(at, at.products, at.hypothesis.sizes, damping)
+    prior, now, m = at.prior, at.state.shared, at.state.x.size
+    far = np.where(np.isin(prior.of, at.names), _FAR_EFFECT, _FAR)
+    least, most = np.maximum(prior.low - now, -far), np.minimum(prior.high - now, far)
+    whole = at.marginal(damping=damping)
     H, g = whole.information, whole.gradient
     H = H + damping * np.diag(np.diag(H))
     free, step = np.ones(g.size, bool), np.zeros(g.size)
@@ -124,21 +115,21 @@ def _step(at: Explanation, damping: float) -> tuple[State, float]:
         step = np.clip(step, least, most)
         free &= ~past
     own = np.stack([one @ np.append(step, 1.0) for one in whole.steps])
-    x, form = at.state.x + step[:m], at.state.form + step[m:]
-    fall = objective(at) - whole.squares - (2.0 * g @ step + step @ H @ step)
-    return State(np.clip(x, low, high), form, at.state.own - own), float(fall)
+    x, form = np.split(np.clip(now + step, prior.low, prior.high), [m])
+    fall = at.squares - whole.squares - (2.0 * g @ step + step @ H @ step)
+    return State(x, form, at.state.own - own), float(fall)
 
 
-def _secant(at: Explanation, other: Explanation) -> Columns:
-    """Columns by x at ``other``, by Broyden's good update."""
-    dx = other.state.x - at.state.x
-    df = other.state.form - at.state.form
+def _secant(at: Explanation, other: Explanation) -> list[Array]:
+    """Columns at ``other``, those by x by Broyden's good update."""
+    moved = other.state.shared - at.state.shared
+    dx = np.where(np.arange(moved.size) < at.state.x.size, moved, 0.0)
     length = float(dx @ dx)
     if length == 0.0:
         return at.columns
     J = []
     for i, (a, b) in enumerate(zip(at.innovations, other.innovations, strict=True)):
         du = other.state.own[i] - at.state.own[i]
-        told = dx @ at.columns.x[i] + df @ at.columns.form[i] + du @ own_columns(at, i)
-        J.append(at.columns.x[i] + np.outer(dx, b - a - told) / length)
-    return replace(at.columns, x=J)
+        told = moved @ at.columns[i] + du @ at.own_columns(i)
+        J.append(at.columns[i] + np.outer(dx, b - a - told) / length)
+    return J

@@ -32,11 +32,6 @@ class Products:
         M = np.vstack([shared, r])
         return cls(M @ M.T, M @ own.T, own @ own.T, state)
 
-    def first(self, m: int) -> "Products":
-        """Those of the first ``m`` shared columns alone."""
-        keep = np.append(np.arange(m), -1)
-        return Products(self.shared[np.ix_(keep, keep)], self.mixed[keep], self.own, self.state)
-
     def reduced(self, sizes: Array, damping: float = 0.0) -> tuple[Array, Array, float]:
         """The products (m + 1, m + 1) without what own states of these ``sizes`` (k,) explain.
 
@@ -61,15 +56,14 @@ class Products:
 
 @dataclass(frozen=True)
 class Marginal:
-    """Shared products ``G`` (m + 1, m + 1) of all logs, with the prior of the shared parameters.
+    """Shared products ``G`` of all logs and of the prior, which is on the first ``k`` columns.
 
-    ``precision`` (m, m) and ``off`` (m,) the distance from its mean; ``spent`` ln of the
-    determinants of the own states' information; ``steps`` of each log as `Products.reduced` has it.
+    ``spent`` ln of the determinants of the own states' information over that of the prior;
+    ``steps`` of each log as `Products.reduced` has it.
     """
 
     G: Array
-    precision: Array
-    off: Array
+    k: int
     spent: float
     steps: list[Array]
 
@@ -82,46 +76,45 @@ class Marginal:
         off: Array,
         damping: float = 0.0,
     ) -> "Marginal":
-        """Of all logs; prior of the first (m,) columns, those behind have none."""
-        parts = [one.reduced(sizes, damping) for one in products]
-        G = np.sum([part[0] for part in parts], axis=0)
-        spent = float(sum(part[2] for part in parts))
-        return cls(G, precision, off, spent, [part[1] for part in parts])
+        """Of all logs; prior of the first columns by its ``precision`` (k, k), its mean ``off``
+        (k,) away, those behind have none.
+        """
+        grams, steps, logs = zip(*(one.reduced(sizes, damping) for one in products), strict=True)
+        G, k = np.sum(grams, axis=0), off.size
+        rows, first = np.column_stack([np.eye(k), off]), [*range(k), -1]
+        G[np.ix_(first, first)] += rows.T @ precision @ rows
+        spent = sum(logs) - float(np.linalg.slogdet(precision)[1])
+        return cls(G, k, spent, list(steps))
 
     @property
     def information(self) -> Array:
         """Information (k, k) of the shared parameters with a prior."""
-        k = self.off.size
-        return np.asarray(self.G[:k, :k] + self.precision)
+        return self.G[: self.k, : self.k]
 
     @property
     def gradient(self) -> Array:
         """Half the gradient (k,) of the sum of squares."""
-        k = self.off.size
-        return np.asarray(self.G[:k, -1] + self.precision @ self.off)
+        return self.G[: self.k, -1]
 
     @property
     def squares(self) -> float:
         """Sum of squares at the present point, priors included, own states at their best."""
-        return float(self.G[-1, -1] + self.off @ self.precision @ self.off)
+        return float(self.G[-1, -1])
 
     def evidence(self, most: float = np.inf) -> float:
         """ln of the evidence but for a constant of the rows, by Laplace at the linear optimum.
 
-        ``most`` is the largest fall of the sum of squares to there that is believed.
+        ``most`` is the largest fall of the sum of squares to there that is believed. Columns
+        without a prior do not count.
         """
         H, g = self.information, self.gradient
         fall = min(float(g @ np.linalg.solve(H, g)), most)
-        prior = np.linalg.slogdet(self.precision)[1]
-        spread = float(prior) - float(np.linalg.slogdet(H)[1]) - self.spent
-        return 0.5 * (spread - self.squares + fall)
+        return 0.5 * (fall - self.squares - float(np.linalg.slogdet(H)[1]) - self.spent)
 
     def beyond(self) -> tuple[Array, Array]:
         """What the columns behind the prior do that the others cannot: products (c, c), and along r
         with its sign turned (c,).
         """
-        k = self.off.size
-        cross = self.G[:k, k:].copy()
-        cross[:, -1] += self.precision @ self.off
+        k, cross = self.k, self.G[: self.k, self.k :]
         left = self.G[k:, k:] - cross.T @ np.linalg.solve(self.information, cross)
         return left[:-1, :-1], -left[:-1, -1]

@@ -7,16 +7,12 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.diagnosis.explanation.base import FORM_AT, Base
+from calib.diagnosis.explanation.base import FORM_AT, HIGH, LOW, Base, base_sigma, form_precision
 from calib.diagnosis.explanation.own import OWN, PEAK, sizes
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import bounds, unpack
+from calib.diagnosis.explanation.vector import elements, unpack
 
 FADE = "pad_thermal_fade"
-
-STRENGTH, FURTHER = 2.0, 1.0
-"""Standard deviations of the priors on the strength of an effect and on its further parameters, in
-spreads of its card."""
 
 PRICE = 5.0
 """ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
@@ -29,8 +25,10 @@ PHASE = 2.0
 
 _FIRST = 5.0
 
-_HIGH = 0.25
+_BEGIN = 0.25
 """Logarithm of the peak from which a fit begins, over the usual one."""
+
+_FORM = form_precision()
 
 
 @dataclass(frozen=True)
@@ -40,6 +38,11 @@ class State:
     x: Array
     form: Array
     own: Array
+
+    @property
+    def shared(self) -> Array:
+        """What all logs share: x and the form (m + 2 k,)."""
+        return np.concatenate([self.x, self.form])
 
 
 @dataclass(frozen=True)
@@ -107,44 +110,35 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
-class Columns:
-    """Derivatives of the innovations of each log.
+class Prior:
+    """Of all that logs share, x and the form of tyres (m + 2 k,): normal about zero.
 
-    By ``x`` (m, n), by the ``form`` (2 k, n), by the first ``heat`` of its discs (2, n), where
-    pads fade.
+    With this ``precision`` (m + 2 k, m + 2 k), from ``low`` to ``high``. ``of`` the effect that has
+    each, "" for base, walk and form.
     """
 
-    x: list[Array]
-    form: list[Array]
-    heat: list[Array]
-
-    @property
-    def by_kind(self) -> tuple[list[Array], ...]:
-        """Those by x, by the form and by the heat."""
-        return self.x, self.form, self.heat
-
-    def kept(self, which: NDArray[np.bool_]) -> "Columns":
-        """Those by some elements of x alone."""
-        return replace(self, x=[J[which] for J in self.x])
+    of: NDArray[np.str_]
+    low: Array
+    high: Array
+    precision: Array
 
 
-def prior_precision(problem: Problem, hypothesis: Hypothesis) -> Array:
-    """Precision (m, m) of the prior on x."""
+def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
+    """What is believed of a hypothesis before the logs are read."""
     from scipy.linalg import block_diag
 
-    own = [[STRENGTH] + [FURTHER] * (problem.parameters_of(n) - 1) for n in hypothesis.names]
-    sigma = np.concatenate([problem.base_sigma, *own])
-    walk = [] if hypothesis.walk is None else [hypothesis.walk.precision]
-    return np.asarray(block_diag(np.diag(sigma**-2.0), *walk))
-
-
-def bounds_of(problem: Problem, hypothesis: Hypothesis) -> tuple[Array, Array]:
-    """Least and largest x (m,)."""
-    low, high = bounds(problem, hypothesis.names)
-    if hypothesis.walk is None:
-        return low, high
-    most = np.full(len(hypothesis.walk.knots), hypothesis.walk.limit)
-    return np.concatenate([low, -most]), np.concatenate([high, most])
+    found = elements(problem, hypothesis.names)
+    walks = [] if hypothesis.walk is None else [hypothesis.walk]
+    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(_FORM) * [np.inf]]
+    slowest = max(run.step / run.averaged for run in problem.runs)
+    sigma = np.append(base_sigma(slowest), [one.sigma for one in found])
+    effects = [one.effect for one in found][problem.base_size - LOW.size :]
+    return Prior(
+        np.array([*problem.base_size * [""], *effects, *len(most) * [""]]),
+        np.concatenate([LOW, [one.low for one in found], np.negative(most)]),
+        np.concatenate([HIGH, [one.high for one in found], most]),
+        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), _FORM),
+    )
 
 
 def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base, Effects]:
@@ -159,7 +153,7 @@ def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base,
 def start_of(problem: Problem) -> State:
     """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
     return State(
-        _HIGH * np.eye(problem.base_size)[PEAK],
+        _BEGIN * np.eye(problem.base_size)[PEAK],
         np.zeros(2 * FORM_AT.size),
         np.zeros((len(problem.runs), len(OWN))),
     )

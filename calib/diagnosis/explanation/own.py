@@ -37,7 +37,6 @@ GRADE, ZERO_OF_A_X = "road_grade", "accelerometer_bias"
 
 _OF_KIND = np.array([row["kind"] for row in _ROWS])
 
-
 SCATTERED = ("pads", "road")
 """Kinds in which logs usually differ a little."""
 

@@ -11,13 +11,14 @@ torque on the spring of its tyre (`calib.diagnosis.explanation.wheel_lag`).
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import AXLES, WHEELS, G
+from calib.car.disc_temperature import START
 from calib.car.effects.combined import (
     as_driven,
     as_read,
@@ -38,7 +39,8 @@ from calib.car.history import Motion, RunHistory
 from calib.car.lag import delayed, integral
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import FORM_AT, REFERENCE, Base, Ground
+from calib.diagnosis.explanation.base import FORM_AT, Base
+from calib.diagnosis.explanation.own import FRONT_HEAT, OWN, REAR_HEAT, SLOPE, ZERO
 from calib.diagnosis.explanation.wheel_lag import WheelLag
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean
@@ -68,24 +70,27 @@ class ObservedRun(RunHistory):
 
     Besides, ``step`` of its clock; ``v_read`` the speed as measured; ``omega`` (4, n) in the order
     of `WHEELS`; ``drive`` (2, n) torque of engine or motor [N m per axle], zero if not logged;
-    ``ground`` what its pads and its road differ by from those of the reference logs; ``slope`` of
-    its road [1] and ``zero`` of its a_x [m/s^2]; ``lag`` how its wheels followed in the last
-    prediction, behind car and tyre: most predictions of a search change neither.
+    ``own`` (8,) what it has of its own, see `calib.diagnosis.explanation.own`; ``lag`` how its
+    wheels followed in the last prediction, behind car and tyre: most predictions of a search change
+    neither.
     """
 
     step: float
     v_read: Array
     omega: Array
     drive: Array
-    ground: Ground = REFERENCE
-    slope: float = 0.0
-    zero: float = 0.0
+    own: Array = field(default_factory=lambda: np.zeros(len(OWN)))
     lag: list[Any] = field(repr=False, compare=False, default_factory=list)
 
     @property
     def a_x(self) -> Array:
         """Measured acceleration [m/s^2]."""
         return -G * self.z
+
+    def with_own(self, own: Array) -> Self:
+        """The same with other ``own`` (8,), and with its start heats."""
+        front = START + float(own[FRONT_HEAT])
+        return replace(self, own=own, start_heat=(front, front + float(own[REAR_HEAT])))
 
 
 @dataclass(frozen=True)
@@ -154,7 +159,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
     car = as_driven(vehicle, effects).with_radii(base.radius)
-    base = run.ground.applied(base)
+    base = base.of_log(run.own)
     tyre, lag = base.tyre, _wheel_lag(car, base.tyre, run)
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
     clamps = np.stack(caliper_pressure(effects, pressed, *line_pressure(effects, pressed)))
@@ -185,8 +190,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     for w, factor in wheel_speed_factors(car, effects, moved).items():
         omega[WHEELS.index(w)] *= factor
     return Prediction(
-        a_x=as_read(car, effects, history, -G * z) + run.zero,
-        gained=shown - G * run.slope * (run.time - run.time[0]),
+        a_x=as_read(car, effects, history, -G * z) + run.own[ZERO],
+        gained=shown - G * run.own[SLOPE] * (run.time - run.time[0]),
         omega=omega,
         use=_by_wheel(use),
         lost=_by_wheel(turning * plain),

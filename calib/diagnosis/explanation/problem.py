@@ -10,11 +10,9 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import G
 from calib.base.processes import Mapped
-from calib.car.effects.body import AERODYNAMIC_DRAG
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import BASE, BASE_SIGMA, CLOCK, CLOCK_UNIT, Base, base_of
+from calib.diagnosis.explanation.base import BASE, Base, base_of
 from calib.diagnosis.explanation.channels import (
     A_X,
     CHANNELS,
@@ -30,14 +28,6 @@ from calib.diagnosis.explanation.channels import (
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
 DRAG, SHARE = "aerodynamic_drag", "load_share"
-
-_SHARE = {p.name: p for p in AERODYNAMIC_DRAG.card.parameters}[SHARE]
-
-USUAL_SHARE, SHARE_SIGMA = _SHARE.typical, 2.0 * _SHARE.spread
-
-SHARE_RANGE = _SHARE.high - _SHARE.typical
-"""Share of a drag that moves load [1]: the middle of its prior, its spread and its range, for a
-drag that is known and one that is found alike."""
 
 _COASTING = 1e5
 """Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
@@ -76,31 +66,11 @@ class Problem:
         """Number of base parameters, the first ones of every vector."""
         return BASE + self.free_share
 
-    @property
-    def base_sigma(self) -> Array:
-        """Standard deviations (`base_size`,) of their priors."""
-        slowest = max(run.step / run.averaged for run in self.runs)
-        return np.array(
-            [*BASE_SIGMA, CLOCK * slowest / CLOCK_UNIT, *[SHARE_SIGMA] * self.free_share]
-        )
-
     @cached_property
     def free_share(self) -> bool:
         """Whether a drag is known, but not how much load it moves."""
         known = self.vehicle.effects.parameters.get(DRAG)
         return known is not None and SHARE not in known
-
-    def parameters_of(self, name: str) -> int:
-        """Number of parameters of an effect."""
-        return len(definition(self.vehicle.effects, name).card.parameters)
-
-    def places(self, names: tuple[str, ...]) -> dict[str, slice]:
-        """Where the parameters of each effect stand in a vector, behind those of the base."""
-        found, i = {}, self.base_size
-        for name in names:
-            found[name] = slice(i, i + self.parameters_of(name))
-            i = found[name].stop
-        return found
 
     @cached_property
     def courses(self) -> list[Array]:

@@ -1,75 +1,81 @@
-"""The vector that is fitted: the base parameters, then those of the effects."""
+"""The vector x that is fitted: the base parameters, then those of the effects."""
 
-from dataclasses import replace
-
-import numpy as np
+from dataclasses import dataclass, replace
 
 from calib.base.arrays import Array
-from calib.car.effects.effect import Card
+from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
-from calib.diagnosis.explanation.base import BASE, BEND, RELAXATION, Base, base_of
-from calib.diagnosis.explanation.problem import DRAG, SHARE, SHARE_RANGE, USUAL_SHARE, Problem
+from calib.diagnosis.explanation.base import BASE, Base, base_of
+from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
-_PADS = 0.7
-"""Largest logarithm of a pad friction over that of the file: half and double. With rear pads of 2.8
-times the file's, a valve imitated a motor."""
+STRENGTH, FURTHER = 2.0, 1.0
+"""Standard deviations of the priors on the strength of an effect and on its further parameters, in
+spreads of its card."""
 
-_LOW = (-_PADS, -_PADS, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION, -0.2, -0.05, -1.0)
-_HIGH = (_PADS, _PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0, 0.2, 0.05, 1.0)
-"""Range of the base parameters."""
+
+@dataclass(frozen=True)
+class Element:
+    """A ``parameter`` of an ``effect``: x in units of its spread, counted from its ``origin``.
+
+    That is the value of the vehicle file, if it has any; else the neutral one for a strength, the
+    typical one for any other parameter. ``sigma`` is the standard deviation of the prior on x.
+    """
+
+    effect: str
+    parameter: Parameter
+    origin: float
+    sigma: float
+
+    @property
+    def low(self) -> float:
+        """Least x, by the card."""
+        return (self.parameter.low - self.origin) / self.parameter.spread
+
+    @property
+    def high(self) -> float:
+        """Largest x, by the card."""
+        return (self.parameter.high - self.origin) / self.parameter.spread
+
+    def value(self, x: float) -> float:
+        """The parameter [SI]."""
+        p = self.parameter
+        return min(max(self.origin + x * p.spread, p.low), p.high)
+
+
+def elements_of(known: Effects, name: str) -> list[Element]:
+    """The parameters of one effect, beside those that the vehicle file has."""
+    card, given = definition(known, name).card, known.parameters.get(name)
+    strength, *further = card.parameters
+    usual = card.neutral if given is None else strength.typical
+    given = given or {}
+    return [
+        Element(name, strength, given.get(strength.name, usual), STRENGTH),
+        *(Element(name, p, given.get(p.name, p.typical), FURTHER) for p in further),
+    ]
+
+
+def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
+    """All behind the base: the load that a known drag moves where the file does not say, effects.
+
+    That load is not sure to be as usual where the rest of the drag is known: its prior is wider.
+    """
+    known = problem.vehicle.effects
+    out = [one for name in names for one in elements_of(known, name)]
+    if problem.free_share:
+        (share,) = (one for one in elements_of(known, DRAG) if one.parameter.name == SHARE)
+        out.insert(0, replace(share, sigma=STRENGTH))
+    return out
 
 
 def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
-    """Base and effects from a vector: the base, then the parameters of the effects.
+    """Base and effects from a vector, which may go on behind them.
 
-    A parameter is in units of its spread and counts from its origin, see `origins`. The load that a
-    known drag moves is that of the drag's own parameters where these are found anew.
+    The load that a known drag moves is that of the drag's own parameters where it is found anew.
     """
-    known, given = _with_share(problem, x), problem.vehicle.effects
-    found, i = {}, problem.base_size
-    for name in names:
-        card = definition(known, name).card
-        values = {}
-        for p, origin in zip(card.parameters, origins(given, card), strict=True):
-            values[p.name] = min(max(origin + float(x[i]) * p.spread, p.low), p.high)
-            i += 1
-        found[name] = values
-    base = base_of(problem.vehicle, x[:BASE])
-    return base, known.with_(Effects(found))
-
-
-def _with_share(problem: Problem, x: Array) -> Effects:
-    """The known effects, with the load that a known drag moves by the vector."""
-    known = problem.vehicle.effects
-    if not problem.free_share:
-        return known
-    share = USUAL_SHARE + float(x[BASE])
-    return replace(
-        known, parameters={**known.parameters, DRAG: {**known.parameters[DRAG], SHARE: share}}
-    )
-
-
-def origins(known: Effects, card: Card) -> tuple[float, ...]:
-    """Where the parameters of an effect count from: the values of the vehicle file, if it has any.
-
-    Else the neutral value for a strength, the typical value for any other parameter.
-    """
-    if card.name in known:
-        given = known.parameters[card.name]
-        return tuple(given.get(p.name, p.typical) for p in card.parameters)
-    return (card.neutral, *(p.typical for p in card.parameters[1:]))
-
-
-def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
-    """Least and largest values of the vector: of the cards, for the effects."""
-    low, high = list(_LOW), list(_HIGH)
-    if problem.free_share:
-        low, high = [*low, -SHARE_RANGE], [*high, SHARE_RANGE]
-    known = problem.vehicle.effects
-    for name in names:
-        card = definition(known, name).card
-        for p, origin in zip(card.parameters, origins(known, card), strict=True):
-            low.append((p.low - origin) / p.spread)
-            high.append((p.high - origin) / p.spread)
-    return np.array(low), np.array(high)
+    known, found = problem.vehicle.effects, dict[str, dict[str, float]]()
+    for one, at in zip(elements(problem, names), x[BASE:].tolist(), strict=False):
+        values = found.setdefault(one.effect, dict(known.parameters.get(one.effect, {})))
+        values[one.parameter.name] = one.value(at)
+    effects = known.with_(Effects(found, sigma=known.without(*names).sigma))
+    return base_of(problem.vehicle, x[:BASE]), effects

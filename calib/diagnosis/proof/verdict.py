@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
 from calib.diagnosis.explanation.explanation import Explanation, of_all
-from calib.diagnosis.explanation.hypothesis import Columns, State
+from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.hold_outs import HoldOuts
 from calib.diagnosis.replays.replayed import Replayed, replayed
@@ -117,4 +117,4 @@ def seen_by(held: Problem, at: Explanation, own: Array) -> Explanation:
     """An explanation as other logs see it, its parameters as they are."""
     state = State(at.state.x, at.state.form, own)
     r = of_all(held, at.hypothesis, state)
-    return Explanation(held, at.hypothesis, state, r, Columns([], [], []))
+    return Explanation(held, at.hypothesis, state, r, [], [])

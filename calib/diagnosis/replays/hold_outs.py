@@ -10,7 +10,7 @@ from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.explanation import runs_of
-from calib.diagnosis.explanation.own import GRADE, ZERO_OF_A_X
+from calib.diagnosis.explanation.own import GRADE, SLOPE, ZERO, ZERO_OF_A_X
 from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
@@ -34,7 +34,7 @@ class HoldOuts:
         out = []
         for log, run in zip(self.logs, runs_of(self.problem, own), strict=True):
             acts = effects.with_(_of_log(run))
-            model = model_of(self.problem.vehicle, run.ground.applied(base), acts)
+            model = model_of(self.problem.vehicle, base.of_log(run.own), acts)
             angles = {"f": run.angle_f, "r": run.angle_r}
             angles = {axle: np.interp(log.time, run.time, x) for axle, x in angles.items()}
             out.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
@@ -43,11 +43,11 @@ class HoldOuts:
 
 def _of_log(run: ObservedRun) -> Effects:
     """Slope of the road and zero of the accelerometer of one log, as effects of its car."""
-    own = {}
-    if run.slope:
-        own[GRADE] = {"grade": run.slope, "felt": 1.0}
-    if run.zero:
-        own[ZERO_OF_A_X] = {"bias": run.zero}
+    own, slope, zero = {}, float(run.own[SLOPE]), float(run.own[ZERO])
+    if slope:
+        own[GRADE] = {"grade": slope, "felt": 1.0}
+    if zero:
+        own[ZERO_OF_A_X] = {"bias": zero}
     return Effects(own)
 
 

@@ -38,10 +38,9 @@ def replayed(held: HoldOuts, at: Explanation, settled: float = SETTLED) -> Repla
 
 def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
     """The same hypothesis, with tyres that do not depart from their form."""
-    none = [np.zeros_like(F) for F in at.columns.form]
     state = replace(at.state, form=np.zeros_like(at.state.form))
     hypothesis = replace(at.hypothesis, departs=False)
-    return fit(at.problem, hypothesis, state, replace(at.columns, form=none), settled)
+    return fit(at.problem, hypothesis, state, at.columns, settled)
 
 
 def placed(held: Problem, at: Explanation) -> Array:

@@ -6,10 +6,11 @@ from functools import partial
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ROUGHLY, fit
-from calib.diagnosis.explanation.hypothesis import FADE, Columns, Hypothesis, State, start_of
+from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.search.rank import Promise
 
@@ -75,19 +76,18 @@ class Fits:
 
     def spare(self, at: Explanation) -> list[str]:
         """Effects of which a linear step does not say that they are worth their price."""
-        places, C = at.problem.places(at.names), at.covariance
-        x, worth = at.state.x, 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
-        firsts = {name: own.start for name, own in places.items()}
-        return [n for n, i in firsts.items() if x[i] ** 2 < 2.0 * worth * C[i, i]]
+        worth = 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
+        size = at.state.x**2 / (2.0 * worth * np.diag(at.covariance))
+        strengths = {name: int(np.argmax(at.prior.of == name)) for name in at.names}
+        return [name for name, i in strengths.items() if size[i] < 1.0]
 
     def without(self, at: Explanation, name: str) -> Explanation:
         """An explanation fitted anew without one of its effects, from where it is."""
         names = tuple(n for n in at.names if n != name)
-        keep = np.ones(at.state.x.size, bool)
-        keep[at.problem.places(at.names)[name]] = False
-        near = at.columns.kept(keep)
+        keep = at.prior.of != name
+        near = [J[keep] for J in at.columns]
         kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
-        state = replace(at.state, x=at.state.x[keep])
+        state = replace(at.state, x=at.state.x[keep[: at.state.x.size]])
         return self.known_or_fitted(Hypothesis(names, kinds), state, near)
 
     def without_kind(self, at: Explanation, kind: str) -> Explanation:
@@ -97,7 +97,9 @@ class Fits:
         state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
         return self.known_or_fitted(hypothesis, state, at.columns)
 
-    def known_or_fitted(self, hypothesis: Hypothesis, state: State, near: Columns) -> Explanation:
+    def known_or_fitted(
+        self, hypothesis: Hypothesis, state: State, near: Sequence[Array]
+    ) -> Explanation:
         """A hypothesis as it is known, else fitted from ``state``."""
         if hypothesis.key not in self.fitted:
             self.add(fit(self.problem, hypothesis, state, near, ROUGHLY))
@@ -127,19 +129,19 @@ def density(at: Explanation, held: Problem) -> float:
     """
     own = np.zeros((len(held.runs), at.state.own.shape[1]))
     other = seen(held, at.hypothesis, replace(at.state, own=own))
-    both = zip(at.columns.by_kind, other.columns.by_kind, strict=True)
     together = replace(
         at,
         problem=replace(at.problem, runs=(*at.problem.runs, *held.runs)),
         state=replace(at.state, own=np.vstack([at.state.own, own])),
         innovations=[*at.innovations, *other.innovations],
-        columns=Columns(*([*one, *more] for one, more in both)),
+        columns=[*at.columns, *other.columns],
+        rest=[*at.rest, *other.rest],
     )
     more = together.marginal().evidence() - at.marginal().evidence()
     return more - at.hypothesis.phases(len(held.runs))
 
 
-def _fitted(problem: Problem, near: Columns, bent: bool, promise: Promise) -> Explanation:
+def _fitted(problem: Problem, near: Sequence[Array], bent: bool, promise: Promise) -> Explanation:
     """What is promised, fitted from its state; pads and tyres from usual ones if they were bent."""
     state = promise.state
     if bent:

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
-from calib.car.own_effects.own_effect import definition, every_effect
-from calib.diagnosis.explanation.explanation import Explanation, marginal, of_all
+from calib.car.own_effects.own_effect import every_effect
+from calib.diagnosis.explanation.explanation import Explanation, of_all
 from calib.diagnosis.explanation.gaussian import Products
-from calib.diagnosis.explanation.hypothesis import FADE, STRENGTH, Hypothesis, State
+from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State
 from calib.diagnosis.explanation.own import KINDS, sizes
-from calib.diagnosis.explanation.vector import origins
+from calib.diagnosis.explanation.vector import STRENGTH, elements_of
 
 Names = NDArray[np.str_]
 
@@ -77,17 +77,14 @@ def _trials(at: Explanation, name: str) -> list[Array]:
 
     Full strength first, then the further parameters, with both signs where the card allows.
     """
-    known = at.problem.vehicle.effects
-    card = definition(known, name).card
-    count, points = range(len(card.parameters)), []
-    given = list(zip(card.parameters, origins(known, card), strict=True))
+    elements, points = elements_of(at.problem.vehicle.effects, name), []
+    further = range(1, len(elements))
     for sign in (1.0, -1.0):
-        for k, shift in [(0, sign), *((k, s) for k in count[1:] for s in (-1.0, 1.0))]:
-            point = np.zeros(len(count))
+        for k, shift in [(0, sign), *((k, s) for k in further for s in (-1.0, 1.0))]:
+            point = np.zeros(len(elements))
             point[0], point[k] = sign, shift
-            tried = zip(given, point, strict=True)
-            allowed = (p.low <= origin + x * p.spread <= p.high for (p, origin), x in tried)
-            points += [point] if all(allowed) else []
+            tried = zip(elements, point, strict=True)
+            points += [point] if all(e.low <= x <= e.high for e, x in tried) else []
     return points
 
 
@@ -95,7 +92,8 @@ def _changes(at: Explanation, name: str) -> list[list[Array]]:
     """Changes (n,) of the innovations of each log, at each point at which an effect is tried."""
     wider, out = replace(at.hypothesis, names=(*at.names, name)), []
     for trial in _trials(at, name):
-        moved = of_all(at.problem, wider, at.with_x(np.append(at.state.x, trial)), at.runs)
+        state = replace(at.state, x=np.append(at.state.x, trial))
+        moved = of_all(at.problem, wider, state)
         out.append([a - b for a, b in zip(moved, at.innovations, strict=True)])
     return out
 
@@ -105,7 +103,7 @@ def promises(
 ) -> list[Promise]:
     """Further effects, at ``most`` so many, and kinds beside those of ``at``; best first."""
     new = further.without(at.names)
-    products = [at.products_of(i, of_run) for i, of_run in enumerate(new.columns)]
+    products = at.products_with(new.columns)
     found = [*chain(*(_promised(at, new, products, k, most) for k in _kinds(at, other)))]
     best: dict[object, Promise] = {}
     for one in sorted(found, key=lambda p: -p.log_evidence):
@@ -117,9 +115,8 @@ def _promised(
     at: Explanation, new: Further, products: list[Products], kinds: frozenset[str], most: int
 ) -> Iterator[Promise]:
     """What logs that differ in some ``kinds`` promise, alone and with new effects."""
-    own, logs = sizes(kinds), len(products)
-    model = marginal(at, products, own)
-    alone = marginal(at, [p.first(model.off.size) for p in products], own).evidence()
+    model, logs = at.marginal(products, sizes(kinds)), len(products)
+    alone = model.evidence()
     if kinds != at.hypothesis.kinds:
         same = Hypothesis(at.names, kinds)
         yield Promise(same, alone - same.price(logs), at.state)
@@ -128,7 +125,7 @@ def _promised(
         begun = [new.tried[k].copy() for k in one.columns]
         for point, amount in zip(begun, one.amounts, strict=True):
             point[0] *= min(max(amount, 0.3), 4.0)
-        state = at.with_x(np.concatenate([at.state.x, *begun]))
+        state = replace(at.state, x=np.concatenate([at.state.x, *begun]))
         yield Promise(wider, alone + one.log_gain - wider.price(logs), state)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from calib.base.errors import ModelError
-from calib.diagnosis.explanation.explanation import Explanation, marginal
+from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.own import SCATTERED
@@ -307,7 +307,7 @@ def _with_alike(at: Explanation) -> Explanation:
     """
     some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
     options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
-    best = max(options, key=lambda one: marginal(at, at.products, one.sizes).evidence())
+    best = max(options, key=lambda one: at.marginal(sizes=one.sizes).evidence())
     return fit(at.problem, best, at.state, at.columns, ALMOST)
 
 

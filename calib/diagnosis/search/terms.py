@@ -22,7 +22,7 @@ from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, driver_along, drivers_of
 from calib.car.history import RunHistory
 from calib.diagnosis.explanation.channels import by_channel, thinned
-from calib.diagnosis.explanation.explanation import Explanation, innovations, marginal
+from calib.diagnosis.explanation.explanation import Explanation, innovations
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.hypothesis import PRICE, Walk, based
 from calib.diagnosis.explanation.predict import ObservedRun, predict
@@ -177,8 +177,7 @@ def _ranked(
     """The best size of a random walk on a place over a driver."""
     knots = _knots(at, place, driver)
     columns = _columns(at, (place, driver, knots), pulses, histories)
-    products = [at.products_of(i, of) for i, of in enumerate(columns)]
-    E, g = marginal(at, products, at.hypothesis.sizes).beyond()
+    E, g = at.marginal(at.products_with(columns)).beyond()
     found = []
     for size in _WALKS[place.endswith("brakes")]:
         walk = Walk(place, driver, tuple(knots.tolist()), size)

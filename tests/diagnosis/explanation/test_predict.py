@@ -7,6 +7,7 @@ import pytest
 
 from calib.base.names import G
 from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.magic_formula import MagicFormula
 from calib.diagnosis.explanation.predict import Base, predict, run_of
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
@@ -24,7 +25,7 @@ def run():
 
 
 def test_a_plant_with_the_same_physics_is_predicted(run):
-    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
+    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, MagicFormula(25.0, 0.95))
     told = predict(SEDAN, base, Effects(), run)
     held = slice(200, -10)
     assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
@@ -44,7 +45,9 @@ def test_wheels_swing_on_their_tyres_when_a_slow_car_releases_its_brakes():
     plant = Plant(SEDAN, tyre=magic(25.0, 0.95), relaxation=0.4)
     run = run_of(as_log(drive(plant, released, 14.5, duration=5.0)))
     mu_f, mu_r = SEDAN.front.pad_friction, SEDAN.rear.pad_friction
-    told = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95, relaxation=0.4), Effects(), run)
+    told = predict(
+        SEDAN, Base(mu_f, mu_r, MagicFormula(25.0, 0.95, relaxation=0.4)), Effects(), run
+    )
     free = (run.time > 4.06) & (run.time < 4.4)
     assert 3.0 < np.min(run.v_read[free]) < 6.0
     swing = run.omega[0, free] - run.v_read[free] / SEDAN.front.rolling_radius
@@ -56,7 +59,7 @@ def test_wheels_swing_on_their_tyres_when_a_slow_car_releases_its_brakes():
 def test_a_logged_motor_is_predicted_and_one_that_is_not_is_missed():
     plant = Plant(SEDAN, tyre=magic(25.0, 0.95), motor=lambda t: (-80.0, -160.0 * min(t, 1.0)))
     log = as_log(drive(plant, pressure, 28.0, duration=6.0))
-    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
+    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, MagicFormula(25.0, 0.95))
     run, held = run_of(log), slice(200, -10)
     told = predict(SEDAN, base, Effects(), run)
     assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
@@ -68,8 +71,10 @@ def test_a_logged_motor_is_predicted_and_one_that_is_not_is_missed():
 
 def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):
     mu_f, mu_r = SEDAN.front.pad_friction, SEDAN.rear.pad_friction
-    one = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95), Effects(), run).a_x[300]
-    more = predict(SEDAN, Base(1.05 * mu_f, 1.05 * mu_r, 25.0, 0.95), Effects(), run).a_x[300]
+    one = predict(SEDAN, Base(mu_f, mu_r, MagicFormula(25.0, 0.95)), Effects(), run).a_x[300]
+    more = predict(
+        SEDAN, Base(1.05 * mu_f, 1.05 * mu_r, MagicFormula(25.0, 0.95)), Effects(), run
+    ).a_x[300]
     assert more / one == pytest.approx(1.05, rel=1e-3)
 
 
@@ -77,7 +82,7 @@ def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):
 def test_a_term_over_the_deceleration_does_not_predict_noise_from_itself(run, place):
     """One sensor's noise more on a_x must not show in what is predicted."""
     noisy = replace(run, z=run.z + np.random.default_rng(3).normal(0.0, 0.05, run.z.size) / G)
-    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
+    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, MagicFormula(25.0, 0.95))
     values = (0.0, -0.1) if place == "body" else (0.0, -0.4)
     term = EmpiricalTerm(place, "deceleration", (0.0, 0.4), values)
     told, clean = (predict(SEDAN, base, Effects(terms=(term,)), r).a_x for r in (noisy, run))
