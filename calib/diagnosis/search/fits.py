@@ -12,6 +12,7 @@ from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ROUGHLY, fit
 from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.replays.replayed import placed
 from calib.diagnosis.search.rank import Promise
 
 _PRUNED = 20.0
@@ -125,9 +126,9 @@ class Fits:
 def density(at: Explanation, held: Problem) -> float:
     """ln of the density of other logs given those of an explanation, by one linear model of both.
 
-    But for a constant of the rows.
+    It is linear about what each log has of its own, and right but for a constant of the rows.
     """
-    own = np.zeros((len(held.runs), at.state.own.shape[1]))
+    own = placed(held, at)
     other = seen(held, at.hypothesis, replace(at.state, own=own))
     together = replace(
         at,

@@ -197,7 +197,7 @@ class Search:
             if e.hypothesis.key in self.withdrawn:
                 continue
             held = self.fits.density(e) - self.fits.density(best)
-            if held > 0.0 and more + held > self.worth:
+            if held > -SURE and more + held > self.worth:
                 yield e
             elif more > SURE:
                 self.withdrawn[e.hypothesis.key] = e.names

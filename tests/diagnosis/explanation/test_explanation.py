@@ -63,7 +63,7 @@ def test_columns_of_own_states_are_differences_of_innovations(fading, name):
         for step in (h, -h):
             own = fading.state.own[i].copy()
             own[k] += step
-            ends.append(innovations(fading.problem, base, effects, replace(run, own=own)))
+            ends.append(innovations(fading.problem, base, effects, run.with_own(own)))
         assert same(fading.own_columns(i)[k], (ends[0] - ends[1]) / (2.0 * h), 0.005)
 
 
