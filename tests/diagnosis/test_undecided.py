@@ -15,8 +15,7 @@ from calib.diagnosis.explanation.explanation import Explanation, objective
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
-from calib.diagnosis.replays.hold_outs import model_of
-from calib.diagnosis.replays.replayed import without_form
+from calib.diagnosis.replays.hold_outs import model_of, without_form
 from calib.diagnosis.search.rank import further_columns
 from calib.diagnosis.undecided import best_drives, confusion_of, drives, manoeuvres, unresolved
 from calib.model.simulate import simulate

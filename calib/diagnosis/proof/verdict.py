@@ -11,13 +11,10 @@ probable than all that is named, or where what is named closes too little of the
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.diagnosis.explanation.explanation import Explanation, of_all
-from calib.diagnosis.explanation.hypothesis import Columns, State
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.proof.unexplained import plainest_first
+from calib.diagnosis.replays.hold_outs import Replayed, replayed
 from calib.diagnosis.search.search import SURE, Search
 from calib.diagnosis.search.terms import Ranked, ranked_terms, with_terms
 
@@ -39,48 +36,51 @@ leave something."""
 
 @dataclass(frozen=True)
 class Verdict:
-    """``word`` as in diagnosis.json; ``base`` without effects; ``best`` what is named, or ``base``.
+    """What a ``search`` comes to: ``best`` is what is named, or its base without effects.
 
-    ``rivals`` as likely, ``tried`` all others, the best first; ``seen`` is ``best`` as the
-    hold-outs see it; ``terms`` explanations with the best empirical terms beside ``best``,
-    where something is left, best first.
+    ``rivals`` as likely; ``after`` the hold-outs with the best; ``terms`` explanations with the
+    best empirical terms beside it, where something is left, the one that describes it first.
     """
 
-    word: str
-    held: HoldOuts
-    base: Explanation
+    search: Search
     best: Explanation
     rivals: tuple[Explanation, ...]
-    tried: tuple[Explanation, ...]
-    seen: Explanation
-    before: Replayed
     after: Replayed
     terms: tuple[Explanation, ...]
 
     @property
+    def word(self) -> str:
+        """The verdict as in diagnosis.json."""
+        if self.stands:
+            return AMBIGUOUS if self.rivals else NAMED
+        return UNKNOWN if self.terms else NO_GAP
+
+    @property
     def stands(self) -> bool:
         """Whether effects are named."""
-        return self.word in (NAMED, AMBIGUOUS)
+        return bool(self.best.names)
+
+    @property
+    def before(self) -> Replayed:
+        """The hold-outs without effects."""
+        return self.search.before if self.stands else self.after
 
 
 def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
-    held, base = search.held, search.base
+    base = search.base
     best, after, terms = _standing(search)
-    before = search.before if best.names else after
     far = search.gap(after).after > (_FAR if best.names else 2.0 * _FAR)
     rest = far or something_left(best, terms)
-    beside = tuple(with_terms(best, terms)) if rest else ()
+    beside = with_terms(best, terms) if rest else []
     if rest and best.names:
         promised = base.log_evidence + search.terms[0].log_gain
-        alone = tuple(with_terms(base, search.terms)) if promised > search.nearly - SURE else ()
+        alone = with_terms(base, search.terms) if promised > search.nearly - SURE else []
         if alone and alone[0].log_evidence > best.log_evidence:
-            best, after, beside = base, before, alone
+            best, after, beside = base, search.before, alone
     rivals = search.rivals if best is search.best else ()
-    named = AMBIGUOUS if rivals else NAMED
-    word = named if best.names else UNKNOWN if rest else NO_GAP
-    seen, tried = seen_by(held.problem, best, after.own), search.fits.others(search.best)
-    return Verdict(word, held, base, best, rivals, tried, seen, before, after, beside)
+    told = tuple(plainest_first(best, beside)) if beside else ()
+    return Verdict(search, best, rivals, after, told)
 
 
 def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
@@ -111,10 +111,3 @@ def _last(search: Search) -> Replayed:
 def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:
     """Whether a term beside an explanation is surely more probable, or far more than noise left."""
     return terms[0].log_gain > SURE or at.reduced > 1.01 + _STRANGE * at.scatter
-
-
-def seen_by(held: Problem, at: Explanation, own: Array) -> Explanation:
-    """An explanation as other logs see it, its parameters as they are."""
-    state = State(at.state.x, at.state.form, own)
-    r = of_all(held, at.hypothesis, state)
-    return Explanation(held, at.hypothesis, state, r, Columns([], [], []))

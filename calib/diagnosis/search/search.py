@@ -16,8 +16,7 @@ from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.gap import Gap, gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.replays.hold_outs import HoldOuts, Replayed, replayed
 from calib.diagnosis.search.fits import Fits
 from calib.diagnosis.search.odds import with_alike
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises

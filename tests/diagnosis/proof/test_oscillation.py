@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.explanation.channels import CHANNELS, STEP
-from calib.diagnosis.proof.oscillation import Oscillation, oscillation_of
+from calib.diagnosis.proof.unexplained import Oscillation, oscillation_of
 
 TIME = np.arange(0.0, 120.0, STEP)
 

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import EmpiricalTerm
-from calib.diagnosis.proof.unexplained import WHEEL_ANGLE, Unexplained, held_from, unexplained_of
+from calib.diagnosis.proof.unexplained import (
+    WHEEL_ANGLE,
+    Unexplained,
+    held_from,
+    plainest_first,
+    unexplained_of,
+)
 from calib.diagnosis.search.terms import ranked_terms, with_terms
 from tests.support.explained import based
 from tests.support.hidden.cases import HiddenCase, draw
@@ -17,7 +23,8 @@ def hiding(name: str, seed: int, severity: int = 2, only: tuple[str, ...] = FEW)
 
 
 def placed(case: HiddenCase) -> Unexplained:
-    return unexplained_of(at := based(case), with_terms(at, ranked_terms(at)))
+    at = based(case)
+    return unexplained_of(at, plainest_first(at, with_terms(at, ranked_terms(at))))
 
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.replays.remainder import remainder_of
+from calib.diagnosis.replays.gap import remainder_of
 from calib.logs.log import Log
 from tests.support.made_runs import changed, made_run
 
