@@ -1,12 +1,13 @@
 """The named effects of an explanation, and its base, each with evidence and intervals."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
-from calib.car.effects.effect import Card, acts_on_wheels
+from calib.car.effects.effect import acts_on_wheels
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
@@ -14,7 +15,7 @@ from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
 from calib.diagnosis.explanation.explanation import Explanation, innovations, runs_of
 from calib.diagnosis.explanation.hypothesis import based, bounds_of
-from calib.diagnosis.explanation.predict import ObservedRun, predict
+from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.proof.verdict import Verdict
 from calib.diagnosis.replays.gap import range_of
@@ -39,63 +40,57 @@ def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
 def base_estimates(at: Explanation) -> dict[str, ParameterEstimate]:
     """Pads and tyre with intervals; ``rolling_radius`` over that of the file."""
     names = ("pad_friction_f", "pad_friction_r", "tyre_stiffness", "tyre_peak", "rolling_radius")
-    ends = (
-        (b.pad_friction_f, b.pad_friction_r, b.stiffness, b.peak, b.radius)
-        for b, _ in intervals(at)
-    )
-    told = zip(names, *ends, strict=True)
-    return {name: ParameterEstimate(x, "1", (low, high)) for name, low, x, high in told}
+    bases = [b for b, _ in intervals(at)]
+    ends = [(b.pad_friction_f, b.pad_friction_r, b.stiffness, b.peak, b.radius) for b in bases]
+    return {name: _estimate(of, "1") for name, *of in zip(names, *ends, strict=True)}
 
 
 def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
     """Every effect of the best explanation, with evidence; ``confusion`` with those like it."""
-    best, search = found.best, found.search
-    ends = [effects for _, effects in intervals(best)]
-    held = search.held.problem, runs_of(search.held.problem, found.after.own)
+    best, search, whole = found.best, found.search, found.best.effects
+    held, known = search.held.problem, best.problem.vehicle.effects
     tried = [e for e in search.fits.others(search.best) if e.reduced < search.base.reduced]
+    ends = [effects for _, effects in intervals(best)]
+    logs = [
+        replace(problem, runs=tuple(runs_of(problem, own)))
+        for problem, own in ((best.problem, best.state.own), (held, found.after.own))
+    ]
     others = sorted({n for e in found.rivals for n in e.names} - set(best.names))
     nearest = confusion.pairs[0] if confusion else None
     separate = f"{nearest.drive} ({nearest.apart_in_drive:.0f} sigma apart)" if nearest else ""
     out = []
     for name in best.names:
-        rest = best.effects.without(name).with_(best.problem.vehicle.effects.only(name))
-        runners_up = (
-            RunnerUp(" + ".join(e.names), search.base.reduced - e.reduced)
-            for e in tried
-            if e.names and name not in e.names
-        )
+        rest = whole.without(name).with_(known.only(name))
+        rises = (_reduced(best, rest, of) - _reduced(best, whole, of) for of in logs)
+        other = next((e for e in tried if e.names and name not in e.names), None)
         out.append(
             Named(
                 name=name,
-                parameters=_parameters(definition(best.effects, name).card, ends),
+                parameters={
+                    p.name: _estimate((e.parameters[name][p.name] for e in ends), p.unit)
+                    for p in definition(whole, name).card.parameters
+                },
                 where=_where(best, name, rest),
-                evidence=Evidence(
-                    *(_rise(best, rest, *logs) for logs in ((best.problem, best.runs), held))
-                ),
-                runner_up=next(runners_up, None),
+                evidence=Evidence(*rises),
+                runner_up=other
+                and RunnerUp(" + ".join(other.names), search.base.reduced - other.reduced),
                 indistinguishable_from=tuple(others),
                 separate_by=separate,
-                defined_in=best.effects.defined_in.get(name),
+                defined_in=whole.defined_in.get(name),
             )
         )
     return tuple(out)
 
 
-def _parameters(card: Card, ends: list[Effects]) -> dict[str, ParameterEstimate]:
-    out = {}
-    for p in card.parameters:
-        low, value, high = (e.parameters[card.name][p.name] for e in ends)
-        out[p.name] = ParameterEstimate(value, p.unit, (low, high))
-    return out
+def _estimate(ends: Iterable[float], unit: str) -> ParameterEstimate:
+    low, value, high = ends
+    return ParameterEstimate(value, unit, (low, high))
 
 
-def _rise(at: Explanation, rest: Effects, problem: Problem, runs: Sequence[ObservedRun]) -> float:
-    """Rise of the mean squared innovation of some runs with the ``rest`` of the effects alone."""
-    whole, less = (
-        np.concatenate([innovations(problem, at.base, effects, run) for run in runs])
-        for effects in (at.effects, rest)
-    )
-    return float(less @ less - whole @ whole) / whole.size
+def _reduced(at: Explanation, effects: Effects, problem: Problem) -> float:
+    """Mean squared innovation of a problem with some effects, all else as in an explanation."""
+    r = np.concatenate([innovations(problem, at.base, effects, run) for run in problem.runs])
+    return float(r @ r) / r.size
 
 
 def _where(at: Explanation, name: str, rest: Effects) -> Where:

@@ -148,10 +148,10 @@ def remainder_of(replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
     # the speed keeps an error of force: its growth tells where the force is wrong
     weight = np.abs(np.diff(error, prepend=0.0)) if channel == "v" else error**2
     drivers = (log["p_mc"], log["v"], log.time - log.time[0])
-    ranges = [range_of(block_mean(x, size), weight) for x in drivers]
-    return Remainder(
-        float(np.sqrt(np.mean(left))), channel, log.name, float(np.sqrt(left[row, column])), *ranges
-    )
+    pressure, speed, time = (range_of(block_mean(x, size), weight) for x in drivers)
+    largest = float(np.sqrt(left[row, column]))
+    rms = float(np.sqrt(np.mean(left)))
+    return Remainder(rms, channel, log.name, largest, pressure, speed, time)
 
 
 def range_of(driver: Array, weight: Array) -> tuple[float, float]:
