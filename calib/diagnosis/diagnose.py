@@ -115,7 +115,7 @@ def diagnose(
         measured=search.held.logs,
         reduced_before=search.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
-        left=remainder_of(found.after.logs, search.held.logs),
+        left=remainder_of(search.gap(found.after), found.after.logs, search.held.logs),
         withdrawn=tuple(names for names in withdrawn if frozenset(names) not in asked_for),
         steps=tuple(search.steps),
         noise=search.problem.noise,

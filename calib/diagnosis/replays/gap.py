@@ -96,22 +96,17 @@ class Remainder:
 
 
 def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
-    """Compare replays with their logs; a replay that ends early is compared up to its end."""
+    """Compare replays with their logs, over their common samples above 1 m/s."""
     noise = noises_of(measured)
-    squares = [beyond_noise(replays, measured, noise) for replays in (before, after)]
-    return Gap(tuple(log.name for log in measured), noise, np.array(squares))
-
-
-def beyond_noise(replays: Sequence[Log], measured: Sequence[Log], noise: Array) -> Array:
-    """Mean squares (logs, 6) of replay less measurement over that of noise, less one, at least 0.
-
-    Over their common samples above 1 m/s.
-    """
     squares = [
-        [float(np.mean(error_of(sim, log, c) ** 2)) for c in CHANNELS]
-        for sim, log in zip(replays, measured, strict=True)
+        [
+            [float(np.mean(error_of(sim, log, c) ** 2)) for c in CHANNELS]
+            for sim, log in zip(replays, measured, strict=True)
+        ]
+        for replays in (before, after)
     ]
-    return np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
+    beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
+    return Gap(tuple(log.name for log in measured), noise, beyond)
 
 
 def error_of(replay: Log, measured: Log, channel: str) -> Array:
@@ -138,9 +133,9 @@ def _noise_of(log: Log, channel: str) -> float:
     return float(largest / np.sqrt(20.0))
 
 
-def remainder_of(replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
-    """What replays of ``measured`` logs leave; a replay that ends early as far as it goes."""
-    left = beyond_noise(replays, measured, noises_of(measured))
+def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
+    """What ``replays`` leave of ``measured`` logs, after a ``gap``."""
+    left = gap.squares[1]
     row, column = divmod(int(np.argmax(left)), len(CHANNELS))
     log, channel = measured[row], CHANNELS[column]
     size = max(1, round(BLOCK / log.sample_time))
@@ -150,8 +145,7 @@ def remainder_of(replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
     drivers = (log["p_mc"], log["v"], log.time - log.time[0])
     pressure, speed, time = (range_of(block_mean(x, size), weight) for x in drivers)
     largest = float(np.sqrt(left[row, column]))
-    rms = float(np.sqrt(np.mean(left)))
-    return Remainder(rms, channel, log.name, largest, pressure, speed, time)
+    return Remainder(gap.after, channel, log.name, largest, pressure, speed, time)
 
 
 def range_of(driver: Array, weight: Array) -> tuple[float, float]:
