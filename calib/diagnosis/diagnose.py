@@ -30,7 +30,7 @@ from calib.diagnosis.runs.axles import require_right_axles
 from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
 from calib.diagnosis.runs.sides import LARGEST, USUAL, with_even_sides
 from calib.diagnosis.search.search import Search
-from calib.diagnosis.undecided import confusion_of, drives, unresolved
+from calib.diagnosis.undecided import confusion_of, drives
 from calib.logs.log import Log
 from calib.run.copies import without_holds
 
@@ -120,7 +120,7 @@ def diagnose(
         steps=tuple(search.steps),
         noise=search.problem.noise,
         own=_own(found),
-        drives=drives(best, unresolved(best, search.further)),
+        drives=drives(best),
         confusion=confusion,
         sides=sides,
         warnings=unexplained_warnings(
