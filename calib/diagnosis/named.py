@@ -62,7 +62,11 @@ def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
     for name in best.names:
         rest = whole.without(name).with_(known.only(name))
         rises = (_reduced(best, rest, of) - _reduced(best, whole, of) for of in logs)
-        other = next((e for e in tried if e.names and name not in e.names), None)
+        runners_up = (
+            RunnerUp(" + ".join(e.names), search.base.reduced - e.reduced)
+            for e in tried
+            if e.names and name not in e.names
+        )
         out.append(
             Named(
                 name=name,
@@ -72,8 +76,7 @@ def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
                 },
                 where=_where(best, name, rest),
                 evidence=Evidence(*rises),
-                runner_up=other
-                and RunnerUp(" + ".join(other.names), search.base.reduced - other.reduced),
+                runner_up=next(runners_up, None),
                 indistinguishable_from=tuple(others),
                 separate_by=separate,
                 defined_in=whole.defined_in.get(name),

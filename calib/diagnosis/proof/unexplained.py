@@ -113,13 +113,13 @@ def held_from(term: EmpiricalTerm) -> float | None:
 
 
 def plainest_first(at: Explanation, terms: Sequence[Explanation]) -> list[Explanation]:
-    """Explanations with terms, the best first, by what they describe: of nearly the best ones, one
-    that holds a brake torque comes before.
+    """Explanations with terms, the best first, but one that holds a brake torque before what is
+    hardly better.
     """
-    nearly = terms[0].reduced + _PLAIN * _excess(at) / at.count
+    hardly = _PLAIN * _excess(at) / at.count
 
     def other(one: Explanation) -> bool:
-        return held_from(one.effects.terms[0]) is None or one.reduced >= nearly
+        return held_from(one.effects.terms[0]) is None or one.reduced >= terms[0].reduced + hardly
 
     return sorted(terms, key=other)
 

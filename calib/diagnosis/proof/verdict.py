@@ -36,17 +36,26 @@ leave something."""
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a ``search`` comes to: ``best`` is what is named, or its base without effects.
+    """What a ``search`` comes to: the explanation whose hold-outs are ``after``.
 
-    ``rivals`` as likely; ``after`` the hold-outs with the best; ``terms`` explanations with the
-    best empirical terms beside it, where something is left, the one that describes it first.
+    ``rivals`` as likely; ``terms`` explanations with the best empirical terms beside it, where
+    something is left, the one that describes it first.
     """
 
     search: Search
-    best: Explanation
-    rivals: tuple[Explanation, ...]
     after: Replayed
+    rivals: tuple[Explanation, ...]
     terms: tuple[Explanation, ...]
+
+    @property
+    def best(self) -> Explanation:
+        """What is named, or the base without effects."""
+        return self.after.of
+
+    @property
+    def stands(self) -> bool:
+        """Whether effects are named."""
+        return bool(self.best.names)
 
     @property
     def word(self) -> str:
@@ -54,11 +63,6 @@ class Verdict:
         if self.stands:
             return AMBIGUOUS if self.rivals else NAMED
         return UNKNOWN if self.terms else NO_GAP
-
-    @property
-    def stands(self) -> bool:
-        """Whether effects are named."""
-        return bool(self.best.names)
 
     @property
     def before(self) -> Replayed:
@@ -69,7 +73,8 @@ class Verdict:
 def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
     base = search.base
-    best, after, terms = _standing(search)
+    after, terms = _standing(search)
+    best = after.of
     far = search.gap(after).after > (_FAR if best.names else 2.0 * _FAR)
     rest = far or something_left(best, terms)
     beside = with_terms(best, terms) if rest else []
@@ -79,11 +84,10 @@ def verdict_of(search: Search) -> Verdict:
         if alone and alone[0].log_evidence > best.log_evidence:
             best, after, beside = base, search.before, alone
     rivals = search.rivals if best is search.best else ()
-    told = tuple(plainest_first(best, beside)) if beside else ()
-    return Verdict(search, best, rivals, after, told)
+    return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
 
 
-def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
+def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
     """The last explanation of a search that closes the gap of the replays, and terms beside it.
 
     By `_CLOSED` where something is left with it; else it must not widen the gap.
@@ -96,8 +100,8 @@ def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
         taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
         closed = min(search.gap(one).closed, taken)
         if not best.names or closed > _CLOSED or not something_left(best, terms):
-            return best, one, terms
-    return search.base, search.before, search.terms
+            return one, terms
+    return search.before, search.terms
 
 
 def _last(search: Search) -> Replayed:
