@@ -150,9 +150,6 @@ def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> R
 
 def range_of(driver: Array, weight: Array) -> tuple[float, float]:
     """The range of a driver that holds the middle 80 % of the weight."""
-    driver = driver[: weight.size]
-    order = np.argsort(driver)
-    share = np.cumsum(weight[order]) / max(float(np.sum(weight)), 1e-12)
-    low, high = np.searchsorted(share, [0.1, 0.9])
-    last = driver.size - 1
-    return float(driver[order[min(low, last)]]), float(driver[order[min(high, last)]])
+    driver, some = driver[: weight.size], weight + 1e-12  # where nothing is left, all counts alike
+    low, high = np.quantile(driver, (0.1, 0.9), weights=some, method="inverted_cdf")
+    return float(low), float(high)
