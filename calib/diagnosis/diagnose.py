@@ -29,15 +29,13 @@ from calib.diagnosis.explanation.problem import (
 from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of
-from calib.diagnosis.replays.gap import gap_of
-from calib.diagnosis.replays.hold_outs import model_of
-from calib.diagnosis.replays.remainder import remainder_of
-from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.replays.gap import gap_of, remainder_of
+from calib.diagnosis.replays.hold_outs import Replayed, model_of, replayed
 from calib.diagnosis.runs.axles import require_right_axles
 from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
 from calib.diagnosis.runs.sides import LARGEST, USUAL, with_even_sides
 from calib.diagnosis.search.search import Search, searched
-from calib.diagnosis.undecided import confusion_of, drives, unresolved
+from calib.diagnosis.undecided import confusion_of, drives
 from calib.logs.log import Log
 from calib.run.copies import without_holds
 
@@ -104,7 +102,7 @@ def diagnose(
     best, last, rest = found.best, found.after, None
     if found.terms:
         rest = unexplained_of(best, found.terms)
-        last = _with_term(found, rest.at)
+        last = _with_term(found, found.terms[0])
     tell("asking what these logs could not show", 0, 1)
     confusion = confusion_of(best, found.rivals)
     withdrawn = dict.fromkeys(search.withdrawn.values())
@@ -114,20 +112,20 @@ def diagnose(
         effects=named(found, confusion) if found.stands else (),
         unexplained=rest,
         base=base_estimates(best),
-        gap=gap_of(found.before.logs, last.logs, found.held.logs),
+        gap=gap_of(found.before.logs, last.logs, search.held.logs),
         model_before=model_of(vehicle, found.before.at.base, found.before.at.effects),
         model_after=model_of(vehicle, last.at.base, last.at.effects),
         before=found.before.logs,
         after=last.logs,
-        measured=found.held.logs,
-        reduced_before=found.base.reduced,
+        measured=search.held.logs,
+        reduced_before=search.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
-        left=remainder_of(found.after.logs, found.held.logs),
+        left=remainder_of(search.gap(found.after), found.after.logs, search.held.logs),
         withdrawn=tuple(names for names in withdrawn if frozenset(names) not in asked_for),
         steps=tuple(search.steps),
         noise=search.problem.noise,
         own=_own(found),
-        drives=drives(best, unresolved(best, search.further)),
+        drives=drives(best),
         confusion=confusion,
         sides=sides,
         warnings=unexplained_warnings(
@@ -152,10 +150,10 @@ def _searched(problem: Problem, holdout: Sequence[Log]) -> Search:
 def _with_term(found: Verdict, at: Explanation) -> Replayed:
     """The replays with an empirical term; without it where it does not help."""
     try:
-        last = replayed(found.held, at)
+        last = replayed(found.search.held, at)
     except ModelError:  # such a term need not have an equilibrium
         return found.after
-    helped = gap_of(found.after.logs, last.logs, found.held.logs).closed > 0.0
+    helped = gap_of(found.after.logs, last.logs, found.search.held.logs).closed > 0.0
     return last if helped else found.after
 
 
@@ -164,7 +162,7 @@ def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
     best = found.best
     if not best.hypothesis.kinds:
         return {}
-    runs = (*best.problem.runs, *found.held.problem.runs)
+    runs = (*best.problem.runs, *found.search.held.problem.runs)
     states = np.vstack([best.state.own, found.after.own]).tolist()
     return {
         run.source: dict(zip(OWN, row, strict=True)) for run, row in zip(runs, states, strict=True)

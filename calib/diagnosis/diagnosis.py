@@ -9,8 +9,7 @@ from calib.car.effects.effects import DefinedIn
 from calib.car.model import Model
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.proof.unexplained import Unexplained
-from calib.diagnosis.replays.gap import Gap
-from calib.diagnosis.replays.remainder import Remainder
+from calib.diagnosis.replays.gap import Gap, Remainder
 from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided import Confusion, ShowingDrive
 from calib.logs.log import Log

@@ -1,22 +1,24 @@
 """The named effects of an explanation, and its base, each with evidence and intervals."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
-from calib.car.effects.effect import Card, acts_on_wheels
+from calib.car.effects.effect import acts_on_wheels
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
-from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.explanation import Explanation, innovations, runs_of
 from calib.diagnosis.explanation.hypothesis import based
 from calib.diagnosis.explanation.predict import predict
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.proof.verdict import Verdict
-from calib.diagnosis.replays.remainder import range_of
+from calib.diagnosis.replays.gap import range_of
 from calib.diagnosis.undecided import Confusion
 
 
@@ -37,79 +39,85 @@ def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
 def base_estimates(at: Explanation) -> dict[str, ParameterEstimate]:
     """Pads and tyre with intervals; ``rolling_radius`` over that of the file."""
     names = ("pad_friction_f", "pad_friction_r", "tyre_stiffness", "tyre_peak", "rolling_radius")
-    ends = (
+    ends = [
         (b.pad_friction_f, b.pad_friction_r, float(b.tyre.stiffness), float(b.tyre.peak), b.radius)
         for b, _ in intervals(at)
-    )
-    told = zip(names, *ends, strict=True)
-    return {name: ParameterEstimate(x, "1", (low, high)) for name, low, x, high in told}
+    ]
+    return {name: _estimate(of, "1") for name, *of in zip(names, *ends, strict=True)}
 
 
 def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
     """Every effect of the best explanation, with evidence; ``confusion`` with those like it."""
-    best, ends = found.best, [effects for _, effects in intervals(found.best)]
-    others = sorted({n for c in found.rivals for n in c.names} - set(best.names))
+    best, search, whole = found.best, found.search, found.best.effects
+    held, known = search.held.problem, best.problem.vehicle.effects
+    tried = [e for e in search.fits.others(search.best) if e.reduced < search.base.reduced]
+    ends = [effects for _, effects in intervals(best)]
+    logs = [
+        replace(problem, runs=tuple(runs_of(problem, own)))
+        for problem, own in ((best.problem, best.state.own), (held, found.after.own))
+    ]
+    others = sorted({n for e in found.rivals for n in e.names} - set(best.names))
     nearest = confusion.pairs[0] if confusion else None
     separate = f"{nearest.drive} ({nearest.apart_in_drive:.0f} sigma apart)" if nearest else ""
     out = []
     for name in best.names:
-        gain, where = _acts(best, name)
+        rest = whole.without(name).with_(known.only(name))
+        rises = (_reduced(best, rest, of) - _reduced(best, whole, of) for of in logs)
         runners_up = (
-            RunnerUp(" + ".join(c.names), found.base.reduced - c.reduced)
-            for c in found.tried
-            if c.names and name not in c.names and c.reduced < found.base.reduced
+            RunnerUp(" + ".join(e.names), search.base.reduced - e.reduced)
+            for e in tried
+            if e.names and name not in e.names
         )
         out.append(
             Named(
                 name=name,
-                parameters=_parameters(definition(best.effects, name).card, ends),
-                where=where,
-                evidence=Evidence(gain, _acts(found.seen, name)[0]),
+                parameters={
+                    p.name: _estimate((e.parameters[name][p.name] for e in ends), p.unit)
+                    for p in definition(whole, name).card.parameters
+                },
+                where=_where(best, name, rest),
+                evidence=Evidence(*rises),
                 runner_up=next(runners_up, None),
                 indistinguishable_from=tuple(others),
                 separate_by=separate,
-                defined_in=best.effects.defined_in.get(name),
+                defined_in=whole.defined_in.get(name),
             )
         )
     return tuple(out)
 
 
-def _parameters(card: Card, ends: list[Effects]) -> dict[str, ParameterEstimate]:
-    out = {}
-    for p in card.parameters:
-        low, value, high = (e.parameters[card.name][p.name] for e in ends)
-        out[p.name] = ParameterEstimate(value, p.unit, (low, high))
-    return out
+def _estimate(ends: Iterable[float], unit: str) -> ParameterEstimate:
+    low, value, high = ends
+    return ParameterEstimate(value, unit, (low, high))
 
 
-def _acts(at: Explanation, name: str) -> tuple[float, Where]:
-    """Rise of the mean squared innovation without an effect, all else unchanged, and where that is.
+def _reduced(at: Explanation, effects: Effects, problem: Problem) -> float:
+    """Mean squared innovation of a problem with some effects, all else as in an explanation."""
+    r = np.concatenate([innovations(problem, at.base, effects, run) for run in problem.runs])
+    return float(r @ r) / r.size
+
+
+def _where(at: Explanation, name: str, rest: Effects) -> Where:
+    """Where an effect acts: what changes with the ``rest`` of the effects alone.
 
     The channel and the ranges in which innovations change most, and the wheels that turn otherwise.
     """
-    vehicle, base, effects = at.problem.vehicle, at.base, at.effects
-    rest = effects.without(name).with_(vehicle.effects.only(name))
-    rise, power, wheels, rows = 0.0, np.zeros(len(CHANNELS)), np.zeros(len(WHEELS)), []
-    for run, r in zip(at.runs, at.innovations, strict=True):
-        other = predict(vehicle, base, rest, run)
-        turned = other.omega - predict(vehicle, base, effects, run).omega
-        wheels += np.sum(turned**2, axis=1)
-        white = whiten(residuals(run, other), at.problem.noise)
-        rise += float(white @ white - r @ r)
-        squares = by_channel((white - r) ** 2)
-        m = min(x.size for x in squares)
-        common = np.stack([x[-m:] for x in squares])
-        power += np.sum(common, axis=1)
+    vehicle, wheels, rows = at.problem.vehicle, np.zeros(len(WHEELS)), []
+    for run in at.runs:
+        whole, less = (predict(vehicle, at.base, effects, run) for effects in (at.effects, rest))
+        wheels += np.sum((less.omega - whole.omega) ** 2, axis=1)
+        change = whiten(residuals(run, less) - residuals(run, whole), at.problem.noise)
         heat = np.zeros_like(run.v) if run.temperature_f is None else run.temperature_f
-        along = (thinned(run, x)[-m:] for x in (run.p_mc, run.v, heat))
-        rows.append(np.stack([np.sum(common, axis=0), *along]))
-    weight, *drivers = np.hstack(rows)
-    pressure, speed, temperature = (range_of(x, weight) for x in drivers)
+        along = thinned(run, np.stack([run.p_mc, run.v, heat]))
+        both = [*by_channel(change**2), *along]
+        rows.append(np.stack([x[-min(map(len, both)) :] for x in both]))
+    *power, p, v, heat = np.hstack(rows)
+    pressure, speed, temperature = (range_of(x, np.sum(power, axis=0)) for x in (p, v, heat))
     warm = all(run.temperature_f is not None for run in at.runs)
     on_wheels = acts_on_wheels(definition(vehicle.effects, name))
     axle = _axle(*np.sum(wheels.reshape(2, 2), axis=1)) if on_wheels else "body"
-    channel = CHANNELS[int(np.argmax(power))]
-    return rise / at.count, Where(channel, axle, pressure, speed, temperature if warm else None)
+    channel = CHANNELS[int(np.argmax(np.sum(power, axis=1)))]
+    return Where(channel, axle, pressure, speed, temperature if warm else None)
 
 
 def _axle(front: float, rear: float) -> str:

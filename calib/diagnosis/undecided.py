@@ -14,7 +14,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import WHEELS, G
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import definition
+from calib.car.own_effects.own_effect import every_effect
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import Explanation, innovations
@@ -22,7 +22,6 @@ from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
-from calib.diagnosis.search.rank import Further
 from calib.logs.log import Log
 
 _SHOWN = 5.0
@@ -117,29 +116,18 @@ def confusion_of(best: Explanation, like: Sequence[Explanation]) -> Confusion | 
     return Confusion(tuple(alike), tuple(pairs))
 
 
-def unresolved(at: Explanation, further: Further) -> tuple[str, ...]:
-    """Effects of usual size that these logs could not have shown, beside an explanation.
+def drives(at: Explanation) -> tuple[ShowingDrive, ...]:
+    """The best drive for each effect that the logs could not have shown at its usual size.
 
-    Effects that the vehicle file has are known, and not among them.
+    On top of what explains them. Effects that the vehicle file has are known, and not among them.
     """
-    products = at.products_with(further.columns)
-    shown = dict[str, float]()
-    sizes = _sizes(at, products).tolist()
-    for name, size in zip(further.names.tolist(), sizes, strict=True):
-        card = definition(at.problem.vehicle.effects, name).card
-        strength = card.parameters[0]
-        times = (card.usual[strength.name] - card.neutral) / strength.spread
-        shown.setdefault(name, abs(times) * size)  # the first is tried at usual further ones
-    return tuple(n for n, size in shown.items() if n not in at.effects and size < _SHOWN)
-
-
-def drives(at: Explanation, names: Sequence[str]) -> tuple[ShowingDrive, ...]:
-    """The best drive for each of the effects ``names``, on top of what explains the logs."""
-    cards = [definition(at.problem.vehicle.effects, name).card for name in names]
-    base, effects = at.base, at.effects
-    others = [(base, effects.with_(Effects({card.name: card.usual}))) for card in cards]
+    every = every_effect(at.problem.vehicle.effects)
+    cards = [effect.card for name, effect in every.items() if name not in at.effects]
+    others = [(at.base, at.effects.with_(Effects({card.name: card.usual}))) for card in cards]
+    unseen = np.flatnonzero(_sizes(at, _products(at, others)) < _SHOWN).tolist()
     out = []
-    for card, (drive, sigma) in zip(cards, best_drives(at, others), strict=True):
+    found = best_drives(at, [others[k] for k in unseen])
+    for card, (drive, sigma) in zip((cards[k] for k in unseen), found, strict=True):
         size = {p.name: Size(card.usual[p.name], p.unit) for p in card.parameters}
         out.append(ShowingDrive(card.name, size, drive, sigma, clear=sigma > _CLEAR))
     return tuple(out)

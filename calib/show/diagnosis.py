@@ -10,7 +10,7 @@ from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
 from calib.diagnosis.explanation.own import FACTORS, OWN
 from calib.diagnosis.explanation.own import UNITS as OWN_UNITS
-from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, held_from
+from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
 
@@ -193,8 +193,7 @@ def unexplained(found: Diagnosis) -> str:
         told.append(f"{100.0 * left.turning:.0f} % of it turns with the {left.axle} wheels")
     if left.wheel is not None:
         told.append(f"the {spaced(left.wheel)} wheel is slower than the other one of its axle")
-    held = held_from(left.term)
-    if held is not None and left.driver != FREQUENCY:
+    if (held := left.held_from) is not None and left.driver != FREQUENCY:
         told.append(
             f"above {held / 1e5:.0f} bar the brake torque hardly rises: brake control or a valve"
         )

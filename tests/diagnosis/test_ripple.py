@@ -8,8 +8,7 @@ import pytest
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of, turned
 from calib.diagnosis.replays.gap import gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.replays.replayed import replayed
+from calib.diagnosis.replays.hold_outs import HoldOuts, replayed
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from tests.support.explained import asked, fitted

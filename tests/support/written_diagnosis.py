@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -12,10 +11,8 @@ from calib.car.model import Model
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.channels import ChannelNoise
-from calib.diagnosis.proof.oscillation import Oscillation
-from calib.diagnosis.proof.unexplained import Unexplained
-from calib.diagnosis.replays.gap import CHANNELS, Gap
-from calib.diagnosis.replays.remainder import Remainder
+from calib.diagnosis.proof.unexplained import Oscillation, Unexplained
+from calib.diagnosis.replays.gap import CHANNELS, Gap, Remainder
 from calib.diagnosis.search.search import SearchStep
 from calib.logs.read import read_log
 
@@ -74,13 +71,15 @@ def unknown(named):
     term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
     model = named.model_after
     rest = Unexplained(
-        at=SimpleNamespace(effects=Effects(terms=(term,))),
+        place=term.place,
         axle="rear",
+        wheel=None,
         driver="pressure",
         explained=0.75,
         turning=0.0,
         oscillation=Oscillation(0.0, 0.0, body=False),
-        wheel=None,
+        held_from=None,
+        term=term,
         runners_up=(("body", "speed", 0.5),),
     )
     after = replace(model, effects=replace(model.effects, terms=(term,)))

@@ -2,11 +2,12 @@
 
 A term cannot follow what goes with the angle of the wheels, which start at another angle in every
 run: the share of that is computed from its harmonics. Nor can it follow what swings with a
-frequency of its own: that share is computed from the spectrum. A term shows a brake torque that
-something holds, though not what does.
+frequency of its own, as liquid in a tank, a load that is not lashed or a body on its springs does
+after every application, whatever pressure and speed are: the power of that is in one narrow band.
+A term shows a brake torque that something holds, though not what does.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +15,8 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import PLACES
-from calib.diagnosis.explanation.channels import CHANNELS, by_channel, thinned
+from calib.diagnosis.explanation.channels import CHANNELS, STEP, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.proof.oscillation import Oscillation, oscillation_of, power_of
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"
 """Drivers that no term has."""
@@ -39,39 +39,62 @@ axle is named."""
 _NO_TERM = 0.1
 """Share of the excess that must go with the angle of the wheels, or swing, to be told as that."""
 
+_WINDOW = round(4.0 / STEP)
+"""Innovations in a window: 4 s, so two lines of a spectrum are 0.25 Hz apart."""
+
+_SLOWEST, _FASTEST = 2, 20
+"""First and last line that may swing, 0.5 and 5 Hz. An error that lasts for a whole stop is slower;
+a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster. What is faster is a
+wheel, or a channel that is sent seldom."""
+
+_OVER = 3.0
+"""Least power of a peak over that of the slower lines. What every application leaves, as a lag
+does, is in all of them; a swing of 0.5 Hz or more has at most a fifth at 0.25 Hz."""
+
+_OF_BODY = [CHANNELS.index(name) for name in ("a_x", "v")]
+"""Channels in which the motion of the car as a whole shows."""
+
+
+@dataclass(frozen=True)
+class Oscillation:
+    """The strongest line of what is left.
+
+    ``share`` of the excess [1] that swings at ``frequency`` [Hz], 0 where no line stands out;
+    ``body`` whether most of it is in a_x and v, so that the car as a whole swings.
+    """
+
+    frequency: float
+    share: float
+    body: bool
+
 
 @dataclass(frozen=True)
 class Unexplained:
-    """The empirical term that explains most of what is left.
+    """The empirical ``term`` that explains most of what is left.
 
-    ``at`` the explanation with the term; ``axle`` it acts on; ``explained`` share of the excess, at
-    most 1; ``runners_up`` as (place, driver, share); ``driver`` the variable it depends on: the
-    term's, `WHEEL_ANGLE` where ``turning``, the share that goes with the angle of the wheels, is
-    larger, `FREQUENCY` where that of ``oscillation`` is, or `SLIP` where the torque of front brakes
-    is held: no valve does that; ``wheel`` the one that is slower than the other wheel of its axle,
-    where that is most of the excess.
+    ``driver`` is the variable that it depends on: the term's, `WHEEL_ANGLE` where ``turning``, the
+    share that goes with the angle of the wheels, is larger, `FREQUENCY` where that of
+    ``oscillation`` is, or `SLIP` where the torque of front brakes is held: no valve does that.
+    ``place`` where it acts, one of `PLACES`, that of the term but of what swings, and the ``axle``;
+    ``held_from`` the pressure [Pa] from which a brake torque is held; ``explained`` share of the
+    excess, at most 1; ``wheel`` the one that is slower than the other wheel of its axle, where that
+    is most of the excess; ``runners_up`` as (place, driver, share).
     """
 
-    at: Explanation
+    place: str
     axle: str
+    wheel: str | None
     driver: str
     explained: float
     turning: float
     oscillation: Oscillation
-    wheel: str | None
+    held_from: float | None
+    term: EmpiricalTerm
     runners_up: tuple[tuple[str, str, float], ...]
 
-    @property
-    def term(self) -> EmpiricalTerm:
-        """The term as it was fitted."""
-        return self.at.effects.terms[0]
 
-    @property
-    def place(self) -> str:
-        """Where it acts, one of `PLACES`: that of the term, but of what swings."""
-        if self.driver != FREQUENCY:
-            return self.term.place
-        return "body" if self.oscillation.body else "brakes"
+_Whitened = Sequence[Mapping[str, Array]]
+"""Innovations of each run by the name of the channel, one every `STEP`."""
 
 
 def held_from(term: EmpiricalTerm) -> float | None:
@@ -89,39 +112,51 @@ def held_from(term: EmpiricalTerm) -> float | None:
     return None
 
 
+def plainest_first(at: Explanation, terms: Sequence[Explanation]) -> list[Explanation]:
+    """Explanations with terms, the best first, but one that holds a brake torque before what is
+    hardly better.
+    """
+    hardly = _PLAIN * _excess(at) / at.count
+
+    def other(one: Explanation) -> bool:
+        return held_from(one.effects.terms[0]) is None or one.reduced >= terms[0].reduced + hardly
+
+    return sorted(terms, key=other)
+
+
+def _excess(at: Explanation) -> float:
+    """What the sum of squares of the innovations has beyond noise, at least its scatter."""
+    return max((at.reduced - 1.0) * at.count, float(np.sqrt(2.0 * at.count)))
+
+
 def unexplained_of(at: Explanation, terms: Sequence[Explanation]) -> Unexplained:
-    """What is left on top of ``at``, by explanations with ``terms`` beside it, best first."""
-    excess = max((at.reduced - 1.0) * at.count, float(np.sqrt(2.0 * at.count)))
-    shares = [(at.reduced - one.reduced) * at.count / excess for one in terms]
-    held = [held_from(one.effects.terms[0]) is not None for one in terms]
-    nearly = (k for k, share in enumerate(shares) if held[k] and share > shares[0] - _PLAIN)
-    best = next(nearly, 0)
-    term = terms[best].effects.terms[0]
-    axle = PLACES[term.place]
+    """What is left on top of ``at``, by explanations with ``terms`` beside it, plainest first."""
+    excess = _excess(at)
+    shares = [min((at.reduced - one.reduced) * at.count / excess, 1.0) for one in terms]
+    term, *others = (one.effects.terms[0] for one in terms)
+    held = held_from(term)
     whitened = [dict(zip(CHANNELS, by_channel(r), strict=True)) for r in at.innovations]
     turning, turned = _turning(at, whitened, excess)
     swing = oscillation_of(whitened, excess)
+    slips = held is not None and PLACES[term.place] != "rear"
     causes = (
-        (max(shares[best], _NO_TERM), SLIP if held[best] and axle != "rear" else term.driver, axle),
-        (turning, WHEEL_ANGLE, turned),
-        (swing.share, FREQUENCY, "body" if swing.body else "both"),
+        (max(shares[0], _NO_TERM), SLIP if slips else term.driver, term.place),
+        (turning, WHEEL_ANGLE, term.place),
+        (swing.share, FREQUENCY, "body" if swing.body else "brakes"),
     )
-    _, driver, axle = max(causes, key=lambda cause: cause[0])
-    others = [(one.effects.terms[0], shares[k]) for k, one in enumerate(terms) if k != best]
+    _, driver, place = max(causes, key=lambda cause: cause[0])
     return Unexplained(
-        at=terms[best],
-        axle=axle,
+        place=place,
+        axle=turned if driver == WHEEL_ANGLE else PLACES[place],
+        wheel=_one_sided(whitened, excess),
         driver=driver,
-        explained=min(shares[best], 1.0),
+        explained=shares[0],
         turning=turning,
         oscillation=swing,
-        wheel=_one_sided(whitened, excess),
-        runners_up=tuple((one.place, one.driver, min(share, 1.0)) for one, share in others),
+        held_from=held,
+        term=term,
+        runners_up=tuple((t.place, t.driver, s) for t, s in zip(others, shares[1:], strict=True)),
     )
-
-
-_Whitened = list[dict[str, Array]]
-"""Innovations of each run by the name of the channel."""
 
 
 def _turning(at: Explanation, whitened: _Whitened, excess: float) -> tuple[float, str]:
@@ -132,9 +167,44 @@ def _turning(at: Explanation, whitened: _Whitened, excess: float) -> tuple[float
             phase = np.outer(_HARMONICS, thinned(run, angle))
             for name in ("rim", "front_rear", f"{axle}_sides"):
                 x = channels[name]
-                shares[axle] += float(np.sum(power_of(x, phase[:, -x.size :]))) / excess
-    axle = max(shares, key=lambda one: shares[one])
-    return min(shares[axle], 1.0), axle
+                shares[axle] += float(np.sum(_power_of(x, phase[:, -x.size :]))) / excess
+    share, axle = max((share, axle) for axle, share in shares.items())
+    return min(share, 1.0), axle
+
+
+def oscillation_of(whitened: _Whitened, excess: float) -> Oscillation:
+    """The strongest line of ``whitened`` innovations, with its two neighbours.
+
+    ``excess`` is what their sum of squares has beyond noise.
+    """
+    frequencies = np.arange(_FASTEST + 2) / (_WINDOW * STEP)
+    phase = 2.0 * np.pi * np.outer(frequencies, STEP * np.arange(_WINDOW))
+    power = np.zeros((len(CHANNELS), frequencies.size))
+    for run in whitened:
+        for i, channel in enumerate(CHANNELS):
+            x = run[channel]
+            windows = x[: x.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
+            power[i] += np.sum(_power_of(windows, phase), axis=0)
+    lines = np.sum(power, axis=0)
+    peak = _SLOWEST + int(np.argmax(lines[_SLOWEST:-1]))
+    if lines[peak] <= _OVER * np.max(lines[: max(peak - 1, _SLOWEST)]):
+        return Oscillation(0.0, 0.0, body=False)
+    near = slice(peak - 1, peak + 2)
+    band = np.maximum(power[:, near], 0.0)
+    whole = float(np.sum(band))
+    return Oscillation(
+        frequency=float(np.sum(band @ frequencies[near])) / whole,
+        share=min(whole / excess, 1.0),
+        body=float(np.sum(band[_OF_BODY])) > 0.5 * whole,
+    )
+
+
+def _power_of(x: Array, phase: Array) -> Array:
+    """Squares (..., k) that waves of a ``phase`` (k, n) [rad] take of innovations (..., n).
+
+    Less those of noise alone, two a wave: cosine and sine.
+    """
+    return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)
 
 
 def _one_sided(whitened: _Whitened, excess: float) -> str | None:

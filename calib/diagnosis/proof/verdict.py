@@ -11,13 +11,10 @@ probable than all that is named, or where what is named closes too little of the
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.diagnosis.explanation.explanation import Explanation, of_all
-from calib.diagnosis.explanation.hypothesis import State
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.proof.unexplained import plainest_first
+from calib.diagnosis.replays.hold_outs import Replayed, replayed
 from calib.diagnosis.search.search import SURE, Search
 from calib.diagnosis.search.terms import Ranked, ranked_terms, with_terms
 
@@ -39,51 +36,58 @@ leave something."""
 
 @dataclass(frozen=True)
 class Verdict:
-    """``word`` as in diagnosis.json; ``base`` without effects; ``best`` what is named, or ``base``.
+    """What a ``search`` comes to: the explanation whose hold-outs are ``after``.
 
-    ``rivals`` as likely, ``tried`` all others, the best first; ``seen`` is ``best`` as the
-    hold-outs see it; ``terms`` explanations with the best empirical terms beside ``best``,
-    where something is left, best first.
+    ``rivals`` as likely; ``terms`` explanations with the best empirical terms beside it, where
+    something is left, the one that describes it first.
     """
 
-    word: str
-    held: HoldOuts
-    base: Explanation
-    best: Explanation
-    rivals: tuple[Explanation, ...]
-    tried: tuple[Explanation, ...]
-    seen: Explanation
-    before: Replayed
+    search: Search
     after: Replayed
+    rivals: tuple[Explanation, ...]
     terms: tuple[Explanation, ...]
+
+    @property
+    def best(self) -> Explanation:
+        """What is named, or the base without effects."""
+        return self.after.of
 
     @property
     def stands(self) -> bool:
         """Whether effects are named."""
-        return self.word in (NAMED, AMBIGUOUS)
+        return bool(self.best.names)
+
+    @property
+    def word(self) -> str:
+        """The verdict as in diagnosis.json."""
+        if self.stands:
+            return AMBIGUOUS if self.rivals else NAMED
+        return UNKNOWN if self.terms else NO_GAP
+
+    @property
+    def before(self) -> Replayed:
+        """The hold-outs without effects."""
+        return self.search.before if self.stands else self.after
 
 
 def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
-    held, base = search.held, search.base
-    best, after, terms = _standing(search)
-    before = search.before if best.names else after
+    base = search.base
+    after, terms = _standing(search)
+    best = after.of
     far = search.gap(after).after > (_FAR if best.names else 2.0 * _FAR)
     rest = far or something_left(best, terms)
-    beside = tuple(with_terms(best, terms)) if rest else ()
+    beside = with_terms(best, terms) if rest else []
     if rest and best.names:
         promised = base.log_evidence + search.terms[0].log_gain
-        alone = tuple(with_terms(base, search.terms)) if promised > search.nearly - SURE else ()
+        alone = with_terms(base, search.terms) if promised > search.nearly - SURE else []
         if alone and alone[0].log_evidence > best.log_evidence:
-            best, after, beside = base, before, alone
+            best, after, beside = base, search.before, alone
     rivals = search.rivals if best is search.best else ()
-    named = AMBIGUOUS if rivals else NAMED
-    word = named if best.names else UNKNOWN if rest else NO_GAP
-    seen, tried = seen_by(held.problem, best, after.own), search.fits.others(search.best)
-    return Verdict(word, held, base, best, rivals, tried, seen, before, after, beside)
+    return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
 
 
-def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
+def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
     """The last explanation of a search that closes the gap of the replays, and terms beside it.
 
     By `_CLOSED` where something is left with it; else it must not widen the gap.
@@ -96,8 +100,8 @@ def _standing(search: Search) -> tuple[Explanation, Replayed, list[Ranked]]:
         taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
         closed = min(search.gap(one).closed, taken)
         if not best.names or closed > _CLOSED or not something_left(best, terms):
-            return best, one, terms
-    return search.base, search.before, search.terms
+            return one, terms
+    return search.before, search.terms
 
 
 def _last(search: Search) -> Replayed:
@@ -111,10 +115,3 @@ def _last(search: Search) -> Replayed:
 def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:
     """Whether a term beside an explanation is surely more probable, or far more than noise left."""
     return terms[0].log_gain > SURE or at.reduced > 1.01 + _STRANGE * at.scatter
-
-
-def seen_by(held: Problem, at: Explanation, own: Array) -> Explanation:
-    """An explanation as other logs see it, its parameters as they are."""
-    state = State(at.state.x, at.state.form, own)
-    r = of_all(held, at.hypothesis, state)
-    return Explanation(held, at.hypothesis, state, r, [], [])

@@ -1,8 +1,9 @@
 """The gap on hold-outs: open-loop replays less measurement, over the sensors' noise.
 
 A replay uses the pressure, the first speed and, for a ripple alone, the angle of the wheels, so an
-error of force adds up in v. The noise of a channel is estimated from its differences between
-samples. Its square is subtracted, so that a perfect model has no gap.
+error of force, which an innovation of one step hides, adds up in v. The noise of a channel is
+estimated from its differences between samples. Its square is subtracted, so that a perfect model
+has no gap. Means over half a second show where an error lasts: the noise cancels in them.
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import WHEELS
 from calib.logs.log import Log
-from calib.run.filters import third_difference, typical_differences
+from calib.run.filters import block_mean, third_difference, typical_differences
 
 CHANNELS = ("a_x", *(f"omega_{w}" for w in WHEELS), "v")
 UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
@@ -33,6 +34,9 @@ straight lines of four samples or more. A ripple of ten times the noise has four
 FLOOR = {"a_x": 0.005, "v": 0.003, **{f"omega_{w}": 0.005 for w in WHEELS}}
 """Least noise of a channel, in its unit: a simulated log may have none, and no car is described to
 better than that."""
+
+BLOCK = 0.5
+"""Span of a mean [s]: several times the correlation time of a road's noise, a part of a stop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,23 +76,37 @@ class Gap:
         return 1.0 - after / before if before > 0.0 else 0.0
 
 
-def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
-    """Compare replays with their logs; a replay that ends early is compared up to its end."""
-    noise = noises_of(measured)
-    squares = [beyond_noise(replays, measured, noise) for replays in (before, after)]
-    return Gap(tuple(log.name for log in measured), noise, np.array(squares))
+@dataclass(frozen=True)
+class Remainder:
+    """What is left in the replays with an explanation.
 
-
-def beyond_noise(replays: Sequence[Log], measured: Sequence[Log], noise: Array) -> Array:
-    """Mean squares (logs, 6) of replay less measurement over that of noise, less one, at least 0.
-
-    Over their common samples above 1 m/s.
+    ``size`` rms of their errors without noise, over the noise of the sensors [1]; ``channel``,
+    ``log`` where that is ``largest`` [1]; ``pressure`` [Pa], ``speed`` [m/s], ``time`` [s since the
+    start] ranges of 80 % of it there.
     """
+
+    size: float
+    channel: str
+    log: str
+    largest: float
+    pressure: tuple[float, float]
+    speed: tuple[float, float]
+    time: tuple[float, float]
+    unit: str = "rms of replay errors over the noise of the sensors"
+
+
+def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
+    """Compare replays with their logs, over their common samples above 1 m/s."""
+    noise = noises_of(measured)
     squares = [
-        [float(np.mean(error_of(sim, log, c) ** 2)) for c in CHANNELS]
-        for sim, log in zip(replays, measured, strict=True)
+        [
+            [float(np.mean(error_of(sim, log, c) ** 2)) for c in CHANNELS]
+            for sim, log in zip(replays, measured, strict=True)
+        ]
+        for replays in (before, after)
     ]
-    return np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
+    beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
+    return Gap(tuple(log.name for log in measured), noise, beyond)
 
 
 def error_of(replay: Log, measured: Log, channel: str) -> Array:
@@ -113,3 +131,25 @@ def _noise_of(log: Log, channel: str) -> float:
     straight = channel in log.interpolated or max(over[:4]) > STRAIGHT * fine
     largest = max(over) if straight else min(max(over), SLOW * fine)
     return float(largest / np.sqrt(20.0))
+
+
+def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
+    """What ``replays`` leave of ``measured`` logs, after a ``gap``."""
+    left = gap.squares[1]
+    row, column = divmod(int(np.argmax(left)), len(CHANNELS))
+    log, channel = measured[row], CHANNELS[column]
+    size = max(1, round(BLOCK / log.sample_time))
+    error = block_mean(error_of(replays[row], log, channel), size)
+    # the speed keeps an error of force: its growth tells where the force is wrong
+    weight = np.abs(np.diff(error, prepend=0.0)) if channel == "v" else error**2
+    drivers = (log["p_mc"], log["v"], log.time - log.time[0])
+    pressure, speed, time = (range_of(block_mean(x, size), weight) for x in drivers)
+    largest = float(np.sqrt(left[row, column]))
+    return Remainder(gap.after, channel, log.name, largest, pressure, speed, time)
+
+
+def range_of(driver: Array, weight: Array) -> tuple[float, float]:
+    """The range of a driver that holds the middle 80 % of the weight."""
+    driver, some = driver[: weight.size], weight + 1e-12  # where nothing is left, all counts alike
+    low, high = np.quantile(driver, (0.1, 0.9), weights=some, method="inverted_cdf")
+    return float(low), float(high)

@@ -1,6 +1,6 @@
 """The hold-outs, seen in both ways: step by step as innovations, and replayed open loop."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,8 +9,12 @@ from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import Base
-from calib.diagnosis.explanation.explanation import runs_of
-from calib.diagnosis.explanation.own import GRADE, SLOPE, ZERO, ZERO_OF_A_X
+from calib.diagnosis.explanation.columns import columns_by_own
+from calib.diagnosis.explanation.explanation import Explanation, of_all, runs_of
+from calib.diagnosis.explanation.fit import SETTLED, fit
+from calib.diagnosis.explanation.gaussian import Products
+from calib.diagnosis.explanation.hypothesis import State
+from calib.diagnosis.explanation.own import GRADE, OWN, SLOPE, ZERO, ZERO_OF_A_X, sizes
 from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
@@ -53,11 +57,47 @@ def _of_log(run: ObservedRun) -> Effects:
 
 def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
     """Base and effects as a model that can be simulated, without a departure of its tyre."""
-    return Model(
-        vehicle=vehicle.with_radii(base.radius),
-        pad_friction_f=base.pad_friction_f,
-        pad_friction_r=base.pad_friction_r,
-        tyre=base.tyre,
-        effects=effects,
-        surfaces=(),
-    )
+    rolling = vehicle.with_radii(base.radius)
+    return Model(rolling, base.pad_friction_f, base.pad_friction_r, base.tyre, effects)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """An explanation, and the same without a departure of its tyre, ``at``, as a model has it.
+
+    ``own`` (runs, 8) of the hold-outs, ``logs`` their replays.
+    """
+
+    of: Explanation
+    at: Explanation
+    own: Array
+    logs: tuple[Log, ...]
+
+
+def replayed(held: HoldOuts, at: Explanation, settled: float = SETTLED) -> Replayed:
+    """Fit an explanation as a model has it, and replay the hold-outs. Raises ModelError."""
+    plain = without_form(at, settled)
+    own = placed(held.problem, plain)
+    return Replayed(at, plain, own, held.replays(plain.base, plain.effects, own))
+
+
+def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
+    """The same hypothesis, with tyres that do not depart from their form."""
+    state = replace(at.state, form=np.zeros_like(at.state.form))
+    hypothesis = replace(at.hypothesis, departs=False)
+    return fit(at.problem, hypothesis, state, at.columns, settled)
+
+
+def placed(held: Problem, at: Explanation) -> Array:
+    """What each hold-out has of its own, (runs, 8), of the kinds in which the logs differ."""
+    own = np.zeros((len(held.runs), len(OWN)))
+    S = sizes(at.hypothesis.kinds)
+    which = np.flatnonzero(sizes(()) != S)
+    for _ in range(3 * bool(which.size)):
+        state = State(at.state.x, at.state.form, own)
+        r = of_all(held, at.hypothesis, state)
+        columns = columns_by_own(held, at.hypothesis, state, r, which.tolist())
+        for one, N, states in zip(r, columns, own, strict=True):
+            products = Products.of(np.zeros((0, one.size)), N, one, states[which])
+            states[which] -= products.reduced(S[which])[1][:, -1]
+    return own

@@ -12,7 +12,7 @@ from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ROUGHLY, fit
 from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.replays.replayed import placed
+from calib.diagnosis.replays.hold_outs import placed
 from calib.diagnosis.search.rank import Promise
 
 _PRUNED = 20.0

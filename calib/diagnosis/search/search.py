@@ -18,8 +18,7 @@ from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned
 from calib.diagnosis.replays.gap import Gap, gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.replays.replayed import Replayed, replayed
+from calib.diagnosis.replays.hold_outs import HoldOuts, Replayed, replayed
 from calib.diagnosis.search.fits import Fits
 from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
 from calib.diagnosis.search.terms import Ranked, ranked_terms

@@ -11,9 +11,8 @@ from typing import Any
 
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.proof.unexplained import Unexplained, held_from
+from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import CHANNELS, UNITS, Gap
-from calib.diagnosis.replays.remainder import Remainder
 
 SCHEMA = 1
 
@@ -43,7 +42,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "base": found.base,
         "innovation": {"before": found.reduced_before, "after": found.reduced_after},
         "noise": {"from": found.noise.source, "at_floor": found.noise.at_floor},
-        "left": _left(found.left),
+        "left": found.left,
         "steps": found.steps,
         "withdrawn": found.withdrawn,
         "gap": _gap(found.gap),
@@ -73,19 +72,13 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _left(left: Remainder) -> dict[str, Any]:
-    return {**plain(left), "unit": "rms of replay errors over the noise of the sensors"}
-
-
 def _unexplained(rest: Unexplained, found: Diagnosis) -> dict[str, Any]:
-    names = ("place", "axle", "wheel", "driver", "explained", "turning", "oscillation")
     return {
+        **plain(rest),
         "beside": [effect.name for effect in found.effects],
         "in_model": found.model_after.effects.terms != (),
-        "replays": _left(found.left),
+        "replays": found.left,
         "innovation": found.reduced_after if found.effects else found.reduced_before,
-        **{name: getattr(rest, name) for name in names},
-        "held_from": held_from(rest.term),
         "term": plain(rest.term) | {"driver_unit": DRIVERS[rest.term.driver]},
         "runners_up": [
             dict(zip(("place", "driver", "explained"), one, strict=True)) for one in rest.runners_up

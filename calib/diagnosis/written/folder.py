@@ -6,15 +6,13 @@ DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<lo
 from dataclasses import replace
 from pathlib import Path
 
-from calib.base.names import WHEELS
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.replays.gap import CHANNELS
 from calib.logs.write import write_csv
 
 DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
-COLUMNS = ("time", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
-"""Channels of a replay on disk."""
 
 
 def files_of(stems: list[str]) -> list[Path]:
@@ -38,7 +36,7 @@ def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> lis
         sims, paths = (*found.before, *found.after), files_of([sim.name for sim in found.before])
         for sim, path in zip(sims, paths[-len(sims) :], strict=True):
             (work / path).parent.mkdir(parents=True, exist_ok=True)
-            told = {name: sim[name] for name in COLUMNS}
+            told = {name: sim[name] for name in ("time", *CHANNELS)}
             write_csv(replace(sim, channels=told, truth={}), work / path)
         return publish(work, out, DOCUMENT, _replays)
 

@@ -16,7 +16,7 @@ from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, sta
 from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.vector import elements_of, unpack
-from calib.diagnosis.replays.replayed import without_form
+from calib.diagnosis.replays.hold_outs import without_form
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, asked_of, fitted

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import EmpiricalTerm
-from calib.diagnosis.proof.unexplained import WHEEL_ANGLE, Unexplained, held_from, unexplained_of
+from calib.diagnosis.explanation.channels import CHANNELS, STEP
+from calib.diagnosis.proof.unexplained import (
+    WHEEL_ANGLE,
+    Oscillation,
+    Unexplained,
+    held_from,
+    oscillation_of,
+    plainest_first,
+    unexplained_of,
+)
 from calib.diagnosis.search.terms import ranked_terms, with_terms
 from tests.support.explained import based
 from tests.support.hidden.cases import HiddenCase, draw
@@ -17,7 +26,8 @@ def hiding(name: str, seed: int, severity: int = 2, only: tuple[str, ...] = FEW)
 
 
 def placed(case: HiddenCase) -> Unexplained:
-    return unexplained_of(at := based(case), with_terms(at, ranked_terms(at)))
+    at = based(case)
+    return unexplained_of(at, plainest_first(at, with_terms(at, ranked_terms(at))))
 
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
@@ -64,3 +74,36 @@ def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, told):
     values = tuple(np.where(p > 0.0, factor - 1.0, 0.0).tolist())
     assert held_from(EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)) == told
     assert held_from(EmpiricalTerm("body", "pressure", tuple(p.tolist()), values)) is None
+
+
+TIME = np.arange(0.0, 120.0, STEP)
+
+
+def swing_of(signal: np.ndarray, seed: int) -> Oscillation:
+    """A signal in a_x beside noise of variance one in every channel."""
+    noise = np.random.default_rng(seed).standard_normal((len(CHANNELS), TIME.size))
+    noise[CHANNELS.index("a_x")] += signal
+    return oscillation_of([dict(zip(CHANNELS, noise, strict=True))], float(signal @ signal))
+
+
+@pytest.mark.parametrize("frequency", [0.55, 0.6, 0.8, 1.1, 2.3])
+def test_a_swing_is_found_with_its_frequency(frequency):
+    """A swing that an application starts every 10 s, with a hundredth of critical damping."""
+    since = TIME % 10.0
+    swing = 5.0 * np.exp(-0.06 * frequency * since) * np.sin(2.0 * np.pi * frequency * since)
+    result = swing_of(swing, 1)
+    assert result.frequency == pytest.approx(frequency, abs=0.06)
+    assert result.share > 0.7
+    assert result.body
+
+
+@pytest.mark.parametrize("time_constant", [0.1, 0.3, 0.6, 1.0])
+@pytest.mark.parametrize("apart", [3.0, 4.3, 6.1, 9.7])
+def test_an_error_that_every_application_leaves_is_no_swing(time_constant, apart):
+    """The answer to a lag: a step at the bite that dies away, and its opposite at the release."""
+    since = TIME % apart
+    half = 0.5 * apart
+    error = np.exp(-since / time_constant) - np.where(
+        since > half, np.exp(-(since - half) / time_constant), 0.0
+    )
+    assert swing_of(10.0 * error, 2).share == 0.0

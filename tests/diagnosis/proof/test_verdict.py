@@ -11,8 +11,7 @@ from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.proof.verdict import NO_GAP, UNKNOWN, verdict_of
 from calib.diagnosis.replays.gap import gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts
-from calib.diagnosis.replays.replayed import placed, replayed
+from calib.diagnosis.replays.hold_outs import HoldOuts, placed, replayed
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, fitted, searched
