@@ -41,9 +41,9 @@ _FRESH = 8
 _MOST = 12
 """Moves at most."""
 
-_ALIKE, _NEAR, _WRONG = 0.03, 0.1, 0.5
-"""Share of what a hypothesis gains by which a linear model is wrong about it: in the place of an
-effect that it replaces, usually, and at most, of an effect with many parameters such as a motor."""
+_NEAR, _WRONG = 0.1, 0.5
+"""Share of what a hypothesis gains by which a linear model is wrong about it: usually, and at most,
+of an effect with many parameters such as a motor."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +125,10 @@ class Search:
         """Go on from a better explanation, unless it widens the gap of the replays far."""
         new = fit(self.problem, new.hypothesis, new.state, new.columns)
         self.fits.add(new)
+        more = float(new.log_evidence - self.best.log_evidence)
+        held = float(self.fits.density(new) - self.fits.density(self.best))
+        if more + held <= 0.0:
+            return False
         try:
             after = replayed(self.held, new, ROUGHLY)
         except ModelError:
@@ -132,16 +136,14 @@ class Search:
         if after is None or self.widens(after):
             self.withdrawn[new.hypothesis.key] = new.names
             return False
-        more = new.log_evidence - self.best.log_evidence
-        held = self.fits.density(new) - self.fits.density(self.best)
         same, self.best = new.hypothesis == self.best.hypothesis, new
         self.accepted.append(after)
         if not same:
-            last, odds = self.steps[-1], (float(more), float(held))
+            last = self.steps[-1]
             added = tuple(name for name in new.names if name not in last.names)
             removed = tuple(name for name in last.names if name not in new.names)
             gain = last.innovation - new.reduced
-            self.steps.append(SearchStep(new.names, new.reduced, *odds, added, removed, gain))
+            self.steps.append(SearchStep(new.names, new.reduced, more, held, added, removed, gain))
             self.further = self._renewed()
         return True
 
@@ -213,24 +215,23 @@ class Search:
     def exchanged(self) -> list[Explanation]:
         """One or two effects, or other kinds, in the place of a part of the best explanation.
 
-        A part may have stood for two. What takes its place may be better than a linear model says;
-        two must promise more.
+        A part may have stood for two. Where one is taken out a linear model may be far wrong, so
+        its two best promises are tried whatever they promise; two effects must promise more.
         """
         best, news = self.best, []
-        other = bool(best.hypothesis.kinds)
+        parts, other = len(best.names), bool(best.hypothesis.kinds)
         fewer = [
             *(self.fits.without(best, name) for name in best.names),
             *(self.fits.without_kind(best, kind) for kind in best.hypothesis.kinds),
         ]
         for e in fewer:
-            found = promises(e, self.further, 1 if other else 2, other)
-            nearly = SURE + _ALIKE * (best.log_evidence - e.log_evidence)
-            new = [p for p in found if p.log_evidence > best.log_evidence - nearly]
-            one = [p for p in new if len(p.hypothesis.names) <= len(best.names)]
+            further = further_columns(e) if e.names else self.first
+            found = promises(e, further, 1 if other else 2, other)
+            one = [p for p in found if len(p.hypothesis.names) <= parts]
             two = [
                 p
-                for p in new
-                if len(p.hypothesis.names) > len(best.names)
+                for p in found
+                if len(p.hypothesis.names) > parts
                 and p.log_evidence > best.log_evidence + SURE
                 and not set(best.names) < set(p.hypothesis.names)
             ]
