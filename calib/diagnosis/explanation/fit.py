@@ -40,7 +40,10 @@ def fit(
     state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))
     at = _settled(seen(problem, hypothesis, state, near), settled, fresh=not near)
     if settled <= SETTLED:
-        at = _proved(at, settled)
+        for _ in range(_REFRESHED):  # with columns of its own place: secant ones may promise less
+            before, at = at, _settled(_refreshed(at), settled, fresh=True)
+            if at.state is before.state:
+                break
     elif near and hypothesis.names:
         base = [J[prior.of == ""] for J in at.columns]
         at = _settled(seen(problem, hypothesis, at.state, base, form_too=False), settled)
@@ -50,16 +53,6 @@ def fit(
 
 def _refreshed(at: Explanation) -> Explanation:
     return seen(at.problem, at.hypothesis, at.state)
-
-
-def _proved(at: Explanation, least: float) -> Explanation:
-    """Settled with columns of its own place: secant ones may promise too little."""
-    for _ in range(_REFRESHED):
-        before = at.state
-        at = _settled(_refreshed(at), least, fresh=True)
-        if at.state is before:
-            break
-    return at
 
 
 def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanation:

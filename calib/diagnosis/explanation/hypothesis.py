@@ -7,10 +7,19 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.diagnosis.explanation.base import FORM_AT, HIGH, LOW, Base, base_sigma, form_precision
+from calib.diagnosis.explanation.base import (
+    BASE,
+    FORM_AT,
+    FORM_PRECISION,
+    HIGH,
+    LOW,
+    Base,
+    base_of,
+    base_sigma,
+)
 from calib.diagnosis.explanation.own import OWN, PEAK, sizes
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import elements, unpack
+from calib.diagnosis.explanation.vector import elements
 
 FADE = "pad_thermal_fade"
 
@@ -27,8 +36,6 @@ _FIRST = 5.0
 
 _BEGIN = 0.25
 """Logarithm of the peak from which a fit begins, over the usual one."""
-
-_FORM = form_precision()
 
 
 @dataclass(frozen=True)
@@ -60,8 +67,7 @@ class Walk:
     @property
     def precision(self) -> Array:
         """Precision (k, k) of the values."""
-        one = np.eye(len(self.knots))
-        steps = np.diff(one, axis=0, prepend=0.0 * one[:1])
+        steps = np.diff(np.eye(len(self.knots)), axis=0, prepend=0.0)
         steps[0, 0] = 1.0 / _FIRST
         return np.asarray(steps.T @ steps / self.size**2)
 
@@ -69,10 +75,6 @@ class Walk:
     def limit(self) -> float:
         """Largest value [1]: of a brake torque, and of a force over the weight."""
         return 0.9 if self.place.endswith("brakes") else 0.1
-
-    def term(self, values: Array) -> EmpiricalTerm:
-        """The term with its values (k,)."""
-        return EmpiricalTerm(self.place, self.driver, self.knots, tuple(values.tolist()))
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
 
     found = elements(problem, hypothesis.names)
     walks = [] if hypothesis.walk is None else [hypothesis.walk]
-    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(_FORM) * [np.inf]]
+    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRECISION) * [np.inf]]
     slowest = max(run.step / run.averaged for run in problem.runs)
     sigma = np.append(base_sigma(slowest), [one.sigma for one in found])
     effects = [one.effect for one in found][problem.base_size - LOW.size :]
@@ -137,16 +139,25 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
         np.array([*problem.base_size * [""], *effects, *len(most) * [""]]),
         np.concatenate([LOW, [one.low for one in found], np.negative(most)]),
         np.concatenate([HIGH, [one.high for one in found], most]),
-        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), _FORM),
+        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), FORM_PRECISION),
     )
 
 
 def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base, Effects]:
-    """Base and effects of a state."""
-    base, effects = unpack(problem, hypothesis.names, state.x)
+    """Base and effects of a state.
+
+    The load that a known drag moves is that of the drag's own parameters where it is found anew.
+    """
+    known, found = problem.vehicle.effects, dict[str, dict[str, float]]()
+    for one, at in zip(elements(problem, hypothesis.names), state.x[BASE:].tolist(), strict=False):
+        values = found.setdefault(one.effect, dict(known.parameters.get(one.effect, {})))
+        values[one.parameter.name] = one.value(at)
+    effects = known.with_(Effects(found, sigma=known.without(*hypothesis.names).sigma))
     if (walk := hypothesis.walk) is not None:
-        effects = replace(effects, terms=(walk.term(state.x[-len(walk.knots) :]),))
-    form = state.form.reshape(2, FORM_AT.size)
+        values_of_walk = tuple(state.x[-len(walk.knots) :].tolist())
+        term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values_of_walk)
+        effects = replace(effects, terms=(term,))
+    base, form = base_of(problem.vehicle, state.x[:BASE]), state.form.reshape(2, FORM_AT.size)
     return (replace(base, form=form) if np.any(form) else base), effects
 
 

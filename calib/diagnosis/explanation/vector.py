@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from calib.base.arrays import Array
 from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
-from calib.diagnosis.explanation.base import BASE, Base, base_of
 from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
 STRENGTH, FURTHER = 2.0, 1.0
@@ -45,14 +43,11 @@ class Element:
 
 def elements_of(known: Effects, name: str) -> list[Element]:
     """The parameters of one effect, beside those that the vehicle file has."""
-    card, given = definition(known, name).card, known.parameters.get(name)
-    strength, *further = card.parameters
-    usual = card.neutral if given is None else strength.typical
-    given = given or {}
-    return [
-        Element(name, strength, given.get(strength.name, usual), STRENGTH),
-        *(Element(name, p, given.get(p.name, p.typical), FURTHER) for p in further),
-    ]
+    card = definition(known, name).card
+    given = known.parameters.get(name, {card.parameters[0].name: card.neutral})
+    sigmas = [STRENGTH, *[FURTHER] * (len(card.parameters) - 1)]
+    pairs = zip(card.parameters, sigmas, strict=True)
+    return [Element(name, p, given.get(p.name, p.typical), sigma) for p, sigma in pairs]
 
 
 def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
@@ -66,16 +61,3 @@ def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
         (share,) = (one for one in elements_of(known, DRAG) if one.parameter.name == SHARE)
         out.insert(0, replace(share, sigma=STRENGTH))
     return out
-
-
-def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
-    """Base and effects from a vector, which may go on behind them.
-
-    The load that a known drag moves is that of the drag's own parameters where it is found anew.
-    """
-    known, found = problem.vehicle.effects, dict[str, dict[str, float]]()
-    for one, at in zip(elements(problem, names), x[BASE:].tolist(), strict=False):
-        values = found.setdefault(one.effect, dict(known.parameters.get(one.effect, {})))
-        values[one.parameter.name] = one.value(at)
-    effects = known.with_(Effects(found, sigma=known.without(*names).sigma))
-    return base_of(problem.vehicle, x[:BASE]), effects
