@@ -47,8 +47,7 @@ class Base:
 
     ``radius`` the factor on the rolling radii of the vehicle file [1], common to both axles;
     ``clock`` [s] by which the pressure is logged early, against all other channels; ``form`` (2, k)
-    the share by which the slip of front and rear tyres departs from all that at `FORM_AT`, None
-    where it does not.
+    the share by which the slip of front and rear tyres departs from all that at `FORM_AT`.
     """
 
     pad_friction_f: float
@@ -56,7 +55,7 @@ class Base:
     tyre: MagicFormula
     radius: float = 1.0
     clock: float = 0.0
-    form: Array | None = field(default=None, compare=False)
+    form: Array = field(default_factory=lambda: np.zeros((2, FORM_AT.size)), compare=False)
 
     def of_log(self, own: Array) -> Self:
         """As a log has it, whose pads and road may differ: by the first of its ``own`` (8,)."""

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
+from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.base import (
     BASE,
     FORM_AT,
@@ -18,10 +20,13 @@ from calib.diagnosis.explanation.base import (
     base_sigma,
 )
 from calib.diagnosis.explanation.own import OWN, PEAK, sizes
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import elements
+from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
 FADE = "pad_thermal_fade"
+
+STRENGTH, FURTHER = 2.0, 1.0
+"""Standard deviations of the priors on the strength of an effect and on its further parameters, in
+spreads of its card."""
 
 PRICE = 5.0
 """ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
@@ -40,7 +45,7 @@ _BEGIN = 0.25
 
 @dataclass(frozen=True)
 class State:
-    """``x`` of base and effects as `unpack` reads it, ``form`` (2 k,), ``own`` (runs, 8)."""
+    """``x`` of base and effects as `based` reads it, ``form`` (2 k,), ``own`` (runs, 8)."""
 
     x: Array
     form: Array
@@ -112,6 +117,57 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
+class Element:
+    """A ``parameter`` of an ``effect``: x in units of its spread, counted from its ``origin``.
+
+    That is the value of the vehicle file, if it has any; else the neutral one for a strength, the
+    typical one for any other parameter. ``sigma`` is the standard deviation of the prior on x.
+    """
+
+    effect: str
+    parameter: Parameter
+    origin: float
+    sigma: float
+
+    @property
+    def low(self) -> float:
+        """Least x, by the card."""
+        return (self.parameter.low - self.origin) / self.parameter.spread
+
+    @property
+    def high(self) -> float:
+        """Largest x, by the card."""
+        return (self.parameter.high - self.origin) / self.parameter.spread
+
+    def value(self, x: float) -> float:
+        """The parameter [SI]."""
+        p = self.parameter
+        return min(max(self.origin + x * p.spread, p.low), p.high)
+
+
+def elements_of(known: Effects, name: str) -> list[Element]:
+    """The parameters of one effect, beside those that the vehicle file has."""
+    card = definition(known, name).card
+    given = known.parameters.get(name, {card.parameters[0].name: card.neutral})
+    sigmas = [STRENGTH, *[FURTHER] * (len(card.parameters) - 1)]
+    pairs = zip(card.parameters, sigmas, strict=True)
+    return [Element(name, p, given.get(p.name, p.typical), sigma) for p, sigma in pairs]
+
+
+def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
+    """All behind the base: the load that a known drag moves where the file does not say, effects.
+
+    That load is not sure to be as usual where the rest of the drag is known: its prior is wider.
+    """
+    known = problem.vehicle.effects
+    out = [one for name in names for one in elements_of(known, name)]
+    if problem.free_share:
+        (share,) = (one for one in elements_of(known, DRAG) if one.parameter.name == SHARE)
+        out.insert(0, replace(share, sigma=STRENGTH))
+    return out
+
+
+@dataclass(frozen=True)
 class Prior:
     """Of all that logs share, x and the form of tyres (m + 2 k,): normal about zero.
 
@@ -157,8 +213,8 @@ def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base,
         values_of_walk = tuple(state.x[-len(walk.knots) :].tolist())
         term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values_of_walk)
         effects = replace(effects, terms=(term,))
-    base, form = base_of(problem.vehicle, state.x[:BASE]), state.form.reshape(2, FORM_AT.size)
-    return (replace(base, form=form) if np.any(form) else base), effects
+    base = base_of(problem.vehicle, state.x[:BASE])
+    return replace(base, form=state.form.reshape(base.form.shape)), effects
 
 
 def start_of(problem: Problem) -> State:

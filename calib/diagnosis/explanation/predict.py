@@ -175,10 +175,9 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
             break
     load = np.maximum(0.5 * np.stack([motion.load_f, motion.load_r]), 1.0)
     plain = _slip(car, tyre, (force, rate), load, lag)
-    use, slip = np.abs(force / load), plain
-    if base.form is not None:
-        bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
-        slip = plain * (1.0 + np.stack(bent, axis=1))
+    use = np.abs(force / load)
+    bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
+    slip = plain * (1.0 + np.stack(bent, axis=1))
     late = wheel_speed_delay(effects)
     slip = np.array([[delayed(run.time, x, late) for x in side] for side in slip])
     gained = integral(run.time, -G * z)

@@ -12,10 +12,9 @@ from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all
-from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, elements_of, start_of
 from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import elements_of
 from calib.diagnosis.replays.hold_outs import without_form
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
