@@ -11,7 +11,7 @@ torque on the spring of its tyre (`calib.diagnosis.explanation.wheel_lag`).
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
@@ -80,7 +80,7 @@ class ObservedRun(RunHistory):
     omega: Array
     drive: Array
     own: Array = field(default_factory=lambda: np.zeros(len(OWN)))
-    lag: list[Any] = field(repr=False, compare=False, default_factory=list)
+    lag: list[tuple[object, WheelLag]] = field(repr=False, compare=False, default_factory=list)
 
     @property
     def a_x(self) -> Array:
@@ -126,8 +126,8 @@ def run_of(log: Log) -> ObservedRun:
     means = {name: block_mean(log[name], n) for name in log.channels}
     nothing = np.zeros_like(means["v"])
     heat = {a: smooth(means[f"T_disc_{a}"], 0.5) for a in AXLES if f"T_disc_{a}" in log}
-    spun = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
-    angle = {a: block_mean(integral(log.time, omega), n) for a, omega in spun.items()}
+    spun = (0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES)
+    angle_f, angle_r = (block_mean(integral(log.time, omega), n) for omega in spun)
     return ObservedRun(
         time=means["time"],
         v=smooth(means["v"], 0.1),
@@ -135,8 +135,8 @@ def run_of(log: Log) -> ObservedRun:
         p_mc=as_pressed(means["p_mc"], step),
         temperature_f=heat.get("f"),
         temperature_r=heat.get("r"),
-        angle_f=angle["f"],
-        angle_r=angle["r"],
+        angle_f=angle_f,
+        angle_r=angle_r,
         energy_f=nothing,
         energy_r=nothing,
         source=log.name,
@@ -185,8 +185,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     v = run.v_read + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     turning = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(turning * (1.0 - slip))
-    moved = replace(motion, history=history)
-    for w, factor in wheel_speed_factors(car, effects, moved).items():
+    last = replace(motion, history=history)
+    for w, factor in wheel_speed_factors(car, effects, last).items():
         omega[WHEELS.index(w)] *= factor
     return Prediction(
         a_x=as_read(car, effects, history, -G * z) + run.own[ZERO],
@@ -210,26 +210,22 @@ def _torque(
     front = brake_torque(car.front, base.pad_friction_f * k_f, clamps[0])
     even = np.stack([front, brake_torque(car.rear, base.pad_friction_r * k_r, clamps[1])])
     uneven = wheel_factors(effects, history)
-    if not uneven:
-        return even[None]
-    sides = [
-        [x * uneven.get(a + side, 1.0) for a, x in zip(AXLES, even, strict=True)] for side in "lr"
-    ]
-    return np.array(sides)
+    pairs = tuple(zip(AXLES, even, strict=True))
+    sides = "lr" if uneven else "l"
+    return np.array([[x * uneven.get(a + side, 1.0) for a, x in pairs] for side in sides])
 
 
 def _wheel_lag(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> WheelLag:
     """How the wheels of both axles follow, as if both used the road as the whole car does."""
     of = replace(car, effects=Effects()), tyre
-    if run.lag[:1] != [of]:
+    if not run.lag or run.lag[0][0] != of:
         load = np.stack(axle_loads(car, run.z))
         _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, EDGE)
         axles = (car.front, car.rear)
         heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
         tau = heavy * run.v / (0.5 * load * slope)
-        run.lag[:] = of, WheelLag.of(tau, tyre.relaxation, run.v, run.step)
-    found: WheelLag = run.lag[1]
-    return found
+        run.lag[:] = [(of, WheelLag.of(tau, tyre.relaxation, run.v, run.step))]
+    return run.lag[0][1]
 
 
 def _balance(
