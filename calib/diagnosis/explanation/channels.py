@@ -20,7 +20,7 @@ from numpy.linalg import lstsq, qr
 
 from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
-from calib.car.braking import BITE, MOVING
+from calib.car.braking import MOVING
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction
 from calib.run.filters import block_mean
 
@@ -98,13 +98,6 @@ def thinned(run: ObservedRun, x: Array) -> Array:
     stop = np.flatnonzero(run.v < MOVING)
     length = int(stop[0]) if stop.size else run.time.size
     return block_mean(x[..., :length], n)
-
-
-def unbraked_length(run: ObservedRun) -> int:
-    """Steps of evidence before the brake first bites, less a margin."""
-    p = thinned(run, run.p_mc)
-    braked = np.flatnonzero(p > 0.5 * BITE)
-    return max(int(braked[0]) - 8, 0) if braked.size else p.size
 
 
 def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:

@@ -5,9 +5,7 @@
                                          +--> slips --> wheel speeds
 
 The prediction uses the measured speed instead of integrating its own, so it does not drift, and a
-whole run is computed in array operations, fast enough to be repeated a thousand times in a fit. The
-open-loop replay (`calib.model.simulate`) is used to show the result. The wheel follows its
-torque on the spring of its tyre (`calib.diagnosis.explanation.wheel_lag`).
+whole run is computed in array operations, fast enough to be repeated a thousand times in a fit.
 """
 
 from dataclasses import dataclass, field, replace
@@ -66,13 +64,12 @@ class ObservedRun(RunHistory):
     """A log on the grid: means over its steps, shapes (n,), SI.
 
     As a history: ``v`` without sensor noise, for forces; ``z`` as measured; temperatures smoothed;
-    no energy yet; ``start_heat`` counts where no temperature is logged; ``source`` its name.
+    no energy yet; ``source`` its name.
 
     Besides, ``step`` of its clock; ``v_read`` the speed as measured; ``omega`` (4, n) in the order
     of `WHEELS`; ``drive`` (2, n) torque of engine or motor [N m per axle], zero if not logged;
     ``own`` (8,) what it has of its own, see `calib.diagnosis.explanation.own`; ``lag`` how its
-    wheels followed in the last prediction, behind car and tyre: most predictions of a search change
-    neither.
+    wheels follow, behind the car and tyre of the last prediction: most have the same.
     """
 
     step: float
@@ -160,7 +157,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     """
     car = as_driven(vehicle, effects).with_radii(base.radius)
     base = base.of_log(run.own)
-    tyre, lag = base.tyre, _wheel_lag(car, base.tyre, run)
+    lag = _wheel_lag(car, base.tyre, run)
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
     clamps = np.stack(caliper_pressure(effects, pressed, *line_pressure(effects, pressed)))
     history, torque = run, np.zeros(0)
@@ -174,7 +171,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         if turn == 1 and not leans and np.array_equal(before, torque):
             break
     load = np.maximum(0.5 * np.stack([motion.load_f, motion.load_r]), 1.0)
-    plain = _slip(car, tyre, (force, rate), load, lag)
+    plain = _slip(car, base.tyre, (force, rate), load, lag)
     use = np.abs(force / load)
     bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
     slip = plain * (1.0 + np.stack(bent, axis=1))
@@ -231,10 +228,7 @@ def _wheel_lag(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> WheelLag:
 def _balance(
     car: Vehicle, effects: Effects, history: ObservedRun, torque: Array, lag: WheelLag
 ) -> tuple[Array, Array, Motion, Array]:
-    """Tyre forces [N] and their rates [N/s] (s, 2, n), loads, and z [1].
-
-    From z of the last iteration.
-    """
+    """Tyre forces [N] and their rates [N/s] (s, 2, n), loads, and z [1], by z of the last pass."""
     late = car.weight * total_load_shift(car, effects, history)
     load_f, load_r = axle_loads(car, history.z)
     motion = Motion(history.v, load_f - late, load_r + late, history)
@@ -251,10 +245,7 @@ def _balance(
 def _slip(
     car: Vehicle, tyre: MagicFormula, force: tuple[Array, Array], load: Array, lag: WheelLag
 ) -> Array:
-    """Slip [1] of wheels while their tyres carry a force [N] that has a rate [N/s].
-
-    On the rising branch; forces past it are held there.
-    """
+    """Slip [1] of wheels while their tyres carry a force [N] that has a rate [N/s]."""
     carried = force[0] / load
     slip, slope, held = tyre.rising(carried, 4.0 * load / car.weight, EDGE)
     if tyre.relaxation == 0.0:
