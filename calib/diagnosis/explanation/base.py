@@ -37,7 +37,7 @@ _FORM, _REACH, _ALIKE = 0.06, 0.25, 0.7
 correlation of front and rear tyres."""
 
 _NEAR = np.exp(-0.5 * ((FORM_AT[:, None] - FORM_AT) / _REACH) ** 2) + 0.01 * np.eye(FORM_AT.size)
-FORM_PRECISION = np.linalg.inv(np.kron([[1.0, _ALIKE], [_ALIKE, 1.0]], _FORM**2 * _NEAR))
+FORM_PRIOR = np.linalg.inv(np.kron([[1.0, _ALIKE], [_ALIKE, 1.0]], _FORM**2 * _NEAR))
 """Precision (2 k, 2 k) of the departures of both axles: a Gaussian process over the force."""
 
 

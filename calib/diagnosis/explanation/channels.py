@@ -54,9 +54,6 @@ FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 _PARABOLA = 3
 """Coefficients of the parabola that is taken out of every unbraked part."""
 
-_DIFFERENCED = 4
-"""Samples that a third difference joins: so many count as one."""
-
 LONG = 10 * ORDER
 """Least samples of an unbraked part that shows noise: ten for each coefficient."""
 
@@ -122,7 +119,7 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
     # the median over the runs: a bite or a release does not move it
     sigma = np.maximum(np.median(found, axis=0) / QUARTILE / np.sqrt(20.0), FLOOR)
-    freedom = sum(x.shape[1] for x in wholes) // _DIFFERENCED
+    freedom = sum(x.shape[1] for x in wholes) // 4  # a third difference joins four samples
     white = np.zeros((len(CHANNELS), ORDER))
     return ChannelNoise(white, sigma, "differences between samples", freedom)
 

@@ -133,8 +133,8 @@ class Explanation:
 
         ``sizes`` (8,) standard deviations of what each log has of its own, if not as here.
         """
-        products = self.products if products is None else products
         sizes = self.hypothesis.sizes if sizes is None else sizes
+        products = products or self.products
         return Marginal.of(products, sizes, self.prior.precision, self.state.shared, damping)
 
     @cached_property

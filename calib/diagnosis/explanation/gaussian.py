@@ -55,14 +55,16 @@ class Products:
 
 @dataclass(frozen=True)
 class Marginal:
-    """Shared products ``G`` of all logs and of the prior, which is on the first ``k`` columns.
+    """Products of all logs and of the prior, which is on the first k columns.
 
-    ``spent`` ln of the determinants of the own states' information over that of the prior;
-    ``steps`` of each log as `Products.reduced` has it.
+    ``information`` (k, k) of these, ``cross`` (k, c + 1) with the columns behind and r, ``behind``
+    (c + 1, c + 1) of those. ``spent`` ln of the determinants of the own states' information over
+    that of the prior; ``steps`` of each log as `Products.reduced` has it.
     """
 
-    G: Array
-    k: int
+    information: Array
+    cross: Array
+    behind: Array
     spent: float
     steps: list[Array]
 
@@ -81,22 +83,17 @@ class Marginal:
         rows, first = np.column_stack([np.eye(k), off]), [*range(k), -1]
         G[np.ix_(first, first)] += rows.T @ precision @ rows
         spent = sum(logs) - float(np.linalg.slogdet(precision)[1])
-        return cls(G, k, spent, list(steps))
-
-    @property
-    def information(self) -> Array:
-        """Information (k, k) of the shared parameters with a prior."""
-        return self.G[: self.k, : self.k]
+        return cls(G[:k, :k], G[:k, k:], G[k:, k:], spent, list(steps))
 
     @property
     def gradient(self) -> Array:
         """Half the gradient (k,) of the sum of squares."""
-        return self.G[: self.k, -1]
+        return self.cross[:, -1]
 
     @property
     def squares(self) -> float:
         """Sum of squares at the present point, priors included, own states at their best."""
-        return float(self.G[-1, -1])
+        return float(self.behind[-1, -1])
 
     def evidence(self, most: float = np.inf) -> float:
         """ln of the evidence but for a constant of the rows, without the columns behind the prior.
@@ -109,6 +106,5 @@ class Marginal:
 
     def beyond(self) -> tuple[Array, Array]:
         """What columns behind the prior do beyond the others: products (c, c), -r along (c,)."""
-        k, cross = self.k, self.G[: self.k, self.k :]
-        left = self.G[k:, k:] - cross.T @ np.linalg.solve(self.information, cross)
+        left = self.behind - self.cross.T @ np.linalg.solve(self.information, self.cross)
         return left[:-1, :-1], -left[:-1, -1]

@@ -9,16 +9,7 @@ from calib.base.arrays import Array
 from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.own_effects.own_effect import definition
-from calib.diagnosis.explanation.base import (
-    BASE,
-    FORM_AT,
-    FORM_PRECISION,
-    HIGH,
-    LOW,
-    Base,
-    base_of,
-    base_sigma,
-)
+from calib.diagnosis.explanation.base import BASE, FORM_PRIOR, HIGH, LOW, Base, base_of, base_sigma
 from calib.diagnosis.explanation.own import OWN, PEAK, sizes
 from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
@@ -187,7 +178,7 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
 
     found = elements(problem, hypothesis.names)
     walks = [] if hypothesis.walk is None else [hypothesis.walk]
-    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRECISION) * [np.inf]]
+    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRIOR) * [np.inf]]
     slowest = max(run.step / run.averaged for run in problem.runs)
     sigma = np.append(base_sigma(slowest), [one.sigma for one in found])
     effects = [one.effect for one in found][problem.base_size - LOW.size :]
@@ -195,7 +186,7 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
         np.array([*problem.base_size * [""], *effects, *len(most) * [""]]),
         np.concatenate([LOW, [one.low for one in found], np.negative(most)]),
         np.concatenate([HIGH, [one.high for one in found], most]),
-        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), FORM_PRECISION),
+        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), FORM_PRIOR),
     )
 
 
@@ -221,6 +212,6 @@ def start_of(problem: Problem) -> State:
     """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
     return State(
         _BEGIN * np.eye(problem.base_size)[PEAK],
-        np.zeros(2 * FORM_AT.size),
+        np.zeros(len(FORM_PRIOR)),
         np.zeros((len(problem.runs), len(OWN))),
     )

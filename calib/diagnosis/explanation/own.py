@@ -2,8 +2,7 @@
 
 No effect of the car, but a state of one log. Each is a normal distribution about what all logs
 share; its standard deviation is one of three of `own.csv`. A search takes the usual one, and the
-other one where a kind is asked for. What it has found is told with logs that are alike, where that
-is more probable.
+other one where a kind is asked for.
 """
 
 from collections.abc import Iterable

@@ -148,10 +148,9 @@ def run_of(log: Log) -> ObservedRun:
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
     """Predict a run.
 
-    Loads and what depends on them are computed in `_PASSES`. The deceleration acts on the tyre
-    forces through the inertia of the wheels alone, so each pass leaves 3 % of its error. Where the
-    second pass finds the torques of the first, they depend on neither deceleration nor heat, and it
-    is the last one.
+    The deceleration acts on the tyre forces through the inertia of the wheels alone, so each pass
+    leaves 3 % of its error. Where the second one finds the torques of the first, they depend on
+    neither deceleration nor heat, and it is the last one.
 
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
@@ -182,8 +181,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     v = run.v_read + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     turning = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(turning * (1.0 - slip))
-    last = replace(motion, history=history)
-    for w, factor in wheel_speed_factors(car, effects, last).items():
+    for w, factor in wheel_speed_factors(car, effects, replace(motion, history=history)).items():
         omega[WHEELS.index(w)] *= factor
     return Prediction(
         a_x=as_read(car, effects, history, -G * z) + run.own[ZERO],
@@ -205,11 +203,10 @@ def _torque(
     """Brake torque of the wheels [N m] (s, 2, n) at the pressures on their pads [Pa] (2, n)."""
     k_f, k_r = pad_factors(effects, history, *clamps)
     front = brake_torque(car.front, base.pad_friction_f * k_f, clamps[0])
-    even = np.stack([front, brake_torque(car.rear, base.pad_friction_r * k_r, clamps[1])])
-    uneven = wheel_factors(effects, history)
-    pairs = tuple(zip(AXLES, even, strict=True))
+    rear = brake_torque(car.rear, base.pad_friction_r * k_r, clamps[1])
+    even, uneven = {"f": front, "r": rear}, wheel_factors(effects, history)
     sides = "lr" if uneven else "l"
-    return np.array([[x * uneven.get(a + side, 1.0) for a, x in pairs] for side in sides])
+    return np.array([[x * uneven.get(a + side, 1.0) for a, x in even.items()] for side in sides])
 
 
 def _wheel_lag(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> WheelLag:

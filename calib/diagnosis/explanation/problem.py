@@ -65,7 +65,7 @@ class Problem:
 
     @property
     def base_size(self) -> int:
-        """Number of base parameters, the load that a free drag moves among them."""
+        """Number of base parameters, the first ones of every vector."""
         return BASE + self.free_share
 
     @cached_property
@@ -125,8 +125,6 @@ def unbraked_noise(
 ) -> ChannelNoise:
     """Noise of the channels in the unbraked parts, of what an explanation leaves there."""
     wholes = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
-    parts = []
-    for run, whole in zip(runs, wholes, strict=True):
-        braked = np.flatnonzero(thinned(run, run.p_mc) > 0.5 * BITE)
-        parts.append(whole[:, : max(int(braked[0]) - _MARGIN, 0)] if braked.size else whole)
-    return noise_of(parts, wholes)
+    braked = [np.flatnonzero(thinned(run, run.p_mc) > 0.5 * BITE) for run in runs]
+    pairs = zip(wholes, braked, strict=True)
+    return noise_of([x[:, : max(k[0] - _MARGIN, 0)] if k.size else x for x, k in pairs], wholes)
