@@ -10,10 +10,9 @@ from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, fit
-from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, elements_of, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
-from calib.diagnosis.explanation.vector import elements_of
 from calib.diagnosis.search.search import Search
 from calib.diagnosis.search.search import searched as searched_in
 from calib.logs.log import Log

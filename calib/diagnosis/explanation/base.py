@@ -9,13 +9,11 @@ from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.plain import rows
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Vehicle
-
-Array = NDArray[np.float64]
 
 _ROWS = rows("base.csv", "calib.diagnosis.explanation")
 
@@ -38,12 +36,9 @@ _FORM, _REACH, _ALIKE = 0.06, 0.25, 0.7
 """Standard deviation of that departure [1], the range of force over which it is alike [1], and the
 correlation of front and rear tyres."""
 
-
-def form_precision() -> Array:
-    """Precision (2 k, 2 k) of the departures of both axles: a Gaussian process over the force."""
-    apart = (FORM_AT[:, None] - FORM_AT) / _REACH
-    one = _FORM**2 * (np.exp(-0.5 * apart**2) + 0.01 * np.eye(FORM_AT.size))
-    return np.linalg.inv(np.kron(np.array([[1.0, _ALIKE], [_ALIKE, 1.0]]), one))
+_NEAR = np.exp(-0.5 * ((FORM_AT[:, None] - FORM_AT) / _REACH) ** 2) + 0.01 * np.eye(FORM_AT.size)
+FORM_PRIOR = np.linalg.inv(np.kron([[1.0, _ALIKE], [_ALIKE, 1.0]], _FORM**2 * _NEAR))
+"""Precision (2 k, 2 k) of the departures of both axles: a Gaussian process over the force."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +47,7 @@ class Base:
 
     ``radius`` the factor on the rolling radii of the vehicle file [1], common to both axles;
     ``clock`` [s] by which the pressure is logged early, against all other channels; ``form`` (2, k)
-    the share by which the slip of front and rear tyres departs from all that at `FORM_AT`, None
-    where it does not.
+    the share by which the slip of front and rear tyres departs from all that at `FORM_AT`.
     """
 
     pad_friction_f: float
@@ -61,18 +55,16 @@ class Base:
     tyre: MagicFormula
     radius: float = 1.0
     clock: float = 0.0
-    form: Array | None = field(default=None, compare=False)
+    form: Array = field(default_factory=lambda: np.zeros((2, FORM_AT.size)), compare=False)
 
     def of_log(self, own: Array) -> Self:
         """As a log has it, whose pads and road may differ: by the first of its ``own`` (8,)."""
-        front, rear, stiffness, peak = np.exp(own[:4]).tolist()
+        front, rear, *road = np.exp(own[:4]).tolist()
         return replace(
             self,
             pad_friction_f=front * self.pad_friction_f,
             pad_friction_r=rear * self.pad_friction_r,
-            tyre=replace(
-                self.tyre, stiffness=stiffness * self.tyre.stiffness, peak=peak * self.tyre.peak
-            ),
+            tyre=self.tyre.on_surface(*road),
         )
 
 
@@ -80,13 +72,8 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
     """Base parameters from the first ones (11,) of the vector."""
     values = np.where(_LOGARITHM, _MIDDLE * np.exp(x), _MIDDLE + _SCALE * x)
     front, rear, *tyre, radius, clock = values.tolist()
-    return Base(
-        front * vehicle.front.pad_friction,
-        rear * vehicle.rear.pad_friction,
-        MagicFormula(**dict(zip(_TYRE, tyre, strict=True))),
-        radius,
-        clock,
-    )
+    pads = front * vehicle.front.pad_friction, rear * vehicle.rear.pad_friction
+    return Base(*pads, MagicFormula(**dict(zip(_TYRE, tyre, strict=True))), radius, clock)
 
 
 def base_sigma(sample: float) -> Array:

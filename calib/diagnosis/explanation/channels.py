@@ -12,7 +12,7 @@ it: the result is white with variance 1 if the model is right. The drift of v is
 white noise; its whitening filter is (1 - B)/(1 - 0.9 B).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -20,7 +20,7 @@ from numpy.linalg import lstsq, qr
 
 from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
-from calib.car.braking import BITE, MOVING
+from calib.car.braking import MOVING
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction
 from calib.run.filters import block_mean
 
@@ -53,9 +53,6 @@ FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 
 _PARABOLA = 3
 """Coefficients of the parabola that is taken out of every unbraked part."""
-
-_DIFFERENCED = 4
-"""Samples that a third difference joins: so many count as one."""
 
 LONG = 10 * ORDER
 """Least samples of an unbraked part that shows noise: ten for each coefficient."""
@@ -100,44 +97,31 @@ def thinned(run: ObservedRun, x: Array) -> Array:
     return block_mean(x[..., :length], n)
 
 
-def unbraked_length(run: ObservedRun) -> int:
-    """Steps of evidence before the brake first bites, less a margin."""
-    p = thinned(run, run.p_mc)
-    braked = np.flatnonzero(p > 0.5 * BITE)
-    return max(int(braked[0]) - 8, 0) if braked.size else p.size
-
-
 def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     """Noise from unbraked residuals, (6, m) each; a parabola is subtracted from every part.
 
     Where no part is long enough, from the third differences of the ``wholes``, (6, n) each: these
     hold almost no motion, and the noise then counts as white. Never below `FLOOR`.
     """
-    long = [_straightened(part) for part in parts if part.shape[1] >= LONG]
+    curves = ((part, _parabola(part.shape[1])) for part in parts if part.shape[1] >= LONG)
+    long = [part - part @ curve @ curve.T for part, curve in curves]
     if long:
         rows = [sliding_window_view(part, ORDER + 1, axis=1) for part in long]
         coefficients = np.array(
             [lstsq(c[:, :-1], c[:, -1], rcond=None)[0] for c in np.concatenate(rows, axis=1)]
         )
         freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in long) - ORDER
-        squares = sum(np.sum(_kept(part, coefficients) ** 2, axis=1) for part in long)
+        unit = ChannelNoise(coefficients, np.ones(len(CHANNELS)), "unbraked parts", freedom)
+        squares = sum(np.sum(by_channel(whiten(part, unit)) ** 2, axis=1) for part in long)
         each = np.full(len(CHANNELS), float(freedom))
         each[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in long)
-        sigma, source = np.sqrt(squares / each), "unbraked parts"
-    else:
-        coefficients = np.zeros((len(CHANNELS), ORDER))
-        found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
-        freedom = sum(x.shape[1] for x in wholes) // _DIFFERENCED
-        # the median over the runs: a bite or a release does not move it
-        sigma = np.median(found, axis=0) / QUARTILE / np.sqrt(20.0)
-        source = "differences between samples"
-    return ChannelNoise(coefficients, np.maximum(sigma, FLOOR), source, freedom)
-
-
-def _straightened(part: Array) -> Array:
-    """An unbraked part (6, m) without the parabola of each channel."""
-    parabola = _parabola(part.shape[1])
-    return np.asarray(part - part @ parabola @ parabola.T)
+        return replace(unit, sigma=np.maximum(np.sqrt(squares / each), FLOOR))
+    found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
+    # the median over the runs: a bite or a release does not move it
+    sigma = np.maximum(np.median(found, axis=0) / QUARTILE / np.sqrt(20.0), FLOOR)
+    freedom = sum(x.shape[1] for x in wholes) // 4  # a third difference joins four samples
+    white = np.zeros((len(CHANNELS), ORDER))
+    return ChannelNoise(white, sigma, "differences between samples", freedom)
 
 
 def _parabola(size: int) -> Array:
@@ -164,19 +148,13 @@ def _kept_drift(x: Array) -> Array:
     return np.asarray(kept / np.sqrt(2.0 / (1.0 + WALK)))
 
 
-def _kept(residual: Array, coefficients: Array) -> Array:
-    """Innovations (..., 6, m - ORDER), in their units, of residuals (..., 6, m)."""
-    size = residual.shape[-1] - ORDER
-    told = (coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
-    kept = residual[..., ORDER:] - sum(told)
-    kept[..., DRIFT, :] = _kept_drift(residual[..., DRIFT, :])[..., -size:]
-    return np.asarray(kept)
-
-
 def whiten(residual: Array, noise: ChannelNoise) -> Array:
     """Innovations (..., n) over their sigma of residuals (..., 6, m), channel after channel."""
-    kept = _kept(residual, noise.coefficients) / noise.sigma[:, None]
-    return kept.reshape(*residual.shape[:-2], -1)
+    size = residual.shape[-1] - ORDER
+    told = (noise.coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
+    kept = residual[..., ORDER:] - sum(told)
+    kept[..., DRIFT, :] = _kept_drift(residual[..., DRIFT, :])[..., -size:]
+    return np.asarray(kept / noise.sigma[:, None]).reshape(*residual.shape[:-2], -1)
 
 
 def by_channel(innovations: Array) -> Array:

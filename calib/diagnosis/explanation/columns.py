@@ -1,6 +1,6 @@
 """Derivatives of the innovations of all logs, by finite differences."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +8,8 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.diagnosis.explanation.base import FORM_AT
 from calib.diagnosis.explanation.channels import of_wheels, whiten
-from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all, runs_of
-from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, based, prior_of
+from calib.diagnosis.explanation.explanation import Explanation, of_all
+from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State
 from calib.diagnosis.explanation.own import FRONT_HEAT, KINDS, REAR_HEAT, sizes
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import Problem
@@ -31,56 +31,46 @@ def seen(
     Those by the first elements of x of each log may be ``known`` from a state nearby, and the last
     ones, by the form, too.
     """
-    r, k = of_all(problem, hypothesis, state), state.form.size
+    at = Explanation(problem, hypothesis, state, of_all(problem, hypothesis, state), [], [])
+    m, k = state.x.size, state.form.size
     first = len(known[0]) - k if known else 0
-    J = _by_x(problem, hypothesis, state, r, range(first, state.x.size))
-    form = known if known and form_too else _by_form(problem, hypothesis, state)
+    steps = np.where(state.x + _STEP < at.prior.high[:m], _STEP, -_STEP)
+    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[first:]]
+    J = _differences(at, moved, steps[first:])
+    form = known if known and form_too else _by_form(at)
     parts = zip(known or form, J, form, strict=True)
     J = [np.vstack([a[:first], b, hypothesis.departs * c[-k:]]) for a, b, c in parts]
     if FADE in hypothesis.names or FADE in problem.vehicle.effects:
-        heat = columns_by_own(problem, hypothesis, state, r, (FRONT_HEAT, REAR_HEAT))
+        heat = columns_by_own(at, (FRONT_HEAT, REAR_HEAT))
     else:
-        heat = [np.zeros((2, one.size)) for one in r]
+        heat = [np.zeros((2, r.size)) for r in at.innovations]
     rest = [np.vstack(both) for both in zip(problem.courses, heat, strict=True)]
-    return Explanation(problem, hypothesis, state, r, J, rest)
+    return replace(at, columns=J, rest=rest)
 
 
-def _by_x(
-    problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array], which: Iterable[int]
-) -> list[Array]:
-    """Derivatives (m, n) of the innovations ``r`` of each log by some elements of x."""
-    high, found = prior_of(problem, hypothesis).high, []
-    for k in which:
-        step = _STEP if state.x[k] + _STEP < high[k] else -_STEP
-        x = state.x.copy()
-        x[k] += step
-        moved = of_all(problem, hypothesis, replace(state, x=x))
-        found.append([(a - b) / step for a, b in zip(moved, r, strict=True)])
-    return [np.array([J[i] for J in found]).reshape(-1, one.size) for i, one in enumerate(r)]
-
-
-def _by_form(problem: Problem, hypothesis: Hypothesis, state: State) -> list[Array]:
+def _by_form(at: Explanation) -> list[Array]:
     """Derivatives (2 k, n) of the innovations of each log by the form of front and rear tyres."""
-    base, effects = based(problem, hypothesis, state)
-    found, hats = [], np.eye(FORM_AT.size)
-    for run in runs_of(problem, state.own):
-        at = predict(problem.vehicle, base, effects, run)
-        shares = np.stack([[np.interp(use, FORM_AT, hat) for use in at.use] for hat in hats])
-        omega = shares * at.lost
-        front, rear = omega.copy(), omega
-        front[:, 2:], rear[:, :2] = 0.0, 0.0
-        found.append(whiten(of_wheels(run, np.concatenate([front, rear])), problem.noise))
+    base, effects, found, hats = at.base, at.effects, [], np.eye(FORM_AT.size)
+    for run in at.runs:
+        made = predict(at.problem.vehicle, base, effects, run)
+        shares = np.stack([[np.interp(use, FORM_AT, hat) for use in made.use] for hat in hats])
+        omega = np.stack([shares * made.lost] * 2)
+        omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0
+        found.append(whiten(of_wheels(run, np.concatenate(omega)), at.problem.noise))
     return found
 
 
-def columns_by_own(
-    problem: Problem, hypothesis: Hypothesis, state: State, r: list[Array], which: Sequence[int]
-) -> list[Array]:
-    """Derivatives of the innovations ``r`` of each log by some states of its own."""
-    base, effects = based(problem, hypothesis, state)
-    steps, out = np.diag(_STEP_OF_OWN * sizes(KINDS)), []
-    for run, one in zip(runs_of(problem, state.own), r, strict=True):
-        moved = [run.with_own(run.own + steps[k]) for k in which]
-        changes = [innovations(problem, base, effects, other) - one for other in moved]
-        out.append(np.stack(changes) / np.diag(steps)[list(which), None])
-    return out
+def columns_by_own(at: Explanation, which: Sequence[int]) -> list[Array]:
+    """Derivatives of the innovations of each log by some states of its own."""
+    steps = _STEP_OF_OWN * sizes(KINDS)
+    moved = [replace(at.state, own=at.state.own + np.diag(steps)[k]) for k in which]
+    return _differences(at, moved, steps[list(which)])
+
+
+def _differences(at: Explanation, moved: Sequence[State], steps: Array) -> list[Array]:
+    """Derivatives (m, n) of the innovations of each log, each by a state that has moved."""
+    found = [of_all(at.problem, at.hypothesis, state) for state in moved]
+    return [
+        (np.array([other[i] for other in found]).reshape(-1, r.size) - r) / steps[:, None]
+        for i, r in enumerate(at.innovations)
+    ]

@@ -7,7 +7,7 @@ The evidence is Laplace's about the state.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -39,7 +39,7 @@ class Explanation:
     innovations: list[Array]
     columns: list[Array]
     rest: list[Array]
-    log_evidence: float = field(default=-np.inf)
+    log_evidence: float = -np.inf
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -58,10 +58,7 @@ class Explanation:
 
     @property
     def scatter(self) -> float:
-        """Standard deviation of `reduced` where nothing is left [1].
-
-        That of so many squares, and of the noise that they are held against.
-        """
+        """Standard deviation of `reduced` where nothing is left [1], with that of the noise."""
         freedom = len(CHANNELS) * self.problem.noise.freedom
         return math.sqrt(2.0 / self.count + 2.0 / freedom)
 
@@ -110,10 +107,7 @@ class Explanation:
         return runs_of(self.problem, self.state.own)
 
     def own_columns(self, i: int) -> Array:
-        """Derivatives (8, n) of the innovations of a log by what it has of its own.
-
-        Pads, stiffness and peak are factors on those of the base.
-        """
+        """Derivatives (8, n) of a log by its own states; the first ones are factors on the base."""
         return np.vstack([self.columns[i][:4], self.rest[i]])
 
     def products_with(self, further: Sequence[Array]) -> list[Products]:
@@ -139,8 +133,8 @@ class Explanation:
 
         ``sizes`` (8,) standard deviations of what each log has of its own, if not as here.
         """
-        products = self.products if products is None else products
         sizes = self.hypothesis.sizes if sizes is None else sizes
+        products = products or self.products
         return Marginal.of(products, sizes, self.prior.precision, self.state.shared, damping)
 
     @cached_property

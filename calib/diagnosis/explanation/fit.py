@@ -40,26 +40,15 @@ def fit(
     state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))
     at = _settled(seen(problem, hypothesis, state, near), settled, fresh=not near)
     if settled <= SETTLED:
-        at = _proved(at, settled)
+        for _ in range(_REFRESHED):  # with columns of its own place: secant ones may promise less
+            before, at = at, _settled(seen(problem, hypothesis, at.state), settled, fresh=True)
+            if at.state is before.state:
+                break
     elif near and hypothesis.names:
         base = [J[prior.of == ""] for J in at.columns]
         at = _settled(seen(problem, hypothesis, at.state, base, form_too=False), settled)
     price = hypothesis.price(len(problem.runs))
     return replace(at, log_evidence=at.marginal().evidence(settled) - price)
-
-
-def _refreshed(at: Explanation) -> Explanation:
-    return seen(at.problem, at.hypothesis, at.state)
-
-
-def _proved(at: Explanation, least: float) -> Explanation:
-    """Settled with columns of its own place: secant ones may promise too little."""
-    for _ in range(_REFRESHED):
-        before = at.state
-        at = _settled(_refreshed(at), least, fresh=True)
-        if at.state is before:
-            break
-    return at
 
 
 def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanation:
@@ -91,7 +80,7 @@ def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanati
         if fall < 0.25 * promised:
             if fresh or left == 0:
                 return at
-            at, fresh, left = _refreshed(at), True, left - 1
+            at, fresh, left = seen(at.problem, at.hypothesis, at.state), True, left - 1
     return at
 
 
@@ -124,10 +113,7 @@ def _secant(at: Explanation, other: Explanation) -> list[Array]:
     """Columns at ``other``, those by x by Broyden's good update."""
     moved = other.state.shared - at.state.shared
     dx = np.where(np.arange(moved.size) < at.state.x.size, moved, 0.0)
-    length = float(dx @ dx)
-    if length == 0.0:
-        return at.columns
-    J = []
+    length, J = max(float(dx @ dx), np.finfo(float).tiny), []
     for i, (a, b) in enumerate(zip(at.innovations, other.innovations, strict=True)):
         du = other.state.own[i] - at.state.own[i]
         told = moved @ at.columns[i] + du @ at.own_columns(i)

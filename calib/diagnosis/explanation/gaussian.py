@@ -17,20 +17,19 @@ from calib.base.arrays import Array
 
 @dataclass(frozen=True)
 class Products:
-    """Inner products of one log: of shared columns and r (m + 1, m + 1), r the last; of these with
-    own columns (m + 1, k); of own columns (k, k); its own states (k,).
+    """Inner products ``gram`` (m + 1 + k, m + 1 + k) of one log, and its own ``state`` (k,).
+
+    Of shared columns, of r, and of own columns, in this order.
     """
 
-    shared: Array
-    mixed: Array
-    own: Array
+    gram: Array
     state: Array
 
     @classmethod
     def of(cls, shared: Array, own: Array, r: Array, state: Array) -> "Products":
         """From columns (m, n) and (k, n), innovations (n,), and own states (k,) at them."""
-        M = np.vstack([shared, r])
-        return cls(M @ M.T, M @ own.T, own @ own.T, state)
+        rows = np.vstack([shared, r, own])
+        return cls(rows @ rows.T, state)
 
     def reduced(self, sizes: Array, damping: float = 0.0) -> tuple[Array, Array, float]:
         """The products (m + 1, m + 1) without what own states of these ``sizes`` (k,) explain.
@@ -39,31 +38,33 @@ class Products:
         (dx, 1); and ln of the determinant of their information. ``damping`` adds that share to its
         diagonal.
         """
-        use = sizes > 0.0
+        m, (use,) = len(self.gram) - sizes.size, np.nonzero(sizes)
         S = sizes[use]
-        P = np.eye(S.size) + S[:, None] * self.own[np.ix_(use, use)] * S
+        P = np.eye(S.size) + S[:, None] * self.gram[np.ix_(m + use, m + use)] * S
         P[np.diag_indices(S.size)] *= 1.0 + damping
         t = self.state[use] / S
-        b = S[:, None] * self.mixed[:, use].T
+        b = S[:, None] * self.gram[m + use, :m]
         b[:, -1] += t
         solved = np.linalg.solve(P, b)
-        G = self.shared - b.T @ solved
+        G = self.gram[:m, :m] - b.T @ solved
         G[-1, -1] += t @ t
-        step = np.zeros((sizes.size, self.shared.shape[0]))
+        step = np.zeros((sizes.size, m))
         step[use] = S[:, None] * solved
         return G, step, float(np.linalg.slogdet(P)[1])
 
 
 @dataclass(frozen=True)
 class Marginal:
-    """Shared products ``G`` of all logs and of the prior, which is on the first ``k`` columns.
+    """Products of all logs and of the prior, which is on the first k columns.
 
-    ``spent`` ln of the determinants of the own states' information over that of the prior;
-    ``steps`` of each log as `Products.reduced` has it.
+    ``information`` (k, k) of these, ``cross`` (k, c + 1) with the columns behind and r, ``behind``
+    (c + 1, c + 1) of those. ``spent`` ln of the determinants of the own states' information over
+    that of the prior; ``steps`` of each log as `Products.reduced` has it.
     """
 
-    G: Array
-    k: int
+    information: Array
+    cross: Array
+    behind: Array
     spent: float
     steps: list[Array]
 
@@ -76,45 +77,34 @@ class Marginal:
         off: Array,
         damping: float = 0.0,
     ) -> "Marginal":
-        """Of all logs; prior of the first columns by its ``precision`` (k, k), its mean ``off``
-        (k,) away, those behind have none.
-        """
+        """Of all logs; ``precision`` (k, k) of the prior, whose mean is ``off`` (k,) away."""
         grams, steps, logs = zip(*(one.reduced(sizes, damping) for one in products), strict=True)
         G, k = np.sum(grams, axis=0), off.size
         rows, first = np.column_stack([np.eye(k), off]), [*range(k), -1]
         G[np.ix_(first, first)] += rows.T @ precision @ rows
         spent = sum(logs) - float(np.linalg.slogdet(precision)[1])
-        return cls(G, k, spent, list(steps))
-
-    @property
-    def information(self) -> Array:
-        """Information (k, k) of the shared parameters with a prior."""
-        return self.G[: self.k, : self.k]
+        return cls(G[:k, :k], G[:k, k:], G[k:, k:], spent, list(steps))
 
     @property
     def gradient(self) -> Array:
         """Half the gradient (k,) of the sum of squares."""
-        return self.G[: self.k, -1]
+        return self.cross[:, -1]
 
     @property
     def squares(self) -> float:
         """Sum of squares at the present point, priors included, own states at their best."""
-        return float(self.G[-1, -1])
+        return float(self.behind[-1, -1])
 
     def evidence(self, most: float = np.inf) -> float:
-        """ln of the evidence but for a constant of the rows, by Laplace at the linear optimum.
+        """ln of the evidence but for a constant of the rows, without the columns behind the prior.
 
-        ``most`` is the largest fall of the sum of squares to there that is believed. Columns
-        without a prior do not count.
+        ``most`` is the largest fall of the sum of squares to the optimum that is believed.
         """
         H, g = self.information, self.gradient
         fall = min(float(g @ np.linalg.solve(H, g)), most)
         return 0.5 * (fall - self.squares - float(np.linalg.slogdet(H)[1]) - self.spent)
 
     def beyond(self) -> tuple[Array, Array]:
-        """What the columns behind the prior do that the others cannot: products (c, c), and along r
-        with its sign turned (c,).
-        """
-        k, cross = self.k, self.G[: self.k, self.k :]
-        left = self.G[k:, k:] - cross.T @ np.linalg.solve(self.information, cross)
+        """What columns behind the prior do beyond the others: products (c, c), -r along (c,)."""
+        left = self.behind - self.cross.T @ np.linalg.solve(self.information, self.cross)
         return left[:-1, :-1], -left[:-1, -1]

@@ -6,13 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
+from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.diagnosis.explanation.base import FORM_AT, HIGH, LOW, Base, base_sigma, form_precision
+from calib.car.own_effects.own_effect import definition
+from calib.diagnosis.explanation.base import BASE, FORM_PRIOR, HIGH, LOW, Base, base_of, base_sigma
 from calib.diagnosis.explanation.own import OWN, PEAK, sizes
-from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import elements, unpack
+from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
 FADE = "pad_thermal_fade"
+
+STRENGTH, FURTHER = 2.0, 1.0
+"""Standard deviations of the priors on the strength of an effect and on its further parameters, in
+spreads of its card."""
 
 PRICE = 5.0
 """ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
@@ -28,12 +33,10 @@ _FIRST = 5.0
 _BEGIN = 0.25
 """Logarithm of the peak from which a fit begins, over the usual one."""
 
-_FORM = form_precision()
-
 
 @dataclass(frozen=True)
 class State:
-    """``x`` of base and effects as `unpack` reads it, ``form`` (2 k,), ``own`` (runs, 8)."""
+    """``x`` of base and effects as `based` reads it, ``form`` (2 k,), ``own`` (runs, 8)."""
 
     x: Array
     form: Array
@@ -60,8 +63,7 @@ class Walk:
     @property
     def precision(self) -> Array:
         """Precision (k, k) of the values."""
-        one = np.eye(len(self.knots))
-        steps = np.diff(one, axis=0, prepend=0.0 * one[:1])
+        steps = np.diff(np.eye(len(self.knots)), axis=0, prepend=0.0)
         steps[0, 0] = 1.0 / _FIRST
         return np.asarray(steps.T @ steps / self.size**2)
 
@@ -69,10 +71,6 @@ class Walk:
     def limit(self) -> float:
         """Largest value [1]: of a brake torque, and of a force over the weight."""
         return 0.9 if self.place.endswith("brakes") else 0.1
-
-    def term(self, values: Array) -> EmpiricalTerm:
-        """The term with its values (k,)."""
-        return EmpiricalTerm(self.place, self.driver, self.knots, tuple(values.tolist()))
 
 
 @dataclass(frozen=True)
@@ -110,6 +108,57 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
+class Element:
+    """A ``parameter`` of an ``effect``: x in units of its spread, counted from its ``origin``.
+
+    That is the value of the vehicle file, if it has any; else the neutral one for a strength, the
+    typical one for any other parameter. ``sigma`` is the standard deviation of the prior on x.
+    """
+
+    effect: str
+    parameter: Parameter
+    origin: float
+    sigma: float
+
+    @property
+    def low(self) -> float:
+        """Least x, by the card."""
+        return (self.parameter.low - self.origin) / self.parameter.spread
+
+    @property
+    def high(self) -> float:
+        """Largest x, by the card."""
+        return (self.parameter.high - self.origin) / self.parameter.spread
+
+    def value(self, x: float) -> float:
+        """The parameter [SI]."""
+        p = self.parameter
+        return min(max(self.origin + x * p.spread, p.low), p.high)
+
+
+def elements_of(known: Effects, name: str) -> list[Element]:
+    """The parameters of one effect, beside those that the vehicle file has."""
+    card = definition(known, name).card
+    given = known.parameters.get(name, {card.parameters[0].name: card.neutral})
+    sigmas = [STRENGTH, *[FURTHER] * (len(card.parameters) - 1)]
+    pairs = zip(card.parameters, sigmas, strict=True)
+    return [Element(name, p, given.get(p.name, p.typical), sigma) for p, sigma in pairs]
+
+
+def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
+    """All behind the base: the load that a known drag moves where the file does not say, effects.
+
+    That load is not sure to be as usual where the rest of the drag is known: its prior is wider.
+    """
+    known = problem.vehicle.effects
+    out = [one for name in names for one in elements_of(known, name)]
+    if problem.free_share:
+        (share,) = (one for one in elements_of(known, DRAG) if one.parameter.name == SHARE)
+        out.insert(0, replace(share, sigma=STRENGTH))
+    return out
+
+
+@dataclass(frozen=True)
 class Prior:
     """Of all that logs share, x and the form of tyres (m + 2 k,): normal about zero.
 
@@ -129,7 +178,7 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
 
     found = elements(problem, hypothesis.names)
     walks = [] if hypothesis.walk is None else [hypothesis.walk]
-    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(_FORM) * [np.inf]]
+    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRIOR) * [np.inf]]
     slowest = max(run.step / run.averaged for run in problem.runs)
     sigma = np.append(base_sigma(slowest), [one.sigma for one in found])
     effects = [one.effect for one in found][problem.base_size - LOW.size :]
@@ -137,23 +186,32 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
         np.array([*problem.base_size * [""], *effects, *len(most) * [""]]),
         np.concatenate([LOW, [one.low for one in found], np.negative(most)]),
         np.concatenate([HIGH, [one.high for one in found], most]),
-        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), _FORM),
+        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), FORM_PRIOR),
     )
 
 
 def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base, Effects]:
-    """Base and effects of a state."""
-    base, effects = unpack(problem, hypothesis.names, state.x)
+    """Base and effects of a state.
+
+    The load that a known drag moves is that of the drag's own parameters where it is found anew.
+    """
+    known, found = problem.vehicle.effects, dict[str, dict[str, float]]()
+    for one, at in zip(elements(problem, hypothesis.names), state.x[BASE:].tolist(), strict=False):
+        values = found.setdefault(one.effect, dict(known.parameters.get(one.effect, {})))
+        values[one.parameter.name] = one.value(at)
+    effects = known.with_(Effects(found, sigma=known.without(*hypothesis.names).sigma))
     if (walk := hypothesis.walk) is not None:
-        effects = replace(effects, terms=(walk.term(state.x[-len(walk.knots) :]),))
-    form = state.form.reshape(2, FORM_AT.size)
-    return (replace(base, form=form) if np.any(form) else base), effects
+        values_of_walk = tuple(state.x[-len(walk.knots) :].tolist())
+        term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values_of_walk)
+        effects = replace(effects, terms=(term,))
+    base = base_of(problem.vehicle, state.x[:BASE])
+    return replace(base, form=state.form.reshape(base.form.shape)), effects
 
 
 def start_of(problem: Problem) -> State:
     """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
     return State(
         _BEGIN * np.eye(problem.base_size)[PEAK],
-        np.zeros(2 * FORM_AT.size),
+        np.zeros(len(FORM_PRIOR)),
         np.zeros((len(problem.runs), len(OWN))),
     )

@@ -2,8 +2,7 @@
 
 No effect of the car, but a state of one log. Each is a normal distribution about what all logs
 share; its standard deviation is one of three of `own.csv`. A search takes the usual one, and the
-other one where a kind is asked for. What it has found is told with logs that are alike, where that
-is more probable.
+other one where a kind is asked for.
 """
 
 from collections.abc import Iterable
@@ -30,7 +29,7 @@ FACTORS = frozenset(row["name"] for row in _ROWS if row["kind"] in ("pads", "roa
 
 KINDS = tuple(dict.fromkeys(row["kind"] for row in _ROWS))
 
-FRONT_PADS, REAR_PADS, STIFFNESS, PEAK, SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = range(len(OWN))
+PEAK, SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = range(3, len(OWN))
 
 GRADE, ZERO_OF_A_X = "road_grade", "accelerometer_bias"
 """Effects of a car that a log may have of its own."""
@@ -42,9 +41,6 @@ SCATTERED = ("pads", "road")
 
 
 def sizes(kinds: Iterable[str], alike: Iterable[str] = ()) -> Array:
-    """Standard deviations (8,) of the states where logs differ in some ``kinds``.
-
-    And are ``alike`` in others.
-    """
+    """Standard deviations (8,) where logs differ in some ``kinds`` and are ``alike`` in others."""
     usual = np.where(np.isin(_OF_KIND, list(alike)), _ALIKE, _USUAL)
     return np.where(np.isin(_OF_KIND, list(kinds)), _OTHER, usual)

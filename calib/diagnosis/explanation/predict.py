@@ -5,13 +5,11 @@
                                          +--> slips --> wheel speeds
 
 The prediction uses the measured speed instead of integrating its own, so it does not drift, and a
-whole run is computed in array operations, fast enough to be repeated a thousand times in a fit. The
-open-loop replay (`calib.model.simulate`) is used to show the result. The wheel follows its
-torque on the spring of its tyre (`calib.diagnosis.explanation.wheel_lag`).
+whole run is computed in array operations, fast enough to be repeated a thousand times in a fit.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
@@ -66,13 +64,12 @@ class ObservedRun(RunHistory):
     """A log on the grid: means over its steps, shapes (n,), SI.
 
     As a history: ``v`` without sensor noise, for forces; ``z`` as measured; temperatures smoothed;
-    no energy yet; ``start_heat`` counts where no temperature is logged; ``source`` its name.
+    no energy yet; ``source`` its name.
 
     Besides, ``step`` of its clock; ``v_read`` the speed as measured; ``omega`` (4, n) in the order
     of `WHEELS`; ``drive`` (2, n) torque of engine or motor [N m per axle], zero if not logged;
     ``own`` (8,) what it has of its own, see `calib.diagnosis.explanation.own`; ``lag`` how its
-    wheels followed in the last prediction, behind car and tyre: most predictions of a search change
-    neither.
+    wheels follow, behind the car and tyre of the last prediction: most have the same.
     """
 
     step: float
@@ -80,7 +77,7 @@ class ObservedRun(RunHistory):
     omega: Array
     drive: Array
     own: Array = field(default_factory=lambda: np.zeros(len(OWN)))
-    lag: list[Any] = field(repr=False, compare=False, default_factory=list)
+    lag: list[tuple[object, WheelLag]] = field(repr=False, compare=False, default_factory=list)
 
     @property
     def a_x(self) -> Array:
@@ -126,8 +123,8 @@ def run_of(log: Log) -> ObservedRun:
     means = {name: block_mean(log[name], n) for name in log.channels}
     nothing = np.zeros_like(means["v"])
     heat = {a: smooth(means[f"T_disc_{a}"], 0.5) for a in AXLES if f"T_disc_{a}" in log}
-    spun = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
-    angle = {a: block_mean(integral(log.time, omega), n) for a, omega in spun.items()}
+    spun = (0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES)
+    angle_f, angle_r = (block_mean(integral(log.time, omega), n) for omega in spun)
     return ObservedRun(
         time=means["time"],
         v=smooth(means["v"], 0.1),
@@ -135,8 +132,8 @@ def run_of(log: Log) -> ObservedRun:
         p_mc=as_pressed(means["p_mc"], step),
         temperature_f=heat.get("f"),
         temperature_r=heat.get("r"),
-        angle_f=angle["f"],
-        angle_r=angle["r"],
+        angle_f=angle_f,
+        angle_r=angle_r,
         energy_f=nothing,
         energy_r=nothing,
         source=log.name,
@@ -151,16 +148,15 @@ def run_of(log: Log) -> ObservedRun:
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
     """Predict a run.
 
-    Loads and what depends on them are computed in `_PASSES`. The deceleration acts on the tyre
-    forces through the inertia of the wheels alone, so each pass leaves 3 % of its error. Where the
-    second pass finds the torques of the first, they depend on neither deceleration nor heat, and it
-    is the last one.
+    The deceleration acts on the tyre forces through the inertia of the wheels alone, so each pass
+    leaves 3 % of its error. Where the second one finds the torques of the first, they depend on
+    neither deceleration nor heat, and it is the last one.
 
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
     car = as_driven(vehicle, effects).with_radii(base.radius)
     base = base.of_log(run.own)
-    tyre, lag = base.tyre, _wheel_lag(car, base.tyre, run)
+    lag = _wheel_lag(car, base.tyre, run)
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
     clamps = np.stack(caliper_pressure(effects, pressed, *line_pressure(effects, pressed)))
     history, torque = run, np.zeros(0)
@@ -174,11 +170,10 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         if turn == 1 and not leans and np.array_equal(before, torque):
             break
     load = np.maximum(0.5 * np.stack([motion.load_f, motion.load_r]), 1.0)
-    plain = _slip(car, tyre, (force, rate), load, lag)
-    use, slip = np.abs(force / load), plain
-    if base.form is not None:
-        bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
-        slip = plain * (1.0 + np.stack(bent, axis=1))
+    plain = _slip(car, base.tyre, (force, rate), load, lag)
+    use = np.abs(force / load)
+    bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
+    slip = plain * (1.0 + np.stack(bent, axis=1))
     late = wheel_speed_delay(effects)
     slip = np.array([[delayed(run.time, x, late) for x in side] for side in slip])
     gained = integral(run.time, -G * z)
@@ -186,8 +181,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     v = run.v_read + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     turning = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(turning * (1.0 - slip))
-    moved = replace(motion, history=history)
-    for w, factor in wheel_speed_factors(car, effects, moved).items():
+    for w, factor in wheel_speed_factors(car, effects, replace(motion, history=history)).items():
         omega[WHEELS.index(w)] *= factor
     return Prediction(
         a_x=as_read(car, effects, history, -G * z) + run.own[ZERO],
@@ -209,37 +203,29 @@ def _torque(
     """Brake torque of the wheels [N m] (s, 2, n) at the pressures on their pads [Pa] (2, n)."""
     k_f, k_r = pad_factors(effects, history, *clamps)
     front = brake_torque(car.front, base.pad_friction_f * k_f, clamps[0])
-    even = np.stack([front, brake_torque(car.rear, base.pad_friction_r * k_r, clamps[1])])
-    uneven = wheel_factors(effects, history)
-    if not uneven:
-        return even[None]
-    sides = [
-        [x * uneven.get(a + side, 1.0) for a, x in zip(AXLES, even, strict=True)] for side in "lr"
-    ]
-    return np.array(sides)
+    rear = brake_torque(car.rear, base.pad_friction_r * k_r, clamps[1])
+    even, uneven = {"f": front, "r": rear}, wheel_factors(effects, history)
+    sides = "lr" if uneven else "l"
+    return np.array([[x * uneven.get(a + side, 1.0) for a, x in even.items()] for side in sides])
 
 
 def _wheel_lag(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> WheelLag:
     """How the wheels of both axles follow, as if both used the road as the whole car does."""
     of = replace(car, effects=Effects()), tyre
-    if run.lag[:1] != [of]:
+    if not run.lag or run.lag[0][0] != of:
         load = np.stack(axle_loads(car, run.z))
         _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, EDGE)
         axles = (car.front, car.rear)
         heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
         tau = heavy * run.v / (0.5 * load * slope)
-        run.lag[:] = of, WheelLag.of(tau, tyre.relaxation, run.v, run.step)
-    found: WheelLag = run.lag[1]
-    return found
+        run.lag[:] = [(of, WheelLag.of(tau, tyre.relaxation, run.v, run.step))]
+    return run.lag[0][1]
 
 
 def _balance(
     car: Vehicle, effects: Effects, history: ObservedRun, torque: Array, lag: WheelLag
 ) -> tuple[Array, Array, Motion, Array]:
-    """Tyre forces [N] and their rates [N/s] (s, 2, n), loads, and z [1].
-
-    From z of the last iteration.
-    """
+    """Tyre forces [N] and their rates [N/s] (s, 2, n), loads, and z [1], by z of the last pass."""
     late = car.weight * total_load_shift(car, effects, history)
     load_f, load_r = axle_loads(car, history.z)
     motion = Motion(history.v, load_f - late, load_r + late, history)
@@ -256,10 +242,7 @@ def _balance(
 def _slip(
     car: Vehicle, tyre: MagicFormula, force: tuple[Array, Array], load: Array, lag: WheelLag
 ) -> Array:
-    """Slip [1] of wheels while their tyres carry a force [N] that has a rate [N/s].
-
-    On the rising branch; forces past it are held there.
-    """
+    """Slip [1] of wheels while their tyres carry a force [N] that has a rate [N/s]."""
     carried = force[0] / load
     slip, slope, held = tyre.rising(carried, 4.0 * load / car.weight, EDGE)
     if tyre.relaxation == 0.0:

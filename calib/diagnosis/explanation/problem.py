@@ -10,6 +10,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import G
 from calib.base.processes import Mapped
+from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE, Base, base_of
@@ -22,7 +23,6 @@ from calib.diagnosis.explanation.channels import (
     noise_of,
     residuals,
     thinned,
-    unbraked_length,
     whiten,
 )
 from calib.diagnosis.explanation.predict import ObservedRun, predict
@@ -32,6 +32,9 @@ DRAG, SHARE = "aerodynamic_drag", "load_share"
 _COASTING = 1e5
 """Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
 a braked disc."""
+
+_MARGIN = 8
+"""Steps of evidence before the brake first bites that do not count as unbraked."""
 
 Tell = Callable[[str, int, int], None]
 """Called at each step: the stage in words, how many of its steps are done, how many it has."""
@@ -46,8 +49,7 @@ class Problem:
     """All runs of a case and their noise; ``tell`` is told of the progress, ``mapped`` carries out
     independent pieces of work.
 
-    The effects of ``vehicle`` are known: they act in every hypothesis. How much load a known drag
-    moves is one of the base parameters, where the file does not say.
+    The effects of ``vehicle`` are known: they act in every hypothesis.
     """
 
     vehicle: Vehicle
@@ -101,11 +103,10 @@ def turned(
 ) -> tuple[ObservedRun, ...]:
     """The runs with the origin of their wheel angles by the phase of the ripple of each.
 
-    Every run begins at another angle of the disc. Where the front torque is high, the car and its
-    front wheels slow: a_x and front less rear go with -sin(angle). A sensor that ripples does so
-    without torque too, in front less rear alone: there `_COASTING` counts besides. The ripple that
-    is looked for is whitened as the residuals are, for a filter delays fast turns and slow ones
-    differently.
+    Where the front torque is high, the car and its front wheels slow: a_x and front less rear go
+    with -sin(angle). A sensor that ripples does so without torque too, in front less rear alone:
+    there `_COASTING` counts besides. The ripple that is looked for is whitened as the residuals
+    are, for a filter delays fast turns and slow ones differently.
     """
     base, out = base_of(vehicle, np.zeros(BASE)), []
     for run in runs:
@@ -124,5 +125,6 @@ def unbraked_noise(
 ) -> ChannelNoise:
     """Noise of the channels in the unbraked parts, of what an explanation leaves there."""
     wholes = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
-    pairs = zip(runs, wholes, strict=True)
-    return noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
+    braked = [np.flatnonzero(thinned(run, run.p_mc) > 0.5 * BITE) for run in runs]
+    pairs = zip(wholes, braked, strict=True)
+    return noise_of([x[:, : max(k[0] - _MARGIN, 0)] if k.size else x for x, k in pairs], wholes)

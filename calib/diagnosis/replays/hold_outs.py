@@ -96,7 +96,8 @@ def placed(held: Problem, at: Explanation) -> Array:
     for _ in range(3 * bool(which.size)):
         state = State(at.state.x, at.state.form, own)
         r = of_all(held, at.hypothesis, state)
-        columns = columns_by_own(held, at.hypothesis, state, r, which.tolist())
+        there = replace(at, problem=held, state=state, innovations=r)
+        columns = columns_by_own(there, which.tolist())
         for one, N, states in zip(r, columns, own, strict=True):
             products = Products.of(np.zeros((0, one.size)), N, one, states[which])
             states[which] -= products.reduced(S[which])[1][:, -1]

@@ -18,9 +18,8 @@ from calib.base.arrays import Array
 from calib.car.own_effects.own_effect import every_effect
 from calib.diagnosis.explanation.explanation import Explanation, of_all
 from calib.diagnosis.explanation.gaussian import Products
-from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State
+from calib.diagnosis.explanation.hypothesis import FADE, STRENGTH, Hypothesis, State, elements_of
 from calib.diagnosis.explanation.own import KINDS, sizes
-from calib.diagnosis.explanation.vector import STRENGTH, elements_of
 
 Names = NDArray[np.str_]
 

@@ -12,10 +12,9 @@ from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all
-from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, elements_of, start_of
 from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.explanation.vector import elements_of, unpack
 from calib.diagnosis.replays.hold_outs import without_form
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
@@ -140,10 +139,12 @@ def test_the_load_that_a_known_drag_moves_is_a_base_parameter_unless_the_file_sa
 
 def test_effects_of_the_vehicle_file_are_where_a_vector_counts_from(drag):
     problem = knowing(drag, drag_area=0.7)
-    _, plain = unpack(problem, (), np.zeros(problem.base_size))
+    start = start_of(problem)
+    _, plain = based(problem, Hypothesis(), replace(start, x=0.0 * start.x))
     assert plain.parameters == {DRAG: {"drag_area": 0.7, "load_share": 0.5}}
     ones = np.ones(problem.base_size + 3)
-    _, moved = unpack(problem, (DRAG, "accelerometer_bias"), ones)
+    names = (DRAG, "accelerometer_bias")
+    _, moved = based(problem, Hypothesis(names), replace(start, x=ones))
     spread = moved.parameters[DRAG]["drag_area"] - 0.7
     assert elements_of(problem.vehicle.effects, DRAG)[0].low == pytest.approx(-0.7 / spread)
     assert set(moved.parameters) == {DRAG, "accelerometer_bias"}

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.diagnosis.explanation.vector import STRENGTH
+from calib.diagnosis.explanation.hypothesis import STRENGTH
 from calib.diagnosis.search.rank import _beside, _ranked
 
 NAMES = ["a", "a", "b", "b", "b", "c", "d", "d"]
