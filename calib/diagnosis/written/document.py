@@ -23,7 +23,7 @@ _RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
 def to_dict(found: Diagnosis) -> dict[str, Any]:
     """The whole diagnosis, JSON-able; a number that is not finite is null."""
     names = {effect.name for effect in found.effects}
-    rest = found.unexplained
+    rest, gap = found.unexplained, found.gap
     whole = {
         "schema": SCHEMA,
         "verdict": found.verdict,
@@ -45,7 +45,12 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "left": found.left,
         "steps": found.steps,
         "withdrawn": found.withdrawn,
-        "gap": _gap(found.gap),
+        "gap": {
+            **_gap(gap),
+            "closed": gap.closed,
+            "unit": "rms over the noise of the sensors",
+            "by_log": {log: _gap(gap, log) for log in gap.logs},
+        },
         "warnings": found.warnings,
     }
     return {key: plain(value) for key, value in whole.items()}
@@ -86,31 +91,17 @@ def _unexplained(rest: Unexplained, found: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _gap(gap: Gap) -> dict[str, Any]:
-    return {
-        "before": gap.before,
-        "after": gap.after,
-        "closed": gap.closed,
-        "unit": "rms over the noise of the sensors",
-        "by_channel": _by_channel(gap),
-        "by_log": {
-            log: dict(zip(("before", "after"), gap.of(log), strict=True))
-            | {"by_channel": _by_channel(gap, log)}
-            for log in gap.logs
-        },
-    }
-
-
-def _by_channel(gap: Gap, log: str | None = None) -> dict[str, Any]:
-    """The gap of each channel in its unit, of one log or all."""
-    out = {}
+def _gap(gap: Gap, log: str | None = None) -> dict[str, Any]:
+    """The gap of one log or all, over the noise; of each channel in its unit."""
+    channels = {}
     for channel, noise in zip(CHANNELS, gap.noise.tolist(), strict=True):
         before, after = gap.of(log, channel)
-        out[channel] = {
+        channels[channel] = {
             "before": noise * before,
             "after": noise * after,
             "noise": noise,
             "closed": 1.0 - after / before if before > 0.0 else None,
             "unit": UNITS[channel],
         }
-    return out
+    before, after = gap.of(log)
+    return {"before": before, "after": after, "by_channel": channels}
