@@ -23,11 +23,9 @@ from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.logs.log import Log
 
-_SHOWN = 5.0
-"""Size [sigma] from which logs show an effect: ln of the odds is 7 then, less its price of 5."""
-
-_CLEAR = 10.0
-"""Size [sigma] from which a drive shows an effect surely."""
+_SHOWN, _CLEAR = 5.0, 10.0
+"""Sizes [sigma] from which logs show an effect, where ln of the odds is 7, less its price of 5, and
+from which a drive shows it surely."""
 
 _TESTS = {
     # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
@@ -103,8 +101,7 @@ def confusion_of(best: Explanation, like: Sequence[Explanation]) -> Confusion | 
     if not like:
         return None
     members, pairs = (best, *like), []
-    for i, j in combinations(range(len(members)), 2):
-        one, other = members[i], members[j]
+    for (i, one), (j, other) in combinations(enumerate(members), 2):
         apart = np.concatenate(one.innovations) - np.concatenate(other.innovations)
         ((drive, sigma),) = best_drives(one, [(other.base, other.effects)])
         pairs.append(Pair((i, j), float(np.linalg.norm(apart)), drive, sigma))
@@ -167,10 +164,9 @@ def manoeuvres(at: Explanation) -> tuple[ObservedRun, ...]:
         p = 1e5 * np.clip(rise * (time % period - 1.0), 0.0, most)
         z = p / 70e5
         v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)
-        turn = v / at.problem.vehicle.front.rolling_radius
         channels = {"time": time, "p_mc": p, "a_x": -z * G, "v": v}
+        turn, heat = v / at.problem.vehicle.front.rolling_radius, 100.0 + 0.3 * (v0**2 - v**2)
         channels |= {f"omega_{wheel}": turn for wheel in WHEELS}
-        if warm:
-            channels |= dict.fromkeys(("T_disc_f", "T_disc_r"), 100.0 + 0.3 * (v0**2 - v**2))
+        channels |= dict.fromkeys(("T_disc_f", "T_disc_r") if warm else (), heat)
         out.append(run_of(Log(name, name, "", channels)))
     return tuple(out)

@@ -32,20 +32,14 @@ _PLAIN = 0.03
 """Share of the excess that a term must explain beyond one that holds a brake torque, which is a
 single number, to be preferred to it."""
 
-_ONE_SIDED = 0.3
-"""Share of the excess that a lasting difference of left and right takes from which one wheel of an
-axle is named."""
+_ONE_SIDED, _NO_TERM = 0.3, 0.1
+"""Shares of the excess that a lasting difference of left and right must take to name one wheel of
+an axle, and that must go with the angle of the wheels, or swing, to be told as that."""
 
-_NO_TERM = 0.1
-"""Share of the excess that must go with the angle of the wheels, or swing, to be told as that."""
-
-_WINDOW = round(4.0 / STEP)
-"""Innovations in a window: 4 s, so two lines of a spectrum are 0.25 Hz apart."""
-
-_SLOWEST, _FASTEST = 2, 20
-"""First and last line that may swing, 0.5 and 5 Hz. An error that lasts for a whole stop is slower;
-a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster. What is faster is a
-wheel, or a channel that is sent seldom."""
+_WINDOW, _SLOWEST, _FASTEST = round(4.0 / STEP), 2, 20
+"""Innovations in a window of 4 s; first and last line of its spectrum that may swing, 0.5 and 5 Hz.
+An error that lasts for a whole stop is slower; a body on its springs swings at 1 to 2 Hz, a load or
+a liquid hardly faster. What is faster is a wheel, or a channel that is sent seldom."""
 
 _OVER = 3.0
 """Least power of a peak over that of the slower lines. What every application leaves, as a lag

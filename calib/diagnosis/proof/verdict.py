@@ -9,6 +9,7 @@ probable than all that is named, or where what is named closes too little of the
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from calib.base.errors import ModelError
@@ -87,7 +88,10 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
 
     By `_CLOSED` where something is left with it; else it must not widen the gap.
     """
-    for one in (_last(search), *search.accepted[-2::-1]):
+    accepted = [*search.accepted]
+    with suppress(ModelError):  # else the last one stands as it was accepted
+        accepted[-1:] = [replayed(search.held, search.best)]
+    for one in reversed(accepted):
         best = one.of
         if best.names and search.widens(one):
             continue
@@ -97,14 +101,6 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
         if not best.names or closed > _CLOSED or not something_left(best, terms):
             return one, terms
     return search.before, search.terms
-
-
-def _last(search: Search) -> Replayed:
-    """The best explanation; the one that was accepted where it cannot be replayed."""
-    try:
-        return replayed(search.held, search.best)
-    except ModelError:
-        return search.accepted[-1]
 
 
 def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:
