@@ -109,7 +109,7 @@ def diagnose(
     asked_for = {frozenset(step.names) for step in search.steps}
     return Diagnosis(
         verdict=found.word,
-        effects=named(found, confusion) if found.stands else (),
+        effects=named(found, confusion),
         unexplained=rest,
         base=base_estimates(best),
         gap=gap_of(found.before.logs, last.logs, search.held.logs),

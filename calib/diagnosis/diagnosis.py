@@ -73,17 +73,13 @@ class Named:
 class Diagnosis:
     """The whole answer.
 
-    ``before`` and ``after`` are the hold-outs replayed open loop; ``drives`` for each effect that
-    the calibration logs could not have shown at its usual size the manoeuvre that shows it most.
-    ``confusion`` is the set of explanations that the logs cannot tell apart, None where there is
-    one alone. ``unexplained`` describes what is left, beside "unknown" or beside effects, None
-    where nothing significant is left; ``left`` is its size in the replays; ``sides`` by how much
-    the right wheel of an axle rolled faster than the left one before that was taken out [1], by
-    axle; ``own`` by log what it has of its own, by the names and in the units of
+    ``before`` and ``after`` are the hold-outs replayed open loop; ``unexplained`` is None where
+    nothing significant is left, ``confusion`` where one explanation stands alone; ``sides`` by how
+    much the right wheel of an axle rolled faster than the left one before that was taken out [1],
+    by axle; ``own`` by log what it has of its own, by the names and in the units of
     `calib.diagnosis.explanation.own`, where logs differ in that; ``withdrawn`` names of effects
-    that fit the calibration logs and not the hold-outs; ``steps`` the course of the search;
-    ``noise`` that of the evidence, and its source; ``warnings`` what speaks against the logs and
-    is not explained.
+    that fit the calibration logs and not the hold-outs; ``drives`` of effects that these logs could
+    not have shown; ``warnings`` what speaks against the logs and is not explained.
     """
 
     verdict: str

@@ -15,8 +15,7 @@ from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
 from calib.diagnosis.explanation.explanation import Explanation, innovations, runs_of
 from calib.diagnosis.explanation.hypothesis import based
-from calib.diagnosis.explanation.predict import predict
-from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.proof.verdict import Verdict
 from calib.diagnosis.replays.gap import range_of
 from calib.diagnosis.undecided import Confusion
@@ -49,20 +48,17 @@ def base_estimates(at: Explanation) -> dict[str, ParameterEstimate]:
 def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
     """Every effect of the best explanation, with evidence; ``confusion`` with those like it."""
     best, search, whole = found.best, found.search, found.best.effects
-    held, known = search.held.problem, best.problem.vehicle.effects
+    known = best.problem.vehicle.effects
     tried = [e for e in search.fits.others(search.best) if e.reduced < search.base.reduced]
     ends = [effects for _, effects in intervals(best)]
-    logs = [
-        replace(problem, runs=tuple(runs_of(problem, own)))
-        for problem, own in ((best.problem, best.state.own), (held, found.after.own))
-    ]
+    logs = (best.runs, runs_of(search.held.problem, found.after.own))
     others = sorted({n for e in found.rivals for n in e.names} - set(best.names))
     nearest = confusion.pairs[0] if confusion else None
     separate = f"{nearest.drive} ({nearest.apart_in_drive:.0f} sigma apart)" if nearest else ""
     out = []
     for name in best.names:
         rest = whole.without(name).with_(known.only(name))
-        rises = (_reduced(best, rest, of) - _reduced(best, whole, of) for of in logs)
+        rises = (_reduced(best, rest, runs) - _reduced(best, whole, runs) for runs in logs)
         runners_up = (
             RunnerUp(" + ".join(e.names), search.base.reduced - e.reduced)
             for e in tried
@@ -91,9 +87,9 @@ def _estimate(ends: Iterable[float], unit: str) -> ParameterEstimate:
     return ParameterEstimate(value, unit, (low, high))
 
 
-def _reduced(at: Explanation, effects: Effects, problem: Problem) -> float:
-    """Mean squared innovation of a problem with some effects, all else as in an explanation."""
-    r = np.concatenate([innovations(problem, at.base, effects, run) for run in problem.runs])
+def _reduced(at: Explanation, effects: Effects, runs: list[ObservedRun]) -> float:
+    """Mean squared innovation of some runs with some effects, all else as in an explanation."""
+    r = np.concatenate([innovations(at.problem, at.base, effects, run) for run in runs])
     return float(r @ r) / r.size
 
 
@@ -107,12 +103,12 @@ def _where(at: Explanation, name: str, rest: Effects) -> Where:
         whole, less = (predict(vehicle, at.base, effects, run) for effects in (at.effects, rest))
         wheels += np.sum((less.omega - whole.omega) ** 2, axis=1)
         change = whiten(residuals(run, less) - residuals(run, whole), at.problem.noise)
+        power = by_channel(change**2)
         heat = np.zeros_like(run.v) if run.temperature_f is None else run.temperature_f
         along = thinned(run, np.stack([run.p_mc, run.v, heat]))
-        both = [*by_channel(change**2), *along]
-        rows.append(np.stack([x[-min(map(len, both)) :] for x in both]))
-    *power, p, v, heat = np.hstack(rows)
-    pressure, speed, temperature = (range_of(x, np.sum(power, axis=0)) for x in (p, v, heat))
+        rows.append(np.vstack([power, along[:, -power.shape[1] :]]))
+    power, drivers = np.split(np.hstack(rows), [len(CHANNELS)])
+    pressure, speed, temperature = (range_of(x, np.sum(power, axis=0)) for x in drivers)
     warm = all(run.temperature_f is not None for run in at.runs)
     on_wheels = acts_on_wheels(definition(vehicle.effects, name))
     axle = _axle(*np.sum(wheels.reshape(2, 2), axis=1)) if on_wheels else "body"

@@ -7,7 +7,7 @@ One linear step: right for small effects, and the order of magnitude for large o
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, compress
 
 import numpy as np
 
@@ -19,28 +19,22 @@ from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import Explanation, innovations
 from calib.diagnosis.explanation.gaussian import Products
-from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.logs.log import Log
 
-_SHOWN = 5.0
-"""Size [sigma] from which logs show an effect: ln of the odds is 7 then, less its price of 5."""
-
-_CLEAR = 10.0
-"""Size [sigma] from which a drive shows an effect surely."""
-
-_STEP = 1e9
-"""Rise of a pressure that is there at once [bar/s]."""
+_SHOWN, _CLEAR = 5.0, 10.0
+"""Sizes [sigma] from which logs show an effect, where ln of the odds is 7, less its price of 5, and
+from which a drive shows it surely."""
 
 _TESTS = {
     # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
-    "coast down from 130 km/h": (36.0, 0.0, _STEP, 12.0),
-    "coast down from 50 km/h": (14.0, 0.0, _STEP, 12.0),
+    "coast down from 130 km/h": (36.0, 0.0, 1e9, 12.0),
+    "coast down from 50 km/h": (14.0, 0.0, 1e9, 12.0),
     "slow ramp to 45 bar": (33.0, 45.0, 5.0, 12.0),
-    "light stop at 8 bar from 60 km/h": (17.0, 8.0, _STEP, 12.0),
-    "hard stop at 45 bar from 120 km/h": (33.0, 45.0, _STEP, 12.0),
-    "applications of 20 bar, 1 s on and 1 s off": (30.0, 20.0, _STEP, 2.0),
+    "light stop at 8 bar from 60 km/h": (17.0, 8.0, 1e9, 12.0),
+    "hard stop at 45 bar from 120 km/h": (33.0, 45.0, 1e9, 12.0),
+    "applications of 20 bar, 1 s on and 1 s off": (30.0, 20.0, 1e9, 2.0),
 }
 """Tests that any proving ground can do; an application begins after 1 s."""
 
@@ -107,8 +101,7 @@ def confusion_of(best: Explanation, like: Sequence[Explanation]) -> Confusion | 
     if not like:
         return None
     members, pairs = (best, *like), []
-    for i, j in combinations(range(len(members)), 2):
-        one, other = members[i], members[j]
+    for (i, one), (j, other) in combinations(enumerate(members), 2):
         apart = np.concatenate(one.innovations) - np.concatenate(other.innovations)
         ((drive, sigma),) = best_drives(one, [(other.base, other.effects)])
         pairs.append(Pair((i, j), float(np.linalg.norm(apart)), drive, sigma))
@@ -124,11 +117,11 @@ def drives(at: Explanation) -> tuple[ShowingDrive, ...]:
     every = every_effect(at.problem.vehicle.effects)
     cards = [effect.card for name, effect in every.items() if name not in at.effects]
     others = [(at.base, at.effects.with_(Effects({card.name: card.usual}))) for card in cards]
-    unseen = np.flatnonzero(_sizes(at, _products(at, others)) < _SHOWN).tolist()
+    unseen = _sizes(at, _products(at, others)) < _SHOWN
     out = []
-    found = best_drives(at, [others[k] for k in unseen])
-    for card, (drive, sigma) in zip((cards[k] for k in unseen), found, strict=True):
-        size = {p.name: Size(card.usual[p.name], p.unit) for p in card.parameters}
+    found = best_drives(at, [*compress(others, unseen)])
+    for card, (drive, sigma) in zip(compress(cards, unseen), found, strict=True):
+        size = {name: Size(value, card.units[name]) for name, value in card.usual.items()}
         out.append(ShowingDrive(card.name, size, drive, sigma, clear=sigma > _CLEAR))
     return tuple(out)
 
@@ -141,22 +134,20 @@ def best_drives(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list
     if not others:
         return []
     problem = replace(at.problem, runs=manoeuvres(at))
-    state = State(at.state.x, at.state.form, np.zeros((len(problem.runs), len(OWN))))
-    driven = seen(problem, at.hypothesis, state)
-    logs = _products(at, others)
-    shown = [_sizes(at, [*logs, test]) for test in _products(driven, others)]
-    best = np.argmax(shown, axis=0).tolist()
-    return [(problem.runs[i].source, float(shown[i][k])) for k, i in enumerate(best)]
+    state = replace(at.state, own=np.zeros((len(problem.runs), len(OWN))))
+    driven, logs = seen(problem, at.hypothesis, state), _products(at, others)
+    shown = np.stack([_sizes(at, [*logs, test]) for test in _products(driven, others)])
+    best = [problem.runs[i].source for i in np.argmax(shown, axis=0)]
+    return list(zip(best, np.max(shown, axis=0).tolist(), strict=True))
 
 
 def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
     """Inner products of each log, with what the ``others`` change behind its own columns."""
-    return at.products_with(
-        [
-            np.stack([innovations(at.problem, *other, run) - r for other in others])
-            for run, r in zip(at.runs, at.innovations, strict=True)
-        ]
-    )
+    changes = [
+        np.stack([innovations(at.problem, *other, run) - r for other in others])
+        for run, r in zip(at.runs, at.innovations, strict=True)
+    ]
+    return at.products_with(changes)
 
 
 def _sizes(at: Explanation, products: list[Products]) -> Array:
@@ -173,10 +164,9 @@ def manoeuvres(at: Explanation) -> tuple[ObservedRun, ...]:
         p = 1e5 * np.clip(rise * (time % period - 1.0), 0.0, most)
         z = p / 70e5
         v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)
-        turn = v / at.problem.vehicle.front.rolling_radius
         channels = {"time": time, "p_mc": p, "a_x": -z * G, "v": v}
+        turn, heat = v / at.problem.vehicle.front.rolling_radius, 100.0 + 0.3 * (v0**2 - v**2)
         channels |= {f"omega_{wheel}": turn for wheel in WHEELS}
-        if warm:
-            channels |= dict.fromkeys(("T_disc_f", "T_disc_r"), 100.0 + 0.3 * (v0**2 - v**2))
+        channels |= dict.fromkeys(("T_disc_f", "T_disc_r") if warm else (), heat)
         out.append(run_of(Log(name, name, "", channels)))
     return tuple(out)

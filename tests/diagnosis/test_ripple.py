@@ -69,7 +69,7 @@ def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     assert last < 0.5 * first
     runs = tuple(replace(run, angle_f=run.angle_f + np.pi) for run in kept)
     late = replace(held, problem=replace(problem, runs=runs))
-    lost = late.replays(after.at.base, after.at.effects, after.own)
+    lost = late.replays(after.at, after.own)
     # a wrong phase doubles the ripple
     assert gap_of(before.logs, lost, held.logs).of(channel=shown)[1] > 1.5 * first
 

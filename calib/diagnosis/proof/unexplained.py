@@ -7,7 +7,7 @@ after every application, whatever pressure and speed are: the power of that is i
 A term shows a brake torque that something holds, though not what does.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import PLACES
-from calib.diagnosis.explanation.channels import CHANNELS, STEP, by_channel, thinned
+from calib.diagnosis.explanation.channels import A_X, CHANNELS, DRIFT, STEP, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"
@@ -32,27 +32,18 @@ _PLAIN = 0.03
 """Share of the excess that a term must explain beyond one that holds a brake torque, which is a
 single number, to be preferred to it."""
 
-_ONE_SIDED = 0.3
-"""Share of the excess that a lasting difference of left and right takes from which one wheel of an
-axle is named."""
+_ONE_SIDED, _NO_TERM = 0.3, 0.1
+"""Shares of the excess that a lasting difference of left and right must take to name one wheel of
+an axle, and that must go with the angle of the wheels, or swing, to be told as that."""
 
-_NO_TERM = 0.1
-"""Share of the excess that must go with the angle of the wheels, or swing, to be told as that."""
-
-_WINDOW = round(4.0 / STEP)
-"""Innovations in a window: 4 s, so two lines of a spectrum are 0.25 Hz apart."""
-
-_SLOWEST, _FASTEST = 2, 20
-"""First and last line that may swing, 0.5 and 5 Hz. An error that lasts for a whole stop is slower;
-a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster. What is faster is a
-wheel, or a channel that is sent seldom."""
+_WINDOW, _SLOWEST, _FASTEST = round(4.0 / STEP), 2, 20
+"""Innovations in a window of 4 s; first and last line of its spectrum that may swing, 0.5 and 5 Hz.
+An error that lasts for a whole stop is slower; a body on its springs swings at 1 to 2 Hz, a load or
+a liquid hardly faster. What is faster is a wheel, or a channel that is sent seldom."""
 
 _OVER = 3.0
 """Least power of a peak over that of the slower lines. What every application leaves, as a lag
 does, is in all of them; a swing of 0.5 Hz or more has at most a fifth at 0.25 Hz."""
-
-_OF_BODY = [CHANNELS.index(name) for name in ("a_x", "v")]
-"""Channels in which the motion of the car as a whole shows."""
 
 
 @dataclass(frozen=True)
@@ -93,10 +84,6 @@ class Unexplained:
     runners_up: tuple[tuple[str, str, float], ...]
 
 
-_Whitened = Sequence[Mapping[str, Array]]
-"""Innovations of each run by the name of the channel, one every `STEP`."""
-
-
 def held_from(term: EmpiricalTerm) -> float | None:
     """Pressure [Pa] above which a brake torque hardly rises with it; None where it does rise.
 
@@ -117,11 +104,12 @@ def plainest_first(at: Explanation, terms: Sequence[Explanation]) -> list[Explan
     hardly better.
     """
     hardly = _PLAIN * _excess(at) / at.count
-
-    def other(one: Explanation) -> bool:
-        return held_from(one.effects.terms[0]) is None or one.reduced >= terms[0].reduced + hardly
-
-    return sorted(terms, key=other)
+    return sorted(
+        terms,
+        key=lambda one: (
+            held_from(one.effects.terms[0]) is None or one.reduced >= terms[0].reduced + hardly
+        ),
+    )
 
 
 def _excess(at: Explanation) -> float:
@@ -135,7 +123,7 @@ def unexplained_of(at: Explanation, terms: Sequence[Explanation]) -> Unexplained
     shares = [min((at.reduced - one.reduced) * at.count / excess, 1.0) for one in terms]
     term, *others = (one.effects.terms[0] for one in terms)
     held = held_from(term)
-    whitened = [dict(zip(CHANNELS, by_channel(r), strict=True)) for r in at.innovations]
+    whitened = [by_channel(r) for r in at.innovations]
     turning, turned = _turning(at, whitened, excess)
     swing = oscillation_of(whitened, excess)
     slips = held is not None and PLACES[term.place] != "rear"
@@ -159,32 +147,28 @@ def unexplained_of(at: Explanation, terms: Sequence[Explanation]) -> Unexplained
     )
 
 
-def _turning(at: Explanation, whitened: _Whitened, excess: float) -> tuple[float, str]:
+def _turning(at: Explanation, whitened: Sequence[Array], excess: float) -> tuple[float, str]:
     """Share of the excess that goes with the angle of the front or rear wheels, and which [1]."""
     shares = {"front": 0.0, "rear": 0.0}
-    for run, channels in zip(at.problem.runs, whitened, strict=True):
+    for run, x in zip(at.problem.runs, whitened, strict=True):
         for axle, angle in (("front", run.angle_f), ("rear", run.angle_r)):
-            phase = np.outer(_HARMONICS, thinned(run, angle))
-            for name in ("rim", "front_rear", f"{axle}_sides"):
-                x = channels[name]
-                shares[axle] += float(np.sum(_power_of(x, phase[:, -x.size :]))) / excess
+            phase = np.outer(_HARMONICS, thinned(run, angle)[-x.shape[1] :])
+            shown = [CHANNELS.index(name) for name in ("rim", "front_rear", f"{axle}_sides")]
+            shares[axle] += float(np.sum(_power_of(x[shown], phase))) / excess
     share, axle = max((share, axle) for axle, share in shares.items())
     return min(share, 1.0), axle
 
 
-def oscillation_of(whitened: _Whitened, excess: float) -> Oscillation:
-    """The strongest line of ``whitened`` innovations, with its two neighbours.
+def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
+    """The strongest line of ``whitened`` innovations (6, m) of each run, with its two neighbours.
 
     ``excess`` is what their sum of squares has beyond noise.
     """
     frequencies = np.arange(_FASTEST + 2) / (_WINDOW * STEP)
     phase = 2.0 * np.pi * np.outer(frequencies, STEP * np.arange(_WINDOW))
-    power = np.zeros((len(CHANNELS), frequencies.size))
-    for run in whitened:
-        for i, channel in enumerate(CHANNELS):
-            x = run[channel]
-            windows = x[: x.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
-            power[i] += np.sum(_power_of(windows, phase), axis=0)
+    cut = (x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened)
+    windows = np.hstack([*cut]).reshape(len(CHANNELS), -1, _WINDOW)
+    power = np.sum(_power_of(windows, phase), axis=1)
     lines = np.sum(power, axis=0)
     peak = _SLOWEST + int(np.argmax(lines[_SLOWEST:-1]))
     if lines[peak] <= _OVER * np.max(lines[: max(peak - 1, _SLOWEST)]):
@@ -195,7 +179,7 @@ def oscillation_of(whitened: _Whitened, excess: float) -> Oscillation:
     return Oscillation(
         frequency=float(np.sum(band @ frequencies[near])) / whole,
         share=min(whole / excess, 1.0),
-        body=float(np.sum(band[_OF_BODY])) > 0.5 * whole,
+        body=float(np.sum(band[[A_X, DRIFT]])) > 0.5 * whole,
     )
 
 
@@ -207,16 +191,15 @@ def _power_of(x: Array, phase: Array) -> Array:
     return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)
 
 
-def _one_sided(whitened: _Whitened, excess: float) -> str | None:
+def _one_sided(whitened: Sequence[Array], excess: float) -> str | None:
     """The slower wheel of an axle, where it always is, and that is most of the excess; else None.
 
     By the share of the excess that a constant takes of left less right.
     """
-    sides = {}
-    for axle in ("front", "rear"):
-        x = np.concatenate([channels[f"{axle}_sides"] for channels in whitened])
-        sides[axle] = float(np.sum(x)) / float(np.sqrt(x.size))
-    axle = max(sides, key=lambda one: abs(sides[one]))
-    if sides[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
+    every = np.hstack(whitened)
+    lasting = np.sum(every, axis=1) / np.sqrt(every.shape[1])
+    left = {axle: float(lasting[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}
+    axle = max(left, key=lambda one: abs(left[one]))
+    if left[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
         return None
-    return f"{axle}_{'left' if sides[axle] < 0.0 else 'right'}"
+    return f"{axle}_{'left' if left[axle] < 0.0 else 'right'}"

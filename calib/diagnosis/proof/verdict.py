@@ -9,6 +9,7 @@ probable than all that is named, or where what is named closes too little of the
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from calib.base.errors import ModelError
@@ -53,36 +54,31 @@ class Verdict:
         return self.after.of
 
     @property
-    def stands(self) -> bool:
-        """Whether effects are named."""
-        return bool(self.best.names)
-
-    @property
     def word(self) -> str:
         """The verdict as in diagnosis.json."""
-        if self.stands:
+        if self.best.names:
             return AMBIGUOUS if self.rivals else NAMED
         return UNKNOWN if self.terms else NO_GAP
 
     @property
     def before(self) -> Replayed:
         """The hold-outs without effects."""
-        return self.search.before if self.stands else self.after
+        return self.search.before if self.best.names else self.after
 
 
 def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
     base = search.base
     after, terms = _standing(search)
-    best = after.of
+    best, beside = after.of, list[Explanation]()
     far = search.gap(after).after > (_FAR if best.names else 2.0 * _FAR)
-    rest = far or something_left(best, terms)
-    beside = with_terms(best, terms) if rest else []
-    if rest and best.names:
+    if far or something_left(best, terms):
+        beside = with_terms(best, terms)
         promised = base.log_evidence + search.terms[0].log_gain
-        alone = with_terms(base, search.terms) if promised > search.nearly - SURE else []
-        if alone and alone[0].log_evidence > best.log_evidence:
-            best, after, beside = base, search.before, alone
+        if best.names and promised > search.nearly - SURE:
+            alone = with_terms(base, search.terms)
+            if alone[0].log_evidence > best.log_evidence:
+                best, after, beside = base, search.before, alone
     rivals = search.rivals if best is search.best else ()
     return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
 
@@ -92,7 +88,10 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
 
     By `_CLOSED` where something is left with it; else it must not widen the gap.
     """
-    for one in (_last(search), *search.accepted[-2::-1]):
+    accepted = [*search.accepted]
+    with suppress(ModelError):  # else the last one stands as it was accepted
+        accepted[-1:] = [replayed(search.held, search.best)]
+    for one in reversed(accepted):
         best = one.of
         if best.names and search.widens(one):
             continue
@@ -102,14 +101,6 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
         if not best.names or closed > _CLOSED or not something_left(best, terms):
             return one, terms
     return search.before, search.terms
-
-
-def _last(search: Search) -> Replayed:
-    """The best explanation; the one that was accepted where it cannot be replayed."""
-    try:
-        return replayed(search.held, search.best)
-    except ModelError:
-        return search.accepted[-1]
 
 
 def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:

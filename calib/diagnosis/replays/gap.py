@@ -16,8 +16,8 @@ from calib.base.names import WHEELS
 from calib.logs.log import Log
 from calib.run.filters import block_mean, third_difference, typical_differences
 
-CHANNELS = ("a_x", *(f"omega_{w}" for w in WHEELS), "v")
-UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
+UNITS = {"a_x": "m/s^2", **{f"omega_{w}": "rad/s" for w in WHEELS}, "v": "m/s"}
+CHANNELS = tuple(UNITS)
 
 LONGEST = 0.2
 """Longest time [s] between two samples whose differences show noise: twice the correlation time of
@@ -31,9 +31,9 @@ STRAIGHT = 7.0
 """Differences over four samples, over those from sample to sample, of a channel that runs in
 straight lines of four samples or more. A ripple of ten times the noise has four."""
 
-FLOOR = {"a_x": 0.005, "v": 0.003, **{f"omega_{w}": 0.005 for w in WHEELS}}
-"""Least noise of a channel, in its unit: a simulated log may have none, and no car is described to
-better than that."""
+FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
+"""Least noise (6,) of the channels, in their units: a simulated log may have none, and no car is
+described to better than that."""
 
 BLOCK = 0.5
 """Span of a mean [s]: several times the correlation time of a road's noise, a part of a stop."""
@@ -99,26 +99,23 @@ def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log])
     """Compare replays with their logs, over their common samples above 1 m/s."""
     noise = noises_of(measured)
     squares = [
-        [
-            [float(np.mean(error_of(sim, log, c) ** 2)) for c in CHANNELS]
-            for sim, log in zip(replays, measured, strict=True)
-        ]
+        [np.mean(errors_of(*pair) ** 2, axis=1) for pair in zip(replays, measured, strict=True)]
         for replays in (before, after)
     ]
     beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
     return Gap(tuple(log.name for log in measured), noise, beyond)
 
 
-def error_of(replay: Log, measured: Log, channel: str) -> Array:
-    """Replay less measurement (n,) of a channel, over their common samples."""
+def errors_of(replay: Log, measured: Log) -> Array:
+    """Replay less measurement (6, n), over their common samples."""
     n = min(replay.time.size, measured.time.size)
-    return np.asarray(replay[channel][:n] - measured[channel][:n])
+    return np.stack([replay[c][:n] - measured[c][:n] for c in CHANNELS])
 
 
 def noises_of(measured: Sequence[Log]) -> Array:
     """Sd of the noise of every channel (6,), that of the median log, at least `FLOOR`."""
     shown = [[_noise_of(log, channel) for channel in CHANNELS] for log in measured]
-    return np.maximum(np.median(shown, axis=0), [FLOOR[channel] for channel in CHANNELS])
+    return np.maximum(np.median(shown, axis=0), FLOOR)
 
 
 def _noise_of(log: Log, channel: str) -> float:
@@ -139,7 +136,7 @@ def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> R
     row, column = divmod(int(np.argmax(left)), len(CHANNELS))
     log, channel = measured[row], CHANNELS[column]
     size = max(1, round(BLOCK / log.sample_time))
-    error = block_mean(error_of(replays[row], log, channel), size)
+    error = block_mean(errors_of(replays[row], log)[column], size)
     # the speed keeps an error of force: its growth tells where the force is wrong
     weight = np.abs(np.diff(error, prepend=0.0)) if channel == "v" else error**2
     drivers = (log["p_mc"], log["v"], log.time - log.time[0])

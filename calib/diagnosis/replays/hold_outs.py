@@ -15,7 +15,6 @@ from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.own import GRADE, OWN, SLOPE, ZERO, ZERO_OF_A_X, sizes
-from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
 from calib.model.replay import replay
@@ -28,7 +27,7 @@ class HoldOuts:
     logs: tuple[Log, ...]
     problem: Problem
 
-    def replays(self, base: Base, effects: Effects, own: Array) -> tuple[Log, ...]:
+    def replays(self, at: Explanation, own: Array) -> tuple[Log, ...]:
         """Every log replayed open loop with what it has of its ``own`` (runs, 8).
 
         Ripples follow the angle of the wheels, which a sensor measured: no torque and no speed is
@@ -37,22 +36,18 @@ class HoldOuts:
         """
         out = []
         for log, run in zip(self.logs, runs_of(self.problem, own), strict=True):
-            acts = effects.with_(_of_log(run))
-            model = model_of(self.problem.vehicle, base.of_log(run.own), acts)
-            angles = {"f": run.angle_f, "r": run.angle_r}
-            angles = {axle: np.interp(log.time, run.time, x) for axle, x in angles.items()}
+            slope, zero = run.own[[SLOPE, ZERO]].tolist()
+            acts = {GRADE: {"grade": slope, "felt": 1.0}} if slope else {}
+            acts |= {ZERO_OF_A_X: {"bias": zero}} if zero else {}
+            model = model_of(
+                self.problem.vehicle, at.base.of_log(run.own), at.effects.with_(Effects(acts))
+            )
+            angles = {
+                axle: np.interp(log.time, run.time, x)
+                for axle, x in (("f", run.angle_f), ("r", run.angle_r))
+            }
             out.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
         return tuple(out)
-
-
-def _of_log(run: ObservedRun) -> Effects:
-    """Slope of the road and zero of the accelerometer of one log, as effects of its car."""
-    own, slope, zero = {}, float(run.own[SLOPE]), float(run.own[ZERO])
-    if slope:
-        own[GRADE] = {"grade": slope, "felt": 1.0}
-    if zero:
-        own[ZERO_OF_A_X] = {"bias": zero}
-    return Effects(own)
 
 
 def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
@@ -78,7 +73,7 @@ def replayed(held: HoldOuts, at: Explanation, settled: float = SETTLED) -> Repla
     """Fit an explanation as a model has it, and replay the hold-outs. Raises ModelError."""
     plain = without_form(at, settled)
     own = placed(held.problem, plain)
-    return Replayed(at, plain, own, held.replays(plain.base, plain.effects, own))
+    return Replayed(at, plain, own, held.replays(plain, own))
 
 
 def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:

@@ -11,10 +11,7 @@ from typing import Any
 
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import CHANNELS, UNITS, Gap
-
-SCHEMA = 1
 
 _RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
 """Units of the fields that are ranges."""
@@ -22,10 +19,10 @@ _RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
 
 def to_dict(found: Diagnosis) -> dict[str, Any]:
     """The whole diagnosis, JSON-able; a number that is not finite is null."""
-    names = {effect.name for effect in found.effects}
-    rest = found.unexplained
+    names = [effect.name for effect in found.effects]
+    rest, gap = found.unexplained, found.gap
     whole = {
-        "schema": SCHEMA,
+        "schema": 1,
         "verdict": found.verdict,
         "effects": found.effects,
         "own_effects": [
@@ -33,7 +30,19 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
             for name, one in found.model_after.effects.own.items()
         ],
         "known": found.model_before.vehicle.effects.parameters,
-        "unexplained": None if rest is None else _unexplained(rest, found),
+        "unexplained": rest
+        and {
+            **plain(rest),
+            "beside": names,
+            "in_model": found.model_after.effects.terms != (),
+            "replays": found.left,
+            "innovation": found.reduced_after if names else found.reduced_before,
+            "term": plain(rest.term) | {"driver_unit": DRIVERS[rest.term.driver]},
+            "runners_up": [
+                {"place": place, "driver": driver, "explained": share}
+                for place, driver, share in rest.runners_up
+            ],
+        },
         "own_states": found.own,
         "sides": found.sides,
         "confusion": found.confusion,
@@ -45,7 +54,12 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "left": found.left,
         "steps": found.steps,
         "withdrawn": found.withdrawn,
-        "gap": _gap(found.gap),
+        "gap": {
+            **_gap(gap),
+            "closed": gap.closed,
+            "unit": "rms over the noise of the sensors",
+            "by_log": {log: _gap(gap, log) for log in gap.logs},
+        },
         "warnings": found.warnings,
     }
     return {key: plain(value) for key, value in whole.items()}
@@ -72,45 +86,17 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _unexplained(rest: Unexplained, found: Diagnosis) -> dict[str, Any]:
-    return {
-        **plain(rest),
-        "beside": [effect.name for effect in found.effects],
-        "in_model": found.model_after.effects.terms != (),
-        "replays": found.left,
-        "innovation": found.reduced_after if found.effects else found.reduced_before,
-        "term": plain(rest.term) | {"driver_unit": DRIVERS[rest.term.driver]},
-        "runners_up": [
-            dict(zip(("place", "driver", "explained"), one, strict=True)) for one in rest.runners_up
-        ],
-    }
-
-
-def _gap(gap: Gap) -> dict[str, Any]:
-    return {
-        "before": gap.before,
-        "after": gap.after,
-        "closed": gap.closed,
-        "unit": "rms over the noise of the sensors",
-        "by_channel": _by_channel(gap),
-        "by_log": {
-            log: dict(zip(("before", "after"), gap.of(log), strict=True))
-            | {"by_channel": _by_channel(gap, log)}
-            for log in gap.logs
-        },
-    }
-
-
-def _by_channel(gap: Gap, log: str | None = None) -> dict[str, Any]:
-    """The gap of each channel in its unit, of one log or all."""
-    out = {}
+def _gap(gap: Gap, log: str | None = None) -> dict[str, Any]:
+    """The gap of one log or all, over the noise; of each channel in its unit."""
+    channels = {}
     for channel, noise in zip(CHANNELS, gap.noise.tolist(), strict=True):
         before, after = gap.of(log, channel)
-        out[channel] = {
+        channels[channel] = {
             "before": noise * before,
             "after": noise * after,
             "noise": noise,
             "closed": 1.0 - after / before if before > 0.0 else None,
             "unit": UNITS[channel],
         }
-    return out
+    before, after = gap.of(log)
+    return {"before": before, "after": after, "by_channel": channels}

@@ -83,7 +83,7 @@ def swing_of(signal: np.ndarray, seed: int) -> Oscillation:
     """A signal in a_x beside noise of variance one in every channel."""
     noise = np.random.default_rng(seed).standard_normal((len(CHANNELS), TIME.size))
     noise[CHANNELS.index("a_x")] += signal
-    return oscillation_of([dict(zip(CHANNELS, noise, strict=True))], float(signal @ signal))
+    return oscillation_of([noise], float(signal @ signal))
 
 
 @pytest.mark.parametrize("frequency", [0.55, 0.6, 0.8, 1.1, 2.3])
