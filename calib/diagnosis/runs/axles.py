@@ -19,7 +19,7 @@ from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned
 from calib.diagnosis.search.fits import Fits
-from calib.diagnosis.search.rank import further_columns, promises
+from calib.diagnosis.search.rank import promises, trials
 from calib.diagnosis.search.search import Search
 from calib.logs.log import Log
 
@@ -54,7 +54,7 @@ def _log_evidence(given: Problem, logs: Sequence[Log]) -> float:
     problem = replace(given, runs=runs)
     base = fit(problem, Hypothesis(), start_of(problem))
     fits = Fits(problem, problem, base)
-    fits.fitted_of(promises(base, further_columns(base))[:_FITTED], base)
+    fits.fitted_of(promises(base, trials(base))[:_FITTED], base)
     return max(one.log_evidence for one in fits.fitted.values())
 
 
