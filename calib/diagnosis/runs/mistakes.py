@@ -80,7 +80,8 @@ def checked(
     sources = {log.name: log.source for log in logs}
     warnings = tuple(_warnings_of(vehicle, logs, seen))
     for one in warnings:
-        if _refused(one):
+        stronger = one.code == LEVEL and abs(math.log1p(one.measured)) > math.log(_STRONGER)
+        if stronger or one.code in REFUSED:
             raise LogError(one.text, where=sources[one.log])
     return warnings
 
@@ -111,11 +112,6 @@ def _require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
             "nothing is braked in the calibration logs",
             expected="pressure above 5 bar in at least one",
         )
-
-
-def _refused(one: PlausibilityWarning) -> bool:
-    stronger = one.code == LEVEL and abs(math.log1p(one.measured)) > math.log(_STRONGER)
-    return stronger or one.code in REFUSED
 
 
 def _warnings_of(
