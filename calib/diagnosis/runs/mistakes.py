@@ -125,8 +125,8 @@ def _warnings_of(
     car = runs[0].vehicle
     read = [signals(run.log, car) for run in runs]
     parts = [(b := blocks(s), sensor_noise(run.log, b)) for s, run in zip(read, runs, strict=True)]
-    rolling = [not one.events for one in seen]
-    known = identify_resistance(car, [(b, noise.z) for b, noise in compress(parts, rolling)])
+    rolling = compress(parts, (not one.events for one in seen))
+    known = identify_resistance(car, [(b, noise.z) for b, noise in rolling])
     responses = [brake_response(s, brake_balance(car, known.effects, s)) for s in read]
     for i, response in enumerate(responses):
         sensor = judge_accelerometer(car, known, *parts[i])

@@ -29,11 +29,12 @@ class Fits:
 
     problem: Problem
     held: Problem
-    base: Explanation
+    base: Explanation = field(init=False)
     fitted: dict[object, Explanation] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.base = fit(self.problem, Hypothesis(), start_of(self.problem))
         self.add(self.base)
 
     def add(self, e: Explanation) -> None:
@@ -43,20 +44,16 @@ class Fits:
 
     def fitted_of(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
         """What is promised beside ``near``, as it was fitted, if it fell far short then anew."""
-        new = [p for p in tops if self._known(p) < p.log_evidence - 3.0]
+        known = {key: e.log_evidence for key, e in self.fitted.items()}
+        new = [p for p in tops if known.get(p.hypothesis.key, -np.inf) < p.log_evidence - 3.0]
         if new:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
             self.problem.tell(f"fitting {names}", 0, 1)
         job = partial(_fitted, self.problem.alone, near.columns, near.bent)
         for p, one in zip(new, self.problem.mapped(job, new), strict=True):
-            if one.log_evidence > self._known(p):
+            if one.log_evidence > known.get(p.hypothesis.key, -np.inf):
                 self.add(replace(one, problem=self.problem))
         return [self.fitted[p.hypothesis.key] for p in tops]
-
-    def _known(self, p: Promise) -> float:
-        """ln of the evidence of what is promised as it was fitted before."""
-        found = self.fitted.get(p.hypothesis.key)
-        return -np.inf if found is None else found.log_evidence
 
     def fitted_best(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
         """The same, best first; pruned if that can make it the best."""

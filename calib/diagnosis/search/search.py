@@ -13,7 +13,6 @@ from functools import cached_property
 from calib.base.errors import ModelError
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
-from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned
@@ -92,8 +91,8 @@ class Search:
     def run(self) -> None:
         """Find the best explanation."""
         self.problem.tell("fitting the model without effects", 0, 1)
-        self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
-        self.fits = Fits(self.problem, self.held.problem, self.base)
+        self.fits = Fits(self.problem, self.held.problem)
+        self.base = self.best = self.fits.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
         self.further = self.first = trials(self.base)
         moves = (self.beside, self.exchanged, self.together, self.in_more_kinds)

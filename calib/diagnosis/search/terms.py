@@ -20,11 +20,10 @@ from calib.base.names import G
 from calib.car.braking import BITE
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, driver_along, drivers_of
-from calib.car.history import RunHistory
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation, innovations
 from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.hypothesis import PRICE, Walk, based
+from calib.diagnosis.explanation.hypothesis import PRICE, Walk
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
 _KNOTS = 20
@@ -67,7 +66,9 @@ def ranked_terms(at: Explanation) -> list[Ranked]:
         for place in PLACES
         if driver != "temperature" or _warm(at, place)
     ]
-    histories = [_history(at, run) for run in at.runs]
+    # with the deceleration that is predicted: the noise of a measured one would predict itself
+    predicted = [predict(at.problem.vehicle, at.base, at.effects, run) for run in at.runs]
+    histories = [replace(run, z=-p.a_x / G) for run, p in zip(at.runs, predicted, strict=True)]
     ranked = [_ranked(at, *spot, pulses, histories) for spot in spots]
     return sorted(ranked, key=lambda one: -one.log_gain)
 
@@ -93,12 +94,6 @@ def _warm(at: Explanation, place: str) -> bool:
     )
 
 
-def _history(at: Explanation, run: ObservedRun) -> RunHistory:
-    """A run with its predicted deceleration: the noise of a measured one would predict itself."""
-    predicted = predict(at.problem.vehicle, *based(at.problem, at.hypothesis, at.state), run)
-    return replace(run, z=-predicted.a_x / G)
-
-
 def _knots(at: Explanation, place: str, driver: str) -> Array:
     """Knots over what the logs have of a driver; of pressure from where the pads bite."""
     if driver == "constant":
@@ -120,8 +115,7 @@ def _pulses(at: Explanation, place: str) -> list[Array]:
 
     Pulses of a comb are so far apart that each moves innovations of its own.
     """
-    base, effects = based(at.problem, at.hypothesis, at.state)
-    out = []
+    base, effects, out = at.base, at.effects, []
     for run, r in zip(at.runs, at.innovations, strict=True):
         middles = _middles(run)
         time = thinned(run, run.time - run.time[0])
@@ -144,20 +138,20 @@ def _ranked(
     place: str,
     driver: str,
     pulses: dict[str, list[Array]],
-    histories: Sequence[RunHistory],
+    histories: Sequence[ObservedRun],
 ) -> Ranked:
     """The best size of a random walk on a place over a driver."""
     knots, columns = _knots(at, place, driver), []
     parts = ("front_brakes", "rear_brakes") if place == "brakes" else (place,)
-    for i, (run, history) in enumerate(zip(at.runs, histories, strict=True)):
-        total = np.zeros((knots.size, at.innovations[i].size))
+    for i, run in enumerate(histories):
+        of_parts = []
         for part in parts:
             (axle,) = DISCS[PLACES[part]]
-            along = driver_along(history, driver, axle)
+            along = driver_along(run, driver, axle)
             along = np.interp(_middles(run), run.time - run.time[0], along)
             weights = np.stack([np.interp(along, knots, hat) for hat in np.eye(knots.size)])
-            total += weights @ pulses[part][i]
-        columns.append(total)
+            of_parts.append(weights @ pulses[part][i])
+        columns.append(np.sum(of_parts, axis=0))
     E, g = at.marginal(at.products_with(columns)).beyond()
     found = []
     for size in _WALKS[place.endswith("brakes")]:
