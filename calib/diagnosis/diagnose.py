@@ -16,16 +16,9 @@ from calib.car.effects.effect import slows
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import (
-    Problem,
-    Tell,
-    problem_of,
-    silent,
-    unbraked_noise,
-)
+from calib.diagnosis.explanation.problem import Problem, Tell, problem_of, silent, unbraked_noise
 from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of
@@ -99,14 +92,12 @@ def diagnose(
         slowed = any(slows(definition(vehicle.effects, name)) for name in found.best.names)
         if max(map(abs, sides.values())) <= USUAL or not (slowed or found.terms):
             break  # else it may be a brake that drags on one wheel
-    best, last, rest = found.best, found.after, None
-    if found.terms:
-        rest = unexplained_of(best, found.terms)
-        last = _with_term(found, found.terms[0])
+    best, last = found.best, _with_term(found) if found.terms else found.after
+    rest = unexplained_of(best, found.terms) if found.terms else None
     tell("asking what these logs could not show", 0, 1)
     confusion = confusion_of(best, found.rivals)
-    withdrawn = dict.fromkeys(search.withdrawn.values())
-    asked_for = {frozenset(step.names) for step in search.steps}
+    kept = [set(step.names) for step in search.steps]
+    withdrawn = (names for names in search.withdrawn.values() if set(names) not in kept)
     return Diagnosis(
         verdict=found.word,
         effects=named(found, confusion),
@@ -121,7 +112,7 @@ def diagnose(
         reduced_before=search.base.reduced,
         reduced_after=last.at.reduced if rest else best.reduced,
         left=remainder_of(search.gap(found.after), found.after.logs, search.held.logs),
-        withdrawn=tuple(names for names in withdrawn if frozenset(names) not in asked_for),
+        withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
         noise=search.problem.noise,
         own=_own(found),
@@ -140,17 +131,17 @@ def _searched(problem: Problem, holdout: Sequence[Log]) -> Search:
     An effect that acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
     """
     search = searched(problem, holdout)
-    best, known = search.best, problem.noise
+    best = search.best
     noise = unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
-    if best.names and np.any(noise.sigma <= _QUIETER * known.sigma):
+    if best.names and np.any(noise.sigma <= _QUIETER * problem.noise.sigma):
         return searched(replace(problem, noise=noise), holdout)
     return search
 
 
-def _with_term(found: Verdict, at: Explanation) -> Replayed:
-    """The replays with an empirical term; without it where it does not help."""
+def _with_term(found: Verdict) -> Replayed:
+    """The replays with the best empirical term; without it where it does not help."""
     try:
-        last = replayed(found.search.held, at)
+        last = replayed(found.search.held, found.terms[0])
     except ModelError:  # such a term need not have an equilibrium
         return found.after
     helped = gap_of(found.after.logs, last.logs, found.search.held.logs).closed > 0.0

@@ -14,12 +14,10 @@ from dataclasses import replace
 
 from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
-from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned
 from calib.diagnosis.search.fits import Fits
-from calib.diagnosis.search.rank import further_columns, promises
+from calib.diagnosis.search.rank import promises, trials
 from calib.diagnosis.search.search import Search
 from calib.logs.log import Log
 
@@ -52,9 +50,8 @@ def _log_evidence(given: Problem, logs: Sequence[Log]) -> float:
     """ln of the evidence of other logs with the same noise, by the best of a few explanations."""
     runs = turned(given.vehicle, [run_of(log) for log in logs], given.noise)
     problem = replace(given, runs=runs)
-    base = fit(problem, Hypothesis(), start_of(problem))
-    fits = Fits(problem, problem, base)
-    fits.fitted_of(promises(base, further_columns(base))[:_FITTED], base)
+    fits = Fits(problem, problem)
+    fits.fitted_of(promises(fits.base, trials(fits.base))[:_FITTED], fits.base)
     return max(one.log_evidence for one in fits.fitted.values())
 
 

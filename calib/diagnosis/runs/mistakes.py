@@ -80,7 +80,8 @@ def checked(
     sources = {log.name: log.source for log in logs}
     warnings = tuple(_warnings_of(vehicle, logs, seen))
     for one in warnings:
-        if _refused(one):
+        stronger = one.code == LEVEL and abs(math.log1p(one.measured)) > math.log(_STRONGER)
+        if stronger or one.code in REFUSED:
             raise LogError(one.text, where=sources[one.log])
     return warnings
 
@@ -113,11 +114,6 @@ def _require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
         )
 
 
-def _refused(one: PlausibilityWarning) -> bool:
-    stronger = one.code == LEVEL and abs(math.log1p(one.measured)) > math.log(_STRONGER)
-    return stronger or one.code in REFUSED
-
-
 def _warnings_of(
     vehicle: Vehicle, logs: Sequence[Log], seen: Sequence[Observation]
 ) -> Iterator[PlausibilityWarning]:
@@ -129,8 +125,8 @@ def _warnings_of(
     car = runs[0].vehicle
     read = [signals(run.log, car) for run in runs]
     parts = [(b := blocks(s), sensor_noise(run.log, b)) for s, run in zip(read, runs, strict=True)]
-    rolling = [not one.events for one in seen]
-    known = identify_resistance(car, [(b, noise.z) for b, noise in compress(parts, rolling)])
+    rolling = compress(parts, (not one.events for one in seen))
+    known = identify_resistance(car, [(b, noise.z) for b, noise in rolling])
     responses = [brake_response(s, brake_balance(car, known.effects, s)) for s in read]
     for i, response in enumerate(responses):
         sensor = judge_accelerometer(car, known, *parts[i])

@@ -1,6 +1,6 @@
 """All that was fitted in a search, by what it says, and what the hold-outs make of it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -29,11 +29,12 @@ class Fits:
 
     problem: Problem
     held: Problem
-    base: Explanation
+    base: Explanation = field(init=False)
     fitted: dict[object, Explanation] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.base = fit(self.problem, Hypothesis(), start_of(self.problem))
         self.add(self.base)
 
     def add(self, e: Explanation) -> None:
@@ -43,20 +44,16 @@ class Fits:
 
     def fitted_of(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
         """What is promised beside ``near``, as it was fitted, if it fell far short then anew."""
-        new = [p for p in tops if self._known(p) < p.log_evidence - 3.0]
+        known = {key: e.log_evidence for key, e in self.fitted.items()}
+        new = [p for p in tops if known.get(p.hypothesis.key, -np.inf) < p.log_evidence - 3.0]
         if new:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
             self.problem.tell(f"fitting {names}", 0, 1)
         job = partial(_fitted, self.problem.alone, near.columns, near.bent)
         for p, one in zip(new, self.problem.mapped(job, new), strict=True):
-            if one.log_evidence > self._known(p):
+            if one.log_evidence > known.get(p.hypothesis.key, -np.inf):
                 self.add(replace(one, problem=self.problem))
         return [self.fitted[p.hypothesis.key] for p in tops]
-
-    def _known(self, p: Promise) -> float:
-        """ln of the evidence of what is promised as it was fitted before."""
-        found = self.fitted.get(p.hypothesis.key)
-        return -np.inf if found is None else found.log_evidence
 
     def fitted_best(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
         """The same, best first; pruned if that can make it the best."""
@@ -66,43 +63,32 @@ class Fits:
         ]
 
     def pruned(self, at: Explanation) -> Explanation:
-        """Without effects and kinds that are not worth their price."""
+        """Without kinds that are not worth their price, and effects by a linear step, too."""
         while True:
-            fewer = [self.without(at, name) for name in self.spare(at)]
-            fewer += [self.without_kind(at, kind) for kind in at.hypothesis.kinds]
-            better = max(fewer, key=lambda e: e.log_evidence, default=at)
+            worth = 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
+            size = at.state.x**2 / (2.0 * worth * np.diag(at.covariance))
+            spare = [name for name in at.names if size[np.argmax(at.prior.of == name)] < 1.0]
+            better = max(self.fewer(at, spare), key=lambda e: e.log_evidence, default=at)
             if better.log_evidence <= at.log_evidence:
                 return at
             at = better
 
-    def spare(self, at: Explanation) -> list[str]:
-        """Effects of which a linear step does not say that they are worth their price."""
-        worth = 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
-        size = at.state.x**2 / (2.0 * worth * np.diag(at.covariance))
-        strengths = {name: int(np.argmax(at.prior.of == name)) for name in at.names}
-        return [name for name, i in strengths.items() if size[i] < 1.0]
+    def fewer(self, at: Explanation, names: Iterable[str]) -> list[Explanation]:
+        """An explanation without each of these effects, and each kind in which logs differ."""
+        out, kinds = [], at.hypothesis.kinds
+        for name in names:
+            left = tuple(n for n in at.names if n != name)
+            out.append(Hypothesis(left, kinds - {"heat"} if name == FADE else kinds))
+        out += [Hypothesis(at.names, kinds - {kind}) for kind in kinds]
+        return [self._part(at, hypothesis) for hypothesis in out]
 
-    def without(self, at: Explanation, name: str) -> Explanation:
-        """An explanation fitted anew without one of its effects, from where it is."""
-        names = tuple(n for n in at.names if n != name)
-        keep = at.prior.of != name
-        near = [J[keep] for J in at.columns]
-        kinds = at.hypothesis.kinds - ({"heat"} if name == FADE else set())
-        state = replace(at.state, x=at.state.x[keep[: at.state.x.size]])
-        return self.known_or_fitted(Hypothesis(names, kinds), state, near)
-
-    def without_kind(self, at: Explanation, kind: str) -> Explanation:
-        """The same without one kind in which logs differ."""
-        hypothesis = Hypothesis(at.names, at.hypothesis.kinds - {kind})
-        as_before = hypothesis.sizes == at.hypothesis.sizes
-        state = replace(at.state, own=np.where(as_before, at.state.own, 0.0))
-        return self.known_or_fitted(hypothesis, state, at.columns)
-
-    def known_or_fitted(
-        self, hypothesis: Hypothesis, state: State, near: Sequence[Array]
-    ) -> Explanation:
-        """A hypothesis as it is known, else fitted from ``state``."""
+    def _part(self, at: Explanation, hypothesis: Hypothesis) -> Explanation:
+        """A part of an explanation as it is known, else fitted from where that is."""
         if hypothesis.key not in self.fitted:
+            keep = np.isin(at.prior.of, ["", *hypothesis.names])
+            x, same = at.state.x[keep[: at.state.x.size]], hypothesis.sizes == at.hypothesis.sizes
+            state = State(x, at.state.form, np.where(same, at.state.own, 0.0))
+            near = [J[keep] for J in at.columns]
             self.add(fit(self.problem, hypothesis, state, near, ROUGHLY))
         return self.fitted[hypothesis.key]
 
@@ -116,30 +102,25 @@ class Fits:
         return at.log_evidence + self.density(at)
 
     def density(self, at: Explanation) -> float:
-        """ln of the density of the hold-outs given the calibration logs."""
-        key = at.hypothesis.key
+        """ln of the density of the hold-outs given the other logs, by one linear model of both.
+
+        It is linear about what each log has of its own, and right but for a constant of the rows.
+        """
+        key, held = at.hypothesis.key, self.held
         if key not in self.densities:
-            self.densities[key] = density(at, self.held)
+            own = placed(held, at)
+            other = seen(held, at.hypothesis, replace(at.state, own=own))
+            together = replace(
+                at,
+                problem=replace(at.problem, runs=(*at.problem.runs, *held.runs)),
+                state=replace(at.state, own=np.vstack([at.state.own, own])),
+                innovations=[*at.innovations, *other.innovations],
+                columns=[*at.columns, *other.columns],
+                rest=[*at.rest, *other.rest],
+            )
+            more = together.marginal().evidence() - at.marginal().evidence()
+            self.densities[key] = more - at.hypothesis.phases(len(held.runs))
         return self.densities[key]
-
-
-def density(at: Explanation, held: Problem) -> float:
-    """ln of the density of other logs given those of an explanation, by one linear model of both.
-
-    It is linear about what each log has of its own, and right but for a constant of the rows.
-    """
-    own = placed(held, at)
-    other = seen(held, at.hypothesis, replace(at.state, own=own))
-    together = replace(
-        at,
-        problem=replace(at.problem, runs=(*at.problem.runs, *held.runs)),
-        state=replace(at.state, own=np.vstack([at.state.own, own])),
-        innovations=[*at.innovations, *other.innovations],
-        columns=[*at.columns, *other.columns],
-        rest=[*at.rest, *other.rest],
-    )
-    more = together.marginal().evidence() - at.marginal().evidence()
-    return more - at.hypothesis.phases(len(held.runs))
 
 
 def _fitted(problem: Problem, near: Sequence[Array], bent: bool, promise: Promise) -> Explanation:

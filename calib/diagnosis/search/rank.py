@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, combinations
+from itertools import chain, combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from calib.diagnosis.explanation.own import KINDS, sizes
 
 Names = NDArray[np.str_]
 
+_WIDE = 40
+"""Pairs to which a third effect is added."""
+
 
 @dataclass(frozen=True)
 class Promise:
@@ -34,98 +37,76 @@ class Promise:
 
 
 @dataclass(frozen=True)
-class Further:
-    """Effects by ``names`` (c,) at points ``tried`` (c) in spreads of their cards.
+class Trial:
+    """An effect by ``name`` at a ``point`` in spreads of its card.
 
-    And ``columns`` (c, n) of each log: how they change its innovations.
+    And how that ``changes`` the innovations (n,) of each log.
     """
 
-    names: Names
-    tried: list[Array]
-    columns: list[Array]
-
-    def without(self, names: Iterable[str]) -> "Further":
-        """The columns of other effects than these."""
-        (keep,) = np.nonzero(~np.isin(self.names, list(names)))
-        tried = [self.tried[k] for k in keep]
-        return Further(self.names[keep], tried, [of_run[keep] for of_run in self.columns])
-
-    def joined(self, other: "Further") -> "Further":
-        """These columns and others behind them."""
-        pairs = zip(self.columns, other.columns, strict=True)
-        columns = [np.vstack(pair) for pair in pairs]
-        return Further(np.append(self.names, other.names), self.tried + other.tried, columns)
+    name: str
+    point: Array
+    changes: list[Array]
 
 
-def further_columns(at: Explanation, names: Iterable[str] | None = None) -> Further:
+def trials(at: Explanation, names: Iterable[str] | None = None) -> list[Trial]:
     """Further effects, of these ``names`` or every one, beside an explanation."""
     problem, every = at.problem, every_effect(at.problem.vehicle.effects)
     new = [n for n in (every if names is None else names) if n not in at.names]
-    told, points, rows = list[str](), list[Array](), list[list[Array]]()
-    found = problem.mapped(partial(_changes, replace(at, problem=problem.alone)), new)
-    for done, (name, changes) in enumerate(zip(new, found, strict=True)):
+    found = problem.mapped(partial(_tried, replace(at, problem=problem.alone)), new)
+    out = list[Trial]()
+    for done, (name, of_name) in enumerate(zip(new, found, strict=True)):
         problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(new))
-        points += _trials(at, name)
-        told += [name] * len(changes)
-        rows += changes
-    return Further(np.array(told), points, [np.stack(of_run) for of_run in zip(*rows, strict=True)])
+        out += of_name
+    return out
 
 
-def _trials(at: Explanation, name: str) -> list[Array]:
-    """Points at which an effect is tried, in spreads from where its parameters count.
+def _tried(at: Explanation, name: str) -> list[Trial]:
+    """An effect where its parameters count, then with each of the further ones a spread away.
 
-    Full strength first, then the further parameters, with both signs where the card allows.
+    At full strength, with both signs where the card allows.
     """
-    elements, points = elements_of(at.problem.vehicle.effects, name), []
-    further = range(1, len(elements))
-    for sign in (1.0, -1.0):
-        for k, shift in [(0, sign), *((k, s) for k in further for s in (-1.0, 1.0))]:
-            point = np.zeros(len(elements))
-            point[0], point[k] = sign, shift
-            tried = zip(elements, point, strict=True)
-            points += [point] if all(e.low <= x <= e.high for e, x in tried) else []
-    return points
-
-
-def _changes(at: Explanation, name: str) -> list[list[Array]]:
-    """Changes (n,) of the innovations of each log, at each point at which an effect is tried."""
-    wider, out = replace(at.hypothesis, names=(*at.names, name)), []
-    for trial in _trials(at, name):
-        state = replace(at.state, x=np.append(at.state.x, trial))
-        moved = of_all(at.problem, wider, state)
-        out.append([a - b for a, b in zip(moved, at.innovations, strict=True)])
+    elements, out = elements_of(at.problem.vehicle.effects, name), []
+    wider, unit = replace(at.hypothesis, names=(*at.names, name)), np.eye(len(elements))
+    shifts = [0.0 * unit[0], *(s * other for other in unit[1:] for s in (-1.0, 1.0))]
+    for sign, shift in product((1.0, -1.0), shifts):
+        point = sign * unit[0] + shift
+        if all(e.low <= x <= e.high for e, x in zip(elements, point, strict=True)):
+            state = replace(at.state, x=np.append(at.state.x, point))
+            moved = zip(of_all(at.problem, wider, state), at.innovations, strict=True)
+            out.append(Trial(name, point, [a - b for a, b in moved]))
     return out
 
 
 def promises(
-    at: Explanation, further: Further, most: int = 3, other: bool = False
+    at: Explanation, further: Iterable[Trial], most: int = 3, other: bool = False
 ) -> list[Promise]:
     """Further effects, at ``most`` so many, and kinds beside those of ``at``; best first."""
-    new = further.without(at.names)
-    products = at.products_with(new.columns)
-    found = [*chain(*(_promised(at, new, products, k, most) for k in _kinds(at, other)))]
+    new = [trial for trial in further if trial.name not in at.names]
+    by_log = zip(*(trial.changes for trial in new), strict=True)
+    products = at.products_with([np.stack(of_log) for of_log in by_log])
+    found = chain.from_iterable(_promised(at, new, products, k, most) for k in _kinds(at, other))
     best: dict[object, Promise] = {}
     for one in sorted(found, key=lambda p: -p.log_evidence):
         best.setdefault(one.hypothesis.key, one)
+    best.pop(at.hypothesis.key, None)
     return list(best.values())
 
 
 def _promised(
-    at: Explanation, new: Further, products: list[Products], kinds: frozenset[str], most: int
+    at: Explanation, new: list[Trial], products: list[Products], kinds: frozenset[str], most: int
 ) -> Iterator[Promise]:
     """What logs that differ in some ``kinds`` promise, alone and with new effects."""
-    model, logs = at.marginal(products, sizes(kinds)), len(products)
-    alone = model.evidence()
-    if kinds != at.hypothesis.kinds:
-        same = Hypothesis(at.names, kinds)
-        yield Promise(same, alone - same.price(logs), at.state)
-    for one in _ranked(*model.beyond(), new.names, most):
-        wider = Hypothesis((*at.names, *new.names[list(one.columns)].tolist()), kinds)
-        begun = [new.tried[k].copy() for k in one.columns]
+    model = at.marginal(products, sizes(kinds))
+    alone, names = model.evidence(), np.array([trial.name for trial in new])
+    for one in (_Subset((), (), 0.0), *_ranked(*model.beyond(), names, most)):
+        some = [new[k] for k in one.columns]
+        hypothesis = Hypothesis((*at.names, *(trial.name for trial in some)), kinds)
+        begun = [trial.point.copy() for trial in some]
         for point, amount in zip(begun, one.amounts, strict=True):
             point[0] *= min(max(amount, 0.3), 4.0)
         state = replace(at.state, x=np.concatenate([at.state.x, *begun]))
-        yield Promise(wider, alone + one.log_gain - wider.price(logs), state)
+        gain = one.log_gain - hypothesis.price(len(products))
+        yield Promise(hypothesis, alone + gain, state)
 
 
 def _kinds(at: Explanation, other: bool) -> Iterator[frozenset[str]]:
@@ -134,10 +115,6 @@ def _kinds(at: Explanation, other: bool) -> Iterator[frozenset[str]]:
     more = [k for k in KINDS if other and k not in kinds and (k != "heat" or FADE in at.names)]
     every = chain.from_iterable(combinations(more, k) for k in range(len(more) + 1))
     return (kinds | frozenset(some) for some in every)
-
-
-_WIDE = 40
-"""Pairs to which a third effect is added."""
 
 
 @dataclass(frozen=True)
@@ -155,16 +132,17 @@ def _ranked(E: Array, g: Array, of: Names, most: int) -> list[_Subset]:
     ``E`` (c, c) and ``g`` (c,) as of `Marginal.beyond`, ``of`` (c,) whose column it is. Amounts are
     positive: other signs are other columns.
     """
-    A = E + np.eye(g.size) / STRENGTH**2
-    found = _beside(A, g, of, ())
-    starts: list[tuple[int, ...]] = [(k,) for k in range(g.size)]
-    for _ in range(1, most):
+    A, found = E + np.eye(g.size) / STRENGTH**2, list[_Subset]()
+    starts: list[tuple[int, ...]] = [()]
+    for size in range(most):
         best: dict[frozenset[str], _Subset] = {}
         wider = (one for start in starts for one in _beside(A, g, of, start))
         for one in sorted(wider, key=lambda one: -one.log_gain):
             best.setdefault(frozenset(of[list(one.columns)]), one)
         found += best.values()
         starts = [one.columns for one in list(best.values())[:_WIDE]]
+        if size == 0:
+            starts = [(k,) for k in range(g.size)]
     return found
 
 
@@ -183,16 +161,10 @@ def _beside(A: Array, g: Array, of: Names, columns: tuple[int, ...]) -> list[_Su
     spent = (len(some) + 1) * math.log(STRENGTH)
     good = use & (last > 0.0) & np.all(first > 0.0, axis=0)
     gain = np.where(good, 0.5 * (fall - determinant) - spent, -np.inf)
+    order = np.argsort(-gain)
+    order = order[np.isfinite(gain[order])]
+    first_of_each = np.sort(np.unique(of[order], return_index=True)[1])
     return [
         _Subset((*columns, k), (*first[:, k].tolist(), float(last[k])), float(gain[k]))
-        for k in _firsts(gain, of)
+        for k in order[first_of_each].tolist()
     ]
-
-
-def _firsts(gain: Array, names: Names) -> list[int]:
-    """The best place of each name, the best first, of those with a finite gain."""
-    own: dict[str, int] = {}
-    for k in np.argsort(-gain).tolist():
-        if np.isfinite(gain[k]):
-            own.setdefault(str(names[k]), k)
-    return list(own.values())

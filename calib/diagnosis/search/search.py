@@ -13,14 +13,13 @@ from functools import cached_property
 from calib.base.errors import ModelError
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
-from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned
 from calib.diagnosis.replays.gap import Gap, gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts, Replayed, replayed
 from calib.diagnosis.search.fits import Fits
-from calib.diagnosis.search.rank import Further, Promise, further_columns, promises
+from calib.diagnosis.search.rank import Promise, Trial, promises, trials
 from calib.diagnosis.search.terms import Ranked, ranked_terms
 from calib.logs.log import Log
 
@@ -82,8 +81,8 @@ class Search:
     base: Explanation = field(init=False)
     best: Explanation = field(init=False)
     fits: Fits = field(init=False)
-    first: Further = field(init=False)
-    further: Further = field(init=False)
+    first: list[Trial] = field(init=False)
+    further: list[Trial] = field(init=False)
     rivals: tuple[Explanation, ...] = ()
     steps: list[SearchStep] = field(default_factory=list)
     accepted: list[Replayed] = field(default_factory=list)
@@ -92,13 +91,14 @@ class Search:
     def run(self) -> None:
         """Find the best explanation."""
         self.problem.tell("fitting the model without effects", 0, 1)
-        self.base = self.best = fit(self.problem, Hypothesis(), start_of(self.problem))
-        self.fits = Fits(self.problem, self.held.problem, self.base)
+        self.fits = Fits(self.problem, self.held.problem)
+        self.base = self.best = self.fits.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
-        self.further = self.first = further_columns(self.base)
+        self.further = self.first = trials(self.base)
         moves = (self.beside, self.exchanged, self.together, self.in_more_kinds)
         for _ in range(_MOST):
-            if not any(self.accepts(move()) for move in moves) or self.no_effect():
+            better = (e for move in moves for e in self.more_probable(move()))
+            if not any(map(self.accept, better)) or self.no_effect():
                 break
         self.rivals = self._rivals()
         if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
@@ -125,8 +125,7 @@ class Search:
         """Go on from a better explanation, unless it widens the gap of the replays far."""
         new = fit(self.problem, new.hypothesis, new.state, new.columns)
         self.fits.add(new)
-        more = float(new.log_evidence - self.best.log_evidence)
-        held = float(self.fits.density(new) - self.fits.density(self.best))
+        more, held = self._gained(new)
         if more + held <= 0.0:
             return False
         try:
@@ -144,24 +143,25 @@ class Search:
             removed = tuple(name for name in last.names if name not in new.names)
             gain = last.innovation - new.reduced
             self.steps.append(SearchStep(new.names, new.reduced, more, held, added, removed, gain))
-            self.further = self._renewed()
+            mostly = (p.hypothesis.names[-1] for p in promises(new, self.first, 1))
+            tops = [*dict.fromkeys(mostly)][:_FRESH]
+            others = (trial for trial in self.first if trial.name not in tops)
+            self.further = [*trials(new, tops), *others]
         return True
 
-    def _renewed(self) -> Further:
-        """Further columns beside the best: fresh ones of what promises most, else the first."""
-        mostly = promises(self.best, self.first, 1)
-        tops = [*dict.fromkeys(p.hypothesis.names[-1] for p in mostly)][:_FRESH]
-        fresh = further_columns(self.best, tops)
-        return fresh.joined(self.first.without((*self.best.names, *tops)))
-
-    def accepts(self, news: Iterable[Explanation]) -> bool:
-        """Whether it went on from the first of these that is surely more probable."""
-        return any(map(self.accept, self.more_probable(news)))
-
     def beside(self, *, other: bool = False) -> list[Explanation]:
-        """One effect more; with ``other`` logs may differ in further kinds besides."""
-        tops = _best(promises(self.best, self.further, 1, other), self.best)
-        return self.fits.fitted_best(tops, self.best)
+        """One effect more; with ``other`` logs may differ in further kinds besides.
+
+        What is near the best promise, for all that a linear model can be wrong.
+        """
+        best, tops = self.best, []
+        found = promises(best, self.further, 1, other)
+        for kinds in (False, True):
+            those = [p for p in found if (p.hypothesis.kinds > best.hypothesis.kinds) == kinds]
+            most = max((p.log_evidence - best.log_evidence for p in those), default=0.0)
+            least = best.log_evidence + max(5.0, (1.0 - _WRONG) * most - 5.0)
+            tops += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
+        return self.fits.fitted_best(tops, best)
 
     def in_more_kinds(self) -> list[Explanation]:
         """The same where logs may differ in further kinds, if something is left."""
@@ -175,9 +175,8 @@ class Search:
         """
         if not left_over(self.best):
             return []
-        found = [*promises(self.base, self.first), *promises(self.base, self.first, 1, True)]
         best: dict[tuple[int, bool], Promise] = {}
-        for p in found:
+        for p in _any(self.base, self.first):
             size = len(p.hypothesis.names), bool(p.hypothesis.kinds)
             if size > (1, False) and p.log_evidence > self.nearly:
                 best.setdefault(size, p)
@@ -186,22 +185,22 @@ class Search:
     def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
         """Those that are surely more probable than the best, by evidence."""
         best = self.best
-        ranked = sorted({e.hypothesis.key: e for e in news}.values(), key=lambda e: -e.log_evidence)
-        for e in ranked[:3]:
-            more = e.log_evidence - best.log_evidence
-            if more <= 0.0:
-                break
-            if e.hypothesis.key == best.hypothesis.key:
-                if more > 2.0:
+        more = {e.hypothesis.key: e for e in news if e.log_evidence > best.log_evidence}
+        for key, e in sorted(more.items(), key=lambda one: -one[1].log_evidence)[:3]:
+            if key == best.hypothesis.key:
+                if e.log_evidence > best.log_evidence + 2.0:
                     yield e
-                continue
-            if e.hypothesis.key in self.withdrawn:
-                continue
-            held = self.fits.density(e) - self.fits.density(best)
-            if held > -SURE and more + held > self.worth:
-                yield e
-            elif more > SURE:
-                self.withdrawn[e.hypothesis.key] = e.names
+            elif key not in self.withdrawn:
+                gain, held = self._gained(e)
+                if held > -SURE and gain + held > self.worth:
+                    yield e
+                elif gain > SURE:
+                    self.withdrawn[key] = e.names
+
+    def _gained(self, new: Explanation) -> tuple[float, float]:
+        """ln of the odds against the best by the logs that are searched, and by those held out."""
+        held = self.fits.density(new) - self.fits.density(self.best)
+        return float(new.log_evidence - self.best.log_evidence), float(held)
 
     @property
     def worth(self) -> float:
@@ -220,12 +219,8 @@ class Search:
         """
         best, news = self.best, []
         parts, other = len(best.names), bool(best.hypothesis.kinds)
-        fewer = [
-            *(self.fits.without(best, name) for name in best.names),
-            *(self.fits.without_kind(best, kind) for kind in best.hypothesis.kinds),
-        ]
-        for e in fewer:
-            further = further_columns(e) if e.names else self.first
+        for e in self.fits.fewer(best, best.names):
+            further = trials(e) if e.names else self.first
             found = promises(e, further, 1 if other else 2, other)
             one = [p for p in found if len(p.hypothesis.names) <= parts]
             two = [
@@ -248,18 +243,14 @@ class Search:
 
         With any further effects, and logs that differ in any kinds.
         """
-        if not (self.best.names and left_over(self.best)):
+        best = self.best
+        if not (best.names and left_over(best)):
             return False
-        promised = self.base.log_evidence + self.terms[0].log_gain
-        if promised < self.best.log_evidence + SURE:
+        promised = self.base.log_evidence + self.terms[0].log_gain - SURE
+        if promised < best.log_evidence:
             return False
-        found = [
-            *promises(self.best, self.further),
-            *promises(self.base, self.first),
-            *promises(self.best, self.further, 1, True),
-        ]
-        most = max(p.log_evidence for p in found)
-        return promised > most + SURE
+        found = [*_any(best, self.further), *promises(self.base, self.first)]
+        return promised > max(p.log_evidence for p in found)
 
     @property
     def nearly(self) -> float:
@@ -269,36 +260,23 @@ class Search:
 
     def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
-        best, out = self.best, []
-        most = self.fits.value(best)
+        best, value, out = self.best, self.fits.value, []
+        most, least = value(best), best.log_evidence - 2.0 * SURE
         for e in list(self.fits.fitted.values()):
             simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
-            if set(e.names) <= set(best.names) or not simple:
+            if set(e.names) <= set(best.names) or not simple or e.log_evidence < least:
                 continue
-            if e.log_evidence < best.log_evidence - 2.0 * SURE:
-                continue
-            if self.fits.value(e) < most - 2.0 * SURE:
-                continue
-            one = fit(self.problem, e.hypothesis, e.state, e.columns, ALMOST)
-            self.fits.add(one)
-            if self.fits.value(one) > most - SURE:
-                out.append(one)
-        return tuple(sorted(out, key=lambda e: -self.fits.value(e)))
+            if value(e) >= most - 2.0 * SURE:
+                one = fit(self.problem, e.hypothesis, e.state, e.columns, ALMOST)
+                self.fits.add(one)
+                if value(one) > most - SURE:
+                    out.append(one)
+        return tuple(sorted(out, key=lambda e: -value(e)))
 
 
-def _best(found: list[Promise], at: Explanation) -> list[Promise]:
-    """What may be better than ``at``, and the best of its kind: for all that a linear model can be
-    wrong, at most three without and one with logs that differ in more kinds.
-    """
-    out = []
-    for kinds in (False, True):
-        those = [p for p in found if (p.hypothesis.kinds > at.hypothesis.kinds) == kinds]
-        if not those:
-            continue
-        best = max(p.log_evidence for p in those)
-        least = max(at.log_evidence + 5.0, best - 5.0 - _WRONG * (best - at.log_evidence))
-        out += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
-    return out
+def _any(at: Explanation, further: list[Trial]) -> list[Promise]:
+    """What further effects promise, or one where logs differ in any kinds."""
+    return [*promises(at, further), *promises(at, further, 1, other=True)]
 
 
 def _with_alike(at: Explanation) -> Explanation:

@@ -20,11 +20,10 @@ from calib.base.names import G
 from calib.car.braking import BITE
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, driver_along, drivers_of
-from calib.car.history import RunHistory
-from calib.diagnosis.explanation.channels import by_channel, thinned
+from calib.diagnosis.explanation.channels import CHANNELS, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation, innovations
 from calib.diagnosis.explanation.fit import fit
-from calib.diagnosis.explanation.hypothesis import PRICE, Walk, based
+from calib.diagnosis.explanation.hypothesis import PRICE, Walk
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
 _KNOTS = 20
@@ -57,17 +56,19 @@ class Ranked:
 def ranked_terms(at: Explanation) -> list[Ranked]:
     """Every place and driver beside an explanation, by one linear model; best first."""
     alone = replace(at, problem=at.problem.alone)
-    pulses, done = {}, enumerate(at.problem.mapped(partial(_pulses, alone), _BASIC))
-    for i, found in done:
-        at.problem.tell("looking for the place of what is left", i, len(_BASIC))
-        pulses[_BASIC[i]] = found
+    pulses, found = {}, at.problem.mapped(partial(_pulses, alone), _BASIC)
+    for done, (place, of_place) in enumerate(zip(_BASIC, found, strict=True)):
+        at.problem.tell("looking for the place of what is left", done, len(_BASIC))
+        pulses[place] = of_place
     spots = [
         (place, driver)
         for driver in DRIVERS
         for place in PLACES
         if driver != "temperature" or _warm(at, place)
     ]
-    histories = [_history(at, run) for run in at.runs]
+    # with the deceleration that is predicted: the noise of a measured one would predict itself
+    predicted = [predict(at.problem.vehicle, at.base, at.effects, run) for run in at.runs]
+    histories = [replace(run, z=-p.a_x / G) for run, p in zip(at.runs, predicted, strict=True)]
     ranked = [_ranked(at, *spot, pulses, histories) for spot in spots]
     return sorted(ranked, key=lambda one: -one.log_gain)
 
@@ -76,9 +77,8 @@ def with_terms(at: Explanation, ranked: Sequence[Ranked]) -> list[Explanation]:
     """The explanation with the best of these terms, fitted, best first."""
     alone = replace(at, problem=at.problem.alone)
     found = at.problem.mapped(partial(_fitted, alone), ranked[:_FITTED])
-    return sorted(
-        (replace(one, problem=at.problem) for one in found), key=lambda one: -one.log_evidence
-    )
+    best_first = sorted(found, key=lambda one: -one.log_evidence)
+    return [replace(one, problem=at.problem) for one in best_first]
 
 
 def _fitted(at: Explanation, one: Ranked) -> Explanation:
@@ -92,12 +92,6 @@ def _warm(at: Explanation, place: str) -> bool:
         for run in at.problem.runs
         for axle in DISCS[PLACES[place]]
     )
-
-
-def _history(at: Explanation, run: ObservedRun) -> RunHistory:
-    """A run with its predicted deceleration: the noise of a measured one would predict itself."""
-    predicted = predict(at.problem.vehicle, *based(at.problem, at.hypothesis, at.state), run)
-    return replace(run, z=-predicted.a_x / G)
 
 
 def _knots(at: Explanation, place: str, driver: str) -> Array:
@@ -121,50 +115,22 @@ def _pulses(at: Explanation, place: str) -> list[Array]:
 
     Pulses of a comb are so far apart that each moves innovations of its own.
     """
-    base, effects = based(at.problem, at.hypothesis, at.state)
-    out = []
+    base, effects, out = at.base, at.effects, []
     for run, r in zip(at.runs, at.innovations, strict=True):
         middles = _middles(run)
         time = thinned(run, run.time - run.time[0])
-        rows = np.concatenate([time[-c.size :] for c in by_channel(r)])
+        rows = np.tile(time[-by_channel(r).shape[1] :], len(CHANNELS))
+        begin, end = middles[:, None] - _BEFORE, middles[:, None] + _AFTER
         found = np.zeros((middles.size, r.size))
         for first in range(min(_APART, middles.size)):
             comb = np.arange(middles.size) % _APART == first
             values = tuple((_STEP * comb).tolist())
             term = EmpiricalTerm(place, "elapsed", tuple(middles.tolist()), values)
             moved = innovations(at.problem, base, replace(effects, terms=(term,)), run)
-            change = (moved - r) / _STEP
-            for k in np.flatnonzero(comb):
-                own = (rows >= middles[k] - _BEFORE) & (rows < middles[k] + _AFTER)
-                found[k, own] = change[own]
+            own = (rows >= begin[comb]) & (rows < end[comb])
+            found[comb] = np.where(own, (moved - r) / _STEP, 0.0)
         out.append(found)
     return out
-
-
-def _columns(
-    at: Explanation,
-    walk: tuple[str, str, Array],
-    pulses: dict[str, list[Array]],
-    histories: Sequence[RunHistory],
-) -> list[Array]:
-    """Derivatives (knots, n) of the innovations of each log by the values of a term.
-
-    ``walk`` its place, driver and knots.
-    """
-    place, driver, knots = walk
-    parts = ("front_brakes", "rear_brakes") if place == "brakes" else (place,)
-    found = []
-    for i, (run, history) in enumerate(zip(at.runs, histories, strict=True)):
-        middles = _middles(run)
-        total = np.zeros((knots.size, at.innovations[i].size))
-        for part in parts:
-            (axle,) = DISCS[PLACES[part]]
-            along = driver_along(history, driver, axle)
-            along = np.interp(middles, run.time - run.time[0], along)
-            weights = np.stack([np.interp(along, knots, hat) for hat in np.eye(knots.size)])
-            total += weights @ pulses[part][i]
-        found.append(total)
-    return found
 
 
 def _ranked(
@@ -172,11 +138,20 @@ def _ranked(
     place: str,
     driver: str,
     pulses: dict[str, list[Array]],
-    histories: Sequence[RunHistory],
+    histories: Sequence[ObservedRun],
 ) -> Ranked:
     """The best size of a random walk on a place over a driver."""
-    knots = _knots(at, place, driver)
-    columns = _columns(at, (place, driver, knots), pulses, histories)
+    knots, columns = _knots(at, place, driver), []
+    parts = ("front_brakes", "rear_brakes") if place == "brakes" else (place,)
+    for i, run in enumerate(histories):
+        of_parts = []
+        for part in parts:
+            (axle,) = DISCS[PLACES[part]]
+            along = driver_along(run, driver, axle)
+            along = np.interp(_middles(run), run.time - run.time[0], along)
+            weights = np.stack([np.interp(along, knots, hat) for hat in np.eye(knots.size)])
+            of_parts.append(weights @ pulses[part][i])
+        columns.append(np.sum(of_parts, axis=0))
     E, g = at.marginal(at.products_with(columns)).beyond()
     found = []
     for size in _WALKS[place.endswith("brakes")]:
@@ -184,6 +159,6 @@ def _ranked(
         H = E + walk.precision
         values = np.linalg.solve(H, g)
         more = np.linalg.slogdet(walk.precision)[1] - np.linalg.slogdet(H)[1]
-        limited = np.clip(values, -walk.limit, walk.limit)
-        found.append(Ranked(walk, limited, 0.5 * float(g @ values + more) - PRICE))
+        gain = 0.5 * float(g @ values + more) - PRICE
+        found.append(Ranked(walk, np.clip(values, -walk.limit, walk.limit), gain))
     return max(found, key=lambda one: one.log_gain)
