@@ -74,11 +74,9 @@ def verdict_of(search: Search) -> Verdict:
     far = search.gap(after).after > (_FAR if best.names else 2.0 * _FAR)
     if far or something_left(best, terms):
         beside = with_terms(best, terms)
-        promised = base.log_evidence + search.terms[0].log_gain
-        if best.names and promised > search.nearly - SURE:
-            alone = with_terms(base, search.terms)
-            if alone[0].log_evidence > best.log_evidence:
-                best, after, beside = base, search.before, alone
+        alone = with_terms(base, search.terms) if best.names else beside
+        if best.names and alone[0].log_evidence > best.log_evidence:
+            best, after, beside = base, search.before, alone
     rivals = search.rivals if best is search.best else ()
     return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
 

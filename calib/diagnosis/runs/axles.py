@@ -51,7 +51,7 @@ def _log_evidence(given: Problem, logs: Sequence[Log]) -> float:
     runs = turned(given.vehicle, [run_of(log) for log in logs], given.noise)
     problem = replace(given, runs=runs)
     fits = Fits(problem, problem)
-    fits.fitted_of(promises(fits.base, trials(fits.base))[:_FITTED], fits.base)
+    fits.best_of(promises(fits.base, trials(fits.base))[:_FITTED], fits.base)
     return max(one.log_evidence for one in fits.fitted.values())
 
 

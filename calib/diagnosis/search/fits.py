@@ -42,8 +42,11 @@ class Fits:
         self.fitted[e.hypothesis.key] = e
         self.densities.pop(e.hypothesis.key, None)
 
-    def fitted_of(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
-        """What is promised beside ``near``, as it was fitted, if it fell far short then anew."""
+    def best_of(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
+        """What is promised beside ``near`` as it was fitted, if it fell far short then anew.
+
+        Best first; pruned if that can make it the best.
+        """
         known = {key: e.log_evidence for key, e in self.fitted.items()}
         new = [p for p in tops if known.get(p.hypothesis.key, -np.inf) < p.log_evidence - 3.0]
         if new:
@@ -53,14 +56,9 @@ class Fits:
         for p, one in zip(new, self.problem.mapped(job, new), strict=True):
             if one.log_evidence > known.get(p.hypothesis.key, -np.inf):
                 self.add(replace(one, problem=self.problem))
-        return [self.fitted[p.hypothesis.key] for p in tops]
-
-    def fitted_best(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
-        """The same, best first; pruned if that can make it the best."""
-        news = sorted(self.fitted_of(tops, near), key=lambda e: -e.log_evidence)
-        return [
-            self.pruned(e) if e.log_evidence > news[0].log_evidence - _PRUNED else e for e in news
-        ]
+        news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
+        least = news[0].log_evidence - _PRUNED if news else 0.0
+        return [self.pruned(e) if e.log_evidence > least else e for e in news]
 
     def pruned(self, at: Explanation) -> Explanation:
         """Without kinds that are not worth their price, and effects by a linear step, too."""

@@ -1,6 +1,6 @@
 """The search: moves that promise more, fits of the best of them, and hold-outs that judge.
 
-one effect more -> one in the place of another -> several at once -> logs that differ in more kinds
+one effect more --> others in the place of one --> logs that differ in more kinds
 
 The first move that ends surely more probable, on the hold-outs, too, is made, and all begins anew,
 until no move is left.
@@ -19,7 +19,7 @@ from calib.diagnosis.explanation.problem import Problem, turned
 from calib.diagnosis.replays.gap import Gap, gap_of
 from calib.diagnosis.replays.hold_outs import HoldOuts, Replayed, replayed
 from calib.diagnosis.search.fits import Fits
-from calib.diagnosis.search.rank import Promise, Trial, promises, trials
+from calib.diagnosis.search.rank import Trial, promises, trials
 from calib.diagnosis.search.terms import Ranked, ranked_terms
 from calib.logs.log import Log
 
@@ -40,9 +40,9 @@ _FRESH = 8
 _MOST = 12
 """Moves at most."""
 
-_NEAR, _WRONG = 0.1, 0.5
-"""Share of what a hypothesis gains by which a linear model is wrong about it: usually, and at most,
-of an effect with many parameters such as a motor."""
+_WRONG = 0.5
+"""Share of what a hypothesis gains by which a linear model is wrong about it at most, of an effect
+with many parameters such as a motor."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Search:
         self.base = self.best = self.fits.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
         self.further = self.first = trials(self.base)
-        moves = (self.beside, self.exchanged, self.together, self.in_more_kinds)
+        moves = (self.beside, self.exchanged, self.in_more_kinds)
         for _ in range(_MOST):
             better = (e for move in moves for e in self.more_probable(move()))
             if not any(map(self.accept, better)) or self.no_effect():
@@ -161,26 +161,11 @@ class Search:
             most = max((p.log_evidence - best.log_evidence for p in those), default=0.0)
             least = best.log_evidence + max(5.0, (1.0 - _WRONG) * most - 5.0)
             tops += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
-        return self.fits.fitted_best(tops, best)
+        return self.fits.best_of(tops, best)
 
     def in_more_kinds(self) -> list[Explanation]:
         """The same where logs may differ in further kinds, if something is left."""
         return self.beside(other=True) if left_over(self.best) else []
-
-    def together(self) -> list[Explanation]:
-        """Several effects at once, and logs that differ in any kinds, from the very start.
-
-        Where what is found one after the other leaves something: the first may have stood for
-        others. Those alone that promise what the best has, as far as a linear model can tell.
-        """
-        if not left_over(self.best):
-            return []
-        best: dict[tuple[int, bool], Promise] = {}
-        for p in _any(self.base, self.first):
-            size = len(p.hypothesis.names), bool(p.hypothesis.kinds)
-            if size > (1, False) and p.log_evidence > self.nearly:
-                best.setdefault(size, p)
-        return self.fits.fitted_best(list(best.values()), self.base)
 
     def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
         """Those that are surely more probable than the best, by evidence."""
@@ -223,14 +208,10 @@ class Search:
             further = trials(e) if e.names else self.first
             found = promises(e, further, 1 if other else 2, other)
             one = [p for p in found if len(p.hypothesis.names) <= parts]
-            two = [
-                p
-                for p in found
-                if len(p.hypothesis.names) > parts
-                and p.log_evidence > best.log_evidence + SURE
-                and not set(best.names) < set(p.hypothesis.names)
-            ]
-            news += self.fits.fitted_best([*one[:2], *two[:1]], e)
+            wider = (p for p in found if len(p.hypothesis.names) > parts)
+            others = (p for p in wider if not set(best.names) < set(p.hypothesis.names))
+            two = [p for p in others if p.log_evidence > best.log_evidence + SURE]
+            news += self.fits.best_of([*one[:2], *two[:1]], e)
         return news
 
     @cached_property
@@ -249,14 +230,12 @@ class Search:
         promised = self.base.log_evidence + self.terms[0].log_gain - SURE
         if promised < best.log_evidence:
             return False
-        found = [*_any(best, self.further), *promises(self.base, self.first)]
+        found = [
+            *promises(best, self.further),
+            *promises(best, self.further, 1, other=True),
+            *promises(self.base, self.first),
+        ]
         return promised > max(p.log_evidence for p in found)
-
-    @property
-    def nearly(self) -> float:
-        """ln of the evidence from which a promise may be as good as the best explanation."""
-        gained = self.best.log_evidence - self.base.log_evidence
-        return self.best.log_evidence - _NEAR * gained
 
     def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
@@ -272,11 +251,6 @@ class Search:
                 if value(one) > most - SURE:
                     out.append(one)
         return tuple(sorted(out, key=lambda e: -value(e)))
-
-
-def _any(at: Explanation, further: list[Trial]) -> list[Promise]:
-    """What further effects promise, or one where logs differ in any kinds."""
-    return [*promises(at, further), *promises(at, further, 1, other=True)]
 
 
 def _with_alike(at: Explanation) -> Explanation:
