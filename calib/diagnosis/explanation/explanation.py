@@ -91,6 +91,11 @@ class Explanation:
         shared = np.where(self.prior.of == "", self.state.shared, 0.0)
         return bool(shared @ self.prior.precision @ shared > _BENT * np.sum(self.prior.of == ""))
 
+    def worth_of(self, name: str) -> float:
+        """ln of the evidence that an effect gains, its price not counted, by a linear step."""
+        i = int(np.argmax(self.prior.of == name))
+        return float(0.5 * self.state.x[i] ** 2 / self.covariance[i, i])
+
     @property
     def base(self) -> Base:
         """Its base parameters, with the form of the tyres."""

@@ -4,8 +4,8 @@
                                                         no: named          yes: unknown
 
 Something is left where an empirical term is surely more probable, where the innovations have far
-more than noise, or where the replays are far off. It is no known effect where a term alone is more
-probable than all that is named, or where what is named closes too little of the gap.
+more than noise, or where the replays are far off. It is no known effect where a term alone is
+surely more probable than what is named, or where that closes too little of the gap.
 """
 
 from collections.abc import Sequence
@@ -75,7 +75,7 @@ def verdict_of(search: Search) -> Verdict:
     if far or something_left(best, terms):
         beside = with_terms(best, terms)
         alone = with_terms(base, search.terms) if best.names else beside
-        if best.names and alone[0].log_evidence > best.log_evidence:
+        if best.names and alone[0].log_evidence > best.log_evidence + SURE:
             best, after, beside = base, search.before, alone
     rivals = search.rivals if best is search.best else ()
     return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))

@@ -37,25 +37,26 @@ class Fits:
         self.base = fit(self.problem, Hypothesis(), start_of(self.problem))
         self.add(self.base)
 
+    def known(self, hypothesis: Hypothesis, promised: float) -> bool:
+        """Whether it was fitted, and did not fall far short of what is ``promised`` of it now."""
+        found = self.fitted.get(hypothesis.key)
+        return found is not None and found.log_evidence > promised - 3.0
+
     def add(self, e: Explanation) -> None:
-        """In the place of what was known of the same hypothesis."""
-        self.fitted[e.hypothesis.key] = e
-        self.densities.pop(e.hypothesis.key, None)
+        """In the place of what was known of the same hypothesis, if that is no better."""
+        if e.log_evidence >= self.fitted.get(e.hypothesis.key, e).log_evidence:
+            self.fitted[e.hypothesis.key] = e
+            self.densities.pop(e.hypothesis.key, None)
 
     def best_of(self, tops: Sequence[Promise], near: Explanation) -> list[Explanation]:
-        """What is promised beside ``near`` as it was fitted, if it fell far short then anew.
-
-        Best first; pruned if that can make it the best.
-        """
-        known = {key: e.log_evidence for key, e in self.fitted.items()}
-        new = [p for p in tops if known.get(p.hypothesis.key, -np.inf) < p.log_evidence - 3.0]
+        """What is promised beside ``near``, best first; pruned if that can make it the best."""
+        new = [p for p in tops if not self.known(p.hypothesis, p.log_evidence)]
         if new:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
             self.problem.tell(f"fitting {names}", 0, 1)
         job = partial(_fitted, self.problem.alone, near.columns, near.bent)
-        for p, one in zip(new, self.problem.mapped(job, new), strict=True):
-            if one.log_evidence > known.get(p.hypothesis.key, -np.inf):
-                self.add(replace(one, problem=self.problem))
+        for one in self.problem.mapped(job, new):
+            self.add(replace(one, problem=self.problem))
         news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
         least = news[0].log_evidence - _PRUNED if news else 0.0
         return [self.pruned(e) if e.log_evidence > least else e for e in news]
@@ -64,8 +65,7 @@ class Fits:
         """Without kinds that are not worth their price, and effects by a linear step, too."""
         while True:
             worth = 100.0 + 0.01 * (at.log_evidence - self.base.log_evidence)
-            size = at.state.x**2 / (2.0 * worth * np.diag(at.covariance))
-            spare = [name for name in at.names if size[np.argmax(at.prior.of == name)] < 1.0]
+            spare = [name for name in at.names if at.worth_of(name) < worth]
             better = max(self.fewer(at, spare), key=lambda e: e.log_evidence, default=at)
             if better.log_evidence <= at.log_evidence:
                 return at
@@ -76,19 +76,19 @@ class Fits:
         out, kinds = [], at.hypothesis.kinds
         for name in names:
             left = tuple(n for n in at.names if n != name)
-            out.append(Hypothesis(left, kinds - {"heat"} if name == FADE else kinds))
-        out += [Hypothesis(at.names, kinds - {kind}) for kind in kinds]
-        return [self._part(at, hypothesis) for hypothesis in out]
+            part = Hypothesis(left, kinds - {"heat"} if name == FADE else kinds)
+            out.append(self._part(at, part, at.log_evidence - at.worth_of(name)))
+        same = [Hypothesis(at.names, kinds - {kind}) for kind in kinds]
+        return out + [self._part(at, p, at.marginal(sizes=p.sizes).evidence()) for p in same]
 
-    def _part(self, at: Explanation, hypothesis: Hypothesis) -> Explanation:
+    def _part(self, at: Explanation, part: Hypothesis, promised: float) -> Explanation:
         """A part of an explanation as it is known, else fitted from where that is."""
-        if hypothesis.key not in self.fitted:
-            keep = np.isin(at.prior.of, ["", *hypothesis.names])
-            x, same = at.state.x[keep[: at.state.x.size]], hypothesis.sizes == at.hypothesis.sizes
+        if not self.known(part, promised):
+            keep = np.isin(at.prior.of, ["", *part.names])
+            x, same = at.state.x[keep[: at.state.x.size]], part.sizes == at.hypothesis.sizes
             state = State(x, at.state.form, np.where(same, at.state.own, 0.0))
-            near = [J[keep] for J in at.columns]
-            self.add(fit(self.problem, hypothesis, state, near, ROUGHLY))
-        return self.fitted[hypothesis.key]
+            self.add(fit(self.problem, part, state, [J[keep] for J in at.columns], ROUGHLY))
+        return self.fitted[part.key]
 
     def others(self, best: Explanation) -> tuple[Explanation, ...]:
         """All that was fitted but the ``best``, by evidence."""

@@ -170,6 +170,9 @@ class Search:
     def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
         """Those that are surely more probable than the best, by evidence."""
         best = self.best
+        # what takes a twentieth of all that is left or less is no cause of it
+        left = best.reduced - 1.0 - 3.0 * best.scatter
+        worth = max(SURE, _SHARE * 0.5 * left * best.count)
         more = {e.hypothesis.key: e for e in news if e.log_evidence > best.log_evidence}
         for key, e in sorted(more.items(), key=lambda one: -one[1].log_evidence)[:3]:
             if key == best.hypothesis.key:
@@ -177,7 +180,7 @@ class Search:
                     yield e
             elif key not in self.withdrawn:
                 gain, held = self._gained(e)
-                if held > -SURE and gain + held > self.worth:
+                if held > -SURE and gain + held > worth:
                     yield e
                 elif gain > SURE:
                     self.withdrawn[key] = e.names
@@ -186,15 +189,6 @@ class Search:
         """ln of the odds against the best by the logs that are searched, and by those held out."""
         held = self.fits.density(new) - self.fits.density(self.best)
         return float(new.log_evidence - self.best.log_evidence), float(held)
-
-    @property
-    def worth(self) -> float:
-        """ln of the odds that a better explanation must gain, of all logs together.
-
-        What takes a twentieth of all that is left or less is no cause of it.
-        """
-        left = self.best.reduced - 1.0 - 3.0 * self.best.scatter
-        return max(SURE, _SHARE * 0.5 * left * self.best.count)
 
     def exchanged(self) -> list[Explanation]:
         """One or two effects, or other kinds, in the place of a part of the best explanation.
