@@ -102,7 +102,7 @@ class Search:
                 break
         self.rivals = self._rivals()
         if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
-            self.accept(self.rivals[0])
+            self.accept(self.rivals[0], least=0.0)
             self.rivals = self._rivals()
         found = _with_alike(self.best)
         self.base, self.best = self.base if found.names else found, found
@@ -121,12 +121,13 @@ class Search:
         gap = self.gap(after)
         return gap.after > gap.before + max(_WIDER * gap.before, _WITHIN)
 
-    def accept(self, new: Explanation) -> bool:
-        """Go on from a better explanation, unless it widens the gap of the replays far."""
+    def accept(self, new: Explanation, least: float = SURE) -> bool:
+        """Go on from what is better by ``least`` when it is fitted on, and widens no gap far."""
         new = fit(self.problem, new.hypothesis, new.state, new.columns)
         self.fits.add(new)
         more, held = self._gained(new)
-        if more + held <= 0.0:
+        same = new.hypothesis.key == self.best.hypothesis.key
+        if more + held <= (0.0 if same else least):
             return False
         try:
             after = replayed(self.held, new, ROUGHLY)
@@ -135,7 +136,7 @@ class Search:
         if after is None or self.widens(after):
             self.withdrawn[new.hypothesis.key] = new.names
             return False
-        same, self.best = new.hypothesis == self.best.hypothesis, new
+        self.best = new
         self.accepted.append(after)
         if not same:
             last = self.steps[-1]
