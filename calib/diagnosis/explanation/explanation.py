@@ -7,8 +7,9 @@ The evidence is Laplace's about the state.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -95,6 +96,11 @@ class Explanation:
         """ln of the evidence that an effect gains, its price not counted, by a linear step."""
         i = int(np.argmax(self.prior.of == name))
         return float(0.5 * self.state.x[i] ** 2 / self.covariance[i, i])
+
+    @property
+    def alone(self) -> Self:
+        """The same for a worker process that predicts, and needs no columns for it."""
+        return replace(self, problem=self.problem.alone, columns=[], rest=[])
 
     @property
     def base(self) -> Base:

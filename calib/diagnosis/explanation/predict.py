@@ -79,6 +79,10 @@ class ObservedRun(RunHistory):
     own: Array = field(default_factory=lambda: np.zeros(len(OWN)))
     lag: list[tuple[object, WheelLag]] = field(repr=False, compare=False, default_factory=list)
 
+    def __getstate__(self) -> dict[str, object]:
+        """A copy in another process begins without a lag: it has twice the size of all the rest."""
+        return self.__dict__ | {"lag": []}
+
     @property
     def a_x(self) -> Array:
         """Measured acceleration [m/s^2]."""

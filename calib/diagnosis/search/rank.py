@@ -52,7 +52,7 @@ def trials(at: Explanation, names: Iterable[str] | None = None) -> list[Trial]:
     """Further effects, of these ``names`` or every one, beside an explanation."""
     problem, every = at.problem, every_effect(at.problem.vehicle.effects)
     new = [n for n in (every if names is None else names) if n not in at.names]
-    found = problem.mapped(partial(_tried, replace(at, problem=problem.alone)), new)
+    found = problem.mapped(partial(_tried, at.alone), new)
     out = list[Trial]()
     for done, (name, of_name) in enumerate(zip(new, found, strict=True)):
         problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(new))

@@ -55,8 +55,7 @@ class Ranked:
 
 def ranked_terms(at: Explanation) -> list[Ranked]:
     """Every place and driver beside an explanation, by one linear model; best first."""
-    alone = replace(at, problem=at.problem.alone)
-    pulses, found = {}, at.problem.mapped(partial(_pulses, alone), _BASIC)
+    pulses, found = {}, at.problem.mapped(partial(_pulses, at.alone), _BASIC)
     for done, (place, of_place) in enumerate(zip(_BASIC, found, strict=True)):
         at.problem.tell("looking for the place of what is left", done, len(_BASIC))
         pulses[place] = of_place

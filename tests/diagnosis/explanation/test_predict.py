@@ -1,5 +1,6 @@
 """The prediction against the plant of the tests: what it says, a car does."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -87,3 +88,11 @@ def test_a_term_over_the_deceleration_does_not_predict_noise_from_itself(run, pl
     term = EmpiricalTerm(place, "deceleration", (0.0, 0.4), values)
     told, clean = (predict(SEDAN, base, Effects(terms=(term,)), r).a_x for r in (noisy, run))
     assert np.std(told - clean) < 0.02 * 0.05
+
+
+def test_a_copy_in_another_process_begins_without_a_lag(run):
+    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, MagicFormula(25.0, 0.95))
+    told = predict(SEDAN, base, Effects(), run)
+    copy = pickle.loads(pickle.dumps(run))
+    assert (len(run.lag), copy.lag) == (1, [])
+    assert np.array_equal(predict(SEDAN, base, Effects(), copy).omega, told.omega)
