@@ -51,7 +51,7 @@ scatter, or in 0.1 % of the speed, that noise does not have."""
 _UPRIGHT = 0.1
 """Deceleration [1] past which left and right are not compared: the inner wheels of a bend bear less
 and slip more, which looks like a tighter one."""
-_NO_SPEED = ("v_of_wheels", "v_scale")  # codes of a v that says nothing of the car
+NO_SPEED = ("v_of_wheels", "v_scale")  # codes of a v that says nothing of the car
 
 
 def run_warnings(
@@ -188,6 +188,6 @@ def wrong_speed(warnings: Iterable[PlausibilityWarning]) -> LogError | None:
     """The error of a run that is warned of a v that says nothing of the car; None of another."""
     do = "leave v out of the log: rename its column, or map it to no channel"
     for one in warnings:
-        if one.code in _NO_SPEED:
+        if one.code in NO_SPEED:
             return LogError("v is no speed of the car", where=one.log, do=do, lines=(str(one),))
     return None

@@ -21,7 +21,7 @@ from calib.model.known_effects import remove_known_effects
 from calib.model.resistance import identify as identify_resistance
 from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import LOADED
-from calib.plausibility.run import run_warnings
+from calib.plausibility.run import NO_SPEED, run_warnings
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.brake_response import BrakeResponse, brake_balance, brake_response
@@ -48,7 +48,7 @@ SEARCHED = (
 """Codes of what effects, pads or roads make as well as mistakes do. Where the diagnosis explains
 the logs, it has named their cause, and nothing is warned of."""
 
-REFUSED = ("v_of_wheels", "v_scale", "lost_pulses")
+REFUSED = (*NO_SPEED, "lost_pulses")
 """Codes of a speed that says nothing of the car, and of pulses that a wheel loses: the mean of that
 looks like another radius."""
 
