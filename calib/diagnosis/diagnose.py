@@ -5,8 +5,7 @@ calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (som
                                                                    +--> model, replays, gap
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -16,24 +15,22 @@ from calib.car.effects.effect import slows
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.explanation.fit import SETTLED
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, Tell, problem_of, silent, unbraked_noise
+from calib.diagnosis.explanation.problem import Tell, problem_of, silent
 from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.proof.unexplained import unexplained_of
 from calib.diagnosis.proof.verdict import Verdict, verdict_of
 from calib.diagnosis.replays.gap import gap_of, remainder_of
-from calib.diagnosis.replays.hold_outs import Replayed, model_of, replayed
+from calib.diagnosis.replays.hold_outs import Replayed, model_of
 from calib.diagnosis.runs.axles import require_right_axles
 from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
 from calib.diagnosis.runs.sides import LARGEST, USUAL, with_even_sides
-from calib.diagnosis.search.search import Search, searched
+from calib.diagnosis.search.search import searched
 from calib.diagnosis.undecided import confusion_of, drives
 from calib.logs.log import Log
 from calib.run.copies import without_holds
-
-_QUIETER = 0.9
-"""Share of a channel's noise below which it counts as quieter with an explanation than without."""
 
 
 @one_blas_thread()
@@ -85,7 +82,7 @@ def diagnose(
     for largest in (LARGEST, USUAL):
         logs, sides = with_even_sides(given, largest)
         runs = [run_of(log) for log in logs[:n]]
-        search = _searched(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
+        search = searched(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
         require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
         found = verdict_of(search)
@@ -103,10 +100,10 @@ def diagnose(
         effects=named(found, confusion),
         unexplained=rest,
         base=base_estimates(best),
-        gap=gap_of(found.before.logs, last.logs, search.held.logs),
-        model_before=model_of(vehicle, found.before.at.base, found.before.at.effects),
+        gap=search.gap(last),
+        model_before=model_of(vehicle, last.base.base, last.base.effects),
         model_after=model_of(vehicle, last.at.base, last.at.effects),
-        before=found.before.logs,
+        before=last.before,
         after=last.logs,
         measured=search.held.logs,
         reduced_before=search.base.reduced,
@@ -125,23 +122,10 @@ def diagnose(
     )
 
 
-def _searched(problem: Problem, holdout: Sequence[Log]) -> Search:
-    """A search, once more with the noise that its best explanation leaves, if that is quieter.
-
-    An effect that acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
-    """
-    search = searched(problem, holdout)
-    best = search.best
-    noise = unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
-    if best.names and np.any(noise.sigma <= _QUIETER * problem.noise.sigma):
-        return searched(replace(problem, noise=noise), holdout)
-    return search
-
-
 def _with_term(found: Verdict) -> Replayed:
     """The replays with the best empirical term; without it where it does not help."""
     try:
-        last = replayed(found.search.held, found.terms[0])
+        last = found.search.replayed(found.terms[0], SETTLED)
     except ModelError:  # such a term need not have an equilibrium
         return found.after
     helped = gap_of(found.after.logs, last.logs, found.search.held.logs).closed > 0.0
@@ -149,10 +133,8 @@ def _with_term(found: Verdict) -> Replayed:
 
 
 def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
-    """By log what it has of its own, of the kinds in which logs differ."""
+    """By log what it has of its own."""
     best = found.best
-    if not best.hypothesis.kinds:
-        return {}
     runs = (*best.problem.runs, *found.search.held.problem.runs)
     states = np.vstack([best.state.own, found.after.own]).tolist()
     return {

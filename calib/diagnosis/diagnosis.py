@@ -77,9 +77,9 @@ class Diagnosis:
     nothing significant is left, ``confusion`` where one explanation stands alone; ``sides`` by how
     much the right wheel of an axle rolled faster than the left one before that was taken out [1],
     by axle; ``own`` by log what it has of its own, by the names and in the units of
-    `calib.diagnosis.explanation.own`, where logs differ in that; ``withdrawn`` names of effects
-    that fit the calibration logs and not the hold-outs; ``drives`` of effects that these logs could
-    not have shown; ``warnings`` what speaks against the logs and is not explained.
+    `calib.diagnosis.explanation.own`; ``withdrawn`` names of effects that fit the calibration logs
+    and not the hold-outs; ``drives`` of effects that these logs could not have shown; ``warnings``
+    what speaks against the logs and is not explained.
     """
 
     verdict: str

@@ -8,7 +8,7 @@ import math
 from calib.base.names import AXLE_NAMES
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
-from calib.diagnosis.explanation.own import FACTORS, OWN
+from calib.diagnosis.explanation.own import FACTORS, OWN, sizes
 from calib.diagnosis.explanation.own import UNITS as OWN_UNITS
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
@@ -44,6 +44,8 @@ _WITHIN = 1.0
 """Gap, in units of the sensors' noise, up to which an unknown cause is within the noise."""
 _SIDES_TOLD = 3e-4
 """Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
+_UNUSUAL = 3.0
+"""Usual sizes of what a log has of its own from which it is told."""
 _STATES = "States of single logs, which are no effects of the car, against what all logs share."
 _UNSEEN = "What these logs could not show, and the drive in which it shows most."
 INNOVATION = "mean squared innovation (1 = noise)"
@@ -201,8 +203,9 @@ def unexplained(found: Diagnosis) -> str:
 
 
 def _states(found: Diagnosis) -> Table:
-    """What each log has of its own: pads, road, slope, zero of a_x, heat at its start."""
-    names = [n for n in OWN if any(states[n] != 0.0 for states in found.own.values())]
+    """What each log has of its own: what differs more than usual."""
+    most = dict(zip(OWN, _UNUSUAL * sizes(()), strict=True))
+    names = [n for n in OWN if any(abs(states[n]) > most[n] for states in found.own.values())]
     heads = ("log", *(f"{spaced(n)} [{OWN_UNITS[n].replace('1', '%')}]" for n in names))
     rows = [(log, *(_state(n, states[n]) for n in names)) for log, states in found.own.items()]
     return Table(heads, rows, _STATES)

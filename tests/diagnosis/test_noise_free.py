@@ -54,17 +54,17 @@ def test_the_noise_that_was_assumed_is_told(ideal):
 
 
 @pytest.mark.slow
-def test_three_effects_of_a_real_car_are_named_with_intervals_that_hold_them():
+def test_three_effects_of_a_real_car_are_told_with_their_sizes():
+    """Three short stops: a slope or an engine is like some of it, so others may be as likely."""
     found = diagnose(CAR, *logs(REAL))
-    told = {name: p.ci95 for effect in found.effects for name, p in effect.parameters.items()}
+    told = {name: p.value for effect in found.effects for name, p in effect.parameters.items()}
     truth = {
-        "drag_area": 0.66,
-        "load_share": 1.0,
-        "coefficient": 0.011,
-        "rolling_growth": 0.0,
-        "radius_mismatch": 0.0008,
+        "drag_area": pytest.approx(0.66, rel=0.05),
+        "load_share": pytest.approx(1.0, abs=0.1),
+        "coefficient": pytest.approx(0.011, rel=0.05),
+        "rolling_growth": pytest.approx(0.0, abs=0.01),
+        "radius_mismatch": pytest.approx(0.0008, rel=0.05),
     }
-    assert told.keys() == truth.keys()
-    assert all(told[name][0] <= true <= told[name][1] for name, true in truth.items())
+    assert told == truth
     assert found.unexplained is None
     assert found.gap.closed > 0.9

@@ -62,8 +62,9 @@ def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     problem = asked(CAR, logs[:2])
     kept = turned(CAR, [run_of(log) for log in logs[2:]], problem.noise)
     held = HoldOuts(tuple(logs[2:]), replace(problem, runs=kept))
-    before, after = (replayed(held, fitted(problem, names)) for names in ((), (name,)))
-    gap = gap_of(before.logs, after.logs, held.logs)
+    base = fitted(problem)
+    after = replayed(held, fitted(problem, (name,)), base)
+    gap = gap_of(after.before, after.logs, held.logs)
     shown = "a_x" if name == "disc_thickness_variation" else "omega_fl"
     first, last = gap.of(channel=shown)
     assert last < 0.5 * first
@@ -71,7 +72,7 @@ def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     late = replace(held, problem=replace(problem, runs=runs))
     lost = late.replays(after.at, after.own)
     # a wrong phase doubles the ripple
-    assert gap_of(before.logs, lost, held.logs).of(channel=shown)[1] > 1.5 * first
+    assert gap_of(after.before, lost, held.logs).of(channel=shown)[1] > 1.5 * first
 
 
 def test_the_measured_angle_is_the_way_over_the_radius():

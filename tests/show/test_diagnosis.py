@@ -107,12 +107,13 @@ def test_what_is_left_says_where_the_replays_show_it(named):
 
 def test_what_single_logs_have_of_their_own_has_a_column_each(named):
     none = dict.fromkeys(OWN, 0.0)
-    north = none | {"rear_pads": math.log(0.99), "slope": 0.012, "front_heat": 85.25}
+    north = none | {"rear_pads": math.log(0.9), "slope": 0.012, "front_heat": 85.25}
+    north |= {"front_pads": 0.01}  # as usual
     own = {"north": north, "south": none | {"slope": -0.012}}
     told = replace(named, own=own, sides={"f": 0.003, "r": 0.0001})
     (states,) = (t for t in facts(told, "car").tables if t.heads[0] == "log")
     assert [head[-3:] for head in states.heads[1:]] == ["[%]", "[%]", "[K]"]
-    assert states.rows == [("north", "-1.0", "+1.2", "+85.2"), ("south", "+0.0", "-1.2", "+0")]
+    assert states.rows == [("north", "-10.0", "+1.2", "+85.2"), ("south", "+0.0", "-1.2", "+0")]
     taken = dict(facts(told, "car").rows)["Taken out"]
     assert "+0.30 %" in taken
     assert "rear" not in taken

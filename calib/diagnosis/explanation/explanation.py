@@ -32,6 +32,7 @@ class Explanation:
 
     Of each log its ``innovations`` (n,), and their derivatives: ``columns`` (m + 2 k, n) by x and
     the form of tyres, ``rest`` (4, n) by its own slope, zero of a_x, and first heats of its discs.
+    ``settled`` the fall of the squares that a fit left to promise at most.
     """
 
     problem: Problem
@@ -41,6 +42,7 @@ class Explanation:
     columns: list[Array]
     rest: list[Array]
     log_evidence: float = -np.inf
+    settled: float = np.inf
 
     @property
     def names(self) -> tuple[str, ...]:

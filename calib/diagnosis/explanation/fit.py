@@ -48,7 +48,8 @@ def fit(
         base = [J[prior.of == ""] for J in at.columns]
         at = _settled(seen(problem, hypothesis, at.state, base, form_too=False), settled)
     price = hypothesis.price(len(problem.runs))
-    return replace(at, log_evidence=at.marginal().evidence(settled) - price)
+    evidence = at.marginal().evidence(settled) - price
+    return replace(at, log_evidence=evidence, settled=settled)
 
 
 def _settled(at: Explanation, least: float, *, fresh: bool = False) -> Explanation:

@@ -93,6 +93,11 @@ class Hypothesis:
         return frozenset(self.names), self.kinds
 
     @property
+    def parts(self) -> frozenset[str]:
+        """All that it says."""
+        return frozenset(self.names) | self.kinds
+
+    @property
     def sizes(self) -> Array:
         """Standard deviations (8,) of what each log has of its own."""
         return sizes(self.kinds, self.alike)

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 from calib.base.errors import ModelError
 from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import SETTLED
 from calib.diagnosis.proof.unexplained import plainest_first
-from calib.diagnosis.replays.hold_outs import Replayed, replayed
+from calib.diagnosis.replays.hold_outs import Replayed
 from calib.diagnosis.search.search import SURE, Search
 from calib.diagnosis.search.terms import Ranked, ranked_terms, with_terms
 
@@ -60,11 +61,6 @@ class Verdict:
             return AMBIGUOUS if self.rivals else NAMED
         return UNKNOWN if self.terms else NO_GAP
 
-    @property
-    def before(self) -> Replayed:
-        """The hold-outs without effects."""
-        return self.search.before if self.best.names else self.after
-
 
 def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
@@ -76,7 +72,7 @@ def verdict_of(search: Search) -> Verdict:
         beside = with_terms(best, terms)
         alone = with_terms(base, search.terms) if best.names else beside
         if best.names and alone[0].log_evidence > best.log_evidence + SURE:
-            best, after, beside = base, search.before, alone
+            best, after, beside = base, search.replayed(base), alone
     rivals = search.rivals if best is search.best else ()
     return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
 
@@ -88,7 +84,7 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
     """
     accepted = [*search.accepted]
     with suppress(ModelError):  # else the last one stands as it was accepted
-        accepted[-1:] = [replayed(search.held, search.best)]
+        accepted[-1:] = [search.replayed(search.best, SETTLED)]
     for one in reversed(accepted):
         best = one.of
         if best.names and search.widens(one):
@@ -98,7 +94,7 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
         closed = min(search.gap(one).closed, taken)
         if not best.names or closed > _CLOSED or not something_left(best, terms):
             return one, terms
-    return search.before, search.terms
+    return search.replayed(search.base), search.terms
 
 
 def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:

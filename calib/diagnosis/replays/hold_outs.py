@@ -14,10 +14,14 @@ from calib.diagnosis.explanation.explanation import Explanation, of_all, runs_of
 from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
-from calib.diagnosis.explanation.own import GRADE, OWN, SLOPE, ZERO, ZERO_OF_A_X, sizes
+from calib.diagnosis.explanation.own import GRADE, OWN, SLOPE, ZERO, ZERO_OF_A_X
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
 from calib.model.replay import replay
+
+_ROUNDS, _NEAR = 3, 1.0
+"""Rounds at most in which hold-outs are placed, and the step, in standard deviations, after which a
+line holds."""
 
 
 @dataclass(frozen=True)
@@ -58,22 +62,33 @@ def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
 
 @dataclass(frozen=True)
 class Replayed:
-    """An explanation, and the same without a departure of its tyre, ``at``, as a model has it.
+    """An explanation, and ``at`` and ``base``, the same and the one without effects, as a model
+    has them: without a departure of the tyre.
 
-    ``own`` (runs, 8) of the hold-outs, ``logs`` their replays.
+    ``own`` (runs, 8) of the hold-outs, ``logs`` their replays, ``before`` those of the base, with
+    the same pads and roads, so that effects alone make the difference.
     """
 
     of: Explanation
     at: Explanation
+    base: Explanation
     own: Array
+    before: tuple[Log, ...]
     logs: tuple[Log, ...]
 
 
-def replayed(held: HoldOuts, at: Explanation, settled: float = SETTLED) -> Replayed:
-    """Fit an explanation as a model has it, and replay the hold-outs. Raises ModelError."""
+def replayed(
+    held: HoldOuts, at: Explanation, base: Explanation, settled: float = SETTLED
+) -> Replayed:
+    """Fit an explanation as a model has it, and replay the hold-outs. Raises ModelError.
+
+    ``base`` is the one without effects, as a model has it.
+    """
     plain = without_form(at, settled)
+    if not at.names and at.hypothesis.walk is None:
+        base = plain
     own = placed(held.problem, plain)
-    return Replayed(at, plain, own, held.replays(plain, own))
+    return Replayed(at, plain, base, own, held.replays(base, own), held.replays(plain, own))
 
 
 def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
@@ -84,16 +99,17 @@ def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
 
 
 def placed(held: Problem, at: Explanation) -> Array:
-    """What each hold-out has of its own, (runs, 8), of the kinds in which the logs differ."""
-    own = np.zeros((len(held.runs), len(OWN)))
-    S = sizes(at.hypothesis.kinds)
-    which = np.flatnonzero(sizes(()) != S)
-    for _ in range(3 * bool(which.size)):
+    """What each hold-out has of its own, (runs, 8), of all that logs may differ in."""
+    S = at.hypothesis.sizes
+    own, which = np.zeros((len(held.runs), len(OWN))), np.flatnonzero(S)
+    for _ in range(_ROUNDS):
         state = State(at.state.x, at.state.form, own)
         r = of_all(held, at.hypothesis, state)
         there = replace(at, problem=held, state=state, innovations=r)
-        columns = columns_by_own(there, which.tolist())
+        columns, before = columns_by_own(there, which.tolist()), own.copy()
         for one, N, states in zip(r, columns, own, strict=True):
             products = Products.of(np.zeros((0, one.size)), N, one, states[which])
             states[which] -= products.reduced(S[which])[1][:, -1]
+        if np.all(np.abs(own - before) <= _NEAR * S):
+            break
     return own

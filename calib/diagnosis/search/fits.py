@@ -43,8 +43,9 @@ class Fits:
         return found is not None and found.log_evidence > promised - 3.0
 
     def add(self, e: Explanation) -> None:
-        """In the place of what was known of the same hypothesis, if that is no better."""
-        if e.log_evidence >= self.fitted.get(e.hypothesis.key, e).log_evidence:
+        """In the place of what is known of the same hypothesis, if that is rougher or no better."""
+        known = self.fitted.get(e.hypothesis.key, e)
+        if e.settled < known.settled or e.log_evidence >= known.log_evidence:
             self.fitted[e.hypothesis.key] = e
             self.densities.pop(e.hypothesis.key, None)
 

@@ -8,16 +8,19 @@ until no move is left.
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
+
+import numpy as np
 
 from calib.base.errors import ModelError
+from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
 from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, turned
+from calib.diagnosis.explanation.problem import Problem, turned, unbraked_noise
 from calib.diagnosis.replays.gap import Gap, gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts, Replayed, replayed
+from calib.diagnosis.replays.hold_outs import HoldOuts, Replayed, replayed, without_form
 from calib.diagnosis.search.fits import Fits
 from calib.diagnosis.search.rank import Trial, promises, trials
 from calib.diagnosis.search.terms import Ranked, ranked_terms
@@ -39,6 +42,9 @@ _FRESH = 8
 
 _MOST = 12
 """Moves at most."""
+
+_QUIETER = 0.9
+"""Share of a channel's noise below which it is quieter with an explanation than without."""
 
 _WRONG = 0.5
 """Share of what a hypothesis gains by which a linear model is wrong about it at most, of an effect
@@ -63,11 +69,18 @@ class SearchStep:
 
 
 def searched(problem: Problem, holdout: Sequence[Log]) -> "Search":
-    """A search in a problem, judged by the logs that are held out."""
-    runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
-    search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
-    search.run()
-    return search
+    """A search in a problem, judged by the logs that are held out.
+
+    It begins anew with the noise that an explanation leaves where that is quieter: an effect that
+    acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
+    """
+    while True:
+        runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
+        search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
+        search.run()
+        if not search.quieter():
+            return search
+        problem = replace(problem, noise=search.noise())
 
 
 @dataclass
@@ -95,10 +108,10 @@ class Search:
         self.base = self.best = self.fits.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
         self.further = self.first = trials(self.base)
-        moves = (self.beside, self.exchanged, self.in_more_kinds)
+        moves = (self.beside, self.exchanged, partial(self.beside, other=True))
         for _ in range(_MOST):
             better = (e for move in moves for e in self.more_probable(move()))
-            if not any(map(self.accept, better)) or self.no_effect():
+            if not any(map(self.accept, better)) or self.no_effect() or self.quieter():
                 break
         self.rivals = self._rivals()
         if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
@@ -107,14 +120,28 @@ class Search:
         found = _with_alike(self.best)
         self.base, self.best = self.base if found.names else found, found
 
+    def noise(self) -> ChannelNoise:
+        """The noise of the unbraked parts with the best explanation."""
+        at = self.best
+        return unbraked_noise(self.problem.vehicle, at.base, at.effects, self.problem.runs)
+
+    def quieter(self) -> bool:
+        """Whether the best explanation leaves less than the noise of any channel."""
+        limit = _QUIETER * self.problem.noise.sigma
+        return bool(self.best.names) and bool(np.any(self.noise().sigma <= limit))
+
     @cached_property
-    def before(self) -> Replayed:
-        """The hold-outs without effects."""
-        return replayed(self.held, self.base, ROUGHLY)
+    def plain(self) -> Explanation:
+        """The base as a model has it."""
+        return without_form(self.base, ROUGHLY)
+
+    def replayed(self, at: Explanation, settled: float = ROUGHLY) -> Replayed:
+        """The hold-outs with an explanation. Raises ModelError."""
+        return replayed(self.held, at, self.plain, settled)
 
     def gap(self, after: Replayed) -> Gap:
         """The gap on the hold-outs without effects and with them."""
-        return gap_of(self.before.logs, after.logs, self.held.logs)
+        return gap_of(after.before, after.logs, self.held.logs)
 
     def widens(self, after: Replayed) -> bool:
         """Whether effects widen the gap of the replays, beyond what noise does."""
@@ -130,7 +157,7 @@ class Search:
         if more + held <= (0.0 if same else least):
             return False
         try:
-            after = replayed(self.held, new, ROUGHLY)
+            after = self.replayed(new)
         except ModelError:
             after = None
         if after is None or self.widens(after):
@@ -164,10 +191,6 @@ class Search:
             tops += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
         return self.fits.best_of(tops, best)
 
-    def in_more_kinds(self) -> list[Explanation]:
-        """The same where logs may differ in further kinds, if something is left."""
-        return self.beside(other=True) if left_over(self.best) else []
-
     def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
         """Those that are surely more probable than the best, by evidence."""
         best = self.best
@@ -194,17 +217,18 @@ class Search:
     def exchanged(self) -> list[Explanation]:
         """One or two effects, or other kinds, in the place of a part of the best explanation.
 
-        A part may have stood for two. Where one is taken out a linear model may be far wrong, so
+        Or two where it has none. A part may have stood for two. Where one is taken out a linear model may be far wrong, so
         its two best promises are tried whatever they promise; two effects must promise more.
         """
         best, news = self.best, []
         parts, other = len(best.names), bool(best.hypothesis.kinds)
-        for e in self.fits.fewer(best, best.names):
+        for e in self.fits.fewer(best, best.names) or [best]:
             further = trials(e) if e.names else self.first
             found = promises(e, further, 1 if other else 2, other)
             one = [p for p in found if len(p.hypothesis.names) <= parts]
             wider = (p for p in found if len(p.hypothesis.names) > parts)
-            others = (p for p in wider if not set(best.names) < set(p.hypothesis.names))
+            out = best.hypothesis.parts - e.hypothesis.parts
+            others = (p for p in wider if not out or not out <= p.hypothesis.parts)
             two = [p for p in others if p.log_evidence > best.log_evidence + SURE]
             news += self.fits.best_of([*one[:2], *two[:1]], e)
         return news
