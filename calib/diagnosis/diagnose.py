@@ -100,7 +100,7 @@ def diagnose(
         effects=named(found, confusion),
         unexplained=rest,
         base=base_estimates(best),
-        gap=search.gap(last),
+        gap=gap_of(last.before, last.logs, search.held.logs),
         model_before=model_of(vehicle, last.base.base, last.base.effects),
         model_after=model_of(vehicle, last.at.base, last.at.effects),
         before=last.before,

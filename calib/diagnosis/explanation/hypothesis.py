@@ -88,9 +88,9 @@ class Hypothesis:
     departs: bool = True
 
     @property
-    def key(self) -> tuple[frozenset[str], frozenset[str]]:
+    def key(self) -> object:
         """What it says, whatever its order."""
-        return frozenset(self.names), self.kinds
+        return frozenset(self.names), self.kinds, self.walk
 
     @property
     def parts(self) -> frozenset[str]:

@@ -65,20 +65,20 @@ class Verdict:
 def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
     base = search.base
-    after, terms = _standing(search)
-    best, beside = after.of, list[Explanation]()
-    far = search.gap(after).after > (_FAR if best.names else 2.0 * _FAR)
-    if far or something_left(best, terms):
+    after, terms, beside = _standing(search)
+    best = after.of
+    if not beside and search.gap(after).after > (_FAR if best.names else 2.0 * _FAR):
         beside = with_terms(best, terms)
-        alone = with_terms(base, search.terms) if best.names else beside
-        if best.names and alone[0].log_evidence > best.log_evidence + SURE:
-            best, after, beside = base, search.replayed(base), alone
+    if beside and best.names:
+        alone = with_terms(base, search.terms)
+        if alone[0].log_evidence > best.log_evidence + SURE:
+            best, after, beside = base, search.before, alone
     rivals = search.rivals if best is search.best else ()
     return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
 
 
-def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
-    """The last explanation of a search that closes the gap of the replays, and terms beside it.
+def _standing(search: Search) -> tuple[Replayed, list[Ranked], list[Explanation]]:
+    """The last explanation of a search that closes the gap of the replays, with terms beside it.
 
     By `_CLOSED` where something is left with it; else it must not widen the gap.
     """
@@ -90,13 +90,22 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked]]:
         if best.names and search.widens(one):
             continue
         terms = ranked_terms(best)
+        beside = _left(search, best, terms)
         taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
-        closed = min(search.gap(one).closed, taken)
-        if not best.names or closed > _CLOSED or not something_left(best, terms):
-            return one, terms
-    return search.replayed(search.base), search.terms
+        if not best.names or not beside or min(search.gap(one).closed, taken) > _CLOSED:
+            return one, terms, beside
+    return search.before, search.terms, _left(search, search.base, search.terms)
 
 
-def something_left(at: Explanation, terms: Sequence[Ranked]) -> bool:
-    """Whether a term beside an explanation is surely more probable, or far more than noise left."""
-    return terms[0].log_gain > SURE or at.reduced > 1.01 + _STRANGE * at.scatter
+def _left(search: Search, at: Explanation, terms: Sequence[Ranked]) -> list[Explanation]:
+    """An explanation with the best of these terms, where more than noise is left; else none.
+
+    That is where a term is surely more probable, on the hold-outs, too: no law stands behind it.
+    """
+    strange = at.reduced > 1.01 + _STRANGE * at.scatter
+    if not strange and terms[0].log_gain < SURE:
+        return []
+    found, fits = with_terms(at, terms), search.fits
+    held = fits.density(found[0]) - fits.density(at)
+    sure = held > 0.0 and found[0].log_evidence - at.log_evidence + held > SURE
+    return found if strange or sure else []

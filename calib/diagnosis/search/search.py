@@ -139,9 +139,17 @@ class Search:
         """The hold-outs with an explanation. Raises ModelError."""
         return replayed(self.held, at, self.plain, settled)
 
+    @cached_property
+    def before(self) -> Replayed:
+        """The hold-outs without effects, on the pads and roads that fit those best."""
+        return self.replayed(self.base)
+
     def gap(self, after: Replayed) -> Gap:
-        """The gap on the hold-outs without effects and with them."""
-        return gap_of(after.before, after.logs, self.held.logs)
+        """The gap on the hold-outs without effects and with them, each on its own pads and roads.
+
+        What is wrong may have far pads, with which anything would shrink the gap.
+        """
+        return gap_of(self.before.logs, after.logs, self.held.logs)
 
     def widens(self, after: Replayed) -> bool:
         """Whether effects widen the gap of the replays, beyond what noise does."""
@@ -217,8 +225,9 @@ class Search:
     def exchanged(self) -> list[Explanation]:
         """One or two effects, or other kinds, in the place of a part of the best explanation.
 
-        Or two where it has none. A part may have stood for two. Where one is taken out a linear model may be far wrong, so
-        its two best promises are tried whatever they promise; two effects must promise more.
+        Or two where it has none. A part may have stood for two. Where one is taken out a linear
+        model may be far wrong, so its two best promises are tried whatever they promise; two
+        effects must promise more.
         """
         best, news = self.best, []
         parts, other = len(best.names), bool(best.hypothesis.kinds)
