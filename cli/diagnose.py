@@ -56,8 +56,7 @@ def diagnose(
     from calib.base.processes import cores, side_by_side
     from calib.car.own_effects.own_effect import with_own
     from calib.diagnosis.diagnose import diagnose as find
-    from calib.diagnosis.written.document import text_of, to_dict
-    from calib.diagnosis.written.folder import files_of, write_folder
+    from calib.diagnosis.written import files_of, text_of, to_dict, write_folder
     from calib.show.diagnosis import facts
     from calib.show.diagnosis_page import report
     from calib.show.html import page_of

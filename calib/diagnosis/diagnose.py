@@ -5,16 +5,13 @@ calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (som
                                                                    +--> model, replays, gap
 """
 
-from collections.abc import Mapping
-
-import numpy as np
-
 from calib.base.errors import ModelError
 from calib.base.processes import Mapped, one_blas_thread
 from calib.car.effects.effect import slows
 from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.explanation.explanation import runs_of
 from calib.diagnosis.explanation.fit import SETTLED
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
@@ -95,6 +92,7 @@ def diagnose(
     confusion = confusion_of(best, found.rivals)
     kept = [set(step.names) for step in search.steps]
     withdrawn = (names for names in search.withdrawn.values() if set(names) not in kept)
+    every_run = (*best.runs, *runs_of(search.held.problem, found.after.own))
     return Diagnosis(
         verdict=found.word,
         effects=named(found, confusion),
@@ -112,7 +110,7 @@ def diagnose(
         withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
         noise=search.problem.noise,
-        own=_own(found),
+        own={run.source: dict(zip(OWN, run.own.tolist(), strict=True)) for run in every_run},
         drives=drives(best),
         confusion=confusion,
         sides=sides,
@@ -130,13 +128,3 @@ def _with_term(found: Verdict) -> Replayed:
         return found.after
     helped = gap_of(found.after.logs, last.logs, found.search.held.logs).closed > 0.0
     return last if helped else found.after
-
-
-def _own(found: Verdict) -> Mapping[str, Mapping[str, float]]:
-    """By log what it has of its own."""
-    best = found.best
-    runs = (*best.problem.runs, *found.search.held.problem.runs)
-    states = np.vstack([best.state.own, found.after.own]).tolist()
-    return {
-        run.source: dict(zip(OWN, row, strict=True)) for run, row in zip(runs, states, strict=True)
-    }

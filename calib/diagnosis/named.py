@@ -25,8 +25,7 @@ def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
     """All parameters at the lower ends of their 95 % intervals, as they are, and at the upper ends.
 
     A tyre's own form and what logs have of their own are counted. Intervals are wider where more
-    than noise is left, and cut at what a fit allows: pads of half and double the file's, a tyre of
-    a seventh and seven times a usual one. Pads are as uncertain as the mass besides.
+    than noise is left, and cut at what a fit allows. Pads are as uncertain as the mass besides.
     """
     half = Z95 * np.sqrt(np.maximum(np.diag(at.covariance), 0.0) * max(at.reduced, 1.0))
     half[:2] = np.hypot(half[:2], Z95 * at.problem.vehicle.mass_tolerance)

@@ -23,9 +23,8 @@ from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.logs.log import Log
 
-_SHOWN, _CLEAR = 5.0, 10.0
-"""Sizes [sigma] from which logs show an effect, where ln of the odds is 7, less its price of 5, and
-from which a drive shows it surely."""
+_SHOWN = 5.0  # size [sigma] from which logs show an effect: ln of the odds is 7, its price is 5
+_CLEAR = 10.0  # size [sigma] from which a drive shows it surely
 
 _TESTS = {
     # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
@@ -41,9 +40,7 @@ _TESTS = {
 
 @dataclass(frozen=True)
 class Alike:
-    """An explanation by its effects, the mean squared innovation it leaves, and how much more that
-    is than the best one leaves [1].
-    """
+    """Effects, the mean squared innovation that they leave [1], and how far behind the best's."""
 
     effects: tuple[str, ...]
     innovation: float
@@ -52,10 +49,9 @@ class Alike:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two explanations by their places in the set.
+    """Two explanations by their places, and how far they are apart, in sigma of all innovations.
 
-    How far they are apart in the calibration logs, and in ``drive``, the manoeuvre that tells them
-    apart best; both over the noise, in sigma of all innovations.
+    In the calibration logs, and in ``drive``, the manoeuvre that tells them apart best.
     """
 
     between: tuple[int, int]

@@ -17,7 +17,7 @@ from calib.base.arrays import Array
 from calib.base.plain import counted, plus_minus
 from calib.car.vehicle import Vehicle
 from calib.car.vehicle_file import read_vehicle
-from calib.diagnosis.written.document import to_dict as document_of
+from calib.diagnosis.written import to_dict as document_of
 from calib.estimation.agreement import Agreement, agreement
 from calib.estimation.baselines import METHODS
 from calib.estimation.limits import DEFAULTS
@@ -192,8 +192,7 @@ def _hidden_story(out: Path, say: _Say) -> tuple["Diagnosis", list[Agreement]]:
     """
     from calib.car.model import with_model
     from calib.diagnosis.diagnose import diagnose
-    from calib.diagnosis.written.document import text_of
-    from calib.diagnosis.written.folder import write_folder
+    from calib.diagnosis.written import text_of, write_folder
     from calib.show.diagnosis_page import report, sheet
     from calib.show.html import page_of
 

@@ -13,7 +13,7 @@ from calib.base.errors import LogError
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.search.search import Search
-from calib.diagnosis.written.document import to_dict
+from calib.diagnosis.written import to_dict
 from calib.logs.log import Log
 from tests.support.explained import diagnosed, searched
 from tests.support.hidden.cases import HiddenCase, draw

@@ -5,7 +5,7 @@ import pytest
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.channels import CHANNELS
-from calib.diagnosis.written.document import to_dict
+from calib.diagnosis.written import to_dict
 from calib.logs.log import Log
 from calib.run.check import problems_for
 from tests.support.plant import Plant, as_log, drive

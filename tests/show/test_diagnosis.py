@@ -12,7 +12,7 @@ from calib.diagnosis.diagnosis import ParameterEstimate
 from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided import Alike, Confusion, Pair, ShowingDrive, Size
-from calib.diagnosis.written.document import to_dict
+from calib.diagnosis.written import to_dict
 from calib.show.diagnosis import KINDS, facts, outcome
 from calib.show.diagnosis_page import report, sheet
 from calib.show.html import page_of

@@ -1,8 +1,7 @@
 """The parameters that are always identified, those of the reference logs.
 
 Each is normal about a middle, it or its logarithm, by a row of `base.csv`: bounds and standard
-deviation are those of x, for a value of middle exp(x), or of middle + scale x. A fit begins at the
-middle, within its bounds: from a bound it may not move.
+deviation are those of x, for a value of middle exp(x), or of middle + scale x.
 """
 
 from dataclasses import dataclass, field, replace
@@ -17,8 +16,7 @@ from calib.car.vehicle import Vehicle
 
 _ROWS = rows("base.csv", "calib.diagnosis.explanation")
 
-BASE = len(_ROWS)
-"""Number of base parameters, the first ones of every vector."""
+BASE = len(_ROWS)  # number of base parameters, the first ones of every vector
 
 LOW, HIGH, _SIGMA, _MIDDLE = (
     np.array([float(row[key]) for row in _ROWS]) for key in ("low", "high", "sigma", "middle")
@@ -29,13 +27,10 @@ _LOGARITHM = np.array([row["scale"] == "log" for row in _ROWS])
 _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row in _ROWS])
 _TYRE = [row["name"] for row in _ROWS[2:-2]]
 
-FORM_AT = np.linspace(0.05, 1.0, 8)
-"""Normalised forces at which a departure of a tyre from its form is given [1]."""
-
-_FORM, _REACH, _ALIKE = 0.06, 0.25, 0.7
-"""Standard deviation of that departure [1], the range of force over which it is alike [1], and the
-correlation of front and rear tyres."""
-
+FORM_AT = np.linspace(0.05, 1.0, 8)  # normalised forces at which tyres depart from their form [1]
+_FORM = 0.06  # standard deviation of that departure [1]
+_REACH = 0.25  # range of force over which it is alike [1]
+_ALIKE = 0.7  # correlation of front and rear tyres
 _NEAR = np.exp(-0.5 * ((FORM_AT[:, None] - FORM_AT) / _REACH) ** 2) + 0.01 * np.eye(FORM_AT.size)
 FORM_PRIOR = np.linalg.inv(np.kron([[1.0, _ALIKE], [_ALIKE, 1.0]], _FORM**2 * _NEAR))
 """Precision (2 k, 2 k) of the departures of both axles: a Gaussian process over the force."""

@@ -39,23 +39,14 @@ _OF_WHEELS = np.array(
 )
 """Channels by wheel speeds, in the order of `WHEELS`."""
 
-STEP = 0.02
-"""Clock of the evidence [s]."""
-
-ORDER = 3
-"""Order of the AR noise: road-coloured noise of 0.1 s at 50 Hz needs two to three."""
-
-WALK = 0.9
-"""Pole of the whitening filter of v: allows a drift of about a tenth of the noise per step."""
-
 FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limit of the innovation's sd by channel, in its unit; simulated logs may have no noise."""
 
-_PARABOLA = 3
-"""Coefficients of the parabola that is taken out of every unbraked part."""
-
-LONG = 10 * ORDER
-"""Least samples of an unbraked part that shows noise: ten for each coefficient."""
+STEP = 0.02  # clock of the evidence [s]
+ORDER = 3  # of the AR noise: road-coloured noise of 0.1 s at 50 Hz needs two to three
+WALK = 0.9  # pole of the whitening filter of v: a drift of a tenth of the noise per step
+LONG = 10 * ORDER  # least samples of an unbraked part that shows noise: ten for each coefficient
+_PARABOLA = 3  # coefficients of the parabola that is taken out of every unbraked part
 
 
 @dataclass(frozen=True)

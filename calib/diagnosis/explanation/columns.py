@@ -14,8 +14,8 @@ from calib.diagnosis.explanation.own import FRONT_HEAT, KINDS, REAR_HEAT, sizes
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import Problem
 
-_STEP, _STEP_OF_OWN = 1e-3, 1.0 / 15.0
-"""Steps of an element of x [1], and of an own state over the largest of its usual sizes."""
+_STEP = 1e-3  # of an element of x [1]
+_STEP_OF_OWN = 1.0 / 15.0  # of an own state, over the largest of its usual sizes
 
 
 def seen(
@@ -40,7 +40,7 @@ def seen(
     form = known if known and form_too else _by_form(at)
     parts = zip(known or form, J, form, strict=True)
     J = [np.vstack([a[:first], b, hypothesis.departs * c[-k:]]) for a, b, c in parts]
-    if FADE in hypothesis.names or FADE in problem.vehicle.effects:
+    if FADE in at.effects:
         heat = columns_by_own(at, (FRONT_HEAT, REAR_HEAT))
     else:
         heat = [np.zeros((2, r.size)) for r in at.innovations]

@@ -22,8 +22,7 @@ from calib.diagnosis.explanation.hypothesis import Hypothesis, Prior, State, bas
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.problem import Problem
 
-_BENT = 2.0
-"""Mean square of pads and tyres, in standard deviations, from which they stand for an effect."""
+_BENT = 2.0  # mean square of pads and tyres over their priors' from which they are bent [1]
 
 
 @dataclass(frozen=True)

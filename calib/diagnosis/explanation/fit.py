@@ -19,9 +19,7 @@ ALMOST, SETTLED, ROUGHLY = 0.1, 2.0, 20.0
 that only tells what to try."""
 
 _ROUNDS, _REFRESHED, _DAMPING, _MOST_DAMPED = 20, 3, 1e-3, 1e4
-
-_FAR, _FAR_EFFECT = 0.3, 1.5
-"""Longest step of an element that a linear model holds: of base and form, and of an effect [1]."""
+_FAR, _FAR_EFFECT = 0.3, 1.5  # longest step that a linear model holds: of base and form, effect [1]
 
 
 def fit(

@@ -4,8 +4,8 @@
 
     prior  u_i ~ N(0, S^2)   x ~ N(m, 1/precision)
 
-Rows are innovations of unit variance. Own states go out by a Schur complement for each log, so a
-hypothesis on their sizes S costs no look at the rows.
+Own states go out by a Schur complement for each log, so a hypothesis on their sizes S costs no
+look at the rows.
 """
 
 from dataclasses import dataclass

@@ -15,23 +15,15 @@ from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
 FADE = "pad_thermal_fade"
 
-STRENGTH, FURTHER = 2.0, 1.0
-"""Standard deviations of the priors on the strength of an effect and on its further parameters, in
-spreads of its card."""
-
-PRICE = 5.0
-"""ln of the odds against an effect, or against logs that differ in a kind, before they are read."""
-
 TURNING = ("disc_thickness_variation", "tone_ring_runout")
 """Effects that go with the angle of the wheels, which begins anew in every run."""
 
-PHASE = 2.0
-"""ln of the odds against the angle at which such an effect begins, a run: it was taken from it."""
-
-_FIRST = 5.0
-
-_BEGIN = 0.25
-"""Logarithm of the peak from which a fit begins, over the usual one."""
+STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
+FURTHER = 1.0  # the same of its further parameters
+PRICE = 5.0  # ln of the odds, before logs are read, against an effect or a kind they differ in
+PHASE = 2.0  # the same, for each run, for the angle at which a ripple begins: it was taken from it
+_FIRST = 5.0  # standard deviation of the first value of a walk, in increments
+_BEGIN = 0.25  # logarithm of the peak from which a fit begins, over the usual one
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,7 @@
 """What a log may have of its own: pads, tyres on its road, a slope, a zero of a_x, heat of discs.
 
-No effect of the car, but a state of one log. Each is a normal distribution about what all logs
-share; its standard deviation is one of three of `own.csv`. A search takes the usual one, and the
-other one where a kind is asked for.
+No effect of the car, but a state of one log, normal about what all logs share. Its standard
+deviation is the usual one of `own.csv`, or the other one where a kind is asked for.
 """
 
 from collections.abc import Iterable
@@ -14,30 +13,24 @@ from calib.base.plain import rows
 
 _ROWS = rows("own.csv", "calib.diagnosis.explanation")
 
-OWN = tuple(row["name"] for row in _ROWS)
-"""Names of the states of a log, in their order."""
+OWN = tuple(row["name"] for row in _ROWS)  # names of the states of a log, in their order
+KINDS = tuple(dict.fromkeys(row["kind"] for row in _ROWS))
+UNITS = {row["name"]: row["unit"] for row in _ROWS}
 
+_OF_KIND = np.array([row["kind"] for row in _ROWS])
 _ALIKE, _USUAL, _OTHER = (
     np.array([float(row[key]) for row in _ROWS]) for key in ("alike", "usual", "other")
 )
 """Standard deviations (8,) of the states, in their units; logarithms of `FACTORS`."""
 
-UNITS = {row["name"]: row["unit"] for row in _ROWS}
-
 FACTORS = frozenset(row["name"] for row in _ROWS if row["kind"] in ("pads", "road"))
 """States that are logarithms of factors."""
 
-KINDS = tuple(dict.fromkeys(row["kind"] for row in _ROWS))
+SCATTERED = ("pads", "road")  # kinds in which logs usually differ a little
 
 PEAK, SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = range(3, len(OWN))
 
-GRADE, ZERO_OF_A_X = "road_grade", "accelerometer_bias"
-"""Effects of a car that a log may have of its own."""
-
-_OF_KIND = np.array([row["kind"] for row in _ROWS])
-
-SCATTERED = ("pads", "road")
-"""Kinds in which logs usually differ a little."""
+GRADE, ZERO_OF_A_X = "road_grade", "accelerometer_bias"  # effects that a log may have of its own
 
 
 def sizes(kinds: Iterable[str], alike: Iterable[str] = ()) -> Array:

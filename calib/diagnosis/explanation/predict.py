@@ -4,8 +4,8 @@
                                          |
                                          +--> slips --> wheel speeds
 
-The prediction uses the measured speed instead of integrating its own, so it does not drift, and a
-whole run is computed in array operations, fast enough to be repeated a thousand times in a fit.
+It uses the measured speed instead of integrating its own: it does not drift, and a whole run is
+computed in array operations.
 """
 
 from dataclasses import dataclass, field, replace
@@ -17,20 +17,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import AXLES, WHEELS, G
 from calib.car.disc_temperature import START
-from calib.car.effects.combined import (
-    as_driven,
-    as_read,
-    caliper_pressure,
-    line_pressure,
-    pad_factors,
-    speed_delay,
-    total_axle_moment,
-    total_body_force,
-    total_load_shift,
-    wheel_factors,
-    wheel_speed_delay,
-    wheel_speed_factors,
-)
+from calib.car.effects import combined
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, brake_torque, deceleration, tyre_force
 from calib.car.history import Motion, RunHistory
@@ -44,19 +31,14 @@ from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean
 from calib.run.pedal import as_pressed
 
-_GRID = 0.01
-"""Clock on which a run is predicted [s]; a disc turns at most 20 times a second."""
-
-_PASSES = 3
-"""Times that loads, heat and torques are computed from each other."""
-
+_GRID = 0.01  # clock on which a run is predicted [s]; a disc turns at most 20 times a second
+_PASSES = 3  # times that loads, heat and torques are computed from each other
 _PASSES_OF_TERM = 8
-"""The same where an empirical term goes with the deceleration: each pass leaves its slope of the
-error, up to a quarter. The first pass takes the measured deceleration, with its noise: with few
-passes such a term would predict a_x from itself."""
+"""The same where an empirical term goes with the deceleration: each pass leaves up to a quarter of
+the error. The first one takes the measured deceleration, so with few passes such a term would
+predict a_x from its own noise."""
 
-EDGE = 0.985
-"""Share of the peak up to which the rising branch is inverted; forces past it are held there."""
+_EDGE = 0.985  # share of the peak up to which the rising branch is inverted; further it is held
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,11 +140,12 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
 
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
-    car = as_driven(vehicle, effects).with_radii(base.radius)
+    car = combined.as_driven(vehicle, effects).with_radii(base.radius)
     base = base.of_log(run.own)
     lag = _wheel_lag(car, base.tyre, run)
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
-    clamps = np.stack(caliper_pressure(effects, pressed, *line_pressure(effects, pressed)))
+    lines = combined.line_pressure(effects, pressed)
+    clamps = np.stack(combined.caliper_pressure(effects, pressed, *lines))
     history, torque = run, np.zeros(0)
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(_PASSES_OF_TERM if leans else _PASSES):
@@ -178,17 +161,18 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     use = np.abs(force / load)
     bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
     slip = plain * (1.0 + np.stack(bent, axis=1))
-    late = wheel_speed_delay(effects)
+    late = combined.wheel_speed_delay(effects)
     slip = np.array([[delayed(run.time, x, late) for x in side] for side in slip])
     gained = integral(run.time, -G * z)
-    shown = delayed(run.time, gained, speed_delay(effects))  # by v as it is read
+    shown = delayed(run.time, gained, combined.speed_delay(effects))  # by v as it is read
     v = run.v_read + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     turning = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(turning * (1.0 - slip))
-    for w, factor in wheel_speed_factors(car, effects, replace(motion, history=history)).items():
+    motion = replace(motion, history=history)
+    for w, factor in combined.wheel_speed_factors(car, effects, motion).items():
         omega[WHEELS.index(w)] *= factor
     return Prediction(
-        a_x=as_read(car, effects, history, -G * z) + run.own[ZERO],
+        a_x=combined.as_read(car, effects, history, -G * z) + run.own[ZERO],
         gained=shown - G * run.own[SLOPE] * (run.time - run.time[0]),
         omega=omega,
         use=_by_wheel(use),
@@ -205,10 +189,10 @@ def _torque(
     car: Vehicle, base: Base, effects: Effects, history: RunHistory, clamps: Array
 ) -> Array:
     """Brake torque of the wheels [N m] (s, 2, n) at the pressures on their pads [Pa] (2, n)."""
-    k_f, k_r = pad_factors(effects, history, *clamps)
+    k_f, k_r = combined.pad_factors(effects, history, *clamps)
     front = brake_torque(car.front, base.pad_friction_f * k_f, clamps[0])
     rear = brake_torque(car.rear, base.pad_friction_r * k_r, clamps[1])
-    even, uneven = {"f": front, "r": rear}, wheel_factors(effects, history)
+    even, uneven = {"f": front, "r": rear}, combined.wheel_factors(effects, history)
     sides = "lr" if uneven else "l"
     return np.array([[x * uneven.get(a + side, 1.0) for a, x in even.items()] for side in sides])
 
@@ -218,7 +202,7 @@ def _wheel_lag(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> WheelLag:
     of = replace(car, effects=Effects()), tyre
     if not run.lag or run.lag[0][0] != of:
         load = np.stack(axle_loads(car, run.z))
-        _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, EDGE)
+        _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
         axles = (car.front, car.rear)
         heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
         tau = heavy * run.v / (0.5 * load * slope)
@@ -230,17 +214,18 @@ def _balance(
     car: Vehicle, effects: Effects, history: ObservedRun, torque: Array, lag: WheelLag
 ) -> tuple[Array, Array, Motion, Array]:
     """Tyre forces [N] and their rates [N/s] (s, 2, n), loads, and z [1], by z of the last pass."""
-    late = car.weight * total_load_shift(car, effects, history)
+    late = car.weight * combined.total_load_shift(car, effects, history)
     load_f, load_r = axle_loads(car, history.z)
     motion = Motion(history.v, load_f - late, load_r + late, history)
-    moments = 0.5 * (np.stack(total_axle_moment(car, effects, motion)) - history.drive)
+    moments = 0.5 * (np.stack(combined.total_axle_moment(car, effects, motion)) - history.drive)
     steady = [
         tyre_force(axle, torque[:, i], -G * history.z / axle.rolling_radius, moments[i])
         for i, axle in enumerate((car.front, car.rear))
     ]
     force, rate = lag.follow(np.stack(steady, axis=1))
     total = 2.0 * np.sum(np.mean(force, axis=0), axis=0)
-    return force, rate, motion, (total + total_body_force(car, effects, motion)) / car.weight
+    total = total + combined.total_body_force(car, effects, motion)
+    return force, rate, motion, total / car.weight
 
 
 def _slip(
@@ -248,7 +233,7 @@ def _slip(
 ) -> Array:
     """Slip [1] of wheels while their tyres carry a force [N] that has a rate [N/s]."""
     carried = force[0] / load
-    slip, slope, held = tyre.rising(carried, 4.0 * load / car.weight, EDGE)
+    slip, slope, held = tyre.rising(carried, 4.0 * load / car.weight, _EDGE)
     if tyre.relaxation == 0.0:
         return slip
     change = (force[1] - carried * np.gradient(load, lag.step, axis=-1)) / load

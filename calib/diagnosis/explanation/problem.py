@@ -29,12 +29,8 @@ from calib.diagnosis.explanation.predict import ObservedRun, predict
 
 DRAG, SHARE = "aerodynamic_drag", "load_share"
 
-_COASTING = 1e5
-"""Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
-a braked disc."""
-
-_MARGIN = 8
-"""Steps of evidence before the brake first bites that do not count as unbraked."""
+_COASTING = 1e5  # weight of a ripple without torque, as a pressure [Pa]: little beside a braked one
+_MARGIN = 8  # steps of evidence before the brake first bites that do not count as unbraked
 
 Tell = Callable[[str, int, int], None]
 """Called at each step: the stage in words, how many of its steps are done, how many it has."""
@@ -46,10 +42,9 @@ def silent(stage: str, done: int, total: int) -> None:
 
 @dataclass(frozen=True)
 class Problem:
-    """All runs of a case and their noise; ``tell`` is told of the progress, ``mapped`` carries out
-    independent pieces of work.
+    """All runs of a case and their noise; the effects of ``vehicle`` act in every hypothesis.
 
-    The effects of ``vehicle`` are known: they act in every hypothesis.
+    ``tell`` is told of the progress, ``mapped`` carries out independent pieces of work.
     """
 
     vehicle: Vehicle

@@ -17,11 +17,8 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.braking import MOVING
 
-SHORTEST = 1e-3
-"""Relaxation length [m] that counts as none: its spring is far stiffer than any tyre."""
-
-LEAST = 1e-6
-"""Least time constant [s]; root of two alike, in steps [1]."""
+_SHORTEST = 1e-3  # relaxation length [m] that counts as none: far stiffer than any tyre
+_LEAST = 1e-6  # least time constant [s]; root of two alike, in steps [1]
 
 
 @dataclass(frozen=True)
@@ -45,8 +42,8 @@ class WheelLag:
     @classmethod
     def of(cls, time_constant: Array, relaxation: float, v: Array, step: float) -> Self:
         """From tau [s] (k, n), the relaxation length [m], speed [m/s] (n,) and step [s]."""
-        way = max(relaxation, SHORTEST) / np.maximum(v, MOVING)
-        times = np.maximum(time_constant, LEAST)[:, 1:] / step, way[1:] / step
+        way = max(relaxation, _SHORTEST) / np.maximum(v, MOVING)
+        times = np.maximum(time_constant, _LEAST)[:, 1:] / step, way[1:] / step
         free = _free(*times)
         band = np.zeros((*time_constant.shape, 2, 4))
         for j in range(2):  # from F, and from h F'
@@ -54,10 +51,7 @@ class WheelLag:
         return cls(way, step, band.reshape(-1, 4).T, _taps(*times, free))
 
     def follow(self, balance: Array) -> tuple[Array, Array]:
-        """Force [N] and its rate [N/s] (..., k, n) for the force in ``balance`` [N] (..., k, n).
-
-        It starts in balance.
-        """
+        """Force [N] and rate [N/s] for that in ``balance`` [N], where it starts; (..., k, n)."""
         from scipy.linalg.lapack import dtbtrs
 
         here, after = balance[..., :-1], balance[..., 1:]
@@ -79,7 +73,7 @@ def _free(tau: Array, way: Array) -> Array:
     """
     mean = -0.5 / way
     root = np.sqrt(mean**2 - 1.0 / (tau * way) + 0.0j)  # imaginary where the wheel swings
-    root = np.where(root == 0.0, LEAST, root)
+    root = np.where(root == 0.0, _LEAST, root)
     one, other = np.exp(mean + root), np.exp(mean - root)
     even, odd = 0.5 * (one + other).real, (0.5 * (one - other) / root).real
     return np.array([[even - odd * mean, odd], [-odd / (tau * way), even + odd * mean]])

@@ -1,10 +1,8 @@
 """What no effect explains: where it acts, on what it depends, and how much of it a term follows.
 
 A term cannot follow what goes with the angle of the wheels, which start at another angle in every
-run: the share of that is computed from its harmonics. Nor can it follow what swings with a
-frequency of its own, as liquid in a tank, a load that is not lashed or a body on its springs does
-after every application, whatever pressure and speed are: the power of that is in one narrow band.
-A term shows a brake torque that something holds, though not what does.
+run, nor what swings with a frequency of its own after every application, as liquid in a tank or a
+body on its springs does. It shows a brake torque that something holds, though not what does.
 """
 
 from collections.abc import Sequence
@@ -18,28 +16,21 @@ from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.channels import A_X, CHANNELS, DRIFT, STEP, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation
 
-WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"
-"""Drivers that no term has."""
+WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
 
-_HARMONICS = (1, 2)
-"""Harmonics of the wheel's turn; run-out and uneven spacing show in the first ones."""
+_HARMONICS = (1, 2)  # of the wheel's turn; run-out and uneven spacing show in the first ones
+_HELD = 0.5  # rise of a brake torque from knot to knot, over that before, below which it is held
 
-_HELD = 0.5
-"""Rise of a brake torque with the pressure, over that before, below which something holds it. From
-knot to knot: it may be held from the middle on."""
+# shares of the excess
+_PLAIN = 0.03  # that a term must explain beyond one that holds a torque, which is a single number
+_ONE_SIDED = 0.3  # that a lasting difference of left and right must take to name one wheel
+_NO_TERM = 0.1  # that must go with the angle of the wheels, or swing, to be told as that
 
-_PLAIN = 0.03
-"""Share of the excess that a term must explain beyond one that holds a brake torque, which is a
-single number, to be preferred to it."""
-
-_ONE_SIDED, _NO_TERM = 0.3, 0.1
-"""Shares of the excess that a lasting difference of left and right must take to name one wheel of
-an axle, and that must go with the angle of the wheels, or swing, to be told as that."""
-
-_WINDOW, _SLOWEST, _FASTEST = round(4.0 / STEP), 2, 20
-"""Innovations in a window of 4 s; first and last line of its spectrum that may swing, 0.5 and 5 Hz.
-An error that lasts for a whole stop is slower; a body on its springs swings at 1 to 2 Hz, a load or
-a liquid hardly faster. What is faster is a wheel, or a channel that is sent seldom."""
+_WINDOW = round(4.0 / STEP)  # innovations in a window of 4 s
+_SLOWEST, _FASTEST = 2, 20
+"""First and last line of its spectrum that may swing, 0.5 and 5 Hz. An error that lasts for a whole
+stop is slower; a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster. What is
+faster is a wheel, or a channel that is sent seldom."""
 
 _OVER = 3.0
 """Least power of a peak over that of the slower lines. What every application leaves, as a lag
@@ -100,9 +91,7 @@ def held_from(term: EmpiricalTerm) -> float | None:
 
 
 def plainest_first(at: Explanation, terms: Sequence[Explanation]) -> list[Explanation]:
-    """Explanations with terms, the best first, but one that holds a brake torque before what is
-    hardly better.
-    """
+    """The best of ``terms`` first, but one that holds a torque before what is hardly better."""
     hardly = _PLAIN * _excess(at) / at.count
     return sorted(
         terms,
@@ -160,10 +149,7 @@ def _turning(at: Explanation, whitened: Sequence[Array], excess: float) -> tuple
 
 
 def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
-    """The strongest line of ``whitened`` innovations (6, m) of each run, with its two neighbours.
-
-    ``excess`` is what their sum of squares has beyond noise.
-    """
+    """The strongest line of whitened innovations (6, m) of each run, over the ``excess``."""
     frequencies = np.arange(_FASTEST + 2) / (_WINDOW * STEP)
     phase = 2.0 * np.pi * np.outer(frequencies, STEP * np.arange(_WINDOW))
     cut = (x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened)
@@ -192,10 +178,7 @@ def _power_of(x: Array, phase: Array) -> Array:
 
 
 def _one_sided(whitened: Sequence[Array], excess: float) -> str | None:
-    """The slower wheel of an axle, where it always is, and that is most of the excess; else None.
-
-    By the share of the excess that a constant takes of left less right.
-    """
+    """The wheel that is always slower than that beside it, if much of the excess is that."""
     every = np.hstack(whitened)
     lasting = np.sum(every, axis=1) / np.sqrt(every.shape[1])
     left = {axle: float(lasting[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}

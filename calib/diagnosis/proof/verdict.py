@@ -22,18 +22,13 @@ from calib.diagnosis.search.terms import Ranked, ranked_terms, with_terms
 
 NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
 
-_STRANGE = 8.0
-"""Scatter of the mean squared innovation from which a cause is present, whatever replays show."""
-
+_STRANGE = 8.0  # scatters of the mean squared innovation from which a cause is sure
+_CLOSED = 0.75  # share of the gap and of the excess that effects must close which leave something
 _FAR = 3.0
 """Gap of the replays, in units of the noise, from which something is left beside what is named,
 whatever innovations of one step show; twice that where nothing is named. With nothing hidden the
 errors of the parameters leave up to 4.2, on a plant with other forms of tyre than here; see
 tests/studies/naming.py."""
-
-_CLOSED = 0.75
-"""Share of the gap, and of what the innovations hold beyond noise, that effects must close which
-leave something."""
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,7 @@ FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
 """Least noise (6,) of the channels, in their units: a simulated log may have none, and no car is
 described to better than that."""
 
-BLOCK = 0.5
-"""Span of a mean [s]: several times the correlation time of a road's noise, a part of a stop."""
+BLOCK = 0.5  # span of a mean [s]: several times the correlation time of a road, a part of a stop
 
 
 @dataclass(frozen=True, eq=False)

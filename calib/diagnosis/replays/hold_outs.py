@@ -19,9 +19,8 @@ from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
 from calib.model.replay import replay
 
-_ROUNDS, _NEAR = 3, 1.0
-"""Rounds at most in which hold-outs are placed, and the step, in standard deviations, after which a
-line holds."""
+_ROUNDS = 3  # in which hold-outs are placed, at most
+_NEAR = 1.0  # step, in standard deviations, after which a linear model holds
 
 
 @dataclass(frozen=True)

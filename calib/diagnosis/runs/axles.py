@@ -2,11 +2,8 @@
 
 Where the rear wheels slip more than the front ones, the wheel speeds are swapped, or something
 brakes the rear wheels, such as a motor, which is an effect with a name. The more probable one is
-believed:
-
-    the logs as given, by what a search found      against      the logs with their axles exchanged
-
-with what promises most without a search: a few effects of the first ranking, or none.
+believed: the logs as given, by what a search found, or with their axles exchanged, by the best of a
+few effects of the first ranking, or of none.
 """
 
 from collections.abc import Sequence
@@ -21,19 +18,16 @@ from calib.diagnosis.search.rank import promises, trials
 from calib.diagnosis.search.search import Search
 from calib.logs.log import Log
 
-SWAPPED = "axles_swapped"
-"""Code of the warning of eta that goes the wrong way."""
-
-_FITTED = 3
+SWAPPED = "axles_swapped"  # code of the warning of eta that goes the wrong way
+_FITTED = 3  # explanations of exchanged logs
 
 
 def require_right_axles(
     search: Search, logs: Sequence[Log], warnings: Sequence[PlausibilityWarning]
 ) -> None:
-    """Raise LogError if the ``logs`` of a search, hold-outs too, are swapped.
+    """Raise LogError if the ``logs`` of a search, hold-outs too, are swapped, some or all.
 
-    Nothing is tried without ``warnings`` of eta that goes the wrong way. Those logs are exchanged,
-    or all of them.
+    Some are those whose eta goes the wrong way by the ``warnings``; without any, nothing is tried.
     """
     told = {one.log: one for one in warnings if one.code == SWAPPED}
     if not told:

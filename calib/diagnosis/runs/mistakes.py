@@ -48,10 +48,7 @@ SEARCHED = (
 """Codes of what effects, pads or roads make as well as mistakes do. Where the diagnosis explains
 the logs, it has named their cause, and nothing is warned of."""
 
-REFUSED = (*NO_SPEED, "lost_pulses")
-"""Codes of a speed that says nothing of the car, and of pulses that a wheel loses: the mean of that
-looks like another radius."""
-
+REFUSED = (*NO_SPEED, "lost_pulses")  # the mean of a wheel that loses pulses is another radius
 _STRONGER = 2.5
 """Brakes of a log over those of the others [1], or the inverse, that no pads make: soaked ones
 lose half, and the effects of the catalogue, three at a time, moved a log by 1.6 at most."""

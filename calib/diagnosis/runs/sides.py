@@ -2,11 +2,9 @@
 
     omega_l/omega_r, unbraked, over all logs --> half of it to each side
 
-Tyres of one axle differ by 0.1 % in radius as they wear, and by 0.5 % if one is new, which is ten
-times and more what a sensor of speed shows over a log. It would hide every other effect. Radii of
-the axles are not touched: their mismatch is an effect. A brake that drags on one wheel looks alike,
-but it also slows the car: an explanation of logs with even sides in which something slows the car,
-or is left, may be that brake, unless the difference is as small as tyres of one age make it.
+They differ by ten times and more what a sensor of speed shows over a log, which would hide every
+other effect. Radii of the axles are not touched: their mismatch is an effect. A brake that drags on
+one wheel looks alike, but it also slows the car.
 """
 
 from collections.abc import Sequence
@@ -18,9 +16,9 @@ from calib.base.names import AXLES
 from calib.logs.log import Log
 from calib.run.driving_record import driving_record
 
-USUAL, LARGEST = 1e-3, 5e-3
-"""Difference of the sides [1] that tyres of one age make, and the largest that tyres make; a seized
-brake makes 0.1 to 0.8 %."""
+# differences of the sides [1]; a seized brake makes 0.001 to 0.008
+USUAL = 1e-3  # that tyres of one age make as they wear
+LARGEST = 5e-3  # that one new tyre makes
 
 
 def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], dict[str, float]]:

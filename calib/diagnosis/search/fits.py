@@ -15,9 +15,7 @@ from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays.hold_outs import placed
 from calib.diagnosis.search.rank import Promise
 
-_PRUNED = 20.0
-"""What ln of the evidence of a hypothesis can gain where its effects that are not worth their price
-are taken out."""
+_PRUNED = 20.0  # what ln of the evidence can gain where effects not worth their price are left out
 
 
 @dataclass

@@ -23,8 +23,7 @@ from calib.diagnosis.explanation.own import KINDS, sizes
 
 Names = NDArray[np.str_]
 
-_WIDE = 40
-"""Pairs to which a third effect is added."""
+_WIDE = 40  # pairs to which a third effect is added
 
 
 @dataclass(frozen=True)
@@ -38,10 +37,7 @@ class Promise:
 
 @dataclass(frozen=True)
 class Trial:
-    """An effect by ``name`` at a ``point`` in spreads of its card.
-
-    And how that ``changes`` the innovations (n,) of each log.
-    """
+    """An effect at a ``point`` in spreads of its card, and what it ``changes`` (n,) in each log."""
 
     name: str
     point: Array
@@ -61,10 +57,7 @@ def trials(at: Explanation, names: Iterable[str] | None = None) -> list[Trial]:
 
 
 def _tried(at: Explanation, name: str) -> list[Trial]:
-    """An effect where its parameters count, then with each of the further ones a spread away.
-
-    At full strength, with both signs where the card allows.
-    """
+    """An effect at full strength of either sign, then with each further parameter a spread away."""
     elements, out = elements_of(at.problem.vehicle.effects, name), []
     wider, unit = replace(at.hypothesis, names=(*at.names, name)), np.eye(len(elements))
     shifts = [0.0 * unit[0], *(s * other for other in unit[1:] for s in (-1.0, 1.0))]

@@ -30,21 +30,12 @@ SURE = 10.0
 """ln of the odds, of calibration logs and hold-outs together, from which more is believed, and
 something else is ruled out."""
 
-_SHARE = 0.05
-"""Share of all that is left which a cause of it takes at least."""
-
-_WIDER, _WITHIN = 0.25, 0.5
-"""Share by which an explanation may widen the gap of the replays on the way to a better one, and
-what it may at least, in units of the noise."""
-
-_FRESH = 8
-"""Further effects that are tried anew beside every explanation; others are as without effects."""
-
-_MOST = 12
-"""Moves at most."""
-
-_QUIETER = 0.9
-"""Share of a channel's noise below which it is quieter with an explanation than without."""
+_SHARE = 0.05  # share of all that is left which a cause of it takes at least
+_WIDER = 0.25  # share by which an explanation may widen the gap on the way to a better one
+_WITHIN = 0.5  # what it may widen it by at least, in units of the noise
+_FRESH = 8  # further effects tried anew beside every explanation; others are as without effects
+_MOST = 12  # moves at most
+_QUIETER = 0.9  # share of a channel's noise below which an explanation leaves it quieter
 
 _WRONG = 0.5
 """Share of what a hypothesis gains by which a linear model is wrong about it at most, of an effect
@@ -225,9 +216,8 @@ class Search:
     def exchanged(self) -> list[Explanation]:
         """One or two effects, or other kinds, in the place of a part of the best explanation.
 
-        Or two where it has none. A part may have stood for two. Where one is taken out a linear
-        model may be far wrong, so its two best promises are tried whatever they promise; two
-        effects must promise more.
+        Or two where it has none. A part may have stood for two. Without it a linear model may be
+        far wrong, so the best two are tried whatever they promise; two effects must promise more.
         """
         best, news = self.best, []
         parts, other = len(best.names), bool(best.hypothesis.kinds)
@@ -282,9 +272,7 @@ class Search:
 
 
 def _with_alike(at: Explanation) -> Explanation:
-    """The explanation with logs that are alike in what they usually differ in, where that is more
-    probable.
-    """
+    """The explanation with logs alike in what they usually differ in, where that is likelier."""
     some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
     options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
     best = max(options, key=lambda one: at.marginal(sizes=one.sizes).evidence())

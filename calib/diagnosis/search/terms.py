@@ -2,11 +2,9 @@
 
     pulses along every log --> place x driver --> knots, values a random walk --> evidence
 
-A place (brakes, wheels, body) is given a function of a driver (pressure, speed, temperature,
-distance, time since the bite or the start, deceleration, or none). Every driver is a function of
-time along a log, so what short pulses do to the innovations tells what any function of any driver
-does. Increments from knot to knot are normal; their size is the one that the logs make most
-probable. The term describes; it is no physical cause.
+Every driver is a function of time along a log, so what short pulses do to the innovations tells
+what any function of any driver does. Increments from knot to knot are normal; their size is the one
+that the logs make most probable. The term describes; it is no physical cause.
 """
 
 from collections.abc import Sequence
@@ -19,29 +17,23 @@ from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.braking import BITE
 from calib.car.effects.effects import EmpiricalTerm
-from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, driver_along, drivers_of
+from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation, innovations
 from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.hypothesis import PRICE, Walk
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
-_KNOTS = 20
+_BASIC = tuple(place for place in PLACES if place != "brakes")  # places that are no sum of others
+_KNOTS = 20  # of a driver
 _WALKS = {True: (0.003, 0.01, 0.03, 0.1), False: (0.0003, 0.001, 0.003, 0.01)}
-"""Standard deviations of an increment that are tried: of a brake torque, of a force over the weight
-[1]."""
+"""Standard deviations of an increment [1]: of a brake torque, and of a force over the weight."""
 
-_PULSE, _APART = 0.1, 10
-"""Half the width of a pulse [s], and how many such from one pulse of a comb to the next."""
-
-_BEFORE, _AFTER = 0.3, 0.7
-"""Times [s] before and after the middle of a pulse in which it moves the innovations."""
-
-_STEP = 0.02
-_FITTED = 2
-
-_BASIC = tuple(place for place in PLACES if place != "brakes")
-"""Places that are no sum of others."""
+_PULSE = 0.1  # half the width of a pulse [s]
+_APART = 10  # such halves from one pulse of a comb to the next
+_BEFORE, _AFTER = 0.3, 0.7  # times [s] around the middle of a pulse in which it moves innovations
+_STEP = 0.02  # height of a pulse [1]
+_FITTED = 2  # terms that are fitted
 
 
 @dataclass(frozen=True)
@@ -59,16 +51,15 @@ def ranked_terms(at: Explanation) -> list[Ranked]:
     for done, (place, of_place) in enumerate(zip(_BASIC, found, strict=True)):
         at.problem.tell("looking for the place of what is left", done, len(_BASIC))
         pulses[place] = of_place
-    spots = [
-        (place, driver)
+    # with the deceleration that is predicted: the noise of a measured one would predict itself
+    predicted = [predict(at.problem.vehicle, at.base, at.effects, run) for run in at.runs]
+    histories = [replace(run, z=-p.a_x / G) for run, p in zip(at.runs, predicted, strict=True)]
+    ranked = [
+        _ranked(at, place, driver, pulses, histories)
         for driver in DRIVERS
         for place in PLACES
         if driver != "temperature" or _warm(at, place)
     ]
-    # with the deceleration that is predicted: the noise of a measured one would predict itself
-    predicted = [predict(at.problem.vehicle, at.base, at.effects, run) for run in at.runs]
-    histories = [replace(run, z=-p.a_x / G) for run, p in zip(at.runs, predicted, strict=True)]
-    ranked = [_ranked(at, *spot, pulses, histories) for spot in spots]
     return sorted(ranked, key=lambda one: -one.log_gain)
 
 
@@ -145,8 +136,7 @@ def _ranked(
     for i, run in enumerate(histories):
         of_parts = []
         for part in parts:
-            (axle,) = DISCS[PLACES[part]]
-            along = driver_along(run, driver, axle)
+            (along,) = drivers_of(part, driver, run)
             along = np.interp(_middles(run), run.time - run.time[0], along)
             weights = np.stack([np.interp(along, knots, hat) for hat in np.eye(knots.size)])
             of_parts.append(weights @ pulses[part][i])

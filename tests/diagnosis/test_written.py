@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from calib.diagnosis.undecided import Alike, Confusion, Pair, ShowingDrive, Size
-from calib.diagnosis.written.document import text_of, to_dict
+from calib.diagnosis.written import text_of, to_dict
 from calib.show.diagnosis import KINDS
 from tests.support.documents import missing_and_unknown
 from tests.support.written_diagnosis import MARKUP, named_drag
 
-PAGE = Path(__file__).parents[3] / "calib" / "manual" / "diagnosis.md"
+PAGE = Path(__file__).parents[2] / "calib" / "manual" / "diagnosis.md"
 
 
 @pytest.fixture(scope="module")

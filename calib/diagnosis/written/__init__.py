@@ -1,1 +1,0 @@
-"""A diagnosis as it is written down: document, words, folder."""
