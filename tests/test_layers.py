@@ -21,7 +21,7 @@ ROOMS = """
     fitting
     store
     exports estimation
-    diagnosis
+    ecu diagnosis
     line
     show
     help

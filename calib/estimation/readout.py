@@ -6,7 +6,7 @@ What is handed out: the same numbers for every command, and for an ECU without a
 """
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -113,33 +113,20 @@ def read_out(
     which known effects are taken out of it; ``with_v`` whether the reference speed is used where it
     is logged.
     """
-    car = table.vehicle
-    brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
-    front, rear = car.front, car.rear
-    road = block_balance(car, known_effects(table), b)
-    driven = known_slips(table, road)
-    x = Sample(
-        demand=road.demanded / car.weight,
-        nominal=(brake_f + brake_r) / car.weight,
-        pressure=np.maximum(b.p_f, b.p_r),
-        z=b.z,
-        eta=b.eta / speed_ratio(*driven),
-        rim=np.maximum(front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
-        rear_share=road.load_r / car.weight,
-        v=b.v if with_v and b.v is not None else np.full(b.end.size, np.nan),
-        disturbed=disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1) * 1.0,
-        log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
-    )
+    worst = disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1)
+    x = given(table, b, worst, with_v=with_v)
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
     answers, at = run(c, x), b.last_complete(s.time)
-    share, then = front_share(car, x.log_odds), table.calibration
+    car, then = table.vehicle, table.calibration
+    front, rear = car.front, car.rear
+    share = front_share(car, x.log_odds)
     filed = np.array([front.pad_friction, rear.pad_friction])
     ramp = np.array([then.pad_friction_f.value, then.pad_friction_r.value])
     # over the ramp's pads: the tyres are those of today, and fall out
     scaled = (filed, answers.ratio), (filed / ramp, answers.change + then.pad_log_ratio.value)
     pads, changed = (
-        (by[:, None, None] * _pads(share, answers.level, ratio))[..., at] for by, ratio in scaled
+        (by[:, None, None] * pads_of(share, answers.level, ratio))[..., at] for by, ratio in scaled
     )
     level, ratio = np.exp(answers.level)[:, at], np.exp(answers.ratio)[:, at]
     gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
@@ -152,7 +139,32 @@ def read_out(
     return Readout(x, answers.at(at), *itertools.starmap(Bounded, bounded))
 
 
-def _pads(share: Array, level: Array, ratio: Array) -> Array:
+def given(table: Table, b: Blocks, disturbed: Index, *, with_v: bool) -> Sample[Array]:
+    """What the step is given of each block (k,), with the resistance and slips that are known.
+
+    ``disturbed`` number of a `Reason` of each (k,); the rest as of `read_out`.
+    """
+    car = table.vehicle
+    if not with_v:
+        b = replace(b, v=None, speed=car.rear.rolling_radius * b.omega_r)
+    brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
+    road = block_balance(car, known_effects(table), b)
+    driven = known_slips(table, road)
+    return Sample(
+        demand=road.demanded / car.weight,
+        nominal=(brake_f + brake_r) / car.weight,
+        pressure=np.maximum(b.p_f, b.p_r),
+        z=b.z,
+        eta=b.eta / speed_ratio(*driven),
+        rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
+        rear_share=road.load_r / car.weight,
+        v=np.full(b.end.size, np.nan) if b.v is None else b.v,
+        disturbed=disturbed.astype(np.float64),
+        log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
+    )
+
+
+def pads_of(share: Array, level: Array, ratio: Array) -> Array:
     """Front and rear pads over those of the file [1], each with bounds (2, 3, k).
 
     ``share`` of the front axle with the file's pads (k,), ln of ``level`` and ``ratio`` (3, k).

@@ -35,6 +35,7 @@ class Reason(IntEnum):
     JUST_APPLIED = 6, "the brake has just been applied"
     NO_PAD = 7, "no pad has such a friction"
     BEYOND_MAP = 8, "no stop that the table knows shows such an eta"
+    FAULT = 9, "a sensor is out of its range or frozen"
 
 
 STEERING = float(np.deg2rad(5.0))

@@ -6,7 +6,7 @@ The verdict rests on what an ECU makes of the table, as it is exported. Truth pr
 speed can contradict it, but shares the ramp with it; without both it is consistent, not proved.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,6 +19,7 @@ from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.exchanged import SURE, exchanged
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import Figures, baseline_errors, counted_samples, score, share
+from calib.estimation.readout import Readout
 from calib.estimation.warnings import warnings_of
 from calib.logs.log import Log
 from calib.plausibility.run import wrong_speed
@@ -157,8 +158,12 @@ def validate_one(
     *,
     mass: float | None = None,
     exported: Table | None = None,
+    coded: Callable[[Estimate, Log], Readout] | None = None,
 ) -> Validation:
-    """Run, score and judge one log."""
+    """Run, score and judge one log.
+
+    ``coded`` is what the code of an ECU makes of it, if that counts.
+    """
     seen = observe(log, full=False)
     if reasons := problems(seen, "validate"):
         what = "this run cannot be used for a validation: " + "; ".join(reasons)
@@ -167,6 +172,8 @@ def validate_one(
         require_same_car(table.vehicle, vehicle, weighed=mass is not None)
     result = estimate(table, log, vehicle, mass=mass, exported=exported)
     require_same_wheels(result.car, log, result.read)
+    if coded is not None:
+        result = replace(result, ecu=coded(result, log))
     columns = tuple(exchanged(log.name, table, result, seen.wheels))
     warnings = (
         *clock_gaps(log.name, seen),

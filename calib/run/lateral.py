@@ -15,7 +15,7 @@ from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
 
-_LATERAL_TIME = 0.2  # over which the wheels are compared [s]: their noise alone is 1 m/s^2
+LATERAL_TIME = 0.2  # over which the wheels are compared [s]: their noise alone is 1 m/s^2
 
 
 def sides(log: Log) -> Array:
@@ -42,4 +42,4 @@ def lateral(
     # the outer wheel carries 2 h/(g l_w) a_y more of its load and slips less, the inner one more
     leaned = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)
     turned = (sides(log) - straight) / (geometric + leaned)
-    return low_pass(turned, s.sample_time, _LATERAL_TIME)
+    return low_pass(turned, s.sample_time, LATERAL_TIME)

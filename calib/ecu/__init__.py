@@ -1,0 +1,1 @@
+"""The estimator of the table as C for an ECU, and what it is proved against."""

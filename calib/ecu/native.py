@@ -1,0 +1,105 @@
+"""The C code of an ECU, compiled for this machine and run on logs.
+
+bte.c + bte_car.c --cc--> shared object --ctypes--> answers of every sample
+"""
+
+import ctypes
+import os
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.errors import ProgramError
+from calib.ecu.car_source import Width, car_source
+from calib.ecu.online import RANGES
+from calib.estimation.estimator import Estimate
+from calib.estimation.readout import Bounded, Readout
+from calib.logs.log import Log
+from calib.table.table import Table
+
+SOURCE = Path(__file__).parent / "source"
+OUTPUTS = 1 + 3 * 7
+"""Numbers that the code answers with: a reason, and seven quantities with their bounds."""
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
+"""Without contraction every compiler gives the same bits."""
+
+
+def compiler() -> str:
+    """The C compiler of this machine: $CC, else cc. Raises ProgramError where there is none."""
+    named = os.environ.get("CC") or "cc"
+    if (found := shutil.which(named)) is None:
+        raise ProgramError(
+            "no C compiler",
+            where=named,
+            expected="cc on PATH, or CC",
+            do="install gcc or clang: `apt install gcc`, `xcode-select --install`, or MSYS2",
+        )
+    return found
+
+
+def config(width: Width) -> str:
+    """bte_config.h."""
+    return f"#define BTE_FLOAT {width.bits}\n#define BTE_CELL {width.cell}\n"
+
+
+@dataclass(frozen=True)
+class Native:
+    """The code of a table at a sample time [s], in a precision."""
+
+    table: Table
+    sample_time: float
+    width: Width
+
+    @cached_property
+    def library(self) -> ctypes.CDLL:
+        """The shared object. Raises ProgramError where it cannot be compiled."""
+        cc = compiler()
+        with TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "bte_config.h").write_text(config(self.width))
+            source = car_source(self.table, self.sample_time, self.width, "compiled for a test")
+            (folder / "bte_car.c").write_text(source)
+            files = [SOURCE / "bte.c", SOURCE / "bte_run.c", folder / "bte_car.c"]
+            made = folder / "bte.so"
+            paths = [f"-I{folder}", f"-I{SOURCE}", *map(str, files), "-o", str(made), "-lm"]
+            done = subprocess.run([cc, *FLAGS, *paths], capture_output=True, text=True, check=False)
+            if done.returncode:
+                raise ProgramError("the C code does not compile", where=cc, do=done.stderr[-400:])
+            return ctypes.CDLL(str(made))
+
+    def run(self, samples: Array) -> Array:
+        """Answers (n, 22) to samples (n, 7), as `bte_run` has them."""
+        real = np.float64 if self.width.bits == 64 else np.float32
+        given = np.ascontiguousarray(samples, real)
+        told = np.empty((len(given), OUTPUTS), real)
+        pointers = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))
+        first, last = pointers
+        self.library.bte_run(first, ctypes.c_uint32(len(given)), last)
+        return told.astype(np.float64)
+
+    def readout(self, e: Estimate, log: Log) -> Readout:
+        """What the code makes of a log, in the place of what an estimate has of the ECU.
+
+        The change since the ramp, which the code does not have, stays that of the estimate.
+        """
+        told = self.run(samples_of(log)).T
+        parts = (Bounded(*told[i : i + 3]) for i in range(1, OUTPUTS, 3))
+        level, ratio, pads_f, pads_r, torque_f, torque_r, torque_sum = parts
+        return replace(
+            e.ecu, step=e.ecu.step._replace(reason=told[0]),
+            level=level, ratio=ratio, pads_f=pads_f, pads_r=pads_r,
+            torque_f=torque_f, torque_r=torque_r, torque_sum=torque_sum,
+        )  # fmt: skip
+
+
+def samples_of(log: Log) -> Array:
+    """What an ECU would read in a log (n, 7), by the channels of `RANGES`."""
+    nothing = np.zeros_like(log.time)
+    return np.stack([log.channels.get(name, nothing) for name in RANGES], axis=1)

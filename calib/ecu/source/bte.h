@@ -1,0 +1,167 @@
+/* Brake torque of each axle from wheel speeds, deceleration and pressure: the estimator of brake-cal.
+ *
+ *     sample --means over a block--> zeros, level, lag, slip, ratio --> pad friction, torque, bounds
+ *
+ * Every number of a car is in `bte_car`, which bte_car.c defines. SI units. No memory is allocated,
+ * nothing is recursive, and of the C library only sqrt is called. One task calls all functions of
+ * one `bte_state`.
+ *
+ *     static bte_state state;
+ *     bte_output out;
+ *     bte_init(&state, &bte_this_car);            at power-on, and after a reset
+ *     bte_step(&state, &sample, &out);            once every `sample_time` of the car
+ */
+#ifndef BTE_H
+#define BTE_H
+
+#include <stdint.h>
+
+#include "bte_config.h" /* BTE_FLOAT: 32 or 64; BTE_CELL: type of the cells of the maps */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if BTE_FLOAT == 64
+typedef double bte_real;
+#else
+typedef float bte_real;
+#endif
+typedef BTE_CELL bte_cell;
+
+/* Defined before this file, it makes calibration data volatile, so that a tool may change them. */
+#ifndef BTE_CAL
+#define BTE_CAL const
+#endif
+
+/* Why an answer does not stand: the first that applies. */
+typedef enum {
+    BTE_VALID = 0,
+    BTE_NOT_BRAKED = 1,   /* the pressure is low */
+    BTE_TURNED = 2,       /* the wheel is turned */
+    BTE_CORNERS = 3,      /* the car corners */
+    BTE_LOCKED = 4,       /* a wheel locks, or ABS works; for 1 s after it, too */
+    BTE_SLOW = 5,         /* below 3 m/s, and at rest */
+    BTE_JUST_APPLIED = 6, /* the brake has just been applied */
+    BTE_NO_PAD = 7,       /* no pad has such a friction */
+    BTE_BEYOND_MAP = 8,   /* no stop that the table knows shows such an eta */
+    BTE_FAULT = 9         /* a sensor is out of its range, no number, or frozen */
+} bte_reason;
+
+enum { BTE_FL, BTE_FR, BTE_RL, BTE_RR, BTE_WHEELS };
+enum { BTE_FRONT, BTE_REAR, BTE_AXLES };
+enum { BTE_MEDIAN, BTE_LOWER, BTE_UPPER, BTE_BOUNDS };
+
+/* What the sensors read at one time. */
+typedef struct {
+    bte_real p_mc;              /* master-cylinder pressure [Pa], -1e6 to 4e7 */
+    bte_real a_x;               /* acceleration, forward positive [m/s^2], -30 to 30 */
+    bte_real omega[BTE_WHEELS]; /* wheel speeds [rad/s], -50 to 500 */
+    bte_real steering;          /* angle at the driver's wheel [rad]; 0 where nobody measures it */
+} bte_sample;
+
+/* Medians with 95 % bounds. All numbers are finite, whatever `reason` says. */
+typedef struct {
+    bte_reason reason;
+    bte_real level[BTE_BOUNDS];                      /* brake torque over that of the file's pads [1] */
+    bte_real ratio[BTE_BOUNDS];                      /* front pads over rear pads [1] */
+    bte_real pad_friction[BTE_AXLES][BTE_BOUNDS];    /* [1] */
+    bte_real brake_torque[BTE_AXLES][BTE_BOUNDS];    /* of one wheel of the axle [N m] */
+    bte_real brake_torque_sum[BTE_BOUNDS];           /* of all wheels [N m] */
+} bte_output;
+
+/* A value over rising points. Maps are read linearly between cells and held beyond their ends. */
+typedef struct {
+    BTE_CAL bte_real *x;
+    uint16_t count;
+} bte_axis;
+
+typedef struct {
+    bte_real noise_rim, noise_z; /* densities of the sensors' noise [m/s s^0.5], [s^0.5] */
+    bte_real memory, before_bite, untouched, settle, least_pressure, least_z, usual_z, least_mean_z;
+    bte_real least_share, least_level, most_level, level_sigma, level_walk, fade, fade_walk, jump;
+    bte_real level_rough, lag, lag_sigma, lag_rough, least_lag, apart, zero, offset, bias_walk;
+    bte_real grade_walk, scale, scale_sigma, ageing, unlike, slip_rough, log_slip, log_slip_sigma;
+    bte_real slip_walk, slip_bends; /* see calib/estimation/constants.py */
+    bte_real bite, moving, steady, radius_walk, steering, lateral, lock, recover;
+} bte_tuning;
+
+typedef struct {
+    bte_tuning tuning;
+    bte_real sample_time;            /* [s] */
+    uint16_t samples, waiting;       /* in a block; blocks before a bite on which no zero rests */
+    bte_real weight;                 /* [N] */
+    bte_real load_f, load_r, height; /* axle loads at rest and load that moves at 1 g, over weight [1] */
+    bte_real track_width, cg_height; /* [m] */
+    bte_real drag;                   /* air drag over the square of the speed [N s^2/m^2] */
+    bte_real drag_lift;              /* load that moves from front to rear by drag [1] */
+    bte_real rolling, rolling_growth; /* resistance over load [1], and how it grows with v^2 */
+    bte_real radius[BTE_AXLES], inertia[BTE_AXLES]; /* [m], of one wheel [kg m^2] */
+    bte_real torque_gain[BTE_AXLES]; /* torque of one wheel over pressure and friction [m^3] */
+    bte_real pad_friction[BTE_AXLES]; /* of the vehicle file [1] */
+    bte_real ramp_ratio, log_ratio;  /* ln of the pads' ratio on the ramp: of the draws, of the fit */
+    bte_axis tyre;                   /* normalised force, and the slip at it [1] */
+    BTE_CAL bte_real *tyre_slip;
+    bte_axis z, shift, slip;         /* axes of the map of the ratio */
+    BTE_CAL bte_cell *ratio[BTE_BOUNDS], *slip_mean, *slip_sigma; /* cells times step are values */
+    bte_real ratio_step[BTE_BOUNDS], slip_mean_step, slip_sigma_step;
+    bte_axis level_z;                /* of the level, and of the ratio before eta is read */
+    BTE_CAL bte_cell *level[BTE_BOUNDS], *before[BTE_BOUNDS];
+    bte_real level_step[BTE_BOUNDS], before_step[BTE_BOUNDS];
+} bte_car;
+
+/* A Gaussian that walks: what a signal reads while nothing brakes. */
+typedef struct {
+    bte_real value, variance;
+} bte_zero;
+
+/* Means over a block, as the estimator takes them in. */
+typedef struct {
+    bte_real demand, nominal, pressure, z, eta, rim, rear_share, log_odds;
+    bte_reason disturbed;
+} bte_block;
+
+/* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
+typedef struct {
+    const bte_car *car;
+    bte_zero demand, eta;
+    bte_real level[9], speed[14];
+    uint8_t anchored, waits, started, block_full;
+    struct {
+        bte_real demand, eta, rim;
+    } waiting[4];
+    bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
+    bte_real kept[BTE_BOUNDS], age, level_then;
+    /* of the front end */
+    bte_sample last;
+    bte_real before[BTE_WHEELS][2], lateral, since_lock, p_held, held;
+    bte_real sum_p, sum_z, sum_omega[BTE_AXLES], omega[BTE_AXLES];
+    uint16_t count;
+    bte_reason worst;
+    /* the answer of the last block */
+    bte_reason reason;
+    bte_real level_told[BTE_BOUNDS], ratio_told[BTE_BOUNDS], pads[BTE_AXLES][BTE_BOUNDS];
+} bte_state;
+
+/* Forget everything. */
+void bte_init(bte_state *state, const bte_car *car);
+
+/* Take in a sample, and answer. */
+void bte_step(bte_state *state, const bte_sample *sample, bte_output *out);
+
+/* Take another car's numbers, at rest only: returns 1 and forgets everything, or 0 while it rolls. */
+int bte_exchange(bte_state *state, const bte_car *car);
+
+/* Take in the means of a block, for an ECU that makes them itself: `bte_told` then answers. */
+void bte_take(bte_state *state, const bte_block *block);
+
+/* The answer of the last block, with the torques at a pressure [Pa]. */
+void bte_told(const bte_state *state, bte_real p_mc, bte_output *out);
+
+extern const bte_car bte_this_car;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

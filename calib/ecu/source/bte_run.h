@@ -1,0 +1,20 @@
+#ifndef BTE_RUN_H
+#define BTE_RUN_H
+
+#include "bte.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* p_mc, a_x, four wheel speeds, steering; reason, then seven answers with their bounds. */
+enum { BTE_INPUTS = 7, BTE_OUTPUTS = 22 };
+
+/* Run `count` rows of inputs from the start into rows of outputs. */
+void bte_run(const bte_real *samples, uint32_t count, bte_real *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
