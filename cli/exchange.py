@@ -1,18 +1,22 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
 from cli.options import Table, Tables, argument, option, table_versions
-from cli.outputs import refuse_foreign, writing
+from cli.outputs import EITHER, check_file, check_folder, refuse_foreign, writing
 from cli.sign import Signed
+
+if TYPE_CHECKING:
+    from calib.store.version import Stored
 
 
 @command(
     "brake-cal tables export sedan-2up --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
+    "brake-cal tables export sedan-2up --format ecu --float --sample-time 0.005 --out bte",
 )
 def export(
     table: Table,
@@ -22,10 +26,12 @@ def export(
         "F",
         "--format",
     ),
-    out: Path = option("File to write.", "FILE", writes=""),
+    out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     points: int | None = option("Breakpoints on each axis, least error; else all rows.", "N"),
-    bits: int | None = option("8, 16 or 32; for c-header, a2l.", "BITS", "--fixed-point"),
-    single: bool = option("Single precision; for c-header, a2l.", None, "--float"),
+    bits: int | None = option("8, 16 or 32; for c-header, a2l, ecu.", "BITS", "--fixed-point"),
+    single: bool = option("Single precision; for c-header, a2l, ecu.", None, "--float"),
+    sample_time: float | None = option("Time from call to call [s], 0.01; for ecu.", "S"),
+    prefix: str | None = option("Of all labels and files, bte; for ecu.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an a2l.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     without_effect: list[str] = option("Known effect that no ECU senses; repeatable.", "NAME"),
@@ -40,11 +46,20 @@ def export(
     state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     from calib.base.errors import ExchangeError
+    from calib.exports.export import CODE, require_released
     from calib.exports.export import export as write
     from calib.store.evidence import UNPROVED, read_quality
 
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
+    if (form or "").lower() == CODE:
+        if elf or validation:
+            raise misuse("the code has no addresses and no state of a validation", "--format")
+        require_released(stored, without_effect, unreleased=unreleased)
+        return _code(stored, out, points, bits, single, sample_time or 0.01, prefix or "bte")
+    if sample_time or prefix:
+        raise misuse(f"for --format {CODE} alone", "--sample-time, --prefix")
+    check_file(out)
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
     quality = read_quality(validation, stored) if validation else UNPROVED
@@ -60,6 +75,29 @@ def export(
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
     for remark in written.remarks:
         say(remark)
+    return Answer(written.to_dict(), repr(written))
+
+
+def _code(
+    stored: "Stored",
+    out: Path,
+    points: int | None,
+    bits: int | None,
+    single: bool,
+    sample_time: float,
+    prefix: str,
+) -> Answer:
+    """Write the estimator as C, with the numbers of a table."""
+    from calib.base.errors import ExchangeError
+    from calib.ecu.bundle import names, write_bundle
+    from calib.ecu.car_source import Width
+    from calib.table.exported import Precision
+
+    with at_option("--points, --fixed-point, --float, --sample-time, --prefix", ExchangeError):
+        width = Width.of(Precision(points, bits, single))
+        check_folder(out, names(prefix))
+        with writing(out):
+            written = write_bundle(stored, out, width, sample_time, prefix)
     return Answer(written.to_dict(), repr(written))
 
 

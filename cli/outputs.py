@@ -20,6 +20,8 @@ OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """What a disk says that takes no more; nothing is wrong with the command line."""
 PAGES = (".html", ".htm")
+EITHER = "either"
+"""Kind of an output that is a file or a folder, by other options: the command looks at a folder."""
 
 
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
@@ -27,7 +29,7 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
     endings = _endings(kind)
     if endings and out.suffix.lower() not in endings:
         raise misuse(f"{out} must end in {', '.join(endings)}", option)
-    if out.is_dir():
+    if out.is_dir() and kind != EITHER:
         raise misuse(f"cannot write {out}: it is a directory", option)
     _refuse_parent(out, option)
     _refuse_inputs([out], option)

@@ -13,8 +13,13 @@ from cli.outputs import check_folder, stems_of, writing
 from cli.sign import Signed
 
 if TYPE_CHECKING:
-    from calib.estimation.validate import Validation
+    from calib.estimation.validate import Coded, Validation
     from calib.logs.log import Log
+    from calib.table.exported import Precision
+    from calib.table.table import Table
+
+CODES = ("ecu",)
+"""What may run in the place of the program's own estimator."""
 
 
 @command(
@@ -36,6 +41,9 @@ def validate(
     points: int | None = option("As exported with so many breakpoints on each axis.", "N"),
     bits: int | None = option("As exported in 8, 16 or 32 bits.", "BITS", "--fixed-point"),
     single: bool = option("As exported in single precision.", None, "--float"),
+    code: str | None = option(
+        "Run the exported code, compiled here; `ecu`.", "ecu", "--as", known=f"{__name__}:CODES"
+    ),
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: options.Map,
     signed: Signed,
@@ -43,9 +51,9 @@ def validate(
     """Run the estimator with a table on other logs, and judge what an ECU makes of it.
 
     The ECU has no speed, and the table as it is exported with the same --points, --fixed-point or
-    --float. Without true torques or a speed in the logs nothing is proved, and that is said.
-    Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
-    one that the table was fitted on.
+    --float; with --as ecu it is the C code of `tables export --format ecu`. Without true torques or
+    a speed in the logs nothing is proved, and that is said. Exit code 0 if every log holds its
+    limits, with warnings or without, 1 if one does not, or is one that the table was fitted on.
     """
     from dataclasses import replace
 
@@ -76,10 +84,11 @@ def validate(
     car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
     used = replace(stored.table, vehicle=car)
     how, exported = None, None
-    if points is not None or bits is not None or single:
+    if points is not None or bits is not None or single or code:
         with at_option("--points, --fixed-point, --float", ExchangeError):
-            how = Precision(points, bits, single)
+            how = Precision(points, bits, single, code is not None)
             exported = as_exported(used, how)
+    coded = _coded(used, how) if how and how.code else None
     runs: list[Log] = []
     results: list[Validation] = []
     refused: list[LogError] = []
@@ -89,7 +98,9 @@ def validate(
             try:
                 run = read(path, channel_map)
                 refuse_copy(run, [], runs)
-                found = validate_one(used, run, vehicle, limits, mass=mass, exported=exported)
+                found = validate_one(
+                    used, run, vehicle, limits, mass=mass, exported=exported, coded=coded
+                )
                 results.append(found)
                 runs.append(run)
             except LogError as error:
@@ -111,3 +122,12 @@ def validate(
 
     failed = FAILED * (not all(result.passed for result in results))
     return Answer(summary, facts(stored, results, how), failed, page)
+
+
+def _coded(table: "Table", how: "Precision") -> "Coded":
+    """The exported code of a table, compiled for this machine. Ends with 2 where it cannot be."""
+    from calib.base.errors import ProgramError
+    from calib.ecu.native import coded
+
+    with at_option("--as", ProgramError):
+        return coded(table, how)

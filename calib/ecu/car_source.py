@@ -5,6 +5,7 @@ is what `calib.table.exported` reads back.
 """
 
 from dataclasses import dataclass, fields
+from typing import Self
 
 import numpy as np
 
@@ -38,10 +39,19 @@ class Width:
     bits: int
     how: Precision
 
+    @classmethod
+    def of(cls, how: Precision) -> Self:
+        """Single precision where the table is written so or in integers, else double."""
+        return cls(32 if how.single or how.bits else 64, how)
+
     @property
     def cell(self) -> str:
         """Type of the cells of the maps in C."""
         return f"int{self.how.bits}_t" if self.how.bits else "bte_real"
+
+    def rounded(self, x: Array) -> Array:
+        """Numbers as the floating point holds them."""
+        return x.astype(np.float32).astype(np.float64) if self.bits == 32 else x
 
     def number(self, x: float) -> str:
         """A constant in C that reads back to the last bit of its precision."""

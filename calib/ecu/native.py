@@ -17,10 +17,13 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
 from calib.ecu.car_source import Width, car_source
-from calib.ecu.online import RANGES
+from calib.ecu.online import RANGES, require_plain
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
+from calib.estimation.validate import Coded
 from calib.logs.log import Log
+from calib.table.exported import Precision
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 SOURCE = Path(__file__).parent / "source"
@@ -97,6 +100,25 @@ class Native:
             level=level, ratio=ratio, pads_f=pads_f, pads_r=pads_r,
             torque_f=torque_f, torque_r=torque_r, torque_sum=torque_sum,
         )  # fmt: skip
+
+
+def coded(table: Table, how: Precision) -> Coded:
+    """Runs the code of a table as it is exported, on logs of any rate and mass.
+
+    Raises ProgramError where there is no compiler, StoreError for a table that has no code.
+    """
+    compiler()
+    require_maps(table)
+    require_plain(table)
+    known = dict[tuple[float, float], Native]()
+
+    def run(e: Estimate, log: Log) -> Readout:
+        key = e.table.vehicle.mass, log.sample_time
+        if key not in known:
+            known[key] = Native(e.table, log.sample_time, Width.of(how))
+        return known[key].readout(e, log)
+
+    return run
 
 
 def samples_of(log: Log) -> Array:

@@ -40,6 +40,9 @@ _PROOFS = {TRUTH: "ecu_normalised_error_f", REFERENCE: "ecu_reference_f"}
 
 _NAMED = 0.1  # share of the braked samples from which a reason for not being valid is named
 
+Coded = Callable[[Estimate, Log], Readout]
+"""What the code of an ECU makes of a log, in the place of ``ecu`` of its estimate."""
+
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
 
@@ -158,7 +161,7 @@ def validate_one(
     *,
     mass: float | None = None,
     exported: Table | None = None,
-    coded: Callable[[Estimate, Log], Readout] | None = None,
+    coded: Coded | None = None,
 ) -> Validation:
     """Run, score and judge one log.
 

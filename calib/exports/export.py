@@ -20,14 +20,18 @@ from calib.store.version import Stored
 ENDINGS = {name: form.ending for name, form in FORMATS.items()}
 """Ending of the file name by format."""
 
+CODE = "ecu"
+"""Format of a folder with the estimator as C, see `calib.ecu.bundle`."""
+
 
 def _form_of(path: Path, written: str | None) -> str:
     """The format that was named, in upper or lower case, else that of the ending of the file."""
     if written is not None and written.lower() in FORMATS:
         return written.lower()
     if written is not None:
-        do = did_you_mean(written.lower(), ENDINGS)
-        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(ENDINGS), do=do)
+        every = [*ENDINGS, CODE]
+        do = did_you_mean(written.lower(), every)
+        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(every), do=do)
     fits = [form for form in ENDINGS if path.name.lower().endswith(f".{ENDINGS[form]}")]
     if not fits:
         endings = ", ".join(f".{ending}" for ending in ENDINGS.values())
@@ -91,8 +95,18 @@ def _over(data: Dataset, axis: Axis) -> list[str]:
     return [one.label for one in data.maps if axis.label in [a.label for a in one.axes]]
 
 
-def _require_sensed(stored: Stored, without_effects: Sequence[str]) -> None:
-    """Raise StoreError for an effect that an ECU cannot sense and that nobody named."""
+def require_released(
+    stored: Stored, without_effects: Sequence[str] = (), *, unreleased: bool = False
+) -> None:
+    """Raise StoreError for a version that must not be handed out, as `export` has it."""
+    if not (stored.state.released or unreleased):
+        raise StoreError(
+            f"is {stored.state.words}",
+            where=stored.id,
+            expected="a released version",
+            do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "
+            "...`, or hand it out as it is with --unreleased: the file then says so",
+        )
     beyond = not_sensed(stored.table.vehicle.effects)
     if unknown := [name for name in without_effects if name not in beyond]:
         raise ExchangeError(
@@ -157,15 +171,7 @@ def export(
     >>> written.form, written.data.id, [len(axis.values) for axis in written.data.axes[:2]]
     ('dcm', 'sedan-sim@1', [16, 16])
     """
-    if not (stored.state.released or unreleased):
-        raise StoreError(
-            f"is {stored.state.words}",
-            where=stored.id,
-            expected="a released version",
-            do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "
-            "...`, or hand it out as it is with --unreleased: the file then says so",
-        )
-    _require_sensed(stored, without_effects)
+    require_released(stored, without_effects, unreleased=unreleased)
     path = Path(path)
     form = _form_of(path, form)
     for given, has, what in (

@@ -49,12 +49,14 @@ class Precision:
     """How a table is written: in integers of ``bits``, in ``single`` precision, else in double.
 
     ``points`` breakpoints on each axis, at those rows where they miss the table least; all rows if
-    not given. Raises ExchangeError for integers in single precision.
+    not given; ``code`` whether C code reads them. Raises ExchangeError for integers in single
+    precision.
     """
 
     points: int | None = None
     bits: int | None = None
     single: bool = False
+    code: bool = False
 
     def __post_init__(self) -> None:
         if self.single and self.bits is not None:
@@ -63,7 +65,8 @@ class Precision:
     def __str__(self) -> str:
         points = "all rows" if self.points is None else f"{self.points} breakpoints"
         width = "single" if self.single else "double"
-        return f"{points}, {self.bits} bits" if self.bits else f"{points}, {width} precision"
+        told = f"{points}, {self.bits} bits" if self.bits else f"{points}, {width} precision"
+        return f"C code, {told}" if self.code else told
 
     @property
     def wide(self) -> "Precision":
