@@ -38,7 +38,8 @@ RANGES = {
 """Range of each channel [SI] that a sensor has while it works."""
 
 HELD_TIME, HELD_PRESSURE = 0.1, 5e5
-"""Time [s] for which a_x keeps a value while the pressure moves by so much [Pa]: it is frozen."""
+"""Time [s] for which a_x keeps a value while the pressure moves by so much [Pa], and the car rolls:
+it is frozen."""
 
 REASONS = tuple(Reason)
 
@@ -138,7 +139,8 @@ class Online:
         self.p_held = self.p_held if same else sample["p_mc"]
         self.last = dict(sample)
         moved = abs(sample["p_mc"] - self.p_held)
-        return not (self.held > HELD_TIME and moved > HELD_PRESSURE)
+        rim = self.table.vehicle.front.rolling_radius * sample["omega_fl"]
+        return not (self.held > HELD_TIME and moved > HELD_PRESSURE and rim > MOVING)
 
     def _disturbed(self, fine: bool) -> Reason:
         """As `disturbances` of a log, by what is past."""

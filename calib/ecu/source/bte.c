@@ -576,7 +576,9 @@ static int good(bte_state *s, const bte_sample *x) {
         const int same = s->started && x->a_x >= s->last.a_x && x->a_x <= s->last.a_x;
         s->held = same ? s->held + s->car->sample_time : R(0.0);
         s->p_held = same ? s->p_held : x->p_mc;
-        fine = !(s->held > HELD_TIME && size_of(x->p_mc - s->p_held) > HELD_PRESSURE);
+        const bte_real rim = s->car->radius[BTE_FRONT] * x->omega[BTE_FL];
+        fine = !(s->held > HELD_TIME && size_of(x->p_mc - s->p_held) > HELD_PRESSURE
+                 && rim > s->car->tuning.moving);
         s->last = *x;
     }
     return fine;

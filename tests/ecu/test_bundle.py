@@ -1,0 +1,104 @@
+"""The folder that an ECU project takes in: compiled as its README says, on any prefix and width."""
+
+import json
+import shutil
+import subprocess
+
+import pytest
+
+from calib.base.errors import ExchangeError, ProgramError
+from calib.ecu.bundle import names, write_bundle
+from calib.ecu.car_source import Width
+from calib.ecu.native import coded, compiler
+from calib.estimation.limits import DEFAULTS
+from calib.estimation.validate import validate_one
+from calib.store.state import StateDecision
+from calib.store.store import Store
+from calib.table.exported import Precision
+from tests.support.compilers import needs_cc
+from tests.support.reference_car import WET, noisy, stop
+
+WARNINGS = "-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror"
+
+
+@pytest.fixture(scope="module")
+def kept(fitted, tmp_path_factory):
+    store = Store(tmp_path_factory.mktemp("store"))
+    return store.save(fitted, StateDecision("released", "made for a test"))
+
+
+@needs_cc
+@pytest.mark.parametrize(
+    ("how", "step", "prefix"),
+    [
+        (Precision(), 0.01, "bte"),
+        (Precision(single=True), 0.005, "acme_brake"),
+        (Precision(12, 16), 0.02, "bte"),
+    ],
+)
+def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
+    kept, tmp_path, how, step, prefix
+):
+    made = write_bundle(kept, tmp_path / "code", Width.of(how), step, prefix)
+    assert {path.name for path in made.paths} == set(names(prefix))
+    files = [f"{prefix}{end}.c" for end in ("", "_car", "_run")]
+    flags = [
+        "-std=c99",
+        *WARNINGS.split(),
+        "-O2",
+        "-ffp-contract=off",
+        f"-D{prefix.upper()}_VECTORS",
+    ]
+    at = {"cwd": made.folder, "check": True, "text": True, "capture_output": True}
+    subprocess.run([compiler(), *flags, *files, "-o", "vectors", "-lm"], **at)
+    assert "0 reasons differ" in subprocess.run(["./vectors"], **at).stdout
+    text = "".join(path.read_text() for path in made.paths if path.suffix in (".c", ".h"))
+    assert ("bte" in text) == (prefix == "bte")
+
+
+@needs_cc
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake")
+def test_cmake_builds_it_and_runs_the_vectors(kept, tmp_path):
+    write_bundle(kept, tmp_path / "code", Width.of(Precision(single=True)), 0.01)
+    at = {"cwd": tmp_path, "check": True, "capture_output": True}
+    subprocess.run(["cmake", "-S", "code", "-B", "build"], **at)
+    subprocess.run(["cmake", "--build", "build"], **at)
+    subprocess.run(["ctest", "--test-dir", "build"], **at)
+
+
+def test_a_name_or_a_time_that_c_does_not_take_is_refused(kept, tmp_path):
+    width = Width.of(Precision())
+    for step, prefix in ((0.01, "9a"), (0.01, "a-b"), (0.01, ""), (0.0, "bte"), (1.0, "bte")):
+        with pytest.raises(ExchangeError):
+            write_bundle(kept, tmp_path / "code", width, step, prefix)
+    assert not (tmp_path / "code").exists()
+
+
+@needs_cc
+def test_the_verdict_is_that_of_the_code(fitted):
+    log = noisy(stop(WET), 8)
+    for how in (Precision(), Precision(8, 16)):
+        own = validate_one(fitted, log, None, DEFAULTS)
+        code = validate_one(fitted, log, None, DEFAULTS, coded=coded(fitted, how))
+        assert code.word == own.word
+        for name in ("ecu_pad_friction_f", "ecu_pad_friction_r", "ecu_valid_share"):
+            near = 1e-9 if how.points is None else 0.05
+            assert code.figures[name] == pytest.approx(own.figures[name], rel=near)
+
+
+def test_without_a_compiler_it_is_said(fitted, monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(ProgramError):
+        coded(fitted, Precision())
+
+
+@needs_cc
+def test_the_commands_write_and_judge_the_code(brake_cal, kept, tmp_path, monkeypatch):
+    ran = brake_cal(
+        *("tables", "export", kept.id, "--store", kept.path.parent.parent, "--format", "ecu"),
+        *("--float", "--out", tmp_path / "code", "--json"),
+    )
+    assert ran.code == 0
+    told = json.loads(ran.out)
+    assert (told["format"], told["float"]) == ("ecu", 32)
+    assert set(told["files"]) == set(names())
