@@ -122,7 +122,7 @@ def test_it_is_judged_as_it_is_exported(run, words):
     ran, whole = (run("wet.csv", "--json", *more) for more in (words, ()))
     assert ran.code == 0, ran.err
     document = json.loads(ran.out)
-    given = {"points": None, "bits": None, "single": "--float" in words}
+    given = {"points": None, "bits": None, "single": "--float" in words, "code": False}
     assert document["exported"] == given | (
         {} if "--float" in words else {"points": 12, "bits": 16}
     )
