@@ -1,7 +1,7 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
@@ -46,19 +46,21 @@ def export(
     state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     from calib.base.errors import ExchangeError
-    from calib.exports.export import CODE, require_released
+    from calib.exports.export import CODES, require_released
     from calib.exports.export import export as write
     from calib.store.evidence import UNPROVED, read_quality
 
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
-    if (form or "").lower() == CODE:
+    if form and form.lower() in CODES:
         if elf or validation:
             raise misuse("the code has no addresses and no state of a validation", "--format")
         require_released(stored, without_effect, unreleased=unreleased)
-        return _code(stored, out, points, bits, single, sample_time or 0.01, prefix or "bte")
+        precision = points, bits, single
+        step = 0.01 if sample_time is None else sample_time
+        return _code(stored, out, form.lower(), precision, step, prefix or "bte")
     if sample_time or prefix:
-        raise misuse(f"for --format {CODE} alone", "--sample-time, --prefix")
+        raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time, --prefix")
     check_file(out)
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
@@ -81,9 +83,8 @@ def export(
 def _code(
     stored: "Stored",
     out: Path,
-    points: int | None,
-    bits: int | None,
-    single: bool,
+    form: str,
+    how: tuple[int | None, int | None, bool],
     sample_time: float,
     prefix: str,
 ) -> Answer:
@@ -91,14 +92,36 @@ def _code(
     from calib.base.errors import ExchangeError
     from calib.ecu.bundle import names, write_bundle
     from calib.ecu.car_source import Width
+    from calib.ecu.fmu import write_fmu
     from calib.table.exported import Precision
+    from calib.table.generation import require_maps
 
+    require_maps(stored.table, stored.id)
     with at_option("--points, --fixed-point, --float, --sample-time, --prefix", ExchangeError):
-        width = Width.of(Precision(points, bits, single))
-        check_folder(out, names(prefix))
-        with writing(out):
-            written = write_bundle(stored, out, width, sample_time, prefix)
-    return Answer(written.to_dict(), repr(written))
+        width = Width.of(Precision(*how))
+        if form == "ecu":
+            check_folder(out, names(prefix))
+            with writing(out):
+                files = write_bundle(stored, out, width, sample_time, prefix)
+        else:
+            check_file(out)
+            version: Literal[2, 3] = 2 if form == "fmu2" else 3
+            told = f"{stored.id}, {stored.state.words}"
+            with writing(out):
+                write_fmu(stored.table, out, sample_time, width, version, told)
+            files = [out]
+    document = {
+        "table": stored.id,
+        "digest": stored.digest,
+        "version": stored.version,
+        "format": form,
+        "out": out,
+        "files": [path.name for path in files],
+        "float": width.bits,
+        "cell": width.cell,
+        "sample_time": sample_time,
+    }
+    return Answer(document, f"{out}: {stored.id} as {form}, {len(files)} files")
 
 
 @command("brake-cal tables compare sedan.dcm")

@@ -8,7 +8,6 @@ README.md CMakeLists.txt
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
@@ -19,7 +18,7 @@ from calib.base.errors import ExchangeError
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
-from calib.ecu.car_source import Width, car_source
+from calib.ecu.car_source import Width, car_source, require_time
 from calib.ecu.native import OUTPUTS, SOURCE, config, samples_of
 from calib.ecu.online import RANGES, Online, Timing
 from calib.model.sensor_noise import add_noise
@@ -45,36 +44,10 @@ def names(prefix: str = PREFIX) -> tuple[str, ...]:
     return tuple(_renamed(name, prefix) for name in made)
 
 
-@dataclass(frozen=True)
-class Bundle:
-    """A folder that was written: ``paths`` of its files."""
-
-    stored: Stored
-    folder: Path
-    width: Width
-    paths: tuple[Path, ...]
-
-    def __repr__(self) -> str:
-        return f"{self.folder}: {self.stored.id} as C, {len(self.paths)} files"
-
-    def to_dict(self) -> dict[str, object]:
-        """The JSON document of an export."""
-        return {
-            "table": self.stored.id,
-            "digest": self.stored.digest,
-            "version": self.stored.version,
-            "format": "ecu",
-            "out": self.folder,
-            "files": [path.name for path in self.paths],
-            "float": self.width.bits,
-            "cell": self.width.cell,
-        }
-
-
 def write_bundle(
     stored: Stored, folder: Path, width: Width, sample_time: float, prefix: str = PREFIX
-) -> Bundle:
-    """Write the code of a version to a folder; files of the same names in it are replaced.
+) -> list[Path]:
+    """Write the code of a version to a folder, replace files of the same names, return all.
 
     ``sample_time`` [s] of the ECU's task; ``prefix`` of every label and file. Raises StoreError for
     a table without maps, or with known effects that the code does not take out; ExchangeError for
@@ -84,8 +57,7 @@ def write_bundle(
         raise ExchangeError(
             f"the prefix {prefix!r}", expected="a letter, then up to 15 of A-Z 0-9 _"
         )
-    if not 1e-4 <= sample_time <= 0.05:
-        raise ExchangeError(f"a sample time of {sample_time:g} s", expected="0.0001 to 0.05 s")
+    require_time(sample_time)
     require_maps(stored.table, stored.id)
     samples, told = vectors(as_exported(stored.table, width.how), sample_time, width)
     about = f"{stored.id}, digest {stored.digest}, {stored.state.words}".replace("*/", "* /")
@@ -101,8 +73,7 @@ def write_bundle(
     with workshop(folder) as work:
         for name, text in texts.items():
             write_whole(work / _renamed(name, prefix), _renamed(text, prefix).encode())
-        paths = publish(work, folder, README)
-    return Bundle(stored, folder, width, tuple(paths))
+        return publish(work, folder, README)
 
 
 def _renamed(text: str, prefix: str) -> str:

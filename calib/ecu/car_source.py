@@ -10,6 +10,7 @@ from typing import Self
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import ExchangeError
 from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
@@ -24,6 +25,7 @@ from calib.table.exported import Precision, Written, as_exported
 from calib.table.table import Table
 
 _RATIO = tuple(names[0] for names in PADS)
+_FASTEST, _SLOWEST = 1e-4, 0.1  # times from call to call [s]
 _BEFORE = tuple(f"before_{name}" for name in _RATIO)
 _FROM_TABLE = ("noise_v", "late", "late_sigma", "radii", "ramp_ratio", "block")
 """Numbers of `Constants` that are no tuning, or of a speed that no ECU has."""
@@ -59,6 +61,13 @@ class Width:
         if self.bits == 32:
             told = np.format_float_scientific(np.float32(x), unique=True, trim="0")
         return f"{told}F" if self.bits == 32 else told
+
+
+def require_time(sample_time: float) -> None:
+    """Raise ExchangeError for a time from call to call [s] that no ECU has."""
+    if not _FASTEST <= sample_time <= _SLOWEST:
+        expected = f"{_FASTEST:g} to {_SLOWEST:g} s"
+        raise ExchangeError(f"a sample time of {sample_time:g} s", expected=expected)
 
 
 def tuning(table: Table, timing: Timing) -> dict[str, float]:
@@ -103,8 +112,9 @@ def car_numbers(table: Table, sample_time: float) -> dict[str, float | list[floa
 def car_source(table: Table, sample_time: float, width: Width, told: str) -> str:
     """bte_car.c; ``told`` is what the file says of its table.
 
-    Raises ExchangeError for a precision that C does not have.
+    Raises ExchangeError for a precision that C does not have, or a time that no ECU has.
     """
+    require_time(sample_time)
     table = as_exported(table, width.how)
     ratio, level = table.map, table.level_map
     assert ratio is not None

@@ -24,6 +24,8 @@ from calib.table.table import Table
 
 Version = Literal[2, 3]
 
+GLUE = SOURCE.parent / "fmu_source"
+
 UNITS = {
     "1": {},
     "Pa": {"kg": 1, "m": -1, "s": -2},
@@ -119,12 +121,12 @@ def _sources(
     table: Table, sample_time: float, width: Width, version: Version, name: str
 ) -> dict[str, str]:
     """The code by file, but for fmu_config.h."""
-    fixed = ("bte.c", "bte.h", "fmu.h", f"fmi{version}.c")
+    fixed = [SOURCE / "bte.c", SOURCE / "bte.h", GLUE / "fmu.h", GLUE / f"fmi{version}.c"]
     made = {
         "bte_config.h": config(width),
         "bte_car.c": car_source(table, sample_time, width, f"{name}, SHA-256 {table.digest}"),
     }
-    return {file: (SOURCE / file).read_text(encoding="utf-8") for file in fixed} | made
+    return {path.name: path.read_text(encoding="utf-8") for path in fixed} | made
 
 
 def _described(version: Version, **told: object) -> dict[str, str]:

@@ -20,8 +20,8 @@ from calib.store.version import Stored
 ENDINGS = {name: form.ending for name, form in FORMATS.items()}
 """Ending of the file name by format."""
 
-CODE = "ecu"
-"""Format of a folder with the estimator as C, see `calib.ecu.bundle`."""
+CODES = ("ecu", "fmu2", "fmu3")
+"""Formats of the estimator as C: a folder for an ECU, an FMU of FMI 2.0 or 3.0, see `calib.ecu`."""
 
 
 def _form_of(path: Path, written: str | None) -> str:
@@ -29,7 +29,7 @@ def _form_of(path: Path, written: str | None) -> str:
     if written is not None and written.lower() in FORMATS:
         return written.lower()
     if written is not None:
-        every = [*ENDINGS, CODE]
+        every = [*ENDINGS, *CODES]
         do = did_you_mean(written.lower(), every)
         raise ExchangeError(f"unknown format {written!r}", expected=", ".join(every), do=do)
     fits = [form for form in ENDINGS if path.name.lower().endswith(f".{ENDINGS[form]}")]

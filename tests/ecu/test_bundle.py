@@ -40,7 +40,7 @@ def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
     kept, tmp_path, how, step, prefix
 ):
     made = write_bundle(kept, tmp_path / "code", Width.of(how), step, prefix)
-    assert {path.name for path in made.paths} == set(names(prefix))
+    assert {path.name for path in made} == set(names(prefix))
     files = [f"{prefix}{end}.c" for end in ("", "_car", "_run")]
     flags = [
         "-std=c99",
@@ -49,10 +49,10 @@ def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
         "-ffp-contract=off",
         f"-D{prefix.upper()}_VECTORS",
     ]
-    at = {"cwd": made.folder, "check": True, "text": True, "capture_output": True}
+    at = {"cwd": tmp_path / "code", "check": True, "text": True, "capture_output": True}
     subprocess.run([compiler(), *flags, *files, "-o", "vectors", "-lm"], **at)
     assert "0 reasons differ" in subprocess.run(["./vectors"], **at).stdout
-    text = "".join(path.read_text() for path in made.paths if path.suffix in (".c", ".h"))
+    text = "".join(path.read_text() for path in made if path.suffix in (".c", ".h"))
     assert ("bte" in text) == (prefix == "bte")
 
 
