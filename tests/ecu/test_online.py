@@ -1,5 +1,6 @@
 """The estimator sample by sample, in Python and in C: what a whole log gives, and its life."""
 
+from ctypes import addressof, c_char, c_double, c_void_p, create_string_buffer
 from dataclasses import replace
 
 import numpy as np
@@ -164,7 +165,7 @@ def test_hours_without_a_brake_make_no_number_that_is_not_finite(drive_on, both)
     assert told[-1, FRONT + 1] < 0.38 < told[-1, FRONT + 2]
 
 
-def test_another_table_is_taken_at_rest_only(fitted):
+def test_another_table_is_taken_at_rest_only(fitted, native):
     online = Online(fitted, STEP)
     rolls = dict.fromkeys(RANGES, 0.0) | {f"omega_{w}": 60.0 for w in WHEELS}
     online.step(rolls)
@@ -173,6 +174,13 @@ def test_another_table_is_taken_at_rest_only(fitted):
     online.step(dict.fromkeys(RANGES, 0.0))
     assert online.exchange(fitted)
     assert not online.begun
+    code, state, out = native.library, create_string_buffer(4096), create_string_buffer(1024)
+    car = addressof(c_char.in_dll(code, "bte_this_car"))
+    code.bte_init(state, c_void_p(car))
+    for speed, taken in ((60.0, 0), (0.0, 1)):
+        sample = (c_double * len(RANGES))(0.0, 0.0, speed, speed, speed, speed, 0.0)
+        code.bte_step(state, sample, out)
+        assert code.bte_exchange(state, c_void_p(car)) == taken
 
 
 def test_a_car_with_an_effect_that_the_code_does_not_take_out_is_refused(fitted):
