@@ -599,7 +599,8 @@ static bool good(bte_state *s, const bte_sample *x) {
         s->held = same ? s->held + s->car->sample_time : R(0.0);
         s->p_held = same ? s->p_held : x->p_mc;
         const bte_real rim = s->car->radius[BTE_FRONT] * x->omega[BTE_FL];
-        fine = !(s->held > held_time && size_of(x->p_mc - s->p_held) > held_pressure
+        fine = !(s->held > held_time - R(0.5) * s->car->sample_time
+                 && size_of(x->p_mc - s->p_held) > held_pressure
                  && rim > s->car->tuning.moving);
         s->last = *x;
     }
@@ -632,7 +633,7 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     bte_reason reason;
     if (!fine) {
         reason = BTE_FAULT;
-    } else if (s->since_lock <= c->recover) {
+    } else if (s->since_lock <= c->recover + R(0.5) * car->sample_time) {
         reason = BTE_LOCKED;
     } else if (!(size_of(s->lateral) < c->lateral)) {
         reason = BTE_CORNERS;
