@@ -94,10 +94,7 @@ def vectors(table: Table, sample_time: float, width: Width) -> tuple[Array, Arra
     late = log.time > log.time[-1] - 0.5
     samples[late, list(RANGES).index("omega_fl")] *= 0.5
     samples[-5:, list(RANGES).index("a_x")] = 99.0
-    online = Online(table, sample_time)
-    rows = (dict(zip(RANGES, row, strict=True)) for row in samples.tolist())
-    answers = [(one.reason, *np.concatenate(one[1:])) for one in map(online.step, rows)]
-    return samples, np.array(answers)
+    return samples, Online(table, sample_time).run(samples)
 
 
 def _vectors(samples: Array, told: Array, sample_time: float, width: Width) -> Iterator[str]:

@@ -4,6 +4,7 @@ The maps are on as many breakpoints and in the precision that the export asks fo
 is what `calib.table.exported` reads back.
 """
 
+import math
 from dataclasses import dataclass, fields
 from typing import Self
 
@@ -20,6 +21,7 @@ from calib.estimation.known import known_effects
 from calib.estimation.reasons import LATERAL, LOCK, RECOVER, STEERING
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import STEADY
+from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import WALK, SensorNoise
 from calib.table.exported import Precision, Written, as_exported
 from calib.table.table import Table
@@ -90,6 +92,7 @@ def car_numbers(table: Table, sample_time: float) -> dict[str, float | list[floa
     axles = (car.front, car.rear)
     return {
         "sample_time": sample_time,
+        "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),
         "weight": car.weight,
         "load_f": float(front[0]) / car.weight,
         "load_r": float(rear[0]) / car.weight,

@@ -122,6 +122,11 @@ class Online:
             self._take()
         return self._told(x["p_mc"], fine)
 
+    def run(self, samples: Array) -> Array:
+        """Answers (n, 22) to samples (n, 7), as `bte_run` has them."""
+        rows = (dict(zip(RANGES, row, strict=True)) for row in samples.tolist())
+        return np.array([(one.reason, *np.concatenate(one[1:])) for one in map(self.step, rows)])
+
     def exchange(self, table: Table) -> bool:
         """Take another table and forget everything; only at rest, else False."""
         radius = self.table.vehicle.front.rolling_radius
@@ -140,7 +145,8 @@ class Online:
         self.last = dict(sample)
         moved = abs(sample["p_mc"] - self.p_held)
         rim = self.table.vehicle.front.rolling_radius * sample["omega_fl"]
-        return not (self.held > HELD_TIME and moved > HELD_PRESSURE and rim > MOVING)
+        held = self.held > HELD_TIME - 0.5 * self.sample_time  # else a rounding could decide it
+        return not (held and moved > HELD_PRESSURE and rim > MOVING)
 
     def _disturbed(self, fine: bool) -> Reason:
         """As `disturbances` of a log, by what is past."""
@@ -162,7 +168,7 @@ class Online:
         self.lateral = self.lateral + part * (turned - self.lateral) if self.begun else turned
         causes = (
             (Reason.FAULT, not fine),
-            (Reason.LOCKED, self.since_lock <= RECOVER),
+            (Reason.LOCKED, self.since_lock <= RECOVER + 0.5 * self.sample_time),
             (Reason.CORNERS, not abs(self.lateral) < LATERAL),
             (Reason.TURNED, not abs(x["steering"]) < STEERING),
         )

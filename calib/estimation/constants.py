@@ -86,4 +86,5 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         late_sigma=float(np.std(table.draws.v_late)),
         ramp_ratio=float(np.mean(table.draws.log_pad_ratio)),
         block=block,
+        settle=block * max(1, round(Constants.settle / block)),  # else a rounding could decide it
     )

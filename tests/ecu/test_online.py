@@ -29,13 +29,6 @@ REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, TORQUE_R, SUM = 0, *range(1, 22, 3)
 DOUBLE = Width(64, Precision())
 
 
-def answers(table, samples, step=STEP):
-    """Python's answers (n, 22) to samples (n, 7)."""
-    online = Online(table, step)
-    rows = (dict(zip(RANGES, row, strict=True)) for row in samples.tolist())
-    return np.array([(one.reason, *np.concatenate(one[1:])) for one in map(online.step, rows)])
-
-
 @pytest.fixture(scope="module")
 def native(fitted):
     return Native(fitted, STEP, DOUBLE)
@@ -46,7 +39,7 @@ def both(fitted, native):
     """Runs samples in Python and in C, which must agree, and returns the answers."""
 
     def run(samples):
-        python, c = answers(fitted, samples), native.run(samples)
+        python, c = Online(fitted, STEP).run(samples), native.run(samples)
         assert np.array_equal(python[:, REASON], c[:, REASON])
         assert c == pytest.approx(python, rel=1e-9)
         assert np.isfinite(python).all()
@@ -87,7 +80,7 @@ def test_c_equals_python_as_the_table_is_exported(fitted, name, how):
     log, width = read_log(sample_logs() / name), Width.of(how)
     samples = width.rounded(samples_of(log))
     told = Native(fitted, log.sample_time, width).run(samples)
-    right = answers(as_exported(fitted, how), samples, log.sample_time)
+    right = Online(as_exported(fitted, how), log.sample_time).run(samples)
     near = 1e-9 if width.bits == 64 else 1e-4
     assert told == pytest.approx(right, rel=near)
 

@@ -1,5 +1,6 @@
-/* The estimator of brake-cal, see bte.h. Equations: calib/estimation/state.py and step.py, which this
- * file follows line by line; calib/ecu/online.py for what is before a block and behind it.
+/* The estimator of brake-cal, see bte.h. Equations: calib/estimation/state.py and step.py, which
+ * this file follows line by line; calib/ecu/online.py for what is before a block and behind it.
+ * Where float32 would lose digits, a difference stands that Python does not need.
  */
 #include "bte.h"
 
@@ -13,25 +14,21 @@ typedef uint64_t bte_bits;
 #define BTE_SQRT(x) sqrt(x)
 #define MANTISSA 52
 #define BIAS 1023
-#define EXP_TERMS 14
-#define LOG_TERMS 11
+#define EXP_TERMS 15U
+#define LOG_TERMS 11U
 #define LARGEST R(700.0)
 #else
 typedef uint32_t bte_bits;
 #define BTE_SQRT(x) sqrtf(x)
 #define MANTISSA 23
 #define BIAS 127
-#define EXP_TERMS 8
-#define LOG_TERMS 5
+#define EXP_TERMS 9U
+#define LOG_TERMS 5U
 #define LARGEST R(87.0)
 #endif
 
 static const bte_real GRAVITY = R(9.80665);
 static const bte_real Z95 = R(1.96);
-static const bte_real SLOWEST_RIM = R(0.3);
-static const bte_real LEAST_LOG_SLIP = R(-8.0), MOST_LOG_SLIP = R(0.0);
-static const bte_real SIDES_TIME = R(0.2);
-static const bte_real HELD_TIME = R(0.1), HELD_PRESSURE = R(5e5);
 
 static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
 static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
@@ -42,38 +39,54 @@ static bte_real size_of(bte_real x) { return x < R(0.0) ? -x : x; }
 static bte_real square(bte_real x) { return x * x; }
 static bte_real root(bte_real x) { return BTE_SQRT(x); }
 
-/* Own exp and ln: those of C libraries differ in the last digits. x within LARGEST. */
+/* Own exp and ln: those of C libraries differ in the last digits. x within LARGEST. Their terms are
+ * 1/n! of x^n, and 1/(2 n + 1) of x^(2 n + 1); float32 needs the first ones.
+ */
 static bte_real exponential(bte_real x) {
+    static const bte_real exp_term[] = {
+        R(1.0), R(1.0), R(0.5), R(0.16666666666666666), R(0.041666666666666664),
+        R(0.008333333333333333), R(0.001388888888888889), R(0.0001984126984126984),
+        R(2.48015873015873e-05), R(2.7557319223985893e-06), R(2.755731922398589e-07),
+        R(2.505210838544172e-08), R(2.08767569878681e-09), R(1.6059043836821613e-10),
+        R(1.1470745597729725e-11)
+    };
     const bte_real held = clip(x, -LARGEST, LARGEST);
     const bte_real turns = held * R(1.4426950408889634);
-    int32_t k = (int32_t)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5)));
-    const bte_real rest = (held - (bte_real)k * R(0.693145751953125)) - (bte_real)k * R(1.42860682030941723e-6);
-    bte_real sum = R(1.0);
-    for (int n = EXP_TERMS; n > 0; n--) {
-        sum = R(1.0) + sum * rest / (bte_real)n;
+    const int32_t k = (int32_t)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5)));
+    const bte_real n_ln2 = (bte_real)k * R(0.693145751953125); /* ln 2 in two parts */
+    const bte_real rest = (held - n_ln2) - (bte_real)k * R(1.42860682030941723e-6);
+    bte_real sum = R(0.0);
+    for (unsigned n = EXP_TERMS; n > 0U; n--) {
+        sum = exp_term[n - 1U] + sum * rest;
     }
-    const bte_bits bits = (bte_bits)(k + BIAS) << MANTISSA;
+    const int32_t exponent = k + BIAS;
+    const bte_bits bits = (bte_bits)exponent << MANTISSA;
     bte_real power;
-    memcpy(&power, &bits, sizeof power);
+    (void)memcpy(&power, &bits, sizeof power);
     return sum * power;
 }
 
 static bte_real logarithm(bte_real x) {
+    static const bte_real log_term[] = {
+        R(1.0), R(0.3333333333333333), R(0.2), R(0.14285714285714285), R(0.1111111111111111),
+        R(0.09090909090909091), R(0.07692307692307693), R(0.06666666666666667),
+        R(0.058823529411764705), R(0.05263157894736842), R(0.047619047619047616)
+    };
     bte_bits bits;
-    memcpy(&bits, &x, sizeof bits);
+    (void)memcpy(&bits, &x, sizeof bits);
     int32_t k = (int32_t)(bits >> MANTISSA) - BIAS;
     const bte_bits one = (bte_bits)BIAS << MANTISSA;
     const bte_bits fraction = (bits & (((bte_bits)1 << MANTISSA) - 1U)) | one;
     bte_real m;
-    memcpy(&m, &fraction, sizeof m);
+    (void)memcpy(&m, &fraction, sizeof m);
     if (m > R(1.4142135623730951)) {
         m = m * R(0.5);
         k = k + 1;
     }
     const bte_real f = (m - R(1.0)) / (m + R(1.0)), f2 = f * f;
     bte_real sum = R(0.0);
-    for (int n = LOG_TERMS; n > 0; n--) {
-        sum = R(1.0) / (bte_real)(2 * n - 1) + sum * f2;
+    for (unsigned n = LOG_TERMS; n > 0U; n--) {
+        sum = log_term[n - 1U] + sum * f2;
     }
     const bte_real low = (bte_real)k * R(1.42860682030941723e-6) + R(2.0) * f * sum;
     return (bte_real)k * R(0.693145751953125) + low;
@@ -96,7 +109,7 @@ typedef struct {
 static bte_place find(const bte_axis *axis, bte_real x) {
     bte_place place = {0, R(0.0)};
     uint16_t high = (uint16_t)(axis->count - 1U);
-    while (high - place.at > 1) {
+    while (place.at + 1U < high) {
         const uint16_t middle = (uint16_t)((place.at + high) / 2U);
         if (axis->x[middle] <= x) {
             place.at = middle;
@@ -164,32 +177,37 @@ static bte_real block_time(const bte_car *car) {
     return (bte_real)car->samples * car->sample_time;
 }
 
+/* eta over its zero, less 1. Both are kept less 1: near 1 float32 is coarse. */
+static bte_real eta_over_zero(const bte_state *s, const bte_block *x) {
+    return (x->eta_less_1 - s->eta_less_1.value) / (R(1.0) + s->eta_less_1.value);
+}
+
 static bte_real rim_of(const bte_state *s, const bte_block *x) {
-    return x->rim * (R(1.0) + x->rear_share * (x->eta / s->eta.value - R(1.0)));
+    return x->rim + x->rim * x->rear_share * eta_over_zero(s, x);
 }
 
 static void forget_stop(bte_state *s) {
     const bte_tuning *c = &s->car->tuning;
     const bte_real lag = s->level[1], variance = s->level[6];
-    memset(s->level, 0, sizeof s->level);
+    (void)memset(s->level, 0, sizeof s->level);
     s->level[0] = R(1.0);
     s->level[1] = lag;
     s->level[3] = square(c->level_sigma);
     s->level[6] = variance;
     s->level[8] = square(c->fade);
     s->braked = R(0.0);
-    memset(s->sums, 0, sizeof s->sums);
+    (void)memset(s->sums, 0, sizeof s->sums);
     s->mean_z = R(0.0);
 }
 
 /* Zeros, from blocks that lie far enough before a bite. */
-static void roll(bte_state *s, const bte_block *x, int counts) {
+static void roll(bte_state *s, const bte_block *x, bool counts) {
     const bte_tuning *c = &s->car->tuning;
     const bte_real dt = block_time(s->car);
     if (s->waits >= s->car->waiting) {
         const bte_real wheels = c->noise_rim / s->waiting[0].rim;
         measure(&s->demand, s->waiting[0].demand, (square(c->noise_z) + R(1e-8)) / dt);
-        measure(&s->eta, s->waiting[0].eta, R(2.0) * square(wheels) / dt);
+        measure(&s->eta_less_1, s->waiting[0].eta_less_1, R(2.0) * square(wheels) / dt);
         s->waits--;
         for (unsigned i = 0; i < s->waits; i++) {
             s->waiting[i] = s->waiting[i + 1U];
@@ -197,7 +215,7 @@ static void roll(bte_state *s, const bte_block *x, int counts) {
     }
     if (counts && x->pressure < c->untouched && size_of(x->z) < c->steady) {
         s->waiting[s->waits].demand = x->demand;
-        s->waiting[s->waits].eta = x->eta;
+        s->waiting[s->waits].eta_less_1 = x->eta_less_1;
         s->waiting[s->waits].rim = x->rim;
         s->waits++;
     } else {
@@ -253,7 +271,7 @@ static void brake(bte_state *s, const bte_block *x) {
     l[8] -= gain * pr * pr;
     s->sums[0] = keep * s->sums[0] + R(1.0);
     s->sums[1] = keep * s->sums[1] + y;
-    s->sums[2] = keep * s->sums[2] + (x->eta / s->eta.value - R(1.0));
+    s->sums[2] = keep * s->sums[2] + eta_over_zero(s, x);
     s->sums[3] = keep * s->sums[3] + y * y;
     s->mean_z = largest(s->sums[1] / s->sums[0], c->least_mean_z);
 }
@@ -262,17 +280,17 @@ static void brake(bte_state *s, const bte_block *x) {
 enum { V, S, O, E, VV, VS, VO, VE, SS, SO, SE, OO, OE, EE };
 
 /* The speed by a_x, until it is measured; `bends` by how much the mean deceleration changed. */
-static void move(bte_state *s, const bte_block *x, bte_real bends, int braking) {
+static void move(bte_state *s, const bte_block *x, bte_real bends, bool braking) {
     const bte_tuning *c = &s->car->tuning;
     bte_real *p = s->speed;
     if (!s->anchored) { /* radii that are made equal now would look like a speed that jumps */
-        memset(p, 0, sizeof s->speed);
+        (void)memset(p, 0, sizeof s->speed);
         p[V] = rim_of(s, x);
         p[E] = c->scale;
         p[VV] = R(1.0);
         p[OO] = square(c->offset);
         p[EE] = square(c->scale_sigma);
-        s->anchored = (uint8_t)(braking || s->eta.variance < R(0.5) * square(c->zero));
+        s->anchored = braking || s->eta_less_1.variance < R(0.5) * square(c->zero);
     }
     const bte_real dt = block_time(s->car);
     const bte_real lost = GRAVITY * dt * (R(0.5) * (x->z + s->z) - p[O]);
@@ -298,12 +316,13 @@ static void move(bte_state *s, const bte_block *x, bte_real bends, int braking) 
 }
 
 /* The speed by the wheels; what does not fit is offset, scale and slip. */
-static void see_speed(bte_state *s, const bte_block *x, int braking) {
+static void see_speed(bte_state *s, const bte_block *x, bool braking) {
     const bte_tuning *c = &s->car->tuning;
+    const bte_real least_log_slip = R(-8.0), most_log_slip = R(0.0);
     bte_real *p = s->speed;
     const bte_real over = largest(x->demand - s->demand.value, R(0.0));
     const bte_real slip = braking ? over * exponential(p[S]) : R(0.0);
-    const bte_real h = R(1.0) - slip, k = -p[V] * slip, rest = rim_of(s, x) - p[V] * h;
+    const bte_real h = R(1.0) - slip, k = -p[V] * slip, rest = (rim_of(s, x) - p[V]) - k;
     const bte_real variance = square(c->noise_rim) / block_time(s->car)
                               + square(c->slip_rough * slip * p[V]);
     const bte_real pv = h * p[VV] + k * p[VS], ps = h * p[VS] + k * p[SS];
@@ -311,7 +330,7 @@ static void see_speed(bte_state *s, const bte_block *x, int braking) {
     const bte_real gain = R(1.0) / (h * pv + k * ps + variance), y = gain * rest;
     const bte_real gv = gain * pv, gs = gain * ps, go = gain * po;
     p[V] += y * pv;
-    p[S] = clip(p[S] + y * ps, LEAST_LOG_SLIP, MOST_LOG_SLIP);
+    p[S] = clip(p[S] + y * ps, least_log_slip, most_log_slip);
     p[O] += y * po;
     p[E] += y * pe;
     p[VV] -= gv * pv;
@@ -330,9 +349,9 @@ static void follow(bte_state *s, const bte_block *x) {
     const bte_tuning *c = &s->car->tuning;
     const bte_real dt = block_time(s->car), most = square(c->zero);
     age_zero(&s->demand, c->bias_walk, dt, most);
-    age_zero(&s->eta, c->radius_walk, dt, most);
-    const int braking = x->pressure > c->bite;
-    const int counts = x->rim > c->moving && x->disturbed == BTE_VALID;
+    age_zero(&s->eta_less_1, c->radius_walk, dt, most);
+    const bool braking = x->pressure > c->bite;
+    const bool counts = x->rim > c->moving && x->disturbed == BTE_VALID;
     press(s, x->nominal);
     const bte_real before = s->mean_z;
     if (braking) {
@@ -364,7 +383,7 @@ static bte_real eta_error(const bte_state *s, bte_real shift, bte_real z, bte_re
     bte_real wheels = s->car->tuning.noise_rim / largest(s->speed[V], R(1.0));
     wheels = wheels / root(block_time(s->car) * many);
     const bte_real bent = shift * largest(s->sums[3] / many / square(z) - R(1.0), R(0.0));
-    return root(square(wheels) + s->eta.variance + square(bent));
+    return root(square(wheels) + s->eta_less_1.variance + square(bent));
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
@@ -391,8 +410,8 @@ static void read_ratio(const bte_car *car, const bte_real at[3], const bte_real 
 }
 
 /* The best informed ratio so far; it ages as pads warm up, and those that changed did so unlike. */
-static void keep(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, int is_new,
-                 bte_real best[BTE_BOUNDS]) {
+static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, bool is_new,
+                      bte_real best[BTE_BOUNDS]) {
     const bte_tuning *c = &s->car->tuning;
     bte_real variance = square(c->ageing) * s->age
                         + square(c->unlike * logarithm(pads / s->level_then));
@@ -400,7 +419,7 @@ static void keep(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, in
     const bte_real known = root(square(middle - s->kept[BTE_LOWER]) + square(more))
                            + root(square(s->kept[BTE_UPPER] - middle) + square(more));
     if (is_new || now[BTE_UPPER] - now[BTE_LOWER] <= known) {
-        memcpy(s->kept, now, sizeof s->kept);
+        (void)memcpy(s->kept, now, sizeof s->kept);
         s->age = R(0.0);
         s->level_then = pads;
         variance = R(0.0);
@@ -414,9 +433,9 @@ static void keep(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, in
 }
 
 /* The first reason that applies to a block with a pads' level. */
-static bte_reason reason_of(const bte_state *s, const bte_block *x, bte_real level, int of_map) {
+static bte_reason reason_of(const bte_state *s, const bte_block *x, bte_real level, bool of_map) {
     const bte_tuning *c = &s->car->tuning;
-    bte_reason reason = BTE_VALID;
+    bte_reason reason;
     if (x->pressure <= c->least_pressure) {
         reason = BTE_NOT_BRAKED;
     } else if (x->disturbed != BTE_VALID) {
@@ -429,11 +448,13 @@ static bte_reason reason_of(const bte_state *s, const bte_block *x, bte_real lev
         reason = BTE_NO_PAD;
     } else if (!of_map) {
         reason = BTE_BEYOND_MAP;
+    } else {
+        reason = BTE_VALID;
     }
     return reason;
 }
 
-/* Pad friction of both axles by level and ratio, whose distances to the bounds add up as squares. */
+/* Pad friction of both axles by level and ratio; distances to their bounds add up as squares. */
 static void tell_pads(bte_state *s, bte_real log_odds, const bte_real level[BTE_BOUNDS],
                       const bte_real ratio[BTE_BOUNDS]) {
     const bte_car *car = s->car;
@@ -467,7 +488,7 @@ void bte_take(bte_state *s, const bte_block *x) {
     const bte_tuning *c = &car->tuning;
     follow(s, x);
     const bte_real *p = s->speed, blocks = s->sums[0];
-    const int is_new = blocks == R(0.0);
+    const bool is_new = blocks == R(0.0);
     const bte_real z = is_new ? c->usual_z : s->mean_z;
     const bte_real shift = s->sums[2] / (is_new ? R(1.0) : blocks) / z;
     bte_corners cell;
@@ -499,7 +520,7 @@ void bte_take(bte_state *s, const bte_block *x) {
     }
     /* ratio */
     const bte_real first = car->shift.x[0], last = car->shift.x[car->shift.count - 1U];
-    const int of_map = shift >= first && shift <= last;
+    const bool of_map = shift >= first && shift <= last;
     bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS], unread = R(1.0);
     const bte_real at[3] = {z, shift, (slip - usual) / sigma};
     const bte_real error[2] = {eta_error(s, s->sums[2] / (is_new ? R(1.0) : blocks), z, blocks) / z,
@@ -513,7 +534,7 @@ void bte_take(bte_state *s, const bte_block *x) {
     if (of_map && !is_new && z >= c->least_z && read < R(1.0)) {
         unread = read;
     } else {
-        memcpy(now, prior, sizeof now);
+        (void)memcpy(now, prior, sizeof now);
     }
     const bte_real moved = square(unread) * (x->log_odds - prior[BTE_MEDIAN] + car->ramp_ratio)
                            - x->log_odds;
@@ -521,7 +542,7 @@ void bte_take(bte_state *s, const bte_block *x) {
         now[b] += moved;
     }
     bte_real ratio[BTE_BOUNDS];
-    keep(s, now, pads, is_new, ratio);
+    keep_best(s, now, pads, is_new, ratio);
     for (unsigned b = 0; b < BTE_BOUNDS; b++) {
         const bte_real file = car->pad_friction[BTE_FRONT] / car->pad_friction[BTE_REAR];
         s->level_told[b] = exponential(level[b]);
@@ -534,9 +555,9 @@ void bte_take(bte_state *s, const bte_block *x) {
 void bte_told(const bte_state *s, bte_real p_mc, bte_output *out) {
     const bte_real pressed = largest(p_mc, R(0.0));
     out->reason = s->reason;
-    memcpy(out->level, s->level_told, sizeof out->level);
-    memcpy(out->ratio, s->ratio_told, sizeof out->ratio);
-    memcpy(out->pad_friction, s->pads, sizeof out->pad_friction);
+    (void)memcpy(out->level, s->level_told, sizeof out->level);
+    (void)memcpy(out->ratio, s->ratio_told, sizeof out->ratio);
+    (void)memcpy(out->pad_friction, s->pads, sizeof out->pad_friction);
     for (unsigned a = 0; a < BTE_AXLES; a++) {
         for (unsigned b = 0; b < BTE_BOUNDS; b++) {
             out->brake_torque[a][b] = s->car->torque_gain[a] * pressed * s->pads[a][b];
@@ -551,7 +572,7 @@ void bte_told(const bte_state *s, bte_real p_mc, bte_output *out) {
 
 /* --- samples into blocks: calib/ecu/online.py ------------------------------------------------- */
 
-static int within(bte_real x, bte_real low, bte_real high) { return x >= low && x <= high; }
+static bool within(bte_real x, bte_real low, bte_real high) { return x >= low && x <= high; }
 
 /* Slip of an axle at a normalised force. */
 static bte_real slip_at(const bte_car *car, bte_real force) {
@@ -566,18 +587,20 @@ static bte_real median(bte_real a, bte_real b, bte_real c) {
 }
 
 /* A sample as it counts: the last good one while a sensor fails. */
-static int good(bte_state *s, const bte_sample *x) {
-    int fine = within(x->p_mc, R(-1e6), R(4e7)) && within(x->a_x, R(-30.0), R(30.0))
+static bool good(bte_state *s, const bte_sample *x) {
+    bool fine = within(x->p_mc, R(-1e6), R(4e7)) && within(x->a_x, R(-30.0), R(30.0))
                && within(x->steering, R(-50.0), R(50.0));
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
         fine = fine && within(x->omega[w], R(-50.0), R(500.0));
     }
+    const bte_real held_time = R(0.1), held_pressure = R(5e5);
     if (fine) { /* an accelerometer that does not move while the pressure does is frozen */
-        const int same = s->started && x->a_x >= s->last.a_x && x->a_x <= s->last.a_x;
+        const bool same = s->started && x->a_x >= s->last.a_x && x->a_x <= s->last.a_x;
         s->held = same ? s->held + s->car->sample_time : R(0.0);
         s->p_held = same ? s->p_held : x->p_mc;
         const bte_real rim = s->car->radius[BTE_FRONT] * x->omega[BTE_FL];
-        fine = !(s->held > HELD_TIME && size_of(x->p_mc - s->p_held) > HELD_PRESSURE
+        fine = !(s->held > held_time - R(0.5) * s->car->sample_time
+                 && size_of(x->p_mc - s->p_held) > held_pressure
                  && rim > s->car->tuning.moving);
         s->last = *x;
     }
@@ -585,7 +608,7 @@ static int good(bte_state *s, const bte_sample *x) {
 }
 
 /* Whether the car is steered, corners, or a wheel locks, or just has. */
-static bte_reason disturbance(bte_state *s, int fine) {
+static bte_reason disturbance(bte_state *s, bool fine) {
     const bte_car *car = s->car;
     const bte_tuning *c = &car->tuning;
     const bte_sample *x = &s->last;
@@ -600,23 +623,24 @@ static bte_reason disturbance(bte_state *s, int fine) {
     }
     const bte_real mean = R(0.5) * (x->omega[BTE_RL] + x->omega[BTE_RR]);
     const bte_real speed = car->radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
-    const int locks = fastest - slowest > c->lock * largest(fastest, R(1.0)) && speed > c->moving;
+    const bool locks = fastest - slowest > c->lock * largest(fastest, R(1.0)) && speed > c->moving;
     s->since_lock = locks ? R(0.0) : s->since_lock + car->sample_time;
     const bte_real apart = (x->omega[BTE_RR] - x->omega[BTE_RL]) / largest(mean, R(1.0));
     const bte_real slip = largest(slip_at(car, z), R(0.0));
     const bte_real leaned = R(4.0) * slip * car->cg_height / (GRAVITY * car->track_width);
     const bte_real turned = apart / (car->track_width / square(largest(speed, c->moving)) + leaned);
-    const bte_real part = R(1.0) - exponential(-car->sample_time / SIDES_TIME);
-    s->lateral = s->started ? s->lateral + part * (turned - s->lateral) : turned;
-    bte_reason reason = BTE_VALID;
+    s->lateral = s->started ? s->lateral + car->lateral_part * (turned - s->lateral) : turned;
+    bte_reason reason;
     if (!fine) {
         reason = BTE_FAULT;
-    } else if (s->since_lock <= c->recover) {
+    } else if (s->since_lock <= c->recover + R(0.5) * car->sample_time) {
         reason = BTE_LOCKED;
     } else if (!(size_of(s->lateral) < c->lateral)) {
         reason = BTE_CORNERS;
     } else if (!(size_of(x->steering) < c->steering)) {
         reason = BTE_TURNED;
+    } else {
+        reason = BTE_VALID;
     }
     return reason;
 }
@@ -636,11 +660,11 @@ static void take_block(bte_state *s) {
     const bte_real p = s->sum_p / count, z = s->sum_z / count;
     bte_real omega[BTE_AXLES], spin[BTE_AXLES], load[BTE_AXLES], other[BTE_AXLES], nominal = R(0.0);
     for (unsigned a = 0; a < BTE_AXLES; a++) {
-        omega[a] = s->sum_omega[a] / count;
+        omega[a] = s->first[a] + s->sum_omega[a] / count;
         spin[a] = s->block_full ? (omega[a] - s->omega[a]) / dt : R(0.0);
         s->omega[a] = omega[a];
     }
-    s->block_full = 1;
+    s->block_full = true;
     const bte_real speed = car->radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = car->drag * square(speed), lifted = car->drag_lift * body;
     const bte_real grown = R(1.0) + car->rolling_growth * (square(speed / R(20.0)) - R(1.0));
@@ -672,15 +696,20 @@ static void take_block(bte_state *s) {
         const bte_real tyre = part[a] * demanded - mass * GRAVITY / car->weight * alone;
         driven[a] = known_slip(car, tyre, other[a], load[a], load_alone[a]);
     }
-    const bte_real eta = omega[BTE_FRONT] > R(0.0) ? omega[BTE_REAR] / omega[BTE_FRONT] : R(1.0);
+    const bte_real sums_apart = s->sum_omega[BTE_REAR] - s->sum_omega[BTE_FRONT];
+    const bte_real apart = (s->first[BTE_REAR] - s->first[BTE_FRONT]) + sums_apart / count;
+    const bte_real eta_less_1 = omega[BTE_FRONT] > R(0.0) ? apart / omega[BTE_FRONT] : R(0.0);
+    const bte_real off = driven[BTE_REAR] - driven[BTE_FRONT];
+    const bte_real left = eta_less_1 * (R(1.0) - driven[BTE_FRONT]) + off;
     bte_block block;
     block.demand = demanded / car->weight;
     block.nominal = nominal / car->weight;
     block.pressure = p;
     block.z = z;
-    block.eta = eta * (R(1.0) - driven[BTE_FRONT]) / (R(1.0) - driven[BTE_REAR]);
+    block.eta_less_1 = left / (R(1.0) - driven[BTE_REAR]);
+    const bte_real slowest_rim = R(0.3);
     block.rim = largest(car->radius[BTE_FRONT] * omega[BTE_FRONT] / (R(1.0) - driven[BTE_FRONT]),
-                        SLOWEST_RIM);
+                        slowest_rim);
     block.rear_share = load[BTE_REAR] / car->weight;
     block.log_odds = R(0.0);
     block.disturbed = s->worst;
@@ -689,11 +718,11 @@ static void take_block(bte_state *s) {
 
 void bte_init(bte_state *s, const bte_car *car) {
     const bte_tuning *c = &car->tuning;
-    memset(s, 0, sizeof *s);
+    (void)memset(s, 0, sizeof *s);
     s->car = car;
     s->demand.variance = square(c->zero);
-    s->eta.value = car->radius[BTE_FRONT] / car->radius[BTE_REAR];
-    s->eta.variance = square(c->zero);
+    s->eta_less_1.value = car->radius[BTE_FRONT] / car->radius[BTE_REAR] - R(1.0);
+    s->eta_less_1.variance = square(c->zero);
     s->level[1] = c->lag;
     s->level[6] = square(c->lag_sigma);
     s->level_then = R(1.0);
@@ -710,8 +739,8 @@ void bte_init(bte_state *s, const bte_car *car) {
     }
 }
 
-int bte_exchange(bte_state *s, const bte_car *car) {
-    const int rests = s->last.omega[BTE_FL] * s->car->radius[BTE_FRONT] < R(0.5)
+bool bte_exchange(bte_state *s, const bte_car *car) {
+    const bool rests = s->last.omega[BTE_FL] * s->car->radius[BTE_FRONT] < R(0.5)
                       && s->last.omega[BTE_FR] * s->car->radius[BTE_FRONT] < R(0.5);
     if (rests) {
         bte_init(s, car);
@@ -721,21 +750,23 @@ int bte_exchange(bte_state *s, const bte_car *car) {
 
 void bte_step(bte_state *s, const bte_sample *sample, bte_output *out) {
     const bte_car *car = s->car;
-    const int fine = good(s, sample);
+    const bool fine = good(s, sample);
     const bte_reason reason = disturbance(s, fine);
     const bte_sample *x = &s->last;
-    s->started = 1;
+    s->started = true;
     s->worst = s->count == 0U || reason > s->worst ? reason : s->worst;
+    const bte_real omega[BTE_AXLES] = {R(0.5) * (x->omega[BTE_FL] + x->omega[BTE_FR]),
+                                       R(0.5) * (x->omega[BTE_RL] + x->omega[BTE_RR])};
     if (s->count == 0U) {
         s->sum_p = R(0.0);
         s->sum_z = R(0.0);
-        s->sum_omega[BTE_FRONT] = R(0.0);
-        s->sum_omega[BTE_REAR] = R(0.0);
     }
     s->sum_p += x->p_mc;
     s->sum_z -= x->a_x / GRAVITY;
-    s->sum_omega[BTE_FRONT] += R(0.5) * (x->omega[BTE_FL] + x->omega[BTE_FR]);
-    s->sum_omega[BTE_REAR] += R(0.5) * (x->omega[BTE_RL] + x->omega[BTE_RR]);
+    for (unsigned a = 0; a < BTE_AXLES; a++) { /* from the first one */
+        s->first[a] = s->count == 0U ? omega[a] : s->first[a];
+        s->sum_omega[a] = s->count == 0U ? R(0.0) : s->sum_omega[a] + (omega[a] - s->first[a]);
+    }
     s->count++;
     if (s->count >= car->samples) {
         s->count = 0;

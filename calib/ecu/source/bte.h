@@ -1,6 +1,7 @@
-/* Brake torque of each axle from wheel speeds, deceleration and pressure: the estimator of brake-cal.
+/* Brake torque of each axle from wheel speeds, deceleration and pressure: the estimator of
+ * brake-cal.
  *
- *     sample --means over a block--> zeros, level, lag, slip, ratio --> pad friction, torque, bounds
+ *     sample --means over a block--> zeros, level, lag, slip, ratio --> friction, torque, bounds
  *
  * Every number of a car is in `bte_car`, which bte_car.c defines. SI units. No memory is allocated,
  * nothing is recursive, and of the C library only sqrt is called. One task calls all functions of
@@ -14,6 +15,7 @@
 #ifndef BTE_H
 #define BTE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "bte_config.h" /* BTE_FLOAT: 32 or 64; BTE_CELL: type of the cells of the maps */
@@ -63,11 +65,11 @@ typedef struct {
 /* Medians with 95 % bounds. All numbers are finite, whatever `reason` says. */
 typedef struct {
     bte_reason reason;
-    bte_real level[BTE_BOUNDS];                      /* brake torque over that of the file's pads [1] */
-    bte_real ratio[BTE_BOUNDS];                      /* front pads over rear pads [1] */
-    bte_real pad_friction[BTE_AXLES][BTE_BOUNDS];    /* [1] */
-    bte_real brake_torque[BTE_AXLES][BTE_BOUNDS];    /* of one wheel of the axle [N m] */
-    bte_real brake_torque_sum[BTE_BOUNDS];           /* of all wheels [N m] */
+    bte_real level[BTE_BOUNDS];                   /* brake torque over that of filed pads [1] */
+    bte_real ratio[BTE_BOUNDS];                   /* front pads over rear pads [1] */
+    bte_real pad_friction[BTE_AXLES][BTE_BOUNDS]; /* [1] */
+    bte_real brake_torque[BTE_AXLES][BTE_BOUNDS]; /* of one wheel of the axle [N m] */
+    bte_real brake_torque_sum[BTE_BOUNDS];        /* of all wheels [N m] */
 } bte_output;
 
 /* A value over rising points. Maps are read linearly between cells and held beyond their ends. */
@@ -89,9 +91,10 @@ typedef struct {
 typedef struct {
     bte_tuning tuning;
     bte_real sample_time;            /* [s] */
+    bte_real lateral_part;           /* of a sample in the low pass of sideways motion [1] */
     uint16_t samples, waiting;       /* in a block; blocks before a bite on which no zero rests */
     bte_real weight;                 /* [N] */
-    bte_real load_f, load_r, height; /* axle loads at rest and load that moves at 1 g, over weight [1] */
+    bte_real load_f, load_r, height; /* loads at rest, and that moves at 1 g, over weight [1] */
     bte_real track_width, cg_height; /* [m] */
     bte_real drag;                   /* air drag over the square of the speed [N s^2/m^2] */
     bte_real drag_lift;              /* load that moves from front to rear by drag [1] */
@@ -99,7 +102,7 @@ typedef struct {
     bte_real radius[BTE_AXLES], inertia[BTE_AXLES]; /* [m], of one wheel [kg m^2] */
     bte_real torque_gain[BTE_AXLES]; /* torque of one wheel over pressure and friction [m^3] */
     bte_real pad_friction[BTE_AXLES]; /* of the vehicle file [1] */
-    bte_real ramp_ratio, log_ratio;  /* ln of the pads' ratio on the ramp: of the draws, of the fit */
+    bte_real ramp_ratio, log_ratio;  /* ln of the pads' ratio on the ramp: of draws, of the fit */
     bte_axis tyre;                   /* normalised force, and the slip at it [1] */
     BTE_CAL bte_real *tyre_slip;
     bte_axis z, shift, slip;         /* axes of the map of the ratio */
@@ -117,25 +120,26 @@ typedef struct {
 
 /* Means over a block, as the estimator takes them in. */
 typedef struct {
-    bte_real demand, nominal, pressure, z, eta, rim, rear_share, log_odds;
+    bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share, log_odds;
     bte_reason disturbed;
 } bte_block;
 
 /* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
 typedef struct {
     const bte_car *car;
-    bte_zero demand, eta;
+    bte_zero demand, eta_less_1;
     bte_real level[9], speed[14];
-    uint8_t anchored, waits, started, block_full;
+    bool anchored, started, block_full;
+    uint8_t waits;
     struct {
-        bte_real demand, eta, rim;
+        bte_real demand, eta_less_1, rim;
     } waiting[4];
     bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
     bte_real kept[BTE_BOUNDS], age, level_then;
     /* of the front end */
     bte_sample last;
     bte_real before[BTE_WHEELS][2], lateral, since_lock, p_held, held;
-    bte_real sum_p, sum_z, sum_omega[BTE_AXLES], omega[BTE_AXLES];
+    bte_real sum_p, sum_z, first[BTE_AXLES], sum_omega[BTE_AXLES], omega[BTE_AXLES];
     uint16_t count;
     bte_reason worst;
     /* the answer of the last block */
@@ -149,8 +153,8 @@ void bte_init(bte_state *state, const bte_car *car);
 /* Take in a sample, and answer. */
 void bte_step(bte_state *state, const bte_sample *sample, bte_output *out);
 
-/* Take another car's numbers, at rest only: returns 1 and forgets everything, or 0 while it rolls. */
-int bte_exchange(bte_state *state, const bte_car *car);
+/* Take another car's numbers and forget everything: true at rest, false while it rolls. */
+bool bte_exchange(bte_state *state, const bte_car *car);
 
 /* Take in the means of a block, for an ECU that makes them itself: `bte_told` then answers. */
 void bte_take(bte_state *state, const bte_block *block);

@@ -42,13 +42,13 @@ int main(void) {
         other += found[0] > right[0] || found[0] < right[0];
         for (uint32_t i = 1; i < BTE_OUTPUTS; i++) {
             const bte_real least = right[i] < (bte_real)1e-6 ? (bte_real)1e-6 : right[i];
-            const bte_real apart = found[i] > right[i] ? found[i] - right[i] : right[i] - found[i];
+            const bte_real off = found[i] - right[i], apart = off < (bte_real)0.0 ? -off : off;
             worst = apart / least > worst ? apart / least : worst;
             wrong += !(apart <= (bte_real)TOLERANCE * least);
         }
     }
-    printf("%u samples: largest difference %.3g, %u beyond %g, %u reasons differ\n", (unsigned)COUNT,
-           (double)worst, (unsigned)wrong, TOLERANCE, (unsigned)other);
+    printf("%u samples: largest difference %.3g, %u beyond %g, %u reasons differ\n",
+           (unsigned)COUNT, (double)worst, (unsigned)wrong, TOLERANCE, (unsigned)other);
     return other > 0U || wrong > 0U;
 }
 #endif
