@@ -57,6 +57,7 @@ _INPUTS = (
     ("a_x", "m/s2", "Acceleration at the center of gravity, forward positive"),
     *((f"omega_{wheel}", "rad/s", f"Speed of wheel {wheel}") for wheel in WHEELS),
     ("steering", "rad", "Angle at the driver's wheel; 0 where nobody measures it"),
+    ("driven", "1", "1 while the accelerator is pressed; 0 where nobody knows"),
 )
 _OUTPUTS = (
     ("level", "1", "Brake torque over that of the vehicle file's pads"),

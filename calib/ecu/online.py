@@ -34,6 +34,7 @@ RANGES = {
     "a_x": (-30.0, 30.0),
     **{f"omega_{w}": (-50.0, 500.0) for w in WHEELS},
     "steering": (-50.0, 50.0),
+    "driven": (0.0, 1.0),
 }
 """Range of each channel [SI] that a sensor has while it works."""
 
@@ -117,13 +118,14 @@ class Online:
         disturbed = self._disturbed(fine)
         x, self.begun = self.last, True
         front, rear = (0.5 * (x[f"omega_{a}l"] + x[f"omega_{a}r"]) for a in "fr")
-        self.rows.append((x["p_mc"], -x["a_x"] / G, front, rear, disturbed))
+        driven = x["driven"] > 0.5
+        self.rows.append((x["p_mc"], -x["a_x"] / G, front, rear, disturbed, driven))
         if len(self.rows) == self.timing.samples:
             self._take()
         return self._told(x["p_mc"], fine)
 
     def run(self, samples: Array) -> Array:
-        """Answers (n, 22) to samples (n, 7), as `bte_run` has them."""
+        """Answers (n, 22) to samples (n, 8), as `bte_run` has them."""
         rows = (dict(zip(RANGES, row, strict=True)) for row in samples.tolist())
         return np.array([(one.reason, *np.concatenate(one[1:])) for one in map(self.step, rows)])
 
@@ -180,7 +182,7 @@ class Online:
         spin = np.zeros(2) if self.omega is None else (omega - self.omega) / self.timing.block
         self.omega = np.array(omega)
         nothing, car = np.zeros(1), self.table.vehicle
-        worst = np.array([max(row[-1] for row in self.rows)])
+        worst, driven = np.max(self.rows, axis=0)[4:]
         self.rows = []
         b = Blocks(
             end=nothing, p_f=p + nothing, p_r=p + nothing, drive_f=nothing, drive_r=nothing,
@@ -189,7 +191,7 @@ class Online:
             spin_f=spin[0] + nothing, spin_r=spin[1] + nothing, lead_in=nothing > 0.0,
             samples=self.timing.samples, length=self.timing.block,
         )  # fmt: skip
-        rows = given(self.table, b, worst, with_v=False)
+        rows = given(self.table, b, worst + nothing, with_v=False)._replace(driven=driven + nothing)
         answer = step(self.constants, self.state, Sample(*(float(x[0]) for x in rows)))
         share = front_share(car, rows.log_odds)
         pads = pads_of(share, answer.level[:, None], answer.ratio[:, None])[..., 0]

@@ -161,6 +161,7 @@ def given(table: Table, b: Blocks, disturbed: Index, *, with_v: bool) -> Sample[
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,
         disturbed=disturbed.astype(np.float64),
         log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
+        driven=np.zeros(b.end.size),
     )
 
 

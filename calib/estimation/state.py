@@ -43,6 +43,7 @@ class Sample(NamedTuple, Generic[Number]):
     v: Number  # [m/s], NaN where not logged
     disturbed: Number  # number of a `Reason` while the car is steered or a wheel locks, else 0
     log_odds: Number  # ln of the front pressure over the rear one
+    driven: Number  # 1 while the accelerator is pressed: thrust and slip are no zeros
 
 
 class Seen(NamedTuple, Generic[Number]):
@@ -165,7 +166,7 @@ def _roll(c: Constants, s: State, x: Sample[float], counts: bool) -> None:
         if old.v > MOVING:  # not where v is missing: NaN is not
             slip = 1.0 - _rim(s, old) / old.v
             s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
-    if counts and x.pressure < c.untouched and abs(x.z) < STEADY:
+    if counts and not x.driven and x.pressure < c.untouched and abs(x.z) < STEADY:
         s.waiting.append(x)
     else:
         s.waiting.clear()

@@ -101,7 +101,7 @@ def _reasons(c: Constants, x: Sample[Array], braked: Array, level: Array, of_map
         (Reason.NOT_BRAKED, x.pressure <= c.least_pressure),
         (x.disturbed, x.disturbed > 0.0),  # before the rims: those of locked wheels are slow
         (Reason.SLOW, x.rim <= MOVING),
-        (Reason.JUST_APPLIED, braked < c.settle - 0.1 * c.block),
+        (Reason.JUST_APPLIED, braked < c.settle - 0.5 * c.block),
         (Reason.NO_PAD, (level <= c.least_level) | (level >= c.most_level)),
         (Reason.BEYOND_MAP, ~of_map),
         strict=True,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import StoreError
-from calib.base.names import WHEELS
+from calib.base.names import WHEELS, G
 from calib.car.effects.effects import Effects
 from calib.ecu.car_source import Width
 from calib.ecu.native import Native, samples_of
@@ -24,7 +24,7 @@ from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 pytestmark = needs_cc
 
 STEP = 0.005
-P_MC, A_X, FL, *_ = range(len(RANGES))
+P_MC, A_X, FL, *_, STEERING, DRIVEN = range(len(RANGES))
 REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, TORQUE_R, SUM = 0, *range(1, 22, 3)
 DOUBLE = Width(64, Precision())
 
@@ -142,12 +142,37 @@ def test_a_wheel_that_locks_counts_for_a_second_after_it(drive_on, both):
 
 def test_steering_standstill_and_reverse_have_their_reasons(drive_on, both):
     braked = samples_of(drive_on)
-    braked[drive_on.time > 4.0, len(RANGES) - 1] = 0.2
+    braked[drive_on.time > 4.0, STEERING] = 0.2
     assert both(braked)[np.searchsorted(drive_on.time, 4.9), REASON] == Reason.TURNED
     rests = np.zeros((400, len(RANGES)))
     rests[100:, P_MC] = 10e5
     rests[250:, FL : FL + len(WHEELS)] = -5.0
     assert set(both(rests)[120:, REASON]) == {Reason.SLOW}
+
+
+@pytest.fixture(scope="module")
+def from_gas():
+    """A coast, 0.04 g of thrust on the front axle until the brake is applied, and a stop."""
+
+    def motor(t):
+        return 0.04 * CAR.weight * CAR.front.rolling_radius * (1.5 < t < 4.0), 0.0
+
+    def pressure(t):
+        return 20e5 * min(max((t - 4.05) / 0.2, 0.0), 1.0)
+
+    run = drive(replace(REAL, motor=motor), pressure, 28.0, duration=6.5)
+    return noisy(as_log(run, "from gas"), 4)
+
+
+def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(from_gas, both):
+    samples = samples_of(without(from_gas, "T_drive_f", "T_drive_r"))
+    unknown = both(samples)[-1]
+    samples[(from_gas.time > 1.4) & (from_gas.time < 4.0), DRIVEN] = 1.0
+    known = both(samples)[-1]
+    for place in (FRONT, REAR):
+        assert known[place + 1] < 0.38 < known[place + 2]
+    assert known[LEVEL] == pytest.approx(1.0, abs=0.02)
+    assert unknown[LEVEL] > 1.04  # the thrust is taken for a zero of a_x
 
 
 def test_hours_without_a_brake_make_no_number_that_is_not_finite(drive_on, both):
@@ -171,7 +196,7 @@ def test_another_table_is_taken_at_rest_only(fitted, native):
     car = addressof(c_char.in_dll(code, "bte_this_car"))
     code.bte_init(state, c_void_p(car))
     for speed, taken in ((60.0, 0), (0.0, 1)):
-        sample = (c_double * len(RANGES))(0.0, 0.0, speed, speed, speed, speed, 0.0)
+        sample = (c_double * len(RANGES))(0.0, 0.0, speed, speed, speed, speed, 0.0, 0.0)
         code.bte_step(state, sample, out)
         assert code.bte_exchange(state, c_void_p(car)) == taken
 

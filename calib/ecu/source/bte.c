@@ -213,7 +213,7 @@ static void roll(bte_state *s, const bte_block *x, bool counts) {
             s->waiting[i] = s->waiting[i + 1U];
         }
     }
-    if (counts && x->pressure < c->untouched && size_of(x->z) < c->steady) {
+    if (counts && !x->driven && x->pressure < c->untouched && size_of(x->z) < c->steady) {
         s->waiting[s->waits].demand = x->demand;
         s->waiting[s->waits].eta_less_1 = x->eta_less_1;
         s->waiting[s->waits].rim = x->rim;
@@ -589,7 +589,7 @@ static bte_real median(bte_real a, bte_real b, bte_real c) {
 /* A sample as it counts: the last good one while a sensor fails. */
 static bool good(bte_state *s, const bte_sample *x) {
     bool fine = within(x->p_mc, R(-1e6), R(4e7)) && within(x->a_x, R(-30.0), R(30.0))
-               && within(x->steering, R(-50.0), R(50.0));
+               && within(x->steering, R(-50.0), R(50.0)) && within(x->driven, R(0.0), R(1.0));
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
         fine = fine && within(x->omega[w], R(-50.0), R(500.0));
     }
@@ -713,6 +713,7 @@ static void take_block(bte_state *s) {
     block.rear_share = load[BTE_REAR] / car->weight;
     block.log_odds = R(0.0);
     block.disturbed = s->worst;
+    block.driven = s->driven;
     bte_take(s, &block);
 }
 
@@ -755,6 +756,7 @@ void bte_step(bte_state *s, const bte_sample *sample, bte_output *out) {
     const bte_sample *x = &s->last;
     s->started = true;
     s->worst = s->count == 0U || reason > s->worst ? reason : s->worst;
+    s->driven = x->driven > R(0.5) || (s->count > 0U && s->driven);
     const bte_real omega[BTE_AXLES] = {R(0.5) * (x->omega[BTE_FL] + x->omega[BTE_FR]),
                                        R(0.5) * (x->omega[BTE_RL] + x->omega[BTE_RR])};
     if (s->count == 0U) {

@@ -60,6 +60,7 @@ typedef struct {
     bte_real a_x;               /* acceleration, forward positive [m/s^2], -30 to 30 */
     bte_real omega[BTE_WHEELS]; /* wheel speeds [rad/s], -50 to 500 */
     bte_real steering;          /* angle at the driver's wheel [rad]; 0 where nobody measures it */
+    bte_real driven;            /* 1 while the accelerator is pressed, 0 else and if nobody knows */
 } bte_sample;
 
 /* Medians with 95 % bounds. All numbers are finite, whatever `reason` says. */
@@ -122,6 +123,7 @@ typedef struct {
 typedef struct {
     bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share, log_odds;
     bte_reason disturbed;
+    bool driven;
 } bte_block;
 
 /* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
@@ -142,6 +144,7 @@ typedef struct {
     bte_real sum_p, sum_z, first[BTE_AXLES], sum_omega[BTE_AXLES], omega[BTE_AXLES];
     uint16_t count;
     bte_reason worst;
+    bool driven;
     /* the answer of the last block */
     bte_reason reason;
     bte_real level_told[BTE_BOUNDS], ratio_told[BTE_BOUNDS], pads[BTE_AXLES][BTE_BOUNDS];
