@@ -31,8 +31,8 @@ def export(
     bits: int | None = option("8, 16 or 32; for c-header, a2l, ecu.", "BITS", "--fixed-point"),
     single: bool = option("Single precision; for c-header, a2l, ecu.", None, "--float"),
     sample_time: float | None = option("Time from call to call [s], 0.01; for ecu.", "S"),
-    prefix: str | None = option("Of all labels and files, bte; for ecu.", "NAME"),
-    elf: Path | None = option("Linked program (ELF), for addresses of an a2l.", "FILE"),
+    prefix: str | None = option("Of all labels; the table's name, of code bte.", "NAME"),
+    elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     without_effect: list[str] = option("Known effect that no ECU senses; repeatable.", "NAME"),
     unreleased: bool = option("Also a version that is not released; the file then says so."),
@@ -52,20 +52,20 @@ def export(
 
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
+    quality = read_quality(validation, stored) if validation else UNPROVED
     if form and form.lower() in CODES:
-        if elf or validation:
-            raise misuse("the code has no addresses and no state of a validation", "--format")
         require_released(stored, without_effect, unreleased=unreleased)
         precision = points, bits, single
         step = 0.01 if sample_time is None else sample_time
-        return _code(stored, out, form.lower(), precision, step, prefix or "bte")
-    if sample_time or prefix:
-        raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time, --prefix")
+        more: dict[str, Any] = {"quality": quality, "elf": elf}
+        return _code(stored, out, form.lower(), precision, step, prefix or "bte", more)
+    if sample_time is not None:
+        raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
     check_file(out)
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
-    quality = read_quality(validation, stored) if validation else UNPROVED
     how: dict[str, Any] = {"points": points, "bits": bits, "single": single, "elf": elf}
+    how |= {"prefix": prefix}
     how |= {"unreleased": unreleased, "without_effects": without_effect}
     options = "--format, --points, --fixed-point, --float, --elf, --without-effect"
     with at_option(options, ExchangeError), writing(out):
@@ -87,12 +87,13 @@ def _code(
     how: tuple[int | None, int | None, bool],
     sample_time: float,
     prefix: str,
+    more: dict[str, Any],
 ) -> Answer:
-    """Write the estimator as C, with the numbers of a table."""
+    """Write the estimator as C, with the numbers of a table; ``more`` for a folder alone."""
     from calib.base.errors import ExchangeError
     from calib.ecu.bundle import names, write_bundle
-    from calib.ecu.car_source import Width
     from calib.ecu.fmu import write_fmu
+    from calib.ecu.width import Width
     from calib.table.exported import Precision
     from calib.table.generation import require_maps
 
@@ -102,7 +103,7 @@ def _code(
         if form == "ecu":
             check_folder(out, names(prefix))
             with writing(out):
-                files = write_bundle(stored, out, width, sample_time, prefix)
+                files = write_bundle(stored, out, width, sample_time, prefix, **more)
         else:
             check_file(out)
             version: Literal[2, 3] = 2 if form == "fmu2" else 3

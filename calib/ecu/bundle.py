@@ -1,13 +1,18 @@
 """The folder that an ECU project takes in: the estimator, this car's numbers, and their proof.
 
-bte.h bte.c                 the estimator, the same for every car
-bte_config.h bte_car.c      precision, and the numbers of the car
-bte_run.c vectors.h         samples with the answers of Python, and a program that compares
-README.md CMakeLists.txt
+    bte.h bte.c                 the estimator, the same for every car
+    bte_config.h bte_car.c      precision, and the numbers of the car
+    bte.a2l bte.dcm bte.cdfx    its maps for a calibration tool
+    bte_run.c vectors.h         samples with the answers of Python, and a program that compares
+    README.md CMakeLists.txt
+
+Nothing is made again in the ECU project: functions are called, and files are replaced.
 """
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from string import Template
 
@@ -18,18 +23,24 @@ from calib.base.errors import ExchangeError
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
-from calib.ecu.car_source import Width, car_source, require_time
+from calib.ecu.car_source import PREFIX, car_source, require_time
+from calib.ecu.labels import code_data
 from calib.ecu.native import OUTPUTS, SOURCE, config, samples_of
 from calib.ecu.online import RANGES, Online, Timing
+from calib.ecu.width import Width
+from calib.exports.addresses import find_addresses
+from calib.exports.write import FORMATS
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
+from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 from calib.table.exported import as_exported
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
-PREFIX = "bte"
 README = "README.md"
+TOOLS = ("a2l", "cdfx", "dcm")
+"""Formats of calibration tools, by the ending of the file."""
 _TOLERANCE = {64: 1e-9, 32: 1e-4}
 """Relative difference of the vectors from Python by the bits of the floating point."""
 
@@ -40,18 +51,33 @@ _SEED = 1
 def names(prefix: str = PREFIX) -> tuple[str, ...]:
     """Files of the folder."""
     given = sorted(path.name for path in SOURCE.iterdir() if path.suffix in (".c", ".h"))
-    made = (*given, "bte_config.h", "bte_car.c", "vectors.h", "CMakeLists.txt", README)
-    return tuple(_renamed(name, prefix) for name in made)
+    made = ("bte_config.h", "bte_car.c", "vectors.h", "CMakeLists.txt", README)
+    of_tools = (f"{PREFIX}.{form}" for form in TOOLS)
+    return tuple(_renamed(name, prefix) for name in (*given, *made, *of_tools))
 
 
 def write_bundle(
-    stored: Stored, folder: Path, width: Width, sample_time: float, prefix: str = PREFIX
+    stored: Stored,
+    folder: Path,
+    width: Width,
+    sample_time: float,
+    prefix: str = PREFIX,
+    *,
+    quality: Quality = UNPROVED,
+    elf: Path | None = None,
 ) -> list[Path]:
     """Write the code of a version to a folder, replace files of the same names, return all.
 
-    ``sample_time`` [s] of the ECU's task; ``prefix`` of every label and file. Raises StoreError for
-    a table without maps, or with known effects that the code does not take out; ExchangeError for
-    a name that C does not take, or a time without a block.
+    Parameters
+    ----------
+    sample_time : of the ECU's task [s].
+    prefix : of every label and file.
+    quality : result of a validation, for the state in the CDF.
+    elf : linked program with the code, for the addresses in the A2L.
+
+    Raises StoreError for a table without maps, or with known effects that the code does not take
+    out; ExchangeError for a name that C does not take, or a time without a block; ProgramError
+    where ``elf`` does not hold the table.
     """
     if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", prefix):
         raise ExchangeError(
@@ -63,17 +89,34 @@ def write_bundle(
     about = f"{stored.id}, digest {stored.digest}, {stored.state.words}".replace("*/", "* /")
     texts = {path.name: path.read_text() for path in sorted(SOURCE.iterdir()) if path.is_file()}
     texts["bte_config.h"] = config(width)
-    texts["bte_car.c"] = car_source(stored.table, sample_time, width, about)
+    texts["bte_car.c"] = car_source(stored.table, sample_time, width, about, stored.version)
     texts["vectors.h"] = "\n".join(_vectors(samples, told, sample_time, width)) + "\n"
     texts[README] = Template(texts[README]).substitute(
         table=stored.id, digest=stored.digest, state=stored.state.words, bits=width.bits,
         cell=width.cell, step=f"{sample_time:g}", ms=f"{1e3 * sample_time:g}_ms".replace(".", "_"),
         count=len(samples),
     )  # fmt: skip
+    code = {_renamed(name, prefix): _renamed(text, prefix) for name, text in texts.items()}
+    files = {name: text.encode() for name, text in code.items()}
+    files |= _for_tools(stored, width, prefix, quality, elf)
     with workshop(folder) as work:
-        for name, text in texts.items():
-            write_whole(work / _renamed(name, prefix), _renamed(text, prefix).encode())
+        for name, content in files.items():
+            write_whole(work / name, content)
         return publish(work, folder, README)
+
+
+def _for_tools(
+    stored: Stored, width: Width, prefix: str, quality: Quality, elf: Path | None
+) -> dict[str, bytes]:
+    """The maps in the formats of calibration tools, by the name of the file."""
+    date, out = datetime.now(UTC).date().isoformat(), {}
+    for form in TOOLS:
+        most = FORMATS[form].most_axes
+        data = code_data(stored, prefix, width, date, quality, most)
+        if elf is not None and FORMATS[form].addressed:
+            data = replace(data, addresses=find_addresses(elf, data))
+        out[f"{prefix}.{form}"] = FORMATS[form].write(data)
+    return out
 
 
 def _renamed(text: str, prefix: str) -> str:

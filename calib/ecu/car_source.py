@@ -5,8 +5,8 @@ is what `calib.table.exported` reads back.
 """
 
 import math
-from dataclasses import dataclass, fields
-from typing import Self
+from collections.abc import Iterable
+from dataclasses import fields
 
 import numpy as np
 
@@ -15,54 +15,26 @@ from calib.base.errors import ExchangeError
 from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
+from calib.ecu.labels import code_maps, version_label
 from calib.ecu.online import Timing
+from calib.ecu.width import Width
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.reasons import LATERAL, LOCK, RECOVER, STEERING
+from calib.exports.dataset import Grid
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import STEADY
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import WALK, SensorNoise
-from calib.table.exported import Precision, Written, as_exported
+from calib.table.exported import as_exported
 from calib.table.table import Table
 
+PREFIX = "bte"
+"""First part of every label, of files and functions, too."""
 _RATIO = tuple(names[0] for names in PADS)
 _FASTEST, _SLOWEST = 1e-4, 0.1  # times from call to call [s]
-_BEFORE = tuple(f"before_{name}" for name in _RATIO)
 _FROM_TABLE = ("noise_v", "late", "late_sigma", "radii", "ramp_ratio", "block")
 """Numbers of `Constants` that are no tuning, or of a speed that no ECU has."""
-
-
-@dataclass(frozen=True)
-class Width:
-    """How the numbers are computed with: ``bits`` of the floating point, 32 or 64.
-
-    ``how`` the maps are written: breakpoints, and the bits of their cells where these are integers.
-    """
-
-    bits: int
-    how: Precision
-
-    @classmethod
-    def of(cls, how: Precision) -> Self:
-        """Single precision where the table is written so or in integers, else double."""
-        return cls(32 if how.single or how.bits else 64, how)
-
-    @property
-    def cell(self) -> str:
-        """Type of the cells of the maps in C."""
-        return f"int{self.how.bits}_t" if self.how.bits else "bte_real"
-
-    def rounded(self, x: Array) -> Array:
-        """Numbers as the floating point holds them."""
-        return x.astype(np.float32).astype(np.float64) if self.bits == 32 else x
-
-    def number(self, x: float) -> str:
-        """A constant in C that reads back to the last bit of its precision."""
-        told = repr(float(np.float32(x)) if self.bits == 32 else float(x))
-        if self.bits == 32:
-            told = np.format_float_scientific(np.float32(x), unique=True, trim="0")
-        return f"{told}F" if self.bits == 32 else told
 
 
 def require_time(sample_time: float) -> None:
@@ -112,63 +84,77 @@ def car_numbers(table: Table, sample_time: float) -> dict[str, float | list[floa
     }
 
 
-def car_source(table: Table, sample_time: float, width: Width, told: str) -> str:
-    """bte_car.c; ``told`` is what the file says of its table.
+def car_source(table: Table, sample_time: float, width: Width, told: str, version: int = 0) -> str:
+    """bte_car.c; ``told`` is what the file says of its table, ``version`` its number.
 
     Raises ExchangeError for a precision that C does not have, or a time that no ECU has.
     """
     require_time(sample_time)
+    axes, grids = code_maps(table, PREFIX, width)
     table = as_exported(table, width.how)
-    ratio, level = table.map, table.level_map
-    assert ratio is not None
-    assert level is not None
     timing, numbers = Timing.of(sample_time), car_numbers(table, sample_time)
-    axes = {**ratio.axes, "level_z": level.z, "tyre": table.tyre.force}
-    parts = [_array(f"axis_{name}", x, width) for name, x in axes.items()]
-    parts.append(_array("tyre_slip", table.tyre.slip, width))
-    columns = {name: getattr(ratio, name) for name in (*_RATIO, *SLIP)}
-    columns |= {name: getattr(level, name) for name in LEVEL}
-    columns |= {f"before_{name}": getattr(level, name) for name in _RATIO}
-    cells = {name: width.how.numbers(column) for name, column in columns.items()}
-    parts += [_cells(f"cells_{name}", x, width) for name, x in cells.items()]
+    parts = [_array(axis.label, axis.values, width) for axis in axes]
+    parts += [_cells(grid, width) for grid in grids]
+    tyre = {"tyre_force": table.tyre.force, "tyre_slip": table.tyre.slip}
+    parts += [f"static {_defined('bte_real', name, x, width)}" for name, x in tyre.items()]
+    z, shift, slip, level_z = (axis.label for axis in axes)
+    of = {(grid.column, len(grid.axes)): grid for grid in grids}
+    ratio = [of[name, 3] for name in _RATIO]
+    level, before = ([of[name, 1] for name in names] for names in (LEVEL, _RATIO))
+    mean, sigma = (of[name, 2] for name in SLIP)
     members = {
+        "version": f"&{version_label(PREFIX)}",
         "tuning": _nested(tuning(table, timing), width),
         "samples": f"{timing.samples}U",
         "waiting": f"{timing.waiting}U",
         **{name: _told(x, width) for name, x in numbers.items()},
-        "tyre": _axis("tyre"),
+        "tyre": _axis("tyre_force"),
         "tyre_slip": "tyre_slip",
-        **{name: _axis(name) for name in ratio.axes},
-        **_map("ratio", _RATIO, cells, width),
-        "slip_mean": f"cells_{SLIP[0]}",
-        "slip_sigma": f"cells_{SLIP[1]}",
-        "slip_mean_step": width.number(_step(cells[SLIP[0]])),
-        "slip_sigma_step": width.number(_step(cells[SLIP[1]])),
-        "level_z": _axis("level_z"),
-        **_map("level", LEVEL, cells, width),
-        **_map("before", _BEFORE, cells, width),
+        "z": _axis(z),
+        "shift": _axis(shift),
+        "slip": _axis(slip),
+        **_map("ratio", ratio, width),
+        "slip_mean": mean.label,
+        "slip_sigma": sigma.label,
+        "slip_mean_step": width.number(_step(mean)),
+        "slip_sigma_step": width.number(_step(sigma)),
+        "level_z": _axis(level_z),
+        **_map("level", level, width),
+        **_map("before", before, width),
     }
+    numbered = f"BTE_CAL bte_real {version_label(PREFIX)}"
     body = "\n".join(f"    .{name} = {text}," for name, text in members.items())
     return "\n\n".join(
         [
             f"/* {told} */",
             '#include "bte.h"',
             "#define COUNT(x) ((uint16_t)(sizeof(x) / sizeof((x)[0])))",
+            f"extern {numbered};\n{numbered} = {width.number(version)};",
             *parts,
             f"const bte_car bte_this_car = {{\n{body}\n}};\n",
         ]
     )
 
 
-def _array(name: str, values: Array, width: Width) -> str:
-    told = ", ".join(map(width.number, values.tolist()))
-    return f"static BTE_CAL bte_real {name}[] = {{{told}}};"
+def _array(label: str, values: Array, width: Width) -> str:
+    """An array that a calibration tool knows."""
+    return _public("bte_real", label, map(width.number, values.tolist()))
 
 
-def _cells(name: str, x: Written, width: Width) -> str:
-    raw = x.fixed.raw.tolist() if x.fixed else x.values.tolist()
-    told = ", ".join(str(one) if x.fixed else width.number(one) for one in raw)
-    return f"static BTE_CAL bte_cell {name}[] = {{{told}}};"
+def _cells(grid: Grid, width: Width) -> str:
+    if grid.fixed is None:
+        return _public("bte_cell", grid.label, map(width.number, grid.numbers))
+    return _public("bte_cell", grid.label, map(str, grid.fixed.raw.tolist()))
+
+
+def _public(kind: str, label: str, numbers: Iterable[str]) -> str:
+    told = list(numbers)
+    declared = f"BTE_CAL {kind} {label}[{len(told)}]"
+    return f"extern {declared};\n{declared} = {{{', '.join(told)}}};"
+
+
+def _defined(kind: str, name: str, values: Array, width: Width) -> str:
+    return f"BTE_CAL {kind} {name}[] = {{{', '.join(map(width.number, values.tolist()))}}};"
 
 
 def _told(x: float | list[float], width: Width) -> str:
@@ -181,19 +167,17 @@ def _nested(values: dict[str, float], width: Width) -> str:
     return "{" + ", ".join(f".{name} = {width.number(x)}" for name, x in values.items()) + "}"
 
 
-def _axis(name: str) -> str:
-    return f"{{axis_{name}, COUNT(axis_{name})}}"
+def _axis(label: str) -> str:
+    return f"{{{label}, COUNT({label})}}"
 
 
-def _step(x: Written) -> float:
-    return x.fixed.step if x.fixed else 1.0
+def _step(grid: Grid) -> float:
+    return grid.fixed.step if grid.fixed else 1.0
 
 
-def _map(
-    label: str, names: tuple[str, ...], cells: dict[str, Written], width: Width
-) -> dict[str, str]:
+def _map(member: str, grids: list[Grid], width: Width) -> dict[str, str]:
     """The median and both bounds of a map, and the steps of their cells."""
     return {
-        label: "{" + ", ".join(f"cells_{name}" for name in names) + "}",
-        f"{label}_step": _told([_step(cells[name]) for name in names], width),
+        member: "{" + ", ".join(grid.label for grid in grids) + "}",
+        f"{member}_step": _told([_step(grid) for grid in grids], width),
     }

@@ -14,9 +14,10 @@ from typing import Literal, NamedTuple
 from calib.base.names import AXLE_NAMES, WHEELS
 from calib.base.program import PROGRAM
 from calib.base.write import write_whole
-from calib.ecu.car_source import Width, car_source
+from calib.ecu.car_source import car_source
 from calib.ecu.native import SOURCE, config
 from calib.ecu.online import require_plain
+from calib.ecu.width import Width
 from calib.estimation.reasons import Reason
 from calib.exports.dataset import prefix
 from calib.exports.write import printable

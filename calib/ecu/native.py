@@ -16,8 +16,9 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
-from calib.ecu.car_source import Width, car_source
+from calib.ecu.car_source import car_source
 from calib.ecu.online import RANGES, require_plain
+from calib.ecu.width import Width
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.validate import Coded

@@ -383,14 +383,17 @@ def build(
     *,
     single: bool = False,
     most_axes: int = MOST_AXES,
+    first: str | None = None,
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
-    ``most_axes`` of a map that the format can hold: one of more is written in slices. Raises
+    ``most_axes`` of a map that the format can hold: one of more is written in slices; ``first``
+    part of every label, of the table's name if not given. Raises
     ExchangeError for more points than rows, a width that C does not have, and a rounded axis that
     does not increase.
     """
-    table, first, how = stored.table, prefix(stored.name), Precision(points, bits, single)
+    table, how = stored.table, Precision(points, bits, single)
+    first = prefix(stored.name if first is None else first)
     p, d, g = table.paper, table.difference, table.tyre
     ratio = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
     force = "normalised force over slip, common tyre curve"
@@ -406,7 +409,7 @@ def build(
     group = partial(_group, first, how)
     groups = [group((name, ratio, x, True, 1.0), over) for name, x, over in over_eta]
     groups.append(group(("slip", "slip of the wheel", g.slip, False, 0.0), tyre))
-    maps = [*_maps(table, first, how, most_axes)]
+    maps = [*maps_of(table, first, how, most_axes)]
     return Dataset(
         stored=stored,
         prefix=first,
@@ -480,7 +483,7 @@ def _name(part: str, name: str) -> str:
     return "slip_apart" if name == "slip" else name
 
 
-def _maps(
+def maps_of(
     table: Table, first: str, how: Precision, most_axes: int
 ) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
     """Axes and columns of each map; those with more axes than a format holds in slices."""

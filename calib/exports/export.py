@@ -133,6 +133,7 @@ def export(
     points: int | None = None,
     bits: int | None = None,
     single: bool = False,
+    prefix: str | None = None,
     elf: Path | str | None = None,
     quality: Quality = UNPROVED,
     date: str | None = None,
@@ -148,6 +149,7 @@ def export(
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
     single : in single precision; for c-header and a2l.
+    prefix : first part of every label, that of the table's name if not given.
     elf : linked program with the C header (ELF), for the addresses of an a2l.
     quality : result of a validation, see `calib.store.evidence.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
@@ -184,7 +186,7 @@ def export(
             raise ExchangeError(f"{form} has no {what}", expected=", ".join(fit))
     date = date or datetime.now(UTC).date().isoformat()
     most = FORMATS[form].most_axes
-    data = build(stored, points, quality, bits, date, single=single, most_axes=most)
+    data = build(stored, points, quality, bits, date, single=single, most_axes=most, first=prefix)
     if elf is not None:
         data = replace(data, addresses=find_addresses(Path(elf), data))
     content = FORMATS[form].write(data)

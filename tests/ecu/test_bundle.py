@@ -8,13 +8,15 @@ import pytest
 
 from calib.base.errors import ExchangeError, ProgramError
 from calib.ecu.bundle import names, write_bundle
-from calib.ecu.car_source import Width
 from calib.ecu.native import coded, compiler
+from calib.ecu.width import Width
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.validate import validate_one
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.table.exported import Precision
+from tests.exports.test_a2l import a2ltool, needs_a2ltool
+from tests.exports.test_formats import dcm_reader
 from tests.support.compilers import needs_cc
 from tests.support.reference_car import WET, noisy, stop
 
@@ -54,6 +56,42 @@ def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
     assert "0 reasons differ" in subprocess.run(["./vectors"], **at).stdout
     text = "".join(path.read_text() for path in made if path.suffix in (".c", ".h"))
     assert ("bte" in text) == (prefix == "bte")
+
+
+def linked(folder):
+    """The program of the vectors, with debug information, at fixed addresses."""
+    program = folder / "program"
+    flags = ["-std=c99", "-g", "-gdwarf-4", "-no-pie", "-ffp-contract=off", "-DBTE_VECTORS"]
+    files = [folder / name for name in ("bte.c", "bte_car.c", "bte_run.c")]
+    subprocess.run([compiler(), *flags, *files, "-o", program, "-lm"], check=True)
+    return program
+
+
+@needs_cc
+@needs_a2ltool
+@pytest.mark.parametrize("how", [Precision(), Precision(single=True), Precision(6, 8)])
+def test_another_program_finds_the_addresses_of_the_a2l(kept, tmp_path, how):
+    code = tmp_path / "code"
+    write_bundle(kept, code, Width.of(how), 0.01)
+    program, plain = linked(code), (code / "bte.a2l").read_bytes()
+    write_bundle(kept, code, Width.of(how), 0.01, elf=program)
+    update = ("--elffile", program, "--update", "FULL", "--update-mode", "STRICT")
+    ours = a2ltool(tmp_path, (code / "bte.a2l").read_bytes())
+    assert a2ltool(tmp_path, plain, *update) == ours
+    assert ours.count("/begin CHARACTERISTIC") == 12  # eight maps, three levels, the version
+    other = write_bundle(kept, tmp_path / "other", Width.of(how), 0.01, prefix="acme")
+    with pytest.raises(ProgramError):  # it has no labels of that name
+        write_bundle(kept, tmp_path / "other", Width.of(how), 0.01, prefix="acme", elf=program)
+    assert all(path.exists() for path in other)
+
+
+def test_another_reader_finds_the_numbers_of_the_maps_in_the_dcm(kept, tmp_path):
+    write_bundle(kept, tmp_path / "code", Width.of(Precision(single=True)), 0.01)
+    read = dcm_reader((tmp_path / "code" / "bte.dcm").read_bytes(), tmp_path)
+    level = kept.table.level_map
+    assert read["curves"]["bte_level"][0] == pytest.approx(level.z, rel=1e-6)
+    assert read["curves"]["bte_level"][1] == pytest.approx(level.level, rel=1e-6)
+    assert read["scalars"]["bte_version"][0] == kept.version
 
 
 @needs_cc

@@ -11,10 +11,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from calib.ecu.car_source import Width
 from calib.ecu.fmu import VARIABLES, write_fmu
 from calib.ecu.native import samples_of
 from calib.ecu.online import RANGES, Online
+from calib.ecu.width import Width
 from calib.logs.read import read_log
 from calib.store.store import Store
 from calib.table.exported import Precision

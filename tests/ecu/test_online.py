@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from calib.base.errors import StoreError
-from calib.base.names import WHEELS, G
+from calib.base.names import WHEELS
 from calib.car.effects.effects import Effects
-from calib.ecu.car_source import Width
 from calib.ecu.native import Native, samples_of
 from calib.ecu.online import RANGES, Online, require_plain
+from calib.ecu.width import Width
 from calib.estimation.estimator import estimate
 from calib.estimation.reasons import Reason
 from calib.help.samples import sample_logs

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.ecu.car_source import Width
 from calib.ecu.native import SOURCE, samples_of
+from calib.ecu.width import Width
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
 from calib.store.store import Store

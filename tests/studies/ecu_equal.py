@@ -17,9 +17,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.car_source import Width
 from calib.ecu.native import Native, samples_of
 from calib.ecu.online import RANGES, Online
+from calib.ecu.width import Width
 from calib.fitting.fit import fit
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table

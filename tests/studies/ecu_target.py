@@ -18,9 +18,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.car_source import Width
 from calib.ecu.native import SOURCE, Native, samples_of
 from calib.ecu.online import Online
+from calib.ecu.width import Width
 from calib.estimation.reasons import Reason
 from calib.logs.read import read_log
 from calib.store.store import Store

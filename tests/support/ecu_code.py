@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.ecu.car_source import Width, car_source
+from calib.ecu.car_source import car_source
 from calib.ecu.native import OUTPUTS, SOURCE, config
+from calib.ecu.width import Width
 from calib.table.table import Table
 
 TARGET = Path(__file__).parents[1] / "ecu" / "target"

@@ -136,7 +136,7 @@ static bte_real on_line(BTE_CAL bte_cell *cells, bte_real step, bte_place place)
 
 /* The corners of the cell of the map of the ratio around a place, with their weights. */
 typedef struct {
-    uint16_t cell[8];
+    uint16_t cell[8], row[8]; /* of a map over all axes, and of one without the last */
     bte_real weight[8];
 } bte_corners;
 
@@ -146,6 +146,7 @@ static void corners(const bte_car *car, const bte_real at[3], bte_corners *out) 
     for (unsigned i = 0; i < 8U; i++) {
         const unsigned a = i >> 2, b = (i >> 1) & 1U, c = i & 1U;
         const unsigned row = (z.at + a) * car->shift.count + shift.at + b;
+        out->row[i] = (uint16_t)row;
         out->cell[i] = (uint16_t)(row * car->slip.count + slip.at + c);
         out->weight[i] = (a ? z.along : R(1.0) - z.along)
                          * (b ? shift.along : R(1.0) - shift.along)
@@ -153,12 +154,17 @@ static void corners(const bte_car *car, const bte_real at[3], bte_corners *out) 
     }
 }
 
-static bte_real in_map(BTE_CAL bte_cell *cells, bte_real step, const bte_corners *at) {
+static bte_real weighed(BTE_CAL bte_cell *cells, const uint16_t place[8],
+                        const bte_real weight[8]) {
     bte_real sum = R(0.0);
     for (unsigned i = 0; i < 8U; i++) {
-        sum += at->weight[i] * (bte_real)cells[at->cell[i]];
+        sum += weight[i] * (bte_real)cells[place[i]];
     }
-    return step * sum;
+    return sum;
+}
+
+static bte_real in_map(BTE_CAL bte_cell *cells, bte_real step, const bte_corners *at) {
+    return step * weighed(cells, at->cell, at->weight);
 }
 
 /* --- what is remembered: calib/estimation/state.py ------------------------------------------- */
@@ -494,8 +500,8 @@ void bte_take(bte_state *s, const bte_block *x) {
     bte_corners cell;
     const bte_real middle[3] = {z, shift, R(0.0)};
     corners(car, middle, &cell);
-    const bte_real usual = in_map(car->slip_mean, car->slip_mean_step, &cell);
-    const bte_real sigma = in_map(car->slip_sigma, car->slip_sigma_step, &cell);
+    const bte_real usual = car->slip_mean_step * weighed(car->slip_mean, cell.row, cell.weight);
+    const bte_real sigma = car->slip_sigma_step * weighed(car->slip_sigma, cell.row, cell.weight);
     /* slip: one of what was measured and what the map has; what it was off, the scale of a_x was */
     const bte_real gain = R(1.0) / (p[SS] + square(sigma)), rest = usual - p[S];
     const bte_real slip = p[S] + gain * p[SS] * rest, slip_sigma = root(gain * p[SS]) * sigma;

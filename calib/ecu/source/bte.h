@@ -90,6 +90,7 @@ typedef struct {
 } bte_tuning;
 
 typedef struct {
+    BTE_CAL bte_real *version; /* of the table */
     bte_tuning tuning;
     bte_real sample_time;            /* [s] */
     bte_real lateral_part;           /* of a sample in the low pass of sideways motion [1] */
@@ -107,7 +108,8 @@ typedef struct {
     bte_axis tyre;                   /* normalised force, and the slip at it [1] */
     BTE_CAL bte_real *tyre_slip;
     bte_axis z, shift, slip;         /* axes of the map of the ratio */
-    BTE_CAL bte_cell *ratio[BTE_BOUNDS], *slip_mean, *slip_sigma; /* cells times step are values */
+    BTE_CAL bte_cell *ratio[BTE_BOUNDS];        /* over z, shift, slip; cells times step are values */
+    BTE_CAL bte_cell *slip_mean, *slip_sigma;   /* over z, shift */
     bte_real ratio_step[BTE_BOUNDS], slip_mean_step, slip_sigma_step;
     bte_axis level_z;                /* of the level, and of the ratio before eta is read */
     BTE_CAL bte_cell *level[BTE_BOUNDS], *before[BTE_BOUNDS];
