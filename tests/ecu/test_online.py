@@ -175,6 +175,18 @@ def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(from_gas, bo
     assert unknown[LEVEL] > 1.04  # the thrust is taken for a zero of a_x
 
 
+def test_calls_that_come_late_or_twice_leave_the_bounds_true(drive_on, both):
+    """Every 30th sample is missing, every 37th is read twice: a task that jitters."""
+    samples = samples_of(drive_on)
+    rows = np.repeat(np.arange(len(samples)), 1 + (np.arange(len(samples)) % 37 == 36))
+    rows = rows[rows % 30 != 29]
+    told, time = both(samples[rows]), drive_on.time[rows]
+    for at, true in ((4.9, 0.38), (9.4, 0.25)):
+        i = np.searchsorted(time, at)
+        assert told[i, REASON] == Reason.VALID
+        assert told[i, FRONT + 1] < true < told[i, FRONT + 2]
+
+
 def test_hours_without_a_brake_make_no_number_that_is_not_finite(drive_on, both):
     samples = samples_of(drive_on)
     coast = samples[drive_on.time < 2.9]
