@@ -125,7 +125,7 @@ def _renamed(text: str, prefix: str) -> str:
 
 
 def vectors(table: Table, sample_time: float, width: Width) -> tuple[Array, Array]:
-    """Samples (n, 8) of a noisy stop of the table's car, and Python's answers (n, 22).
+    """Samples (n, 10) of a noisy stop of the table's car, and Python's answers (n, 22).
 
     It rolls, brakes in two steps, and near the end a wheel locks and a sensor fails.
     """

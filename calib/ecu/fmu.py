@@ -11,7 +11,7 @@ import zipfile
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from calib.base.names import AXLE_NAMES, WHEELS
+from calib.base.names import AXLE_NAMES, AXLES, WHEELS
 from calib.base.program import PROGRAM
 from calib.base.write import write_whole
 from calib.ecu.car_source import car_source
@@ -59,6 +59,10 @@ _INPUTS = (
     *((f"omega_{wheel}", "rad/s", f"Speed of wheel {wheel}") for wheel in WHEELS),
     ("steering", "rad", "Angle at the driver's wheel; 0 where nobody measures it"),
     ("driven", "1", "1 while the accelerator is pressed; 0 where nobody knows"),
+    *(
+        (f"T_drive_{axle}", "N.m", f"Torque of engine or motor, {axle}; 0 unknown")
+        for axle in AXLES
+    ),
 )
 _OUTPUTS = (
     ("level", "1", "Brake torque over that of the vehicle file's pads"),

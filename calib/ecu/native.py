@@ -79,7 +79,7 @@ class Native:
             return ctypes.CDLL(str(made))
 
     def run(self, samples: Array) -> Array:
-        """Answers (n, 22) to samples (n, 8), as `bte_run` has them."""
+        """Answers (n, 22) to samples (n, 10), as `bte_run` has them."""
         real = np.float64 if self.width.bits == 64 else np.float32
         given = np.ascontiguousarray(samples, real)
         told = np.empty((len(given), OUTPUTS), real)
@@ -123,6 +123,6 @@ def coded(table: Table, how: Precision) -> Coded:
 
 
 def samples_of(log: Log) -> Array:
-    """What an ECU would read in a log (n, 8), by the channels of `RANGES`."""
+    """What an ECU would read in a log (n, 10), by the channels of `RANGES`."""
     nothing = np.zeros_like(log.time)
     return np.stack([log.channels.get(name, nothing) for name in RANGES], axis=1)

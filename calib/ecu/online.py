@@ -14,7 +14,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import StoreError
-from calib.base.names import WHEELS, G
+from calib.base.names import AXLES, WHEELS, G
 from calib.car.bias import front_share
 from calib.car.braking import MOVING
 from calib.estimation.constants import Constants, constants
@@ -35,6 +35,7 @@ RANGES = {
     **{f"omega_{w}": (-50.0, 500.0) for w in WHEELS},
     "steering": (-50.0, 50.0),
     "driven": (0.0, 1.0),
+    **{f"T_drive_{axle}": (-2e4, 2e4) for axle in AXLES},
 }
 """Range of each channel [SI] that a sensor has while it works."""
 
@@ -119,13 +120,14 @@ class Online:
         x, self.begun = self.last, True
         front, rear = (0.5 * (x[f"omega_{a}l"] + x[f"omega_{a}r"]) for a in "fr")
         driven = x["driven"] > 0.5
-        self.rows.append((x["p_mc"], -x["a_x"] / G, front, rear, disturbed, driven))
+        drive = x["T_drive_f"], x["T_drive_r"]
+        self.rows.append((x["p_mc"], -x["a_x"] / G, front, rear, *drive, disturbed, driven))
         if len(self.rows) == self.timing.samples:
             self._take()
         return self._told(x["p_mc"], fine)
 
     def run(self, samples: Array) -> Array:
-        """Answers (n, 22) to samples (n, 8), as `bte_run` has them."""
+        """Answers (n, 22) to samples (n, 10), as `bte_run` has them."""
         rows = (dict(zip(RANGES, row, strict=True)) for row in samples.tolist())
         return np.array([(one.reason, *np.concatenate(one[1:])) for one in map(self.step, rows)])
 
@@ -178,14 +180,15 @@ class Online:
 
     def _take(self) -> None:
         """The block that is complete."""
-        p, z, *omega = np.mean(self.rows, axis=0)[:4]
+        means = np.mean(self.rows, axis=0)
+        p, z, omega, drive = means[0], means[1], means[2:4], means[4:6]
         spin = np.zeros(2) if self.omega is None else (omega - self.omega) / self.timing.block
-        self.omega = np.array(omega)
+        self.omega = omega
         nothing, car = np.zeros(1), self.table.vehicle
-        worst, driven = np.max(self.rows, axis=0)[4:]
+        worst, driven = np.max(self.rows, axis=0)[6:]
         self.rows = []
         b = Blocks(
-            end=nothing, p_f=p + nothing, p_r=p + nothing, drive_f=nothing, drive_r=nothing,
+            end=nothing, p_f=p + nothing, p_r=p + nothing, drive_f=drive[0] + nothing, drive_r=drive[1] + nothing,
             z=z + nothing, omega_f=omega[0] + nothing, omega_r=omega[1] + nothing, v=None,
             speed=car.rear.rolling_radius * omega[1] + nothing,
             spin_f=spin[0] + nothing, spin_r=spin[1] + nothing, lead_in=nothing > 0.0,

@@ -89,7 +89,7 @@ def host(compiled, tmp_path):
 
 INPUTS = list(range(len(RANGES)))
 REALS = list(range(len(RANGES), len(VARIABLES) - 1))
-ROLLING = [2e6, -3.0, 60.0, 60.0, 60.2, 60.2, 0.0, 0.0]
+ROLLING = [2e6, -3.0, 60.0, 60.0, 60.2, 60.2, 0.0, 0.0, 0.0, 0.0]
 
 
 @versions

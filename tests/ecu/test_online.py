@@ -24,7 +24,7 @@ from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 pytestmark = needs_cc
 
 STEP = 0.005
-P_MC, A_X, FL, *_, STEERING, DRIVEN = range(len(RANGES))
+P_MC, A_X, FL, *_, STEERING, DRIVEN, _, _ = range(len(RANGES))
 REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, TORQUE_R, SUM = 0, *range(1, 22, 3)
 DOUBLE = Width(64, Precision())
 
@@ -168,10 +168,10 @@ def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(from_gas, bo
     samples = samples_of(without(from_gas, "T_drive_f", "T_drive_r"))
     unknown = both(samples)[-1]
     samples[(from_gas.time > 1.4) & (from_gas.time < 4.0), DRIVEN] = 1.0
-    known = both(samples)[-1]
-    for place in (FRONT, REAR):
-        assert known[place + 1] < 0.38 < known[place + 2]
-    assert known[LEVEL] == pytest.approx(1.0, abs=0.02)
+    for known in (both(samples)[-1], both(samples_of(from_gas))[-1]):  # the pedal, the torque
+        for place in (FRONT, REAR):
+            assert known[place + 1] < 0.38 < known[place + 2]
+        assert known[LEVEL] == pytest.approx(1.0, abs=0.02)
     assert unknown[LEVEL] > 1.04  # the thrust is taken for a zero of a_x
 
 
@@ -208,7 +208,7 @@ def test_another_table_is_taken_at_rest_only(fitted, native):
     car = addressof(c_char.in_dll(code, "bte_this_car"))
     code.bte_init(state, c_void_p(car))
     for speed, taken in ((60.0, 0), (0.0, 1)):
-        sample = (c_double * len(RANGES))(0.0, 0.0, speed, speed, speed, speed, 0.0, 0.0)
+        sample = (c_double * len(RANGES))(0.0, 0.0, *4 * [speed], *4 * [0.0])
         code.bte_step(state, sample, out)
         assert code.bte_exchange(state, c_void_p(car)) == taken
 

@@ -90,13 +90,13 @@ class Code:
         return out
 
     def answers(self, program: Path, samples: Array) -> Array:
-        """Answers (n, 22) of a `program` to samples (n, 8)."""
+        """Answers (n, 22) of a `program` to samples (n, 10)."""
         given = np.ascontiguousarray(samples, self.real)
         told = called(program, len(given), given=given.tobytes())
         return np.frombuffer(told, self.real).reshape(-1, OUTPUTS)
 
     def on_target(self, samples: Array) -> OnTarget:
-        """Build it for the Cortex-M4F, and run it there over samples (n, 8)."""
+        """Build it for the Cortex-M4F, and run it there over samples (n, 10)."""
         rows = ",\n".join(", ".join(map(self.width.number, row)) for row in samples.tolist())
         text = f"#define COUNT {len(samples)}U\nstatic const bte_real samples[] = {{\n{rows}\n}};\n"
         (self.folder / "samples.h").write_text(text)

@@ -48,14 +48,14 @@ def ends(x: Array, rng: np.random.Generator) -> Array:
 
 def gains(x: Array, rng: np.random.Generator) -> Array:
     """Wrong gains and zeros, which are plausible and so go into the filter."""
-    gain = np.exp(rng.normal(0.0, [1.0, 1.0, 0.3, 0.3, 0.3, 0.3, 0.0, 0.0]))
-    return x * gain + rng.normal(0.0, [1e5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.1, 0.0])
+    gain = np.exp(rng.normal(0.0, [1.0, 1.0, 0.3, 0.3, 0.3, 0.3, 0.0, 0.0, 0.0, 0.0]))
+    return x * gain + rng.normal(0.0, [1e5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.1, 0.0, 1e3, 1e3])
 
 
 def jumps(x: Array, rng: np.random.Generator) -> Array:
     """Gains that jump, of pressure, of a_x, and of both wheels of an axle."""
     steps = np.exp(rng.normal(0.0, [1.0, 1.0, 0.5, 0.5], (len(x) // 200 + 1, 4)))
-    return x * np.repeat(steps, 200, axis=0)[: len(x), [0, 1, 2, 2, 3, 3, 0, 0]]
+    return x * np.repeat(steps, 200, axis=0)[: len(x), [0, 1, 2, 2, 3, 3, 0, 0, 0, 0]]
 
 
 WAYS: tuple[Callable[[Array, np.random.Generator], Array], ...] = (
@@ -64,5 +64,5 @@ WAYS: tuple[Callable[[Array, np.random.Generator], Array], ...] = (
 
 
 def failing(samples: Array, seed: int) -> Array:
-    """Samples (n, 8) whose sensors fail in the ``seed``-th way, modulo their number."""
+    """Samples (n, 10) whose sensors fail in the ``seed``-th way, modulo their number."""
     return WAYS[seed % len(WAYS)](samples.copy(), np.random.default_rng(seed))

@@ -20,7 +20,7 @@
 #define TEXT(x) TEXT_OF(x)
 
 /* References: the members of bte_sample, those of bte_output from `level` on, the reason, time. */
-enum { INPUTS = 8, OUTPUTS = 21, REASON = INPUTS + OUTPUTS, TIME };
+enum { INPUTS = 10, OUTPUTS = 21, REASON = INPUTS + OUTPUTS, TIME };
 
 typedef struct {
     bte_real reals[INPUTS + OUTPUTS];

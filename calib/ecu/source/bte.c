@@ -599,6 +599,9 @@ static bool good(bte_state *s, const bte_sample *x) {
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
         fine = fine && within(x->omega[w], R(-50.0), R(500.0));
     }
+    for (unsigned a = 0; a < BTE_AXLES; a++) {
+        fine = fine && within(x->drive[a], R(-2e4), R(2e4));
+    }
     const bte_real held_time = R(0.1), held_pressure = R(5e5);
     if (fine) { /* an accelerometer that does not move while the pressure does is frozen */
         const bool same = s->started && x->a_x >= s->last.a_x && x->a_x <= s->last.a_x;
@@ -679,7 +682,7 @@ static void take_block(bte_state *s) {
     bte_real demanded = car->weight * z - body, turning = R(1.0);
     for (unsigned a = 0; a < BTE_AXLES; a++) {
         const bte_real mass = R(2.0) * car->inertia[a] / car->radius[a];
-        other[a] = car->rolling * grown * load[a];
+        other[a] = car->rolling * grown * load[a] - s->sum_drive[a] / count / car->radius[a];
         demanded -= other[a] + mass * spin[a];
         turning += mass / car->radius[a] * GRAVITY / car->weight;
         nominal += R(2.0) * car->torque_gain[a] * car->pad_friction[a] / car->radius[a] * p;
@@ -773,6 +776,7 @@ void bte_step(bte_state *s, const bte_sample *sample, bte_output *out) {
     s->sum_z -= x->a_x / GRAVITY;
     for (unsigned a = 0; a < BTE_AXLES; a++) { /* from the first one */
         s->first[a] = s->count == 0U ? omega[a] : s->first[a];
+        s->sum_drive[a] = (s->count == 0U ? R(0.0) : s->sum_drive[a]) + x->drive[a];
         s->sum_omega[a] = s->count == 0U ? R(0.0) : s->sum_omega[a] + (omega[a] - s->first[a]);
     }
     s->count++;

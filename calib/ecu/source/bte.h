@@ -61,6 +61,8 @@ typedef struct {
     bte_real omega[BTE_WHEELS]; /* wheel speeds [rad/s], -50 to 500 */
     bte_real steering;          /* angle at the driver's wheel [rad]; 0 where nobody measures it */
     bte_real driven;            /* 1 while the accelerator is pressed, 0 else and if nobody knows */
+    bte_real drive[BTE_AXLES];  /* torque of engine or motor at both wheels of an axle [N m], negative
+                                   where it slows; 0 where nobody knows: then `driven` counts */
 } bte_sample;
 
 /* Medians with 95 % bounds. All numbers are finite, whatever `reason` says. */
@@ -143,7 +145,7 @@ typedef struct {
     /* of the front end */
     bte_sample last;
     bte_real before[BTE_WHEELS][2], lateral, since_lock, p_held, held;
-    bte_real sum_p, sum_z, first[BTE_AXLES], sum_omega[BTE_AXLES], omega[BTE_AXLES];
+    bte_real sum_p, sum_z, sum_drive[BTE_AXLES], first[BTE_AXLES], sum_omega[BTE_AXLES], omega[BTE_AXLES];
     uint16_t count;
     bte_reason worst;
     bool driven;

@@ -10,7 +10,7 @@ void bte_run(const bte_real *samples, uint32_t count, bte_real *out) {
     for (uint32_t i = 0; i < count; i++) {
         const bte_real *x = &samples[i * BTE_INPUTS];
         bte_real *y = &out[i * BTE_OUTPUTS];
-        const bte_sample sample = {x[0], x[1], {x[2], x[3], x[4], x[5]}, x[6], x[7]};
+        const bte_sample sample = {x[0], x[1], {x[2], x[3], x[4], x[5]}, x[6], x[7], {x[8], x[9]}};
         bte_output told;
         bte_step(&state, &sample, &told);
         y[0] = (bte_real)told.reason;

@@ -7,8 +7,8 @@
 extern "C" {
 #endif
 
-/* p_mc, a_x, four wheel speeds, steering, driven; reason, then seven answers with their bounds. */
-enum { BTE_INPUTS = 8, BTE_OUTPUTS = 22 };
+/* p_mc, a_x, four wheel speeds, steering, driven, drive; reason, then seven answers with their bounds. */
+enum { BTE_INPUTS = 10, BTE_OUTPUTS = 22 };
 
 /* Run `count` rows of inputs from the start into rows of outputs. */
 void bte_run(const bte_real *samples, uint32_t count, bte_real *out);
