@@ -188,7 +188,8 @@ class Online:
         worst, driven = np.max(self.rows, axis=0)[6:]
         self.rows = []
         b = Blocks(
-            end=nothing, p_f=p + nothing, p_r=p + nothing, drive_f=drive[0] + nothing, drive_r=drive[1] + nothing,
+            end=nothing, p_f=p + nothing, p_r=p + nothing,
+            drive_f=drive[0] + nothing, drive_r=drive[1] + nothing,
             z=z + nothing, omega_f=omega[0] + nothing, omega_r=omega[1] + nothing, v=None,
             speed=car.rear.rolling_radius * omega[1] + nothing,
             spin_f=spin[0] + nothing, spin_r=spin[1] + nothing, lead_in=nothing > 0.0,
