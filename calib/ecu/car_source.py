@@ -20,10 +20,10 @@ from calib.ecu.online import Timing
 from calib.ecu.width import Width
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
-from calib.estimation.reasons import LATERAL, LOCK, RECOVER, STEERING
+from calib.estimation.reasons import FASTEST, LATERAL, LOCK, RECOVER, STEERING
 from calib.exports.dataset import Grid
 from calib.model.resistance import DRAG, ROLLING
-from calib.run.driving_record import STEADY
+from calib.run.driving_record import NOMINAL_RADIUS, STEADY
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import WALK, SensorNoise
 from calib.table.exported import as_exported
@@ -52,6 +52,7 @@ def tuning(table: Table, timing: Timing) -> dict[str, float]:
     return of_step | {
         "bite": BITE, "moving": MOVING, "steady": STEADY, "radius_walk": WALK,
         "steering": STEERING, "lateral": LATERAL, "lock": LOCK, "recover": RECOVER,
+        "slows": FASTEST / NOMINAL_RADIUS, "turning": MOVING / NOMINAL_RADIUS,
     }  # fmt: skip
 
 
@@ -150,7 +151,7 @@ def _cells(grid: Grid, width: Width) -> str:
 def _public(kind: str, label: str, numbers: Iterable[str]) -> str:
     told = list(numbers)
     declared = f"BTE_CAL {kind} {label}[{len(told)}]"
-    return f"extern {declared};\n{declared} = {{{', '.join(told)}}};"
+    return f"extern {declared};\nBTE_CAL_DATA {declared} = {{{', '.join(told)}}};"
 
 
 def _defined(kind: str, name: str, values: Array, width: Width) -> str:

@@ -20,11 +20,12 @@ from calib.car.braking import MOVING
 from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import given, pads_of
-from calib.estimation.reasons import LATERAL, LOCK, RECOVER, STEERING, Reason
+from calib.estimation.reasons import FASTEST, LATERAL, LOCK, RECOVER, STEERING, Reason
 from calib.estimation.state import Sample, State, started
 from calib.estimation.step import step
 from calib.model.resistance import RESISTANCE
 from calib.run.blocks import BLOCK, Blocks
+from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
@@ -39,13 +40,18 @@ RANGES = {
 }
 """Range of each channel [SI] that a sensor has while it works."""
 
+JUMPS = {"p_mc": 1e7, "a_x": 15.0}
+OMEGA_JUMP, SPIN = 5.0, 5e3
+"""Change from sample to sample that only an error of the bus makes: of pressure [Pa], of a_x
+[m/s^2], of a wheel [rad/s], and the acceleration of a wheel besides [rad/s^2]."""
+
 HELD_TIME, HELD_PRESSURE = 0.1, 5e5
 """Time [s] for which a_x keeps a value while the pressure moves by so much [Pa], and the car rolls:
 it is frozen."""
 
 REASONS = tuple(Reason)
 
-_RESTS = 0.5  # speed of the front rims below which a car may get other numbers [m/s]
+_RESTS = 1.5  # speed of every wheel below which a car may get other numbers [rad/s]
 
 
 class Told(NamedTuple):
@@ -100,7 +106,10 @@ class Online:
         self.table, self.sample_time, self.timing = table, sample_time, Timing.of(sample_time)
         self.constants = constants(table, SensorNoise(**table.noise), self.timing.block)
         self.state: State = started(self.constants)
-        self.last = dict.fromkeys(RANGES, 0.0)
+        self.last, self.raw = dict.fromkeys(RANGES, 0.0), dict.fromkeys(RANGES, 0.0)
+        self.jumps = dict.fromkeys(RANGES, math.inf) | JUMPS
+        self.jumps |= {f"omega_{w}": OMEGA_JUMP + SPIN * sample_time for w in WHEELS}
+        self.fastest, self.faulty = 0.0, False
         self.begun = False
         self.held, self.p_held, self.lateral, self.since_lock = 0.0, 0.0, 0.0, 2.0 * RECOVER
         self.before = np.zeros((2, len(WHEELS)))
@@ -133,24 +142,27 @@ class Online:
 
     def exchange(self, table: Table) -> bool:
         """Take another table and forget everything; only at rest, else False."""
-        radius = self.table.vehicle.front.rolling_radius
-        if max(self.last["omega_fl"], self.last["omega_fr"]) * radius >= _RESTS:
+        if max(abs(self.last[f"omega_{w}"]) for w in WHEELS) >= _RESTS:
             return False
         self.__init__(table, self.sample_time)  # type: ignore[misc]
         return True
 
     def _good(self, sample: dict[str, float]) -> bool:
-        """Whether all sensors work; else the last good sample counts."""
-        if not all(low <= sample[name] <= high for name, (low, high) in RANGES.items()):
-            return False
-        same = self.begun and sample["a_x"] == self.last["a_x"]
+        """Whether all sensors work; the last good reading of one that fails counts."""
+        same, fine = self.begun and sample["a_x"] == self.last["a_x"], True
+        for name, (low, high) in RANGES.items():
+            x = sample[name]
+            inside = low <= x <= high
+            good = inside and not (self.begun and abs(x - self.raw[name]) > self.jumps[name])
+            self.raw[name] = x if inside else self.raw[name]
+            self.last[name] = x if good else self.last[name]
+            fine = fine and good
         self.held = self.held + self.sample_time if same else 0.0
-        self.p_held = self.p_held if same else sample["p_mc"]
-        self.last = dict(sample)
-        moved = abs(sample["p_mc"] - self.p_held)
-        rim = self.table.vehicle.front.rolling_radius * sample["omega_fl"]
+        self.p_held = self.p_held if same else self.last["p_mc"]
+        moved = abs(self.last["p_mc"] - self.p_held)
+        rim = self.table.vehicle.front.rolling_radius * self.last["omega_fl"]
         held = self.held > HELD_TIME - 0.5 * self.sample_time  # else a rounding could decide it
-        return not (held and moved > HELD_PRESSURE and rim > MOVING)
+        return fine and not (held and moved > HELD_PRESSURE and rim > MOVING)
 
     def _disturbed(self, fine: bool) -> Reason:
         """As `disturbances` of a log, by what is past."""
@@ -161,7 +173,10 @@ class Online:
         middle = np.median(seen, axis=0)
         mean = 0.5 * (wheels[2] + wheels[3])
         speed = car.rear.rolling_radius * mean
-        locks = middle.max() - middle.min() > LOCK * max(middle.max(), 1.0) and speed > MOVING
+        slowed = self.fastest - FASTEST / NOMINAL_RADIUS * self.sample_time
+        self.fastest = fastest = max(middle.max(), slowed)
+        locks = fastest - middle.min() > LOCK * max(fastest, 1.0)
+        locks = locks and fastest > MOVING / NOMINAL_RADIUS
         self.since_lock = 0.0 if locks else self.since_lock + self.sample_time
         z = -x["a_x"] / G
         slip = math.copysign(np.interp(abs(z), self.table.tyre.force, self.table.tyre.slip), z)
@@ -182,10 +197,12 @@ class Online:
         """The block that is complete."""
         means = np.mean(self.rows, axis=0)
         p, z, omega, drive = means[0], means[1], means[2:4], means[4:6]
-        spin = np.zeros(2) if self.omega is None else (omega - self.omega) / self.timing.block
-        self.omega = omega
-        nothing, car = np.zeros(1), self.table.vehicle
         worst, driven = np.max(self.rows, axis=0)[6:]
+        nothing, car = np.zeros(1), self.table.vehicle
+        spin = np.zeros(2) if self.omega is None else (omega - self.omega) / self.timing.block
+        if self.faulty or worst == Reason.FAULT:  # of a reading that was held nothing is known
+            spin = -G * z / np.array([car.front.rolling_radius, car.rear.rolling_radius])
+        self.omega, self.faulty = omega, worst == Reason.FAULT
         self.rows = []
         b = Blocks(
             end=nothing, p_f=p + nothing, p_r=p + nothing,

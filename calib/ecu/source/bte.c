@@ -99,12 +99,6 @@ static void widen(bte_real x[BTE_BOUNDS], bte_real more_lower, bte_real more_upp
     x[BTE_UPPER] = x[BTE_MEDIAN] + root(square(above) + square(more_upper));
 }
 
-/* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
-typedef struct {
-    uint16_t at;
-    bte_real along;
-} bte_place;
-
 #ifndef BTE_FIND /* for the search of the house; the last point has `along` 1 in the last cell */
 static bte_place find(const bte_axis *axis, bte_real x) {
     bte_place place = {0, R(0.0)};
@@ -592,28 +586,41 @@ static bte_real median(bte_real a, bte_real b, bte_real c) {
     return largest(smallest(a, b), smallest(largest(a, b), c));
 }
 
-/* A sample as it counts: the last good one while a sensor fails. */
+/* Take a reading: the last good one counts while it is out of its range, or jumps. */
+static bool taken(const bte_state *s, bte_real x, bte_real low, bte_real high, bte_real jump,
+                  bte_real *raw, bte_real *last) {
+    const bool inside = within(x, low, high);
+    const bool good = inside && !(s->started && size_of(x - *raw) > jump);
+    *raw = inside ? x : *raw;
+    *last = good ? x : *last;
+    return good;
+}
+
+/* Take in a sample. Whether all sensors work. */
 static bool good(bte_state *s, const bte_sample *x) {
-    bool fine = within(x->p_mc, R(-1e6), R(4e7)) && within(x->a_x, R(-30.0), R(30.0))
-               && within(x->steering, R(-50.0), R(50.0)) && within(x->driven, R(0.0), R(1.0));
+    const bte_real any = R(1e9), dt = s->car->sample_time;
+    bte_sample *raw = &s->raw, *last = &s->last;
+    const bool same = s->started && x->a_x >= last->a_x && x->a_x <= last->a_x;
+    bool fine = taken(s, x->p_mc, R(-1e6), R(4e7), R(1e7), &raw->p_mc, &last->p_mc);
+    fine = taken(s, x->a_x, R(-30.0), R(30.0), R(15.0), &raw->a_x, &last->a_x) && fine;
+    fine = taken(s, x->steering, R(-50.0), R(50.0), any, &raw->steering, &last->steering) && fine;
+    fine = taken(s, x->driven, R(0.0), R(1.0), any, &raw->driven, &last->driven) && fine;
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
-        fine = fine && within(x->omega[w], R(-50.0), R(500.0));
+        const bte_real jump = R(5.0) + R(5e3) * dt;
+        fine = taken(s, x->omega[w], R(-50.0), R(500.0), jump, &raw->omega[w], &last->omega[w])
+               && fine;
     }
     for (unsigned a = 0; a < BTE_AXLES; a++) {
-        fine = fine && within(x->drive[a], R(-2e4), R(2e4));
+        fine = taken(s, x->drive[a], R(-2e4), R(2e4), any, &raw->drive[a], &last->drive[a]) && fine;
     }
+    /* an accelerometer that does not move while the pressure does is frozen */
     const bte_real held_time = R(0.1), held_pressure = R(5e5);
-    if (fine) { /* an accelerometer that does not move while the pressure does is frozen */
-        const bool same = s->started && x->a_x >= s->last.a_x && x->a_x <= s->last.a_x;
-        s->held = same ? s->held + s->car->sample_time : R(0.0);
-        s->p_held = same ? s->p_held : x->p_mc;
-        const bte_real rim = s->car->radius[BTE_FRONT] * x->omega[BTE_FL];
-        fine = !(s->held > held_time - R(0.5) * s->car->sample_time
-                 && size_of(x->p_mc - s->p_held) > held_pressure
-                 && rim > s->car->tuning.moving);
-        s->last = *x;
-    }
-    return fine;
+    s->held = same ? s->held + dt : R(0.0);
+    s->p_held = same ? s->p_held : last->p_mc;
+    const bte_real rim = s->car->radius[BTE_FRONT] * last->omega[BTE_FL];
+    return fine && !(s->held > held_time - R(0.5) * dt
+                     && size_of(last->p_mc - s->p_held) > held_pressure
+                     && rim > s->car->tuning.moving);
 }
 
 /* Whether the car is steered, corners, or a wheel locks, or just has. */
@@ -632,7 +639,9 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     }
     const bte_real mean = R(0.5) * (x->omega[BTE_RL] + x->omega[BTE_RR]);
     const bte_real speed = car->radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
-    const bool locks = fastest - slowest > c->lock * largest(fastest, R(1.0)) && speed > c->moving;
+    s->fastest = largest(fastest, s->fastest - c->slows * car->sample_time);
+    const bool locks = s->fastest - slowest > c->lock * largest(s->fastest, R(1.0))
+                       && s->fastest > c->turning;
     s->since_lock = locks ? R(0.0) : s->since_lock + car->sample_time;
     const bte_real apart = (x->omega[BTE_RR] - x->omega[BTE_RL]) / largest(mean, R(1.0));
     const bte_real slip = largest(slip_at(car, z), R(0.0));
@@ -671,9 +680,13 @@ static void take_block(bte_state *s) {
     for (unsigned a = 0; a < BTE_AXLES; a++) {
         omega[a] = s->first[a] + s->sum_omega[a] / count;
         spin[a] = s->block_full ? (omega[a] - s->omega[a]) / dt : R(0.0);
+        if (s->faulty || s->worst == BTE_FAULT) { /* of a reading that was held nothing is known */
+            spin[a] = -GRAVITY * z / car->radius[a];
+        }
         s->omega[a] = omega[a];
     }
     s->block_full = true;
+    s->faulty = s->worst == BTE_FAULT;
     const bte_real speed = car->radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = car->drag * square(speed), lifted = car->drag_lift * body;
     const bte_real grown = R(1.0) + car->rolling_growth * (square(speed / R(20.0)) - R(1.0));
@@ -750,8 +763,10 @@ void bte_init(bte_state *s, const bte_car *car) {
 }
 
 bool bte_exchange(bte_state *s, const bte_car *car) {
-    const bool rests = s->last.omega[BTE_FL] * s->car->radius[BTE_FRONT] < R(0.5)
-                      && s->last.omega[BTE_FR] * s->car->radius[BTE_FRONT] < R(0.5);
+    bool rests = true;
+    for (unsigned w = 0; w < BTE_WHEELS; w++) {
+        rests = rests && size_of(s->last.omega[w]) < R(1.5);
+    }
     if (rests) {
         bte_init(s, car);
     }

@@ -31,9 +31,13 @@ typedef float bte_real;
 #endif
 typedef BTE_CELL bte_cell;
 
-/* Defined before this file, it makes calibration data volatile, so that a tool may change them. */
+/* Defined before this file: qualifiers of the calibration data, as `const volatile` where a tool
+ * changes them, and what stands before their definitions, as an attribute with a section. */
 #ifndef BTE_CAL
 #define BTE_CAL const
+#endif
+#ifndef BTE_CAL_DATA
+#define BTE_CAL_DATA
 #endif
 
 /* Why an answer does not stand: the first that applies. */
@@ -81,6 +85,16 @@ typedef struct {
     uint16_t count;
 } bte_axis;
 
+/* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
+typedef struct {
+    uint16_t at;
+    bte_real along;
+} bte_place;
+
+#ifdef BTE_FIND /* a search of your own; the last point has `along` 1 in the last cell */
+bte_place BTE_FIND(const bte_axis *axis, bte_real x);
+#endif
+
 typedef struct {
     bte_real noise_rim, noise_z; /* densities of the sensors' noise [m/s s^0.5], [s^0.5] */
     bte_real memory, before_bite, untouched, settle, least_pressure, least_z, usual_z, least_mean_z;
@@ -89,14 +103,15 @@ typedef struct {
     bte_real grade_walk, scale, scale_sigma, ageing, unlike, slip_rough, log_slip, log_slip_sigma;
     bte_real slip_walk, slip_bends; /* see calib/estimation/constants.py */
     bte_real bite, moving, steady, radius_walk, steering, lateral, lock, recover;
+    bte_real slows, turning; /* [rad/s^2], [rad/s]: see calib/estimation/reasons.py */
 } bte_tuning;
 
 typedef struct {
     BTE_CAL bte_real *version; /* of the table */
     bte_tuning tuning;
+    uint16_t samples, waiting;       /* in a block; blocks before a bite on which no zero rests */
     bte_real sample_time;            /* [s] */
     bte_real lateral_part;           /* of a sample in the low pass of sideways motion [1] */
-    uint16_t samples, waiting;       /* in a block; blocks before a bite on which no zero rests */
     bte_real weight;                 /* [N] */
     bte_real load_f, load_r, height; /* loads at rest, and that moves at 1 g, over weight [1] */
     bte_real track_width, cg_height; /* [m] */
@@ -111,11 +126,14 @@ typedef struct {
     BTE_CAL bte_real *tyre_slip;
     bte_axis z, shift, slip;         /* axes of the map of the ratio */
     BTE_CAL bte_cell *ratio[BTE_BOUNDS];        /* over z, shift, slip; cells times step are values */
+    bte_real ratio_step[BTE_BOUNDS];
     BTE_CAL bte_cell *slip_mean, *slip_sigma;   /* over z, shift */
-    bte_real ratio_step[BTE_BOUNDS], slip_mean_step, slip_sigma_step;
+    bte_real slip_mean_step, slip_sigma_step;
     bte_axis level_z;                /* of the level, and of the ratio before eta is read */
-    BTE_CAL bte_cell *level[BTE_BOUNDS], *before[BTE_BOUNDS];
-    bte_real level_step[BTE_BOUNDS], before_step[BTE_BOUNDS];
+    BTE_CAL bte_cell *level[BTE_BOUNDS];
+    bte_real level_step[BTE_BOUNDS];
+    BTE_CAL bte_cell *before[BTE_BOUNDS];
+    bte_real before_step[BTE_BOUNDS];
 } bte_car;
 
 /* A Gaussian that walks: what a signal reads while nothing brakes. */
@@ -135,7 +153,7 @@ typedef struct {
     const bte_car *car;
     bte_zero demand, eta_less_1;
     bte_real level[9], speed[14];
-    bool anchored, started, block_full;
+    bool anchored, started, block_full, faulty;
     uint8_t waits;
     struct {
         bte_real demand, eta_less_1, rim;
@@ -143,9 +161,11 @@ typedef struct {
     bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
     bte_real kept[BTE_BOUNDS], age, level_then;
     /* of the front end */
-    bte_sample last;
+    bte_sample last, raw;
+    bte_real fastest;
     bte_real before[BTE_WHEELS][2], lateral, since_lock, p_held, held;
-    bte_real sum_p, sum_z, sum_drive[BTE_AXLES], first[BTE_AXLES], sum_omega[BTE_AXLES], omega[BTE_AXLES];
+    bte_real sum_p, sum_z, sum_drive[BTE_AXLES], sum_omega[BTE_AXLES];
+    bte_real first[BTE_AXLES], omega[BTE_AXLES];
     uint16_t count;
     bte_reason worst;
     bool driven;
